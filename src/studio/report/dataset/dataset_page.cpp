@@ -46,19 +46,20 @@ std::string meaningOf(const std::string& name) {
 // Computes the values for the template dataset.html.
 class DatasetPage {
  public:
-  explicit DatasetPage(const DatasetReport& report) : report_(report), m_(report.manifest), s_(report.summary) {}
+  explicit DatasetPage(const DatasetReport& report)
+      : report_(report), manifest_(report.manifest), summary_(report.summary) {}
 
   Json values() {
     facts();
-    remarks();
+    warnings();
     pictures();
     classes();
     objects();
     reasons();
     sensors();
     scenes();
-    parts();
-    page_["charts"] = chartValues(datasetCharts(m_, s_));
+    filesAndColumns();
+    page_["charts"] = chartValues(datasetCharts(manifest_, summary_));
     return std::move(page_);
   }
 
@@ -66,52 +67,56 @@ class DatasetPage {
   void facts() {
     const std::string& folder = report_.folder;
     std::uint64_t bytes = 0;
-    for (const ShardRecord& shard : m_.shards) bytes += shard.bytes;
+    for (const ShardRecord& shard : manifest_.shards) bytes += shard.bytes;
     const auto holds = [&](const char* split) {
-      return std::ranges::any_of(s_.splits, [&](const SplitSummary& s) { return s.name == split && s.samples > 0; });
+      return std::ranges::any_of(summary_.splits,
+                                 [&](const SplitSummary& s) { return s.name == split && s.samples > 0; });
     };
     std::set<std::string> methods;
-    for (const SensorSummary& r : s_.sensors) methods.insert(r.methods.begin(), r.methods.end());
-    page_ = {{"title", "Dataset " + (folder.empty() || folder == m_.name ? m_.name : m_.name + " (" + folder + ")")},
-             {"samples", s_.samples},
-             {"several_splits", s_.splits.size() > 1},
-             {"scans", s_.scans},
-             {"points", s_.points},
-             {"beams", s_.beams},
-             {"bytes", bytes},
-             {"shard_count", m_.shards.size()},
-             {"methods", methods},
-             {"organised", m_.organised},
-             {"deskewed", m_.deskewed},
-             {"ontology", {{"name", m_.ontology.name}, {"source", m_.ontology.source}}},
-             {"program", m_.programVersion},
-             {"seed", m_.seed},
-             {"all_read", s_.scansRead == s_.scans},
-             {"chosen_few", s_.scansChosen < s_.scans},
-             {"scans_read", s_.scansRead},
-             {"labelled", s_.labelled},
-             {"validated", holds("train") && holds("val")},
-             {"path", shellWord(report_.path)},
-             {"first_sample", m_.samples.empty() ? "" : shellWord(m_.samples.front().key)},
-             {"view", report_.view},
-             {"picture_seed", report_.seed},
-             {"hashed", report_.hashed},
-             {"modelled", alikeLines(modelledLines())},
-             {"pipeline_sha256", m_.pipelineSha256},
-             {"pipeline_text", m_.pipelineText}};
-    for (const SplitSummary& s : s_.splits) page_["split_texts"].push_back(fmt::format("{} {}", s.name, s.samples));
-    for (const SensorRecord& r : m_.sensors) {
+    for (const SensorSummary& r : summary_.sensors) methods.insert(r.methods.begin(), r.methods.end());
+    page_ = {
+        {"title", "Dataset " + (folder.empty() || folder == manifest_.name ? manifest_.name
+                                                                           : manifest_.name + " (" + folder + ")")},
+        {"samples", summary_.samples},
+        {"several_splits", summary_.splits.size() > 1},
+        {"scans", summary_.scans},
+        {"points", summary_.points},
+        {"beams", summary_.beams},
+        {"bytes", bytes},
+        {"shard_count", manifest_.shards.size()},
+        {"methods", methods},
+        {"organised", manifest_.organised},
+        {"deskewed", manifest_.deskewed},
+        {"ontology", {{"name", manifest_.ontology.name}, {"source", manifest_.ontology.source}}},
+        {"program", manifest_.programVersion},
+        {"seed", manifest_.seed},
+        {"all_read", summary_.scansRead == summary_.scans},
+        {"chosen_few", summary_.scansChosen < summary_.scans},
+        {"scans_read", summary_.scansRead},
+        {"labelled", summary_.labelled},
+        {"validated", holds("train") && holds("val")},
+        {"path", shellWord(report_.path)},
+        {"first_sample", manifest_.samples.empty() ? "" : shellWord(manifest_.samples.front().key)},
+        {"view", report_.view},
+        {"picture_seed", report_.seed},
+        {"hashed", report_.hashed},
+        {"modelled", alikeLines(modelledLines())},
+        {"pipeline_sha256", manifest_.pipelineSha256},
+        {"pipeline_text", manifest_.pipelineText}};
+    for (const SplitSummary& s : summary_.splits)
+      page_["split_texts"].push_back(fmt::format("{} {}", s.name, s.samples));
+    for (const SensorRecord& r : manifest_.sensors) {
       page_["sensor_texts"].push_back(fmt::format("{} ({})", r.name, r.beams.model));
     }
   }
 
   std::vector<std::string> modelledLines() const {
     std::vector<std::string> lines;
-    for (const ModelledItem& item : m_.modelled) lines.push_back(lineOf(item));
+    for (const ModelledItem& item : manifest_.modelled) lines.push_back(lineOf(item));
     return lines;
   }
 
-  void remarks() {
+  void warnings() {
     for (const DatasetWarning& w : report_.warnings) {
       Json remark{{"text", w.text}};
       if (w.places.size() == 1) {
@@ -142,13 +147,13 @@ class DatasetPage {
   }
 
   void classes() {
-    page_["all_points"] = s_.points;
+    page_["all_points"] = summary_.points;
     page_["class_splits"] = page_["instance_columns"] = page_["classes"] = Json::array();
-    for (const SplitSummary& s : s_.splits) {
-      if (s.samples > 0 && s_.splits.size() > 1) page_["class_splits"].push_back({{"name", s.name}});
+    for (const SplitSummary& s : summary_.splits) {
+      if (s.samples > 0 && summary_.splits.size() > 1) page_["class_splits"].push_back({{"name", s.name}});
     }
-    if (s_.instanced && s_.labelled) page_["instance_columns"].push_back(Json::object());
-    for (const ClassSummary& c : s_.classes) {
+    if (summary_.instanced && summary_.labelled) page_["instance_columns"].push_back(Json::object());
+    for (const ClassSummary& c : summary_.classes) {
       if (c.points == 0) continue;
       Json row = c;
       row["class_splits"] = Json::array();
@@ -173,7 +178,7 @@ class DatasetPage {
       for (const std::uint64_t part : counts) row["visibility"].push_back({{"part", part}});
       if (row["views"] > 0) table["rows"].push_back(std::move(row));
     };
-    for (const auto& [id, own] : report_.objects.ofClass) add(classes, m_.ontology.find(id)->name, own);
+    for (const auto& [id, own] : report_.objects.ofClass) add(classes, manifest_.ontology.find(id)->name, own);
     for (std::size_t i = 0; i <= kDistanceSteps.size(); ++i) {
       const double from = i == 0 ? 0 : kDistanceSteps[i - 1];
       add(distances,
@@ -185,13 +190,13 @@ class DatasetPage {
   }
 
   void reasons() {
-    for (const SensorSummary& s : s_.sensors) {
+    for (const SensorSummary& s : summary_.sensors) {
       if (!s.beamsPerReason.empty()) page_["reason_sensors"].push_back({{"name", s.name}});
     }
     for (const ReasonEntry& r : scanmill::reasons()) {
       Json row{{"name", r.name}, {"color", htmlColor(r.color)}, {"meaning", r.meaning}};
       std::uint64_t found = 0;
-      for (const SensorSummary& s : s_.sensors) {
+      for (const SensorSummary& s : summary_.sensors) {
         if (s.beamsPerReason.empty()) continue;
         std::uint64_t all = 0;
         for (const auto& entry : s.beamsPerReason) all += entry.second;
@@ -205,11 +210,11 @@ class DatasetPage {
   }
 
   void sensors() {
-    for (std::size_t i = 0; i < m_.sensors.size(); ++i) {
-      const SensorRecord& s = m_.sensors[i];
-      const SensorSummary& sum = s_.sensors[i];
+    for (std::size_t i = 0; i < manifest_.sensors.size(); ++i) {
+      const SensorRecord& s = manifest_.sensors[i];
+      const SensorSummary& sum = summary_.sensors[i];
       const BeamTable& b = s.beams;
-      const MountSpans mount = mountSpans(m_, s);
+      const MountSpans mount = mountSpans(manifest_, s);
       Json row{{"name", s.name},
                {"model", b.model},
                {"rings", b.rings},
@@ -236,31 +241,31 @@ class DatasetPage {
   }
 
   void scenes() {
-    page_["all_samples"] = s_.samples;
-    page_["splits"] = s_.splits;
-    list("sequences", s_.sequences);
+    page_["all_samples"] = summary_.samples;
+    page_["splits"] = summary_.splits;
+    addRows("sequences", summary_.sequences);
   }
 
-  void list(const char* name, const auto& rows) {
+  void addRows(const char* name, const auto& rows) {
     page_[name] = Json::array();
     for (std::size_t i = 0; i < std::min(rows.size(), kMostRows); ++i) page_[name].push_back(rows[i]);
     page_[std::string("more_") + name] = rows.size() - page_[name].size();
   }
 
-  void parts() {
+  void filesAndColumns() {
     constexpr std::size_t kHashShown = 12;
-    list("shards", m_.shards);
+    addRows("shards", manifest_.shards);
     for (std::size_t i = 0; i < page_["shards"].size(); ++i) {
       page_["shards"][i].update(
-          {{"sha256_begin", m_.shards[i].sha256.substr(0, kHashShown)}, {"fault", report_.shardFaults[i]}});
+          {{"sha256_begin", manifest_.shards[i].sha256.substr(0, kHashShown)}, {"fault", report_.shardFaults[i]}});
     }
-    for (const std::string& c : m_.columns) page_["columns"].push_back({{"name", c}, {"meaning", meaningOf(c)}});
-    page_["formats"] = m_.formats;
+    for (const std::string& c : manifest_.columns) page_["columns"].push_back({{"name", c}, {"meaning", meaningOf(c)}});
+    page_["formats"] = manifest_.formats;
   }
 
   const DatasetReport& report_;
-  const Manifest& m_;
-  const DatasetSummary& s_;
+  const Manifest& manifest_;
+  const DatasetSummary& summary_;
   Json page_;
 };
 

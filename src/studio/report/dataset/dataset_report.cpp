@@ -22,14 +22,14 @@ namespace {
 
 constexpr int kPictureWidth = 1280, kPictureHeight = 720;
 
-std::string titleOf(const Manifest& manifest, const ScanIndex& place) {
-  const SampleRecord& sample = manifest.samples[place.sample];
-  return fmt::format("{}, {}", sample.key, sample.scans[place.scan].sensor);
+std::string titleOf(const Manifest& manifest, const ScanIndex& index) {
+  const SampleRecord& sample = manifest.samples[index.sample];
+  return fmt::format("{}, {}", sample.key, sample.scans[index.scan].sensor);
 }
 
 // Draws pictures of a scan, coloured by class and by intensity. If the scan has neither, it is coloured by range.
-PicturedScan pictureOf(const Manifest& manifest, const ScanIndex& place, const Scan& scan) {
-  PicturedScan pictured{titleOf(manifest, place), manifest.samples[place.sample].split, {}};
+PicturedScan pictureOf(const Manifest& manifest, const ScanIndex& index, const Scan& scan) {
+  PicturedScan pictured{titleOf(manifest, index), manifest.samples[index.sample].split, {}};
   std::vector<ColorBy> colors;
   if (!scan[kLabel].empty()) colors.push_back(kByClass);
   if (!scan[kIntensity].empty()) colors.push_back(kByIntensity);
@@ -76,8 +76,8 @@ class Examination {
   }
 
  private:
-  const ScanRecord& recordOf(const ScanIndex& place) const {
-    return report_.manifest.samples[place.sample].scans[place.scan];
+  const ScanRecord& recordOf(const ScanIndex& index) const {
+    return report_.manifest.samples[index.sample].scans[index.scan];
   }
 
   void countScans(const std::vector<ScanIndex>& spread) {
@@ -108,7 +108,7 @@ class Examination {
   void countObjects(const std::vector<ScanIndex>& spread) {
     std::vector<std::size_t> samples;
     samples.reserve(spread.size());
-    for (const ScanIndex& place : spread) samples.push_back(place.sample);
+    for (const ScanIndex& index : spread) samples.push_back(index.sample);
     samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
     report_.objects = scanmill::countObjects(store_, samples, faults_.scans);
   }
@@ -135,7 +135,7 @@ class Examination {
 
   // Draws pictures of the scans, sorted by key. Skips scans that cannot be read, without reporting them.
   void picture(std::vector<ScanIndex> shown) {
-    const auto keyOf = [&](const ScanIndex& place) { return report_.manifest.samples[place.sample].key; };
+    const auto keyOf = [&](const ScanIndex& index) { return report_.manifest.samples[index.sample].key; };
     std::ranges::stable_sort(shown, [&](const ScanIndex& a, const ScanIndex& b) { return keyOf(a) < keyOf(b); });
     std::vector<std::optional<Scan>> scans(shown.size());
     ScanReading reading;
@@ -156,16 +156,16 @@ class Examination {
   }
 
   // Reads the image that shows the reason of each beam of a pictured scan, and adds it to the report.
-  void readReasons(const ScanIndex& place) {
-    const SampleRecord& sample = report_.manifest.samples[place.sample];
-    if (recordOf(place).beamsPerReason.empty()) return;
+  void readReasons(const ScanIndex& index) {
+    const SampleRecord& sample = report_.manifest.samples[index.sample];
+    if (recordOf(index).beamsPerReason.empty()) return;
     try {
       const ShardIndex shard(folder_ / report_.manifest.shards[sample.shard].file);
-      const ShardMember* member = shard.find(sample.key + "." + memberSuffix(recordOf(place), kReasonsSuffix));
+      const ShardMember* member = shard.find(sample.key + "." + memberSuffix(recordOf(index), kReasonsSuffix));
       if (member == nullptr) return;
       std::string png = shard.read(*member);
       decodeReasons(png, member->name);
-      report_.reasonImages.push_back({titleOf(report_.manifest, place), sample.split, {{"reason", std::move(png)}}});
+      report_.reasonImages.push_back({titleOf(report_.manifest, index), sample.split, {{"reason", std::move(png)}}});
     } catch (const InputError&) {  // the page then does not show this image
     }
   }

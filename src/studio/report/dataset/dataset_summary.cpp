@@ -34,9 +34,9 @@ std::string sequenceOf(const SampleRecord& sample) {
   return sequence.empty() ? sample.key : sequence;
 }
 
-class Summing {
+class SummaryMaker {
  public:
-  Summing(const Manifest& manifest, const RangeSteps& steps) : manifest_(manifest) {
+  SummaryMaker(const Manifest& manifest, const RangeSteps& steps) : manifest_(manifest) {
     sum_.steps = steps;
     for (const SemanticClass& c : manifest.ontology.classes) addClass(c.id, c.name, c.thing, true);
     for (const SensorRecord& s : manifest.sensors) sensorEntry(s.name);
@@ -81,7 +81,7 @@ class Summing {
       ++split.shards;
       split.bytes += shard.bytes;
     }
-    findFewPoints();
+    findScansOfFewPoints();
   }
 
   void addCounts(const std::vector<ScanIndex>& places, const std::vector<std::optional<ScanCounts>>& counts) {
@@ -93,7 +93,7 @@ class Summing {
     for (const auto& [key, points] : objects_) {
       for (const auto& entry : points) ++classEntry(entry.first).objects;
     }
-    findMixed();
+    findMixedInstances();
   }
 
   DatasetSummary result() { return std::move(sum_); }
@@ -159,7 +159,7 @@ class Summing {
     pointsOfSensor_[scan.sensor].push_back(scan.points);
   }
 
-  void findFewPoints() {
+  void findScansOfFewPoints() {
     std::map<std::string, double> medians;
     for (const SensorSummary& s : sum_.sensors) medians[s.name] = medianOf(pointsOfSensor_[s.name]);
     for (const SampleRecord& sample : manifest_.samples) {
@@ -172,9 +172,9 @@ class Summing {
     }
   }
 
-  void addScan(const ScanIndex& place, const ScanCounts& counts) {
-    const SampleRecord& sample = manifest_.samples[place.sample];
-    SensorSummary& sensor = sensorEntry(sample.scans[place.scan].sensor);
+  void addScan(const ScanIndex& index, const ScanCounts& counts) {
+    const SampleRecord& sample = manifest_.samples[index.sample];
+    SensorSummary& sensor = sensorEntry(sample.scans[index.scan].sensor);
     ++sum_.scansRead;
     ++sensor.scansRead;
     for (const auto& [id, ranges] : counts.rangesOfClass) {
@@ -191,7 +191,7 @@ class Summing {
         ++classEntry(id).views;
         viewPoints_[id].push_back(points);
         objects_[key][id] += points;
-        shownIn_[key].try_emplace(id, place.sample);
+        sampleShowing_[key].try_emplace(id, index.sample);
       }
     }
   }
@@ -199,15 +199,15 @@ class Summing {
   // Finds instances with points of several classes, whose labels are probably wrong. Not among them are instances whose
   // classes are usual in one object, such as tree and trunk: most instances with one of the classes also have the
   // other.
-  void findMixed() {
+  void findMixedInstances() {
     // Least number of instances with both classes that counts as usual; two are enough if one class never occurs alone.
     constexpr std::uint64_t kFewest = 3;
-    std::map<std::uint16_t, std::uint64_t> holders;
-    std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> together;
+    std::map<std::uint16_t, std::uint64_t> instancesWith;
+    std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> shared;
     for (const auto& [key, points] : objects_) {
       for (auto a = points.begin(); a != points.end(); ++a) {
-        ++holders[a->first];
-        for (auto b = std::next(a); b != points.end(); ++b) ++together[{a->first, b->first}];
+        ++instancesWith[a->first];
+        for (auto b = std::next(a); b != points.end(); ++b) ++shared[{a->first, b->first}];
       }
     }
     for (const auto& [key, points] : objects_) {
@@ -217,13 +217,13 @@ class Summing {
       for (auto a = points.begin(); a != points.end(); ++a) {
         if (a->second < points.at(rarest)) rarest = a->first;
         for (auto b = std::next(a); b != points.end(); ++b) {
-          const std::uint64_t both = together[{a->first, b->first}];
-          const std::uint64_t either = std::min(holders[a->first], holders[b->first]);
+          const std::uint64_t both = shared[{a->first, b->first}];
+          const std::uint64_t either = std::min(instancesWith[a->first], instancesWith[b->first]);
           usual = usual && ((both >= kFewest && 2 * both > either) || (both > 1 && both == either));
         }
       }
       if (usual) continue;
-      sum_.mixed.push_back({manifest_.samples[shownIn_[key].at(rarest)].key, key.second, points});
+      sum_.mixed.push_back({manifest_.samples[sampleShowing_[key].at(rarest)].key, key.second, points});
     }
   }
 
@@ -236,7 +236,7 @@ class Summing {
   std::map<std::uint16_t, std::vector<std::uint64_t>> viewPoints_;
   std::map<ObjectKey, ClassPoints> objects_;
   // For each object and class, the index of a sample that shows points of the class on the object.
-  std::map<ObjectKey, std::map<std::uint16_t, std::size_t>> shownIn_;
+  std::map<ObjectKey, std::map<std::uint16_t, std::size_t>> sampleShowing_;
 };
 
 }  // namespace
@@ -248,7 +248,7 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
 
 DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanIndex>& places,
                          const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps) {
-  Summing summing(manifest, steps);
+  SummaryMaker summing(manifest, steps);
   summing.addManifest();
   summing.addCounts(places, counts);
   return summing.result();

@@ -33,11 +33,11 @@ std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed
   }
 }
 
-Scan readScan(const ScanStore& store, const ScanIndex& place) {
-  const SampleRecord& sample = store.manifest()->samples[place.sample];
-  const ScanRecord& record = sample.scans[place.scan];
-  for (const StoredScan& scan : store.scans(place.sample)) {
-    if (scan.record == &record) return store.decode(place.sample, scan);
+Scan readScan(const ScanStore& store, const ScanIndex& index) {
+  const SampleRecord& sample = store.manifest()->samples[index.sample];
+  const ScanRecord& record = sample.scans[index.scan];
+  for (const StoredScan& scan : store.scans(index.sample)) {
+    if (scan.record == &record) return store.decode(index.sample, scan);
   }
   throw InputError(fmt::format("the scan of {}, {} is missing", sample.key, record.sensor));
 }
@@ -72,15 +72,15 @@ std::vector<std::string> readScans(const ScanStore& store, const std::vector<Sca
     std::vector<std::uint64_t> points(count, 0);
     parallelFor(count, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
-        const ScanIndex& place = places[begin + i];
-        const fs::path shard = store.folder() / manifest.shards[manifest.samples[place.sample].shard].file;
+        const ScanIndex& index = places[begin + i];
+        const fs::path shard = store.folder() / manifest.shards[manifest.samples[index.sample].shard].file;
         if (!isFile(shard)) continue;  // shardFaults() reports the missing shard
         try {
-          Scan scan = readScan(store, place);
+          Scan scan = readScan(store, index);
           points[i] = scan.size();
           reading.take(begin + i, std::move(scan));
         } catch (const InputError& error) {
-          problems[begin + i] = readingFault(store, place.sample, error);
+          problems[begin + i] = readingFault(store, index.sample, error);
         }
       }
     });
@@ -99,7 +99,7 @@ namespace {
 // Returns a random number for a seed and a sample, from the Philox generator with the seed as key and the sample in the
 // counter. The counter's last word states the purpose of a random number, so the result is independent of the program's
 // other random numbers.
-std::uint64_t drawOf(std::uint64_t seed, std::size_t sample) {
+std::uint64_t randomNumber(std::uint64_t seed, std::size_t sample) {
   constexpr std::uint32_t kPictures = 0xFFFF0000u;
   const RandomBlock block = philox4x32(
       {static_cast<std::uint32_t>(sample), static_cast<std::uint32_t>(std::uint64_t{sample} >> 32), 0, kPictures},
@@ -135,7 +135,7 @@ std::vector<ScanIndex> randomScans(const Manifest& manifest, const std::vector<b
     if (!any || !sound[sample.shard]) continue;
     auto split = std::ranges::find_if(splits, [&](const auto& p) { return p.split == sample.split; });
     if (split == splits.end()) split = splits.insert(splits.end(), {sample.split, {}});
-    split->drawn.emplace_back(drawOf(seed, s), s);
+    split->drawn.emplace_back(randomNumber(seed, s), s);
   }
   for (SplitSamples& split : splits) std::ranges::sort(split.drawn);
   std::vector<ScanIndex> chosen;

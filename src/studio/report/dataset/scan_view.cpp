@@ -48,7 +48,7 @@ class ViewData {
     json_["shown"] = points_.size();
   }
 
-  OrderedJson made() {
+  OrderedJson make() {
     positions();
     classes();
     instances();
@@ -56,7 +56,7 @@ class ViewData {
     visitTable(scan_, [&](auto key, const auto& values) {
       if (!key.row.display.inReport) return;
       const std::string_view unit = key.row.display.unit == "deg" ? "\xC2\xB0" : key.row.display.unit;
-      numbers(key.row.name, unit, values, key.row.display.factor);
+      addValues(key.row.name, unit, values, key.row.display.factor);
     });
     return std::move(json_);
   }
@@ -69,18 +69,18 @@ class ViewData {
     const Vec3d low = box.empty() ? Vec3d{} : box.low, high = box.empty() ? Vec3d{} : box.high;
     const auto stepOf = [](double extent) { return extent > 0 ? extent / kSteps : 1; };
     const Vec3d step{stepOf(high.x - low.x), stepOf(high.y - low.y), stepOf(high.z - low.z)};
-    std::vector<std::uint32_t> places;
-    const auto place = [&](double value, double from, double size) {
-      places.push_back(static_cast<std::uint32_t>(std::clamp(std::round((value - from) / size), 0.0, kSteps)));
+    std::vector<std::uint32_t> numbers;
+    const auto add = [&](double value, double from, double size) {
+      numbers.push_back(static_cast<std::uint32_t>(std::clamp(std::round((value - from) / size), 0.0, kSteps)));
     };
     for (const std::size_t i : points_) {
       const Vec3d p(scan_.position[i]);
-      place(p.x, low.x, step.x);
-      place(p.y, low.y, step.y);
-      place(p.z, low.z, step.z);
+      add(p.x, low.x, step.x);
+      add(p.y, low.y, step.y);
+      add(p.z, low.z, step.z);
     }
     json_["box"] = {{"low", {low.x, low.y, low.z}}, {"step", {step.x, step.y, step.z}}};
-    json_["position"] = column<std::uint16_t>(places);
+    json_["position"] = column<std::uint16_t>(numbers);
   }
 
   void classes() {
@@ -122,33 +122,27 @@ class ViewData {
   // Adds a column of values. If all are integers from 0 to 65534, they are stored exactly; otherwise they are quantised
   // to 65534 steps, with one additional code for values that are not finite.
   template <class Number>
-  void numbers(std::string_view name, std::string_view unit, const std::vector<Number>& values, double factor) {
+  void addValues(std::string_view name, std::string_view unit, const std::vector<Number>& values, double factor) {
     if (values.empty()) return;
     constexpr double kSteps = 65534, kNone = 65535;
+    std::vector<double> shown;
+    for (const std::size_t i : points_) shown.push_back(factor * static_cast<double>(values[i]));
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    bool whole = factor == 1;
-    for (const std::size_t i : points_) {
-      const double v = factor * static_cast<double>(values[i]);
-      if (!std::isfinite(v)) {
-        whole = false;
-        continue;
-      }
-      low = std::min(low, v);
-      high = std::max(high, v);
-      whole = whole && v == std::floor(v);
+    for (const double v : shown) {
+      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     }
     if (low > high) return;
-    whole = whole && low >= 0 && high < kNone;
-    if (whole) low = 0;
-    const double step = whole ? 1 : high > low ? (high - low) / kSteps : 1;
-    std::vector<std::uint32_t> places;
-    for (const std::size_t i : points_) {
-      const double v = factor * static_cast<double>(values[i]);
-      places.push_back(static_cast<std::uint32_t>(std::isfinite(v) ? std::round((v - low) / step) : kNone));
+    const bool integers = factor == 1 && low >= 0 && high < kNone &&
+                          std::ranges::all_of(shown, [](double v) { return v == std::floor(v) && std::isfinite(v); });
+    if (integers) low = 0;
+    const double step = integers ? 1 : high > low ? (high - low) / kSteps : 1;
+    std::vector<std::uint32_t> codes;
+    for (const double v : shown) {
+      codes.push_back(static_cast<std::uint32_t>(std::isfinite(v) ? std::round((v - low) / step) : kNone));
     }
-    OrderedJson made = narrowColumn(places);
-    made.update({{"name", name}, {"unit", unit}, {"whole", whole}, {"low", low}, {"step", step}});
-    json_["values"].push_back(std::move(made));
+    OrderedJson added = narrowColumn(codes);
+    added.update({{"name", name}, {"unit", unit}, {"whole", integers}, {"low", low}, {"step", step}});
+    json_["values"].push_back(std::move(added));
   }
 
   const Scan& scan_;
@@ -166,7 +160,7 @@ std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontol
   for (int i = 0; i < kMapColors; ++i) data["viridis"].push_back(viridis(static_cast<double>(i) / (kMapColors - 1)));
   data["background"] = kBackground;
   data["none"] = kNoValue;
-  for (const ViewedScan& viewed : scans) data["scans"].push_back(ViewData(viewed, ontology).made());
+  for (const ViewedScan& viewed : scans) data["scans"].push_back(ViewData(viewed, ontology).make());
   return scriptJson(data.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
 }
 
@@ -200,12 +194,13 @@ double weightOf(const Vec3f& position) {
 // probability of keeping a point.
 double factorFor(std::vector<double> weights, double kept) {
   std::ranges::sort(weights, std::greater<>());
-  double rest = 0;
-  for (const double w : weights) rest += w;
-  for (std::size_t whole = 0; whole < weights.size(); ++whole) {
-    const double factor = (kept - static_cast<double>(whole)) / rest;
-    if (factor * weights[whole] <= 1) return factor;
-    rest -= weights[whole];
+  double sum = 0;  // of the weights from index `certain` on
+  for (const double w : weights) sum += w;
+  // The points with the largest weights are certain to be kept.
+  for (std::size_t certain = 0; certain < weights.size(); ++certain) {
+    const double factor = (kept - static_cast<double>(certain)) / sum;
+    if (factor * weights[certain] <= 1) return factor;
+    sum -= weights[certain];
   }
   return 0;
 }
@@ -219,36 +214,36 @@ std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
   }
   if (finite.size() <= most) return finite;
 
-  std::vector<bool> whole(scan.size(), false);
-  std::size_t wholeCount = 0;
+  std::vector<bool> rare(scan.size(), false);  // points that are kept whatever their distance
+  std::size_t rareCount = 0;
   std::vector<std::pair<std::size_t, std::vector<std::size_t>>> groups;
   addRare(scan, scan[kInstance], finite, true, groups);
   addRare(scan, scan[kLabel], finite, false, groups);
   std::ranges::stable_sort(groups, [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [count, points] : groups) {
-    if (wholeCount + count > most / 2) break;
+    if (rareCount + count > most / 2) break;
     for (const std::size_t i : points) {
-      wholeCount += whole[i] ? 0 : 1;
-      whole[i] = true;
+      rareCount += rare[i] ? 0 : 1;
+      rare[i] = true;
     }
   }
 
   std::vector<double> weights;
   for (const std::size_t i : finite) {
-    if (!whole[i]) weights.push_back(weightOf(scan.position[i]));
+    if (!rare[i]) weights.push_back(weightOf(scan.position[i]));
   }
-  const double factor = factorFor(std::move(weights), static_cast<double>(most - wholeCount));
+  const double factor = factorFor(std::move(weights), static_cast<double>(most - rareCount));
   // Add up the probabilities along the scan, and keep a point whenever the sum reaches one.
   std::vector<std::size_t> kept;
-  double due = 0.5;
+  double sum = 0.5;
   for (const std::size_t i : finite) {
-    if (whole[i]) {
+    if (rare[i]) {
       kept.push_back(i);
       continue;
     }
-    due += std::min(factor * weightOf(scan.position[i]), 1.0);
-    if (due < 1) continue;
-    due -= 1;
+    sum += std::min(factor * weightOf(scan.position[i]), 1.0);
+    if (sum < 1) continue;
+    sum -= 1;
     kept.push_back(i);
   }
   if (kept.size() > most) kept.resize(most);  // rounding may have caused one point too many

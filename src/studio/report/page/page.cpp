@@ -40,7 +40,7 @@ std::string attribute(const char* name, const std::string& value) {
 
 // Returns the HTML attribute with the value by which a table cell is sorted: the unformatted value of the first figure
 // in the cell's template. Empty if the template has no figure.
-std::string orderOf(const std::string& cell) {
+std::string sortAttribute(const std::string& cell) {
   static const std::regex figure(R"(\{\{([^{}#^/:!>&]+(/[^{}:]+)?):[^{}]*\}\})");
   std::smatch found;
   return std::regex_search(cell, found, figure) ? fmt::format(" data-v=\"{{{{{}:.9g}}}}\"", found[1].str()) : "";
@@ -49,13 +49,14 @@ std::string orderOf(const std::string& cell) {
 // Converts the description of a table (see fillPage()) to a Mustache template.
 std::string tableTemplate(const std::string& text) {
   std::istringstream lines(text);
-  std::string line, rows, groups, heads, cells, repeated, group;
+  std::string line, rows, repeated, group;
+  std::string groups, heads, cells;  // cells of the two rows of headings and of a row of values
   int columns = 0, inGroup = 0;
   const auto endGroup = [&] {
     if (inGroup > 0) groups += fmt::format("<th colspan=\"{}\">{}</th>", inGroup, group);
     inGroup = 0;
   };
-  const auto all = [&](const std::string& more) { groups += more, heads += more, cells += more; };
+  const auto addToRows = [&](const std::string& more) { groups += more, heads += more, cells += more; };
   while (std::getline(lines, line)) {
     line = trimmed(line);
     if (line.empty()) continue;
@@ -67,10 +68,10 @@ std::string tableTemplate(const std::string& text) {
     } else if (line.starts_with("+ ")) {
       endGroup();
       repeated = line.substr(2);
-      all("{{#" + repeated + "}}");
+      addToRows("{{#" + repeated + "}}");
     } else if (line == "-") {
       endGroup();
-      all("{{/" + repeated + "}}");
+      addToRows("{{/" + repeated + "}}");
       group.clear();
     } else {
       std::vector<std::string> parts = gridRects(line);
@@ -79,7 +80,7 @@ std::string tableTemplate(const std::string& text) {
       heads +=
           fmt::format("<th{}{}>{}</th>", kind, attribute("title", parts[2]), words ? parts[0].substr(2) : parts[0]);
       const std::string hint = parts[3].empty() ? "" : fmt::format(" title=\"{}\"", parts[3]);
-      cells += fmt::format("<td{}{}{}>{}</td>", kind, words ? "" : orderOf(parts[1]), hint, parts[1]);
+      cells += fmt::format("<td{}{}{}>{}</td>", kind, words ? "" : sortAttribute(parts[1]), hint, parts[1]);
       if (columns++ == 0)
         cells += "{{#failure}}<td class=\"why\" colspan=\"100\">not measured: {{failure}}</td>{{/failure}}{{^failure}}";
       ++inGroup;
