@@ -58,10 +58,7 @@ void printComparison(const SetComparison& comparison) {
             comparison.assignment);
 }
 
-}  // namespace
-
-int runCompare(const std::vector<std::string>& arguments) {
-  CommandOptions options("compare");
+void addCompareOptions(cxxopts::Options& options) {
   cxxopts::OptionAdder add = options.add_options();
   add("o,out", "folder of the page and the figures; it is made if it does not exist", textValue(), "DIR");
   add("scans", "the greatest number of scans to read of each set, evenly spaced",
@@ -73,6 +70,13 @@ int runCompare(const std::vector<std::string>& arguments) {
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
   add("q,quiet", "print one line instead of progress and tables");
   addInputLimit(options);
+}
+
+}  // namespace
+
+int runCompare(const std::vector<std::string>& arguments) {
+  CommandOptions options("compare");
+  addCompareOptions(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill compare SemanticKITTI/sequences/08 out/training -o out/compared\n"

@@ -55,20 +55,20 @@ void printFrame(const RecordedScan& scan) {
       scan.name, degrees(turn), pose.translation.x, pose.translation.y, pose.translation.z);
 }
 
-// Measures the noise of the scans and prints it. `goOn` throws if the user has stopped the program.
+// Measures the noise of the scans and prints it. `checkStop` throws an Error if the user has stopped the program.
 NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, const std::vector<std::string>& names,
-                      const std::function<void()>& goOn) {
+                      const std::function<void()>& checkStop) {
   std::vector<RecordedScan> recorded;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     recorded.push_back(rangesAlong(scans[i], beams, names[i]));
     recorded.back().name = std::filesystem::path(names[i]).filename().string();
     printFrame(recorded.back());
-    goOn();
+    checkStop();
   }
   const std::vector<FlatPatch> patches = findFlatPatches(beams, recorded);
-  goOn();
+  checkStop();
   NoiseFit fit = fitNoise(beams, recorded, patches);
-  goOn();
+  checkStop();
 
   printText("{} of {} beams returned ({}); range step: {}\n\n", grouped(fit.returns), grouped(fit.beams),
             percent(fit.returns, fit.beams), fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * 1000) : "none found");
@@ -92,10 +92,7 @@ NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, co
   return fit;
 }
 
-}  // namespace
-
-int runFitNoise(const std::vector<std::string>& arguments) {
-  CommandOptions options("fit-noise");
+void addFitNoiseOptions(CommandOptions& options) {
   cxxopts::OptionAdder add = options.add_options();
   add("sensor", "the sensor that recorded the scans: a sensor file, or a name of `scanmill list sensors`", textValue(),
       "FILE|NAME");
@@ -105,6 +102,13 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   addSimulatedOption(options);
   add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
   addInputLimit(options);
+}
+
+}  // namespace
+
+int runFitNoise(const std::vector<std::string>& arguments) {
+  CommandOptions options("fit-noise");
+  addFitNoiseOptions(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
@@ -118,7 +122,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as fitted.yaml");
   const ResourceLimits limits(parsed);
   const std::atomic<bool>& stop = stopSignal();
-  const auto goOn = [&] {
+  const auto checkStop = [&] {
     if (stop) throw Error("stopped: nothing was written");
   };
 
@@ -132,14 +136,14 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   forEachScan(parsed.inputs(), [&](const Scan& scan, const std::string& name) {
     scans.push_back(scan);
     names.push_back(name);
-    goOn();
+    checkStop();
   });
   const std::optional<FoundResponse> response = responseOf(scans, parsed);
-  goOn();
+  checkStop();
   std::string effects = "effects:\n" + (response ? response->yaml : "");
   std::vector<std::string> warnings;
   try {
-    NoiseFit fit = measureNoise(*beams, scans, names, goOn);
+    NoiseFit fit = measureNoise(*beams, scans, names, checkStop);
     if (response && response->fit.slope > 0) fit.rings.gain.sigma /= response->fit.slope;
     effects += effectsYaml(fit, today());
     warnings = beyondMeasured(fit);
@@ -152,10 +156,10 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   if (!warnings.empty()) warn(fmt::format("{}", fmt::join(warnings, " ")));
   writeFile(out, fitted);
   const Value made = parseYaml(fitted, out.string());
-  const bool lit = std::ranges::any_of(
+  const bool hasIntensity = std::ranges::any_of(
       made.find("effects")->items, [](const Value& item) { return readNamed(item, "an effect").name == "intensity"; });
   printText("\nwrote {}: use it as `preset:` of a sensor, with `effects: {}` in the pipeline\n", out.string(),
-            lit ? "sensor" : "[sensor, intensity]");
+            hasIntensity ? "sensor" : "[sensor, intensity]");
   return 0;
 }
 

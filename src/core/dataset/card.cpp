@@ -155,6 +155,88 @@ OrderedJson fieldJson(const char* name, const char* description, const char* sou
   return field;
 }
 
+// Returns the meanings of the keys, as Croissant 1.0 states them.
+OrderedJson croissantContext() {
+  return {{"@language", "en"},
+          {"@vocab", "https://schema.org/"},
+          {"citeAs", "cr:citeAs"},
+          {"conformsTo", "dct:conformsTo"},
+          {"cr", "http://mlcommons.org/croissant/"},
+          {"data", {{"@id", "cr:data"}, {"@type", "@json"}}},
+          {"dct", "http://purl.org/dc/terms/"},
+          {"sc", "https://schema.org/"},
+          {"dataType", {{"@id", "cr:dataType"}, {"@type", "@vocab"}}},
+          {"excludes", "cr:excludes"},
+          {"extract", "cr:extract"},
+          {"field", "cr:field"},
+          {"fileProperty", "cr:fileProperty"},
+          {"fileSet", "cr:fileSet"},
+          {"includes", "cr:includes"},
+          {"key", "cr:key"},
+          {"recordSet", "cr:recordSet"},
+          {"regex", "cr:regex"},
+          {"source", "cr:source"},
+          {"transform", "cr:transform"}};
+}
+
+// Returns the files of the dataset, and the members of its shards as sets of files.
+OrderedJson croissantFiles(const Manifest& manifest) {
+  OrderedJson files = OrderedJson::array();
+  OrderedJson shards = OrderedJson::array();
+  for (const ShardRecord& shard : manifest.shards) {
+    shards.push_back({{"@id", shard.file}});
+    files.push_back({{"@type", "cr:FileObject"},
+                     {"@id", shard.file},
+                     {"name", shard.file},
+                     {"description", fmt::format("{} samples of the split {}", shard.samples, shard.split)},
+                     {"contentUrl", shard.file},
+                     {"contentSize", fmt::format("{} B", shard.bytes)},
+                     {"encodingFormat", "application/x-tar"},
+                     {"sha256", shard.sha256}});
+  }
+  const auto addMembers = [&](const std::string& id, const std::string& pattern, const char* type) {
+    files.push_back({{"@type", "cr:FileSet"},
+                     {"@id", id},
+                     {"name", id},
+                     {"containedIn", shards},
+                     {"encodingFormat", type},
+                     {"includes", pattern}});
+  };
+  addMembers("samples-json", "*.json", "application/json");
+  files.back()["excludes"] = "*.*.json";  // further members of samples, such as their lists of objects
+  if (listsObjects(manifest)) addMembers("objects-json", fmt::format("*.{}", kObjectsSuffix), "application/json");
+  for (const FormatRecord& format : manifest.formats) {
+    addMembers("scans-" + format.name, "*." + format.suffix, "application/octet-stream");
+  }
+  return files;
+}
+
+// Returns the tables that can be read from the files: classes and samples.
+OrderedJson croissantRecords(const Manifest& manifest) {
+  OrderedJson classes = OrderedJson::array();
+  for (const SemanticClass& c : manifest.ontology.classes) {
+    classes.push_back({{"classes/id", c.id}, {"classes/name", c.name}});
+  }
+  return {{{"@type", "cr:RecordSet"},
+           {"@id", "classes"},
+           {"name", "classes"},
+           {"description", "The classes of the column `label` of scans."},
+           {"key", {{"@id", "classes/id"}}},
+           {"field",
+            {{{"@type", "cr:Field"}, {"@id", "classes/id"}, {"name", "id"}, {"dataType", "sc:Integer"}},
+             {{"@type", "cr:Field"}, {"@id", "classes/name"}, {"name", "name"}, {"dataType", "sc:Text"}}}},
+           {"data", std::move(classes)}},
+          {{"@type", "cr:RecordSet"},
+           {"@id", "samples"},
+           {"name", "samples"},
+           {"description", "One record for each sample: its key, and its description with poses and counts as JSON."},
+           {"key", {{"@id", "samples/key"}}},
+           {"field",
+            {fieldJson("key", "scene, seed, trajectory and frame", "samples-json", {{"fileProperty", "filename"}},
+                       "^(?:.*/)?([^/.]+)\\.json$"),
+             fieldJson("description", "the sample as JSON", "samples-json", {{"fileProperty", "content"}}, nullptr)}}}};
+}
+
 }  // namespace
 
 ScanTotals totalsOf(const Manifest& manifest) {
@@ -259,27 +341,7 @@ std::string cardText(const Manifest& manifest) {
 
 std::string croissantJson(const Manifest& manifest) {
   const ScanTotals totals = totalsOf(manifest);
-  OrderedJson json{{"@context",
-                    {{"@language", "en"},
-                     {"@vocab", "https://schema.org/"},
-                     {"citeAs", "cr:citeAs"},
-                     {"conformsTo", "dct:conformsTo"},
-                     {"cr", "http://mlcommons.org/croissant/"},
-                     {"data", {{"@id", "cr:data"}, {"@type", "@json"}}},
-                     {"dct", "http://purl.org/dc/terms/"},
-                     {"sc", "https://schema.org/"},
-                     {"dataType", {{"@id", "cr:dataType"}, {"@type", "@vocab"}}},
-                     {"excludes", "cr:excludes"},
-                     {"extract", "cr:extract"},
-                     {"field", "cr:field"},
-                     {"fileProperty", "cr:fileProperty"},
-                     {"fileSet", "cr:fileSet"},
-                     {"includes", "cr:includes"},
-                     {"key", "cr:key"},
-                     {"recordSet", "cr:recordSet"},
-                     {"regex", "cr:regex"},
-                     {"source", "cr:source"},
-                     {"transform", "cr:transform"}}},
+  OrderedJson json{{"@context", croissantContext()},
                    {"@type", "sc:Dataset"},
                    {"conformsTo", "http://mlcommons.org/croissant/1.0"},
                    {"name", manifest.name},
@@ -292,57 +354,8 @@ std::string croissantJson(const Manifest& manifest) {
     json["creator"] = {{"@type", "sc:Organization"}, {"name", creator}};
   }
   if (const std::string cite = aboutOf(manifest, "citation", ""); !cite.empty()) json["citeAs"] = cite;
-  OrderedJson files = OrderedJson::array();
-  OrderedJson shards = OrderedJson::array();
-  for (const ShardRecord& shard : manifest.shards) {
-    shards.push_back({{"@id", shard.file}});
-    files.push_back({{"@type", "cr:FileObject"},
-                     {"@id", shard.file},
-                     {"name", shard.file},
-                     {"description", fmt::format("{} samples of the split {}", shard.samples, shard.split)},
-                     {"contentUrl", shard.file},
-                     {"contentSize", fmt::format("{} B", shard.bytes)},
-                     {"encodingFormat", "application/x-tar"},
-                     {"sha256", shard.sha256}});
-  }
-  const auto addMembers = [&](const std::string& id, const std::string& pattern, const char* type) {
-    files.push_back({{"@type", "cr:FileSet"},
-                     {"@id", id},
-                     {"name", id},
-                     {"containedIn", shards},
-                     {"encodingFormat", type},
-                     {"includes", pattern}});
-  };
-  addMembers("samples-json", "*.json", "application/json");
-  files.back()["excludes"] = "*.*.json";  // further members of samples, such as their lists of objects
-  if (listsObjects(manifest)) addMembers("objects-json", fmt::format("*.{}", kObjectsSuffix), "application/json");
-  for (const FormatRecord& format : manifest.formats) {
-    addMembers("scans-" + format.name, "*." + format.suffix, "application/octet-stream");
-  }
-  json["distribution"] = std::move(files);
-  OrderedJson classes = OrderedJson::array();
-  for (const SemanticClass& c : manifest.ontology.classes) {
-    classes.push_back({{"classes/id", c.id}, {"classes/name", c.name}});
-  }
-  json["recordSet"] = {
-      {{"@type", "cr:RecordSet"},
-       {"@id", "classes"},
-       {"name", "classes"},
-       {"description", "The classes of the column `label` of scans."},
-       {"key", {{"@id", "classes/id"}}},
-       {"field",
-        {{{"@type", "cr:Field"}, {"@id", "classes/id"}, {"name", "id"}, {"dataType", "sc:Integer"}},
-         {{"@type", "cr:Field"}, {"@id", "classes/name"}, {"name", "name"}, {"dataType", "sc:Text"}}}},
-       {"data", std::move(classes)}},
-      {{"@type", "cr:RecordSet"},
-       {"@id", "samples"},
-       {"name", "samples"},
-       {"description", "One record for each sample: its key, and its description with poses and counts as JSON."},
-       {"key", {{"@id", "samples/key"}}},
-       {"field",
-        {fieldJson("key", "scene, seed, trajectory and frame", "samples-json", {{"fileProperty", "filename"}},
-                   "^(?:.*/)?([^/.]+)\\.json$"),
-         fieldJson("description", "the sample as JSON", "samples-json", {{"fileProperty", "content"}}, nullptr)}}}};
+  json["distribution"] = croissantFiles(manifest);
+  json["recordSet"] = croissantRecords(manifest);
   return layOut(json) + "\n";
 }
 
