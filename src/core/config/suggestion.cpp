@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "config/fields.h"
+#include "config/text.h"
 
 namespace scanmill {
 
@@ -14,11 +15,9 @@ namespace {
 
 // Returns the word in lower case, with "-" and " " replaced by "_": nearest() ignores these differences.
 std::string folded(std::string_view word) {
-  std::string plain(word);
-  for (char& c : plain) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (c == '-' || c == ' ') c = '_';
-  }
+  std::string plain = lowerCase(word);
+  std::replace_if(
+      plain.begin(), plain.end(), [](char c) { return c == '-' || c == ' '; }, '_');
   return plain;
 }
 

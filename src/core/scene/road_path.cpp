@@ -23,6 +23,7 @@ constexpr double kFromEdge = 2;     // m, wanted distance of the vehicle's middl
 constexpr double kOpen = 12;        // m; where an edge is at least this far away, there is no road to keep to
 constexpr double kEdgeStep = 0.25;  // m, accuracy of the distance to an edge
 constexpr double kNearest = 20;     // m, largest distance from an end to the surface
+constexpr double kUncrowded = 2.5;  // m; paths avoid edges that are nearer
 constexpr std::size_t kMostSearched = 4'000'000;
 constexpr int kSmoothings = 6;
 constexpr double kApart = 2;  // m, distance between the points of the result
@@ -126,15 +127,15 @@ class CellSearch {
   std::vector<Vec3d> run() {
     const Cell start{0, 0, 0};
     nodes_[start] = {from_, 0, start, true};
-    open_.emplace(rest(from_), start);
+    open_.emplace(remaining(from_), start);
     while (!open_.empty() && nodes_.size() < kMostSearched) {
       const Cell cell = open_.top().second;
       open_.pop();
       Node& node = nodes_.at(cell);
       if (node.closed) continue;
       node.closed = true;
-      if (rest(node.place) < rest(nearest_)) nearest_ = node.place;
-      if (rest(node.place) < kCell && std::fabs(node.place.z - to_.z) < 2 * kSteepest) return wayTo(cell);
+      if (remaining(node.position) < remaining(nearest_)) nearest_ = node.position;
+      if (remaining(node.position) < kCell && std::fabs(node.position.z - to_.z) < 2 * kSteepest) return pathTo(cell);
       const Node own = node;
       for (int dx = -1; dx <= 1; ++dx) {
         for (int dy = -1; dy <= 1; ++dy) {
@@ -148,53 +149,56 @@ class CellSearch {
  private:
   using Cell = std::array<std::int64_t, 3>;  // x, y and storey
   struct Node {
-    Vec3d place;
-    double cost = INFINITY;
-    Cell before{};
-    bool room = false;
-    bool closed = false;
+    Vec3d position;          // m, world frame
+    double cost = INFINITY;  // of the cheapest path so far from the start
+    Cell before{};           // the cell before this one on that path
+    bool room = false;       // a vehicle has room here
+    bool closed = false;     // the path is final
   };
 
-  double rest(const Vec3d& p) const { return std::hypot(p.x - to_.x, p.y - to_.y); }
+  // Returns the horizontal distance to the goal (m), which no path can be shorter than.
+  double remaining(const Vec3d& p) const { return std::hypot(p.x - to_.x, p.y - to_.y); }
 
   void visit(const Cell& cell, const Node& own, int dx, int dy) {
     const double x = from_.x + static_cast<double>(cell[0] + dx) * kCell;
     const double y = from_.y + static_cast<double>(cell[1] + dy) * kCell;
-    const std::optional<double> z = road_.height(x, y, own.place.z, kCell * std::hypot(dx, dy));
+    const std::optional<double> z = road_.height(x, y, own.position.z, kCell * std::hypot(dx, dy));
     if (!z) return;
     const Cell next{cell[0] + dx, cell[1] + dy, std::llround(*z / kClear)};
     const auto [found, isNew] = nodes_.try_emplace(next);
     Node& node = found->second;
     if (isNew) {
-      node.place = {x, y, *z};
-      node.room = road_.hasRoom(node.place);
+      node.position = {x, y, *z};
+      node.room = road_.hasRoom(node.position);
     }
     if (!node.room || node.closed) return;
-    const double cost = own.cost + std::hypot(dx, dy) * kCell * (1 + crowded(node.place));
+    const double cost = own.cost + std::hypot(dx, dy) * kCell * (1 + crowded(node.position));
     if (cost >= node.cost) return;
     node.cost = cost;
     node.before = cell;
-    open_.emplace(cost + rest(node.place), next);
+    open_.emplace(cost + remaining(node.position), next);
   }
 
-  // Returns a fraction of the directions in which an edge is less than 2.5 m away.
+  // Returns the fraction of eight directions in which an edge is less than kUncrowded away.
   double crowded(const Vec3d& p) const {
     int blocked = 0;
     for (int k = 0; k < 8; ++k) {
       const double turn = k * kPi / 4;
-      blocked += road_.height(p.x + 2.5 * std::cos(turn), p.y + 2.5 * std::sin(turn), p.z, 2.5) ? 0 : 1;
+      const double x = p.x + kUncrowded * std::cos(turn);
+      const double y = p.y + kUncrowded * std::sin(turn);
+      blocked += road_.height(x, y, p.z, kUncrowded) ? 0 : 1;
     }
     return blocked / 8.0;
   }
 
-  std::vector<Vec3d> wayTo(Cell cell) const {
-    std::vector<Vec3d> way{nodes_.at(cell).place};
+  std::vector<Vec3d> pathTo(Cell cell) const {
+    std::vector<Vec3d> path{nodes_.at(cell).position};
     while (cell != Cell{0, 0, 0}) {
       cell = nodes_.at(cell).before;
-      way.push_back(nodes_.at(cell).place);
+      path.push_back(nodes_.at(cell).position);
     }
-    std::reverse(way.begin(), way.end());
-    return way;
+    std::reverse(path.begin(), path.end());
+    return path;
   }
 
   const Road& road_;
@@ -205,22 +209,22 @@ class CellSearch {
 };
 
 // Averages each point with its neighbours, except the two ends, where the vehicle still has room.
-void smooth(const Road& road, std::vector<Vec3d>& way) {
-  const std::vector<Vec3d> before = way;
-  for (std::size_t i = 1; i + 1 < way.size(); ++i) {
+void smooth(const Road& road, std::vector<Vec3d>& path) {
+  const std::vector<Vec3d> before = path;
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
     Vec3d p = before[i - 1] * 0.25 + before[i] * 0.5 + before[i + 1] * 0.25;
     const std::optional<double> z = road.height(p.x, p.y, before[i].z);
     if (!z) continue;
     p.z = *z;
-    if (road.hasRoom(p)) way[i] = p;
+    if (road.hasRoom(p)) path[i] = p;
   }
 }
 
 // Moves points sideways to the wanted distance from the road's edge.
-void keepToSide(const Road& road, RoadSide side, std::vector<Vec3d>& way) {
-  const std::vector<Vec3d> before = way;
-  for (std::size_t i = 0; i < way.size(); ++i) {
-    const Vec3d ahead = before[std::min(i + 3, way.size() - 1)] - before[i < 3 ? 0 : i - 3];
+void keepToSide(const Road& road, RoadSide side, std::vector<Vec3d>& path) {
+  const std::vector<Vec3d> before = path;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const Vec3d ahead = before[std::min(i + 3, path.size() - 1)] - before[i < 3 ? 0 : i - 3];
     const double far = std::hypot(ahead.x, ahead.y);
     if (far <= 0) continue;
     const Vec3d toLeft{-ahead.y / far, ahead.x / far, 0};
@@ -234,7 +238,7 @@ void keepToSide(const Road& road, RoadSide side, std::vector<Vec3d>& way) {
     const std::optional<double> z = road.height(p.x, p.y, before[i].z);
     if (!z) continue;
     p.z = *z;
-    if (road.hasRoom(p)) way[i] = p;
+    if (road.hasRoom(p)) path[i] = p;
   }
 }
 
@@ -268,8 +272,8 @@ std::vector<Vec3d> findRoadPath(const SurfaceHeights& heights, const Ontology& o
   const Vec3d from = road.nearest(trip.from, "from");
   const Vec3d to = road.nearest(trip.to, "to");
   CellSearch search(road, from, to);
-  std::vector<Vec3d> way = search.run();
-  if (way.size() < 2) {
+  std::vector<Vec3d> path = search.run();
+  if (path.size() < 2) {
     const Vec3d& end = search.nearest();
     throw InputError(
         trip.where,
@@ -278,15 +282,15 @@ std::vector<Vec3d> findRoadPath(const SurfaceHeights& heights, const Ontology& o
                     "classes, or other points",
                     from.x, from.y, to.x, to.y, end.x, end.y));
   }
-  for (int k = 0; k < kSmoothings; ++k) smooth(road, way);
-  keepToSide(road, trip.keep, way);
-  for (int k = 0; k < 2 * kSmoothings; ++k) smooth(road, way);
-  std::vector<Vec3d> apart{way.front()};
-  for (std::size_t i = 1; i + 1 < way.size(); ++i) {
-    const bool far = length(way[i] - apart.back()) >= kApart && length(way[i] - way.back()) >= kApart / 2;
-    if (far) apart.push_back(way[i]);
+  for (int k = 0; k < kSmoothings; ++k) smooth(road, path);
+  keepToSide(road, trip.keep, path);
+  for (int k = 0; k < 2 * kSmoothings; ++k) smooth(road, path);
+  std::vector<Vec3d> apart{path.front()};
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+    const bool far = length(path[i] - apart.back()) >= kApart && length(path[i] - path.back()) >= kApart / 2;
+    if (far) apart.push_back(path[i]);
   }
-  apart.push_back(way.back());
+  apart.push_back(path.back());
   return apart;
 }
 

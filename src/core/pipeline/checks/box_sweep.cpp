@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "scene/triangle_pieces.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 namespace {
@@ -28,11 +29,11 @@ struct Step {
 Step stepOf(const Box& box, const Pose& from, const Pose& to) {
   const Pose middle = interpolate(from, to, 0.5);
   Step step{toAffine(inverse(middle)), toAffine(middle), box, {}, false};
-  const Vec3d way = inverse(middle) * to.translation;
-  const Vec3d half{std::fabs(way.x), std::fabs(way.y), std::fabs(way.z)};
+  const Vec3d travel = inverse(middle) * to.translation;
+  const Vec3d half{std::fabs(travel.x), std::fabs(travel.y), std::fabs(travel.z)};
   step.box.low = box.low - half;
   step.box.high = box.high + half;
-  step.backward = way.x < 0;
+  step.backward = travel.x < 0;
   step.worldBounds = boxAround(step.worldFromBox, step.box);
   return step;
 }
@@ -115,26 +116,22 @@ std::optional<BoxContact> sweepBoxes(
     if (!near) continue;
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      std::array<Vec3d, 3> corners;
-      Box own;
-      for (std::size_t c = 0; c < 3; ++c) {
-        corners[c] = instance.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[t][c]]);
-        own.add(corners[c]);
-      }
-      std::optional<bool> obstacle;
+      const std::array<Vec3d, 3> corners = cornersOf(instance, mesh, static_cast<std::uint32_t>(t));
+      Box bounding;
+      for (const Vec3d& corner : corners) bounding.add(corner);
+      std::optional<bool> obstacle;  // nothing: not asked yet
       const Surface& surface = mesh.surfaces[mesh.surfaceOf[t]];
-      cells.eachNear(own, [&](std::size_t k) {
+      cells.eachNear(bounding, [&](std::size_t k) {
         const Step& box = swept[k];
-        if (obstacle == false || !overlaps(own, box.worldBounds)) return;
+        if (obstacle == false || !overlaps(bounding, box.worldBounds)) return;
         if (!obstacle) {
           obstacle = isObstacle(instance, surface, normalized(cross(corners[1] - corners[0], corners[2] - corners[0])));
         }
         if (!*obstacle) return;
         const std::size_t step = k / boxes.size();
         if (first && first->step < step) return;
-        std::array<Vec3d, 3> inStep;
-        for (std::size_t c = 0; c < 3; ++c) inStep[c] = box.boxFromWorld * corners[c];
-        const Box inside = insideOf(box.box, inStep);
+        const Affine& f = box.boxFromWorld;
+        const Box inside = insideOf(box.box, {f * corners[0], f * corners[1], f * corners[2]});
         if (inside.empty()) return;
         const double x = box.backward ? inside.high.x : inside.low.x;
         const double along = box.backward ? -x : x;

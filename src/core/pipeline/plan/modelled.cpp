@@ -153,12 +153,11 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
   const ColumnSet columns = pipeline.output.layout.columns;
   std::vector<ModelledItem> items;
   items.push_back({"channels", fmt::format("{}", fmt::join(channelNames(plan.channels), ", "))});
-  std::string left;
-  for (const std::string& name : channelNames(Channels::all())) {
-    const auto asked = channelNames(plan.channels);
-    if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
+  std::vector<std::string> unread = channelNames(Channels::all());
+  for (const std::string& read : channelNames(plan.channels)) std::erase(unread, read);
+  if (!unread.empty()) {
+    items.push_back({"properties of hits that nothing reads", fmt::format("{}", fmt::join(unread, ", ")), true});
   }
-  if (!left.empty()) items.push_back({"properties of hits that nothing reads", left, true});
   for (const std::string_view column : {"intensity", "power"}) {
     if (!columns.has(columnIndex(column)) || setsIntensity(pipeline)) continue;
     items.push_back({std::string(column), "no effect sets it (add `effects: [intensity]`)", true});
@@ -179,23 +178,21 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
     items.push_back({"random values", "the lines above have those of the first frame, each sample lists its own"});
     for (ModelledItem& item : pipeline.drawn->items()) items.push_back(std::move(item));
   }
-  std::set<std::string> takenOut;
+  std::set<std::string> removals;
+  std::map<std::string, std::set<std::string>> paths;  // description -> names of trajectories
   for (const Sequence& s : pipeline.sequences) {
+    const std::string about = s.trajectory == nullptr ? "" : s.trajectory->about();
+    if (!about.empty()) paths[about].insert(s.trajectoryName);
     if (s.without.empty()) continue;
     Value list;
     list.kind = Value::Kind::Sequence;
     list.items = s.without;
-    takenOut.insert(fmt::format("the pipeline removes {} from {}", flowText(list), s.scene));
+    removals.insert(fmt::format("the pipeline removes {} from {}", flowText(list), s.scene));
   }
-  for (const std::string& text : takenOut) items.push_back({"objects of scenes", text, true});
+  for (const std::string& text : removals) items.push_back({"objects of scenes", text, true});
   if (!pipeline.oneRevolution()) items.push_back(revolutions(pipeline));
   items.push_back(egoMotion(pipeline));
-  std::map<std::string, std::set<std::string>> ways;  // description -> names of trajectories
-  for (const Sequence& s : pipeline.sequences) {
-    const std::string about = s.trajectory == nullptr ? "" : s.trajectory->about();
-    if (!about.empty()) ways[about].insert(s.trajectoryName);
-  }
-  for (const auto& [about, names] : ways) items.push_back({fmt::format("path of {}", fmt::join(names, ", ")), about});
+  for (const auto& [about, names] : paths) items.push_back({fmt::format("path of {}", fmt::join(names, ", ")), about});
   if (pipeline.recording == nullptr) items.push_back(egoVehicle(pipeline, blocked));
   items.push_back(misses(pipeline.output.layout));
   if (pipeline.recording == nullptr) {

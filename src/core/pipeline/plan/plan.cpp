@@ -132,20 +132,9 @@ void checkDraws(const Plan& plan) {
   }
 }
 
-}  // namespace
-
-Plan makePlan(Pipeline read, Channels kept) {
-  Plan plan{std::move(read), {}, kept};
-  const Pipeline& pipeline = plan.pipeline;
-  Channels& channels = plan.channels;
-  if (pipeline.recording != nullptr && pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
-    refuse(pipeline,
-           "the sensors of a recording cannot be moved: give each `mount` fixed values, or trace the scene again");
-  }
-  checkOntologies(pipeline);
-  checkLightPaths(pipeline);
-  checkObjects(pipeline);
-  checkVoxels(pipeline);
+// Returns the channels of hits that the plan's effects and output read.
+Channels channelsOf(const Pipeline& pipeline) {
+  Channels channels;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     for (const Effects* effects : pipeline.effectCases(s)) {
       channels |= channelsFor(*effects, pipeline.output.layout.columns);
@@ -155,40 +144,64 @@ Plan makePlan(Pipeline read, Channels kept) {
   if (pipeline.output.objects || tellsMovingClasses(pipeline)) channels |= Channel::Instance;
   // The material is needed to distinguish mirrors and glass from dark surfaces.
   if (pipeline.output.layout.reasons) channels |= Channel::Material;
+  return channels;
+}
+
+// Throws InputError if a frame and the program need more memory than is allowed.
+void checkFrameMemory(const Plan& plan) {
+  const Pipeline& pipeline = plan.pipeline;
   const std::uint64_t rays = pipeline.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + plan.bytesPerFrameInMemory();
-  if (bytes + kProgramBytes > memoryLimitBytes()) {
-    refuse(pipeline, fmt::format("{} {} per frame x {} bytes and {} of the program are {}, but only {} of memory are "
-                                 "allowed (by --memory-limit, the machine or its container): allow more, or take fewer "
-                                 "sensors, rings, columns or rays per beam",
-                                 rays, rays == pipeline.beamsPerFrame() ? "beams" : "rays", bytes / rays,
-                                 shortBytes(static_cast<double>(kProgramBytes)),
-                                 shortBytes(static_cast<double>(bytes + kProgramBytes)),
-                                 shortBytes(static_cast<double>(memoryLimitBytes()))));
+  if (bytes + kProgramBytes <= memoryLimitBytes()) return;
+  refuse(pipeline, fmt::format("{} {} per frame x {} bytes and {} of the program are {}, but only {} of memory are "
+                               "allowed (by --memory-limit, the machine or its container): allow more, or take fewer "
+                               "sensors, rings, columns or rays per beam",
+                               rays, rays == pipeline.beamsPerFrame() ? "beams" : "rays", bytes / rays,
+                               shortBytes(static_cast<double>(kProgramBytes)),
+                               shortBytes(static_cast<double>(bytes + kProgramBytes)),
+                               shortBytes(static_cast<double>(memoryLimitBytes()))));
+}
+
+// Returns the beams and the footprint of a sensor. Throws InputError if the recording, the motion or the effects do not
+// fit the beams.
+PlannedSensor planSensor(const Pipeline& pipeline, std::size_t index) {
+  const MountedSensor& sensor = pipeline.sensors[index];
+  const std::shared_ptr<const BeamTable> beams = makeBeams(sensor.description);
+  if (pipeline.recording != nullptr) checkBeams(*pipeline.recording, sensor, *beams);
+  if (pipeline.motion.kind == MotionKind::Steps && pipeline.motion.steps > beams->columns) {
+    throw InputError(pipeline.motion.where, fmt::format("{} steps are more than the {} columns of '{}'",
+                                                        pipeline.motion.steps, beams->columns, sensor.name));
   }
-  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    const MountedSensor& sensor = pipeline.sensors[s];
-    const std::shared_ptr<const BeamTable> beams = makeBeams(sensor.description);
-    if (pipeline.recording != nullptr) checkBeams(*pipeline.recording, sensor, *beams);
-    if (pipeline.motion.kind == MotionKind::Steps && pipeline.motion.steps > beams->columns) {
-      throw InputError(pipeline.motion.where, fmt::format("{} steps are more than the {} columns of '{}'",
-                                                          pipeline.motion.steps, beams->columns, sensor.name));
-    }
-    for (const Effects* effects : pipeline.effectCases(s)) {
-      for (const ChosenEffect& effect : *effects) effect->check(*beams);
-    }
-    const std::uint32_t raysPerBeam = pipeline.raysPerBeam(s);
-    if (beams->rosette() != nullptr && raysPerBeam > 1) {
-      throw InputError(
-          sensor.description.where,
-          fmt::format("the effect footprint cannot be applied to '{0}', whose beams change from revolution "
-                      "to revolution: leave it out, or write `effects: sensor` and give each sensor its "
-                      "own `effects`, without footprint for '{0}'",
-                      sensor.name));
-    }
-    plan.sensors.push_back(
-        {beams, raysPerBeam == 1 ? nullptr : std::make_shared<const Footprint>(makeFootprint(*beams, raysPerBeam))});
+  for (const Effects* effects : pipeline.effectCases(index)) {
+    for (const ChosenEffect& effect : *effects) effect->check(*beams);
   }
+  const std::uint32_t raysPerBeam = pipeline.raysPerBeam(index);
+  if (raysPerBeam == 1) return {beams, nullptr};
+  if (beams->rosette() == nullptr)
+    return {beams, std::make_shared<const Footprint>(makeFootprint(*beams, raysPerBeam))};
+  throw InputError(sensor.description.where,
+                   fmt::format("the effect footprint cannot be applied to '{0}', whose beams change from revolution "
+                               "to revolution: leave it out, or write `effects: sensor` and give each sensor its "
+                               "own `effects`, without footprint for '{0}'",
+                               sensor.name));
+}
+
+}  // namespace
+
+Plan makePlan(Pipeline read, Channels recorded) {
+  Plan plan{std::move(read), {}, recorded};
+  const Pipeline& pipeline = plan.pipeline;
+  if (pipeline.recording != nullptr && pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
+    refuse(pipeline,
+           "the sensors of a recording cannot be moved: give each `mount` fixed values, or trace the scene again");
+  }
+  checkOntologies(pipeline);
+  checkLightPaths(pipeline);
+  checkObjects(pipeline);
+  checkVoxels(pipeline);
+  plan.channels |= channelsOf(pipeline);
+  checkFrameMemory(plan);
+  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) plan.sensors.push_back(planSensor(pipeline, s));
   if (!pipeline.vehicle.empty() && pipeline.recording != nullptr) {
     refuse(pipeline, fmt::format("the recording in {} has no data of a vehicle: leave out `vehicle`",
                                  pipeline.recording->folder.string()));

@@ -54,10 +54,10 @@ struct Plan {
   void checkMemory(std::uint64_t bytes, const std::string& scene) const;
 };
 
-// Makes the plan of a pipeline. `kept`: channels that a recording saves beyond those that the scans need. Throws
+// Makes the plan of a pipeline. `recorded`: channels that a recording saves beyond those that the scans need. Throws
 // InputError if the plan cannot be carried out, for instance since the scenes' ontologies differ, the method cannot do
 // what the pipeline asks for, or a frame exceeds the memory limit.
-Plan makePlan(Pipeline pipeline, Channels kept = {});
+Plan makePlan(Pipeline pipeline, Channels recorded = {});
 
 // Returns what is computed, what is left out, and why. `blocked`: for each sensor, the fraction of its rays that hit
 // the ego vehicle; empty if there is no ego vehicle.
