@@ -11,6 +11,7 @@ namespace scanmill {
 
 namespace {
 
+// Returns stored numbers as values of a column, with labels and instances that mean none as adoptColumns() says.
 template <class Key, class Stored>
 std::vector<typename Key::Value> numbersFor(Key key, const std::vector<Stored>& stored, const Location& where) {
   using Value = typename Key::Value;
@@ -22,16 +23,16 @@ std::vector<typename Key::Value> numbersFor(Key key, const std::vector<Stored>& 
     constexpr int kIgnored = -100;  // a label that the losses of PyTorch ignore by default
     return isLabel ? number == static_cast<Stored>(-1) || number == static_cast<Stored>(kIgnored) : number < Stored{};
   };
-  const bool shifted = !isLabel && std::any_of(stored.begin(), stored.end(), isNone);
-  const bool zero = isLabel && std::find(stored.begin(), stored.end(), Stored{}) != stored.end();
-  const Value none = zero ? std::numeric_limits<Value>::max() : Value{};
+  const bool countedFrom1 = !isLabel && std::any_of(stored.begin(), stored.end(), isNone);
+  const bool hasZero = isLabel && std::find(stored.begin(), stored.end(), Stored{}) != stored.end();
+  const Value none = hasZero ? std::numeric_limits<Value>::max() : Value{};
   for (const Stored number : stored) {
     if (isNone(number)) {
       values.push_back(none);
       continue;
     }
     values.push_back(columnValue<Value>(number, key.row.name, values.size(), where));
-    if (shifted)
+    if (countedFrom1)
       values.back() =
           columnValue<Value>(static_cast<double>(values.back()) + 1, key.row.name, values.size() - 1, where);
   }
@@ -85,10 +86,10 @@ std::string columnMeant(std::string_view name) {
 
 void adoptColumns(Cloud& cloud, const Location& where) {
   Scan& scan = cloud.scan;
-  for (const bool ownName : {true, false}) {
+  for (const bool hasOwnName : {true, false}) {  // columns with the column's own name come first
     std::erase_if(scan.foreign, [&](const ForeignColumn& column) {
       const std::string meant = columnMeant(column.name);
-      if (ownName != (lowerCase(column.name) == meant)) return false;
+      if (hasOwnName != (lowerCase(column.name) == meant)) return false;
       bool adopted = false;
       visitTable(scan, [&](auto key, auto& values) {
         if (key.row.name != meant) return;
@@ -97,12 +98,12 @@ void adoptColumns(Cloud& cloud, const Location& where) {
                            std::all_of(values.begin(), values.end(), [](auto value) { return value == 0; });
         if (scan.has(key) && !blank) return;
         try {
-          std::visit([&](const auto& stored) { values = numbersFor(key, stored, ownName ? where : Location{}); },
+          std::visit([&](const auto& stored) { values = numbersFor(key, stored, hasOwnName ? where : Location{}); },
                      column.values);
           scan.columnsIfEmpty.add(key.index);
           adopted = true;
         } catch (const InputError& error) {
-          if (ownName && !where.file.empty()) throw;
+          if (hasOwnName && !where.file.empty()) throw;
           cloud.leftOut.add(fmt::format("columns '{}' ({})", column.name, error.what()));
         }
       });

@@ -135,10 +135,10 @@ class CsvReader {
       if (key.row.name != name) return;
       if (key.index == kLabel.index || key.index == kInstance.index) {
         // adoptColumns() takes the numbers below 0 for none.
-        read = [numbers = foreignReader(name), name](std::string_view word, const Location& where) {
-          Value fits = 0;
-          if (!word.starts_with('-')) readNumber(word, fits, name, where);
-          numbers(word, where);
+        read = [readForeign = foreignReader(name), name](std::string_view word, const Location& where) {
+          Value checked = 0;
+          if (!word.starts_with('-')) readNumber(word, checked, name, where);
+          readForeign(word, where);
         };
         return;
       }

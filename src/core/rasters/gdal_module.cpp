@@ -16,6 +16,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -217,32 +218,37 @@ class GdalReader final : public RasterReader {
       GDALSetRasterNoDataValue(handle, kNoValue);
     }
     readSamples(handle, xywh, values);
-    const std::size_t count = static_cast<std::size_t>(xywh[2]) * static_cast<std::size_t>(xywh[3]);
+    const std::span samples(values, static_cast<std::size_t>(xywh[2]) * static_cast<std::size_t>(xywh[3]));
     // GDAL before 3.7 has no type for signed bytes.
     const char* const type = GDALGetMetadataItem(handle, "PIXELTYPE", "IMAGE_STRUCTURE");
     if (type != nullptr && EQUAL(type, "SIGNEDBYTE")) {
-      for (std::size_t i = 0; i < count; ++i) values[i] -= values[i] > 127 ? 256 : 0;
+      for (double& sample : samples) sample -= sample > 127 ? 256 : 0;
     }
-    int has = 0;
-    double none = GDALGetRasterNoDataValue(handle, &has);
-    if (has == 0 && driver_ == "AAIGrid") none = -9999;  // the default of Esri's text grids
-    const bool marked = std::isfinite(none) && (has != 0 || driver_ == "AAIGrid");
-    // Files state this value in float32 or as a text: with six digits, if it is as large as -3.40282e+38.
-    const double rounded = std::fabs(none) * (std::fabs(none) > 1e6 ? 1e-5 : 1e-7);
-    const double scale = GDALGetRasterScale(handle, nullptr);
-    const double offset = GDALGetRasterOffset(handle, nullptr);
     if (GDALGetMaskFlags(handle) != GMF_ALL_VALID) dropWhereZero(GDALGetMaskBand(handle), xywh, values);
     for (int i = 1; i <= GDALGetRasterCount(set_); ++i) {
       GDALRasterBandH alpha = GDALGetRasterBand(set_, i);
       if (GDALGetRasterColorInterpretation(alpha) == GCI_AlphaBand) dropWhereZero(alpha, xywh, values);
     }
-    for (std::size_t i = 0; i < count; ++i) {
-      const bool missing = marked && std::fabs(values[i] - none) <= rounded;
-      values[i] = missing ? kNoValue : values[i] * scale + offset;
+    const double marker = markerOf(handle);
+    // Files state the marker in float32 or as a text: with six digits, if it is as large as -3.40282e+38.
+    const double rounding = std::fabs(marker) * (std::fabs(marker) > 1e6 ? 1e-5 : 1e-7);
+    const double scale = GDALGetRasterScale(handle, nullptr);
+    const double offset = GDALGetRasterOffset(handle, nullptr);
+    for (double& sample : samples) {
+      const bool missing = std::isfinite(marker) && std::fabs(sample - marker) <= rounding;
+      sample = missing ? kNoValue : sample * scale + offset;
     }
   }
 
  private:
+  // Returns the value that marks missing samples of a band; NaN if there is none.
+  double markerOf(GDALRasterBandH band) const {
+    int has = 0;
+    const double marker = GDALGetRasterNoDataValue(band, &has);
+    if (has != 0) return marker;
+    return driver_ == "AAIGrid" ? -9999 : kNoValue;  // the default of Esri's text grids
+  }
+
   static void readSamples(GDALRasterBandH band, const std::array<int, 4>& xywh, double* values) {
     if (GDALRasterIO(band, GF_Read, xywh[0], xywh[1], xywh[2], xywh[3], values, xywh[2], xywh[3], GDT_Float64, 0, 0) !=
         CE_None) {

@@ -107,12 +107,11 @@ class MaterialReader {
     color.factor = from.color;
     color.stated = from.stated;
     color.textured = !from.base.name.empty();
-    bool declared = false;
-    color.alpha = alphaTest(from, declared);
+    color.alpha.wanted = options_.alpha != AlphaUse::Ignore;
     if (color.textured && (options_.textures || color.alpha.wanted)) {
       color.image = images_.load(from.base.name, from.base.name, !options_.textures);
     }
-    if (color.image && color.alpha.wanted && !declared && !isCutOut(imported_, index, *color.image)) {
+    if (color.image && color.alpha.wanted && !declaresAlpha(from) && !isCutOut(imported_, index, *color.image)) {
       color.alpha.wanted = false;
       if (!options_.textures) color.image.reset();
     }
@@ -137,14 +136,10 @@ class MaterialReader {
   }
 
  private:
-  // Returns the alpha test. `declared` becomes true if the test applies without a check by isCutOut().
-  AlphaTest alphaTest(const ImportedMaterial& from, bool& declared) const {
-    if (options_.alpha == AlphaUse::Ignore) return {};
-    // An opacity of 0 would hide the material. It comes from exporters that confuse opacity with transparency, and is
-    // ignored.
-    declared =
-        options_.alpha == AlphaUse::Test || !from.opacityMap.name.empty() || (from.opacity > 0 && from.opacity < 1);
-    return {true, 0.5f};
+  // True if the test of alpha applies without a check by isCutOut(). An opacity of 0 would hide the material: it comes
+  // from exporters that confuse opacity with transparency, and is ignored.
+  bool declaresAlpha(const ImportedMaterial& from) const {
+    return options_.alpha == AlphaUse::Test || !from.opacityMap.name.empty() || (from.opacity > 0 && from.opacity < 1);
   }
 
   const ImportedFile& imported_;

@@ -101,19 +101,19 @@ std::string modelFolderVariables() {
 
 std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name, bool allowOutside,
                                   const std::vector<std::filesystem::path>& folders) {
-  std::string unescaped = name;
-  std::replace(unescaped.begin(), unescaped.end(), '\\', '/');
+  std::string plain = name;  // with slashes and without a scheme, but with the escapes of a URI
+  std::replace(plain.begin(), plain.end(), '\\', '/');
   const std::filesystem::path folder = asset.parent_path();
   std::vector<std::filesystem::path> candidates;
   std::filesystem::path outside;
-  if (unescaped.starts_with("file://")) unescaped = unescaped.substr(7);
-  if (unescaped.starts_with("model://")) {  // Gazebo: model://MODEL/...; all models are in one folder
-    unescaped = unescaped.substr(8);
-    if (!leadsOutside(unescaped) && !leadsOutside(decodeUri(unescaped))) {
-      if (const auto found = findInModelFolders(asset, unescaped)) candidates.push_back(*found);
+  if (plain.starts_with("file://")) plain = plain.substr(7);
+  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/...; all models are in one folder
+    plain = plain.substr(8);
+    if (!leadsOutside(plain) && !leadsOutside(decodeUri(plain))) {
+      if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);
     }
   }
-  for (const std::string& spelling : {unescaped, decodeUri(unescaped)}) {
+  for (const std::string& spelling : {plain, decodeUri(plain)}) {
     const std::filesystem::path path = folder / spelling;  // `folder` is ignored if the spelling is absolute
     if (allowOutside || !leadsOutside(spelling)) {
       candidates.push_back(path);
@@ -128,14 +128,15 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
                                               folder / ".." / "textures",
                                               folder / "materials" / "textures"};
   searched.insert(searched.end(), folders.begin(), folders.end());
-  const std::string fileName = std::filesystem::path(decodeUri(unescaped)).filename().string();
+  const std::string fileName = std::filesystem::path(decodeUri(plain)).filename().string();
   if (fileName.empty() || fileName == "..") return {};
-  for (const auto& place : searched) candidates.push_back(place / fileName);
+  for (const auto& searchedFolder : searched) candidates.push_back(searchedFolder / fileName);
   for (const auto& candidate : candidates) {
     if (isFile(candidate)) return candidate;
   }
-  for (const auto& place : searched) {
-    if (auto found = findIgnoringCase(place.empty() ? "." : place, fileName); !found.empty()) return found;
+  for (const auto& searchedFolder : searched) {
+    if (auto found = findIgnoringCase(searchedFolder.empty() ? "." : searchedFolder, fileName); !found.empty())
+      return found;
   }
   if (!outside.empty()) throw InputError({asset.string()}, refusalOf(name));
   // Some exporters write a name with blanks in quotation marks.

@@ -34,6 +34,24 @@ class UrdfReader {
   WorldFile read() {
     if (root_.name != "robot") root_.fail("is not a URDF: its first element must be <robot>");
     survey(root_);
+    readJoints();
+    WorldThing robot{root_.attributeOr("name", "robot"), {}, {}, {}};
+    for (const XmlNode& link : root_.children) {
+      if (link.name != "link") continue;
+      const std::string name = link.attributeOr("name", "link");
+      const Affine robotFromLink = robotFromLinkOf(name, link);
+      std::size_t number = 0;
+      for (const XmlNode& visual : link.children) {
+        if (visual.name == "visual") addVisual(visual, name, ++number, robotFromLink, robot.parts);
+      }
+    }
+    world_.things.push_back(std::move(robot));
+    return std::move(world_);
+  }
+
+ private:
+  // Reads the joints, and the materials that visuals may name. Throws InputError unless the links are a tree.
+  void readJoints() {
     std::set<std::string> links;
     for (const XmlNode& child : root_.children) {
       if (child.name == "material") lookOf(child);
@@ -59,21 +77,8 @@ class UrdfReader {
       }
       first = &link;
     }
-    WorldThing robot{root_.attributeOr("name", "robot"), {}, {}, {}};
-    for (const XmlNode& link : root_.children) {
-      if (link.name != "link") continue;
-      const std::string name = link.attributeOr("name", "link");
-      const Affine robotFromLink = robotFromLinkOf(name, link);
-      std::size_t number = 0;
-      for (const XmlNode& visual : link.children) {
-        if (visual.name == "visual") addVisual(visual, name, ++number, robotFromLink, robot.parts);
-      }
-    }
-    world_.things.push_back(std::move(robot));
-    return std::move(world_);
   }
 
- private:
   // Counts the elements that are left out, and those that the table does not know. Throws InputError for macros.
   void survey(const XmlNode& of) {
     static constexpr std::array<ElementPlace, 9> kPlaces{{{"link joint", "robot", true},

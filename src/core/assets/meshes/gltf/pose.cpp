@@ -20,47 +20,72 @@ Affine toAffine(const Number* m) {
   return {{column(0), column(1), column(2)}, column(3)};
 }
 
-// Returns the values of a sampler at a time: `width` numbers, or a rotation as a unit quaternion (x, y, z, w).
-std::vector<double> sampled(const std::vector<float>& times, const std::vector<float>& values, std::size_t width,
-                            Animation::Interpolation interpolation, bool rotation, double time) {
-  const bool step = interpolation == Animation::Interpolation::Step;
-  const bool cubic = interpolation == Animation::Interpolation::CubicSpline;
-  const std::size_t stride = width * (cubic ? 3 : 1);
-  // `which` matters only for cubic splines: 0 in-tangent, 1 value, 2 out-tangent (appendix C.5).
-  const auto value = [&](std::size_t key, std::size_t which, std::size_t i) {
-    return static_cast<double>(values[key * stride + (cubic ? which * width : 0) + i]);
-  };
-  const auto after = std::upper_bound(times.begin(), times.end(), static_cast<float>(time));
-  const std::size_t b = std::min(static_cast<std::size_t>(after - times.begin()), times.size() - 1);
-  const std::size_t a = after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin()) - 1;
-  const double span = static_cast<double>(times[b]) - static_cast<double>(times[a]);
-  const double t = span > 0 ? std::clamp((time - static_cast<double>(times[a])) / span, 0.0, 1.0) : 0;
-  std::vector<double> out(width);
-  for (std::size_t i = 0; i < width; ++i) {
-    if (step || a == b) {
-      out[i] = value(a, 1, i);
-    } else if (cubic) {
-      const double t2 = t * t;
-      const double t3 = t2 * t;
-      out[i] = (2 * t3 - 3 * t2 + 1) * value(a, 1, i) + span * (t3 - 2 * t2 + t) * value(a, 2, i) +
-               (3 * t2 - 2 * t3) * value(b, 1, i) + span * (t3 - t2) * value(b, 0, i);
-    } else {
-      out[i] = value(a, 1, i) + (value(b, 1, i) - value(a, 1, i)) * t;
+// The key frames of a sampler, and a time between two of them.
+class KeyFrames {
+ public:
+  // `width`: how many numbers a key frame has.
+  KeyFrames(const std::vector<float>& times, const std::vector<float>& values, std::size_t width,
+            Animation::Interpolation interpolation, double time)
+      : values_(values), width_(width), interpolation_(interpolation) {
+    const auto later = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), static_cast<float>(time)) -
+                                                times.begin());
+    before_ = later == 0 ? 0 : later - 1;
+    after_ = std::min(later, times.size() - 1);
+    span_ = static_cast<double>(times[after_]) - static_cast<double>(times[before_]);
+    if (span_ > 0) fraction_ = std::clamp((time - static_cast<double>(times[before_])) / span_, 0.0, 1.0);
+  }
+
+  // Returns the interpolated numbers.
+  std::vector<double> numbers() const {
+    const double t = fraction_, t2 = t * t, t3 = t2 * t;
+    std::vector<double> out(width_);
+    for (std::size_t i = 0; i < width_; ++i) {
+      if (interpolation_ == Animation::Interpolation::Step || before_ == after_) {
+        out[i] = at(before_, Value, i);
+      } else if (interpolation_ == Animation::Interpolation::CubicSpline) {
+        out[i] = (2 * t3 - 3 * t2 + 1) * at(before_, Value, i) +
+                 span_ * (t3 - 2 * t2 + t) * at(before_, OutTangent, i) + (3 * t2 - 2 * t3) * at(after_, Value, i) +
+                 span_ * (t3 - t2) * at(after_, InTangent, i);
+      } else {
+        out[i] = at(before_, Value, i) + (at(after_, Value, i) - at(before_, Value, i)) * t;
+      }
     }
+    return out;
   }
-  if (!rotation) return out;
-  if (!step && !cubic && a != b) {
-    const auto quat = [&](std::size_t k) {
-      return Quat{value(k, 1, 3), value(k, 1, 0), value(k, 1, 1), value(k, 1, 2)};
-    };
-    const Quat q = slerp(quat(a), quat(b), t);
-    out = {q.x, q.y, q.z, q.w};
+
+  // Returns the interpolated rotation as a unit quaternion (x, y, z, w).
+  std::vector<double> rotation() const {
+    std::vector<double> q = numbers();
+    if (interpolation_ == Animation::Interpolation::Linear && before_ != after_) {
+      const Quat s = slerp(quaternion(before_), quaternion(after_), fraction_);
+      q = {s.x, s.y, s.z, s.w};
+    }
+    const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(size > 0)) return {0, 0, 0, 1};
+    for (double& number : q) number /= size;
+    return q;
   }
-  const double size = std::sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + out[3] * out[3]);
-  if (!(size > 0)) return {0, 0, 0, 1};
-  for (double& number : out) number /= size;
-  return out;
-}
+
+ private:
+  enum Part { InTangent, Value, OutTangent };  // of a key frame of a cubic spline (appendix C.5); others have a value
+
+  double at(std::size_t key, Part part, std::size_t i) const {
+    const bool cubic = interpolation_ == Animation::Interpolation::CubicSpline;
+    return static_cast<double>(values_[cubic ? (3 * key + part) * width_ + i : key * width_ + i]);
+  }
+
+  Quat quaternion(std::size_t key) const {
+    return {at(key, Value, 3), at(key, Value, 0), at(key, Value, 1), at(key, Value, 2)};
+  }
+
+  const std::vector<float>& values_;
+  std::size_t width_;
+  Animation::Interpolation interpolation_;
+  std::size_t before_ = 0,
+              after_ = 0;  // the key frames around the time; the same one before the first or after the last
+  double span_ = 0;        // s, between them
+  double fraction_ = 0;    // of the span
+};
 
 }  // namespace
 
@@ -124,8 +149,8 @@ void apply(const ClipTime& clip, const Data& data, Model& model) {
       model.fail(
           fmt::format("is not valid glTF: a sampler of {} has numbers of times and values that do not match", what));
     }
-    const std::vector<double> now =
-        sampled(times, values, width, sampler.interpolation, channel.path == Path::Rotation, clip.time);
+    const KeyFrames frames(times, values, width, sampler.interpolation, clip.time);
+    const std::vector<double> now = channel.path == Path::Rotation ? frames.rotation() : frames.numbers();
     if (channel.path == Path::Weights) {
       node.weights = now;
       continue;
