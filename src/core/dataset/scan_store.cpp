@@ -52,12 +52,15 @@ std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& fold
   return nullptr;
 }
 
+// Returns true if a member with this name contains the scan.
+bool isIn(const auto& scan, const MemberName& name) {
+  return lowerCase(scan.sensor) == lowerCase(name.sensor) && scan.revolution == name.revolution &&
+         lowerCase(scan.method) == lowerCase(name.method);
+}
+
 const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
   if (sample == nullptr) return nullptr;
-  const auto found = std::ranges::find_if(sample->scans, [&](const ScanRecord& r) {
-    return lowerCase(r.sensor) == lowerCase(name.sensor) && r.revolution == name.revolution &&
-           lowerCase(r.method) == lowerCase(name.method);
-  });
+  const auto found = std::ranges::find_if(sample->scans, [&](const ScanRecord& r) { return isIn(r, name); });
   return found == sample->scans.end() ? nullptr : &*found;
 }
 
@@ -215,10 +218,7 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
   for (const std::string& member : membersOf(stored)) {
     const MemberName name = partsOfMember(member);
     if (formatBySuffix(name.suffix) == nullptr) continue;
-    const auto known = std::ranges::find_if(all, [&](const StoredScan& s) {
-      return lowerCase(s.sensor) == lowerCase(name.sensor) && s.revolution == name.revolution &&
-             lowerCase(s.method) == lowerCase(name.method);
-    });
+    const auto known = std::ranges::find_if(all, [&](const StoredScan& s) { return isIn(s, name); });
     if (known != all.end()) {
       known->members.push_back(member);
       continue;
@@ -285,12 +285,8 @@ std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
 
 std::optional<std::string> ScanStore::voxels(std::size_t sample, const std::string& sensor) const {
   if (single_ || recorded_) return {};
-  const StoredScan scan = scans(sample, sensor).front();
-  ScanRecord named;
-  named.sensor = scan.sensor;
-  named.revolution = scan.revolution;
-  named.method = scan.method;
-  return bytesOf(sample, keys_.at(sample) + "." + memberSuffix(named, kVoxelsSuffix));
+  const std::string member = scans(sample, sensor).front().members.front();
+  return bytesOf(sample, member.substr(0, member.rfind('.') + 1) + std::string(kVoxelsSuffix));
 }
 
 void ScanStore::requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const {
