@@ -23,7 +23,7 @@ struct ComputeContext {
 
   // Calls `work` and returns its result. Converts exceptions of the plug-in to Error with the wording of `words`.
   template <class Work>
-  decltype(auto) told(const Work& work) const {
+  decltype(auto) withErrorWords(const Work& work) const {
     try {
       return work();
     } catch (const std::bad_alloc&) {
@@ -37,7 +37,7 @@ struct ComputeContext {
   }
 
   ComputeContext(ComputeErrorWords errorWords, const ComputeLimits& most) : words(std::move(errorWords)) {
-    backend = told([] { return moduleOf<ComputeModule>().open(namedDevice()); });
+    backend = withErrorWords([] { return moduleOf<ComputeModule>().open(namedDevice()); });
     name = backend->name();
     limits = backend->limits();
     limits.bufferBytes = std::min(limits.bufferBytes, most.bufferBytes);
@@ -105,27 +105,28 @@ void ComputeDevice::fail(const std::string& why) const {
 }
 
 ComputeBuffer::ComputeBuffer(const ComputeDevice& device)
-    : context_(device.context_), buffer_(context_->told([&] { return context_->backend->makeBuffer(); })) {
+    : context_(device.context_), buffer_(context_->withErrorWords([&] { return context_->backend->makeBuffer(); })) {
   reserve(16);  // buffers without storage cannot be bound
 }
 
 void ComputeBuffer::reserve(std::uint64_t bytes) {
   if (bytes <= bytes_) return;
   bytes_ = 0;  // size unknown until resizing has succeeded
-  context_->told([&] { context_->backend->resize(*buffer_, bytes); });
+  context_->withErrorWords([&] { context_->backend->resize(*buffer_, bytes); });
   bytes_ = bytes;
 }
 
 void ComputeBuffer::write(std::uint64_t offset, std::span<const std::byte> bytes) {
-  context_->told([&] { context_->backend->write(*buffer_, offset, bytes); });
+  context_->withErrorWords([&] { context_->backend->write(*buffer_, offset, bytes); });
 }
 
 ComputeReadback::ComputeReadback(const ComputeDevice& device)
-    : context_(device.context_), readback_(context_->told([&] { return context_->backend->makeReadback(); })) {}
+    : context_(device.context_),
+      readback_(context_->withErrorWords([&] { return context_->backend->makeReadback(); })) {}
 
 void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
   copy_ = nullptr;
-  context_->told([&] { context_->backend->startCopy(*readback_, *buffer.buffer_, bytes); });
+  context_->withErrorWords([&] { context_->backend->startCopy(*readback_, *buffer.buffer_, bytes); });
   bytes_ = bytes;
 }
 
@@ -136,7 +137,7 @@ std::span<const std::byte> ComputeReadback::wait() {
   const std::scoped_lock lock(asking_);
   const WallTimer waiting;
   while (copy_ == nullptr) {
-    copy_ = context_->told([&] { return context_->backend->copied(*readback_); });
+    copy_ = context_->withErrorWords([&] { return context_->backend->copied(*readback_); });
     if (copy_ != nullptr) break;
     if (waiting.seconds() > kSpin) std::this_thread::sleep_for(kPause);
     if (waiting.seconds() > kMost) context_->fail(fmt::format("{} has not answered for {} s", context_->name, kMost));
@@ -161,7 +162,8 @@ void main() {{
 
 ComputeProgram::ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text)
     : context_(device.context_),
-      program_(context_->told([&] { return context_->backend->makeProgram(name, computeShaderText(text)); })) {}
+      program_(
+          context_->withErrorWords([&] { return context_->backend->makeProgram(name, computeShaderText(text)); })) {}
 
 void ComputeProgram::run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
                          std::span<const std::byte> parameters, std::initializer_list<ComputeTable> tables) {
@@ -169,7 +171,7 @@ void ComputeProgram::run(std::uint64_t invocations, std::initializer_list<const 
   for (const ComputeBuffer* buffer : buffers) bound.push_back(buffer->buffer_.get());
   std::vector<ComputeRun::Table> shown;
   for (const ComputeTable& table : tables) shown.push_back({table.buffer->buffer_.get(), table.texel});
-  context_->told([&] { context_->backend->run({*program_, bound, shown, parameters, invocations}); });
+  context_->withErrorWords([&] { context_->backend->run({*program_, bound, shown, parameters, invocations}); });
 }
 
 void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, const std::string& what,

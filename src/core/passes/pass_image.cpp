@@ -58,26 +58,26 @@ std::vector<PixelAddress> firstPixels(std::span<const Camera> cameras) {
 ImageSource::ImageSource(std::span<const PassImage> images) : images_(images), available_{Channels::all(), true} {
   for (const PassImage& image : images) {
     cameras_.push_back(image.camera);
-    const PassChoice there = image.planes.choice();
-    available_.channels = available_.channels & there.channels;
-    available_.surfaceParameters = available_.surfaceParameters && there.surfaceParameters;
+    const PassChoice available = image.planes.choice();
+    available_.channels = available_.channels & available.channels;
+    available_.surfaceParameters = available_.surfaceParameters && available.surfaceParameters;
   }
   firsts_ = firstPixels(cameras_);
 }
 
 void ImageSource::require(PassChoice asked) const {
   for (const PassImage& image : images_) {
-    const PassChoice there = image.planes.choice();
+    const PassChoice available = image.planes.choice();
     for (const ChannelRow& row : kChannels) {
       if (row.channel == Channel::Range || !row.drawn || !asked.channels.has(row.channel) ||
-          there.channels.has(row.channel)) {
+          available.channels.has(row.channel)) {
         continue;
       }
-      const bool known = row.channel == Channel::Material && there.surfaceParameters;
+      const bool hasSubstitute = row.channel == Channel::Material && available.surfaceParameters;
       throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs{}",
-                                   image.camera.name, row.name, known ? "" : insteadOf(row.name)));
+                                   image.camera.name, row.name, hasSubstitute ? "" : insteadOf(row.name)));
     }
-    if (asked.surfaceParameters && !there.surfaceParameters) {
+    if (asked.surfaceParameters && !available.surfaceParameters) {
       throw InputError(
           fmt::format("the image of camera '{}' has no passes roughness, metallic and retroreflectance, "
                       "which the pipeline needs",

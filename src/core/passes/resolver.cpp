@@ -109,11 +109,11 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   std::array<const Face*, kLanes> faces;
   static constexpr Face kNothing{};
   for (std::size_t i = 0; i < count; ++i) {
-    const bool there = seen[i].instance != 0 && addresses[i] != kNoPixel;
-    placed[i] = &instances_[there ? seen[i].instance : 0];
-    faces[i] = there ? placed[i]->faces + seen[i].triangle : &kNothing;
+    const bool isSeen = seen[i].instance != 0 && addresses[i] != kNoPixel;
+    placed[i] = &instances_[isSeen ? seen[i].instance : 0];
+    faces[i] = isSeen ? placed[i]->faces + seen[i].triangle : &kNothing;
     __builtin_prefetch(faces[i]);
-    planes.depth[first + i] = there ? seen[i].depth : kNoDepth;
+    planes.depth[first + i] = isSeen ? seen[i].depth : kNoDepth;
   }
 
   std::array<SurfaceIds, kLanes> surfaces;

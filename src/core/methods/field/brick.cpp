@@ -46,7 +46,7 @@ constexpr BrickMaker::Points kBlockCentres = blockCentres();
 namespace {
 
 // Number of triangles near a brick above which makeDense() is faster than makeSparse(); measured in the scene "street".
-constexpr std::size_t kFew = 128;
+constexpr std::size_t kMostSparse = 128;
 
 }  // namespace
 
@@ -56,8 +56,8 @@ void BrickMaker::make(const BrickPlace& place, std::uint16_t* distance, std::uin
   listBegin_ = 0;
   distance2_.fill(INFINITY);
   list_.fill(kNoWord);
-  constexpr float kGathered = brick::kSeen + 0.01f;
-  if (gatherTriangles(world_, place, {}, 0, kGathered, kFew, triangles_)) {
+  constexpr float kGathered = brick::kGatherRadius + 0.01f;
+  if (gatherTriangles(world_, place, {}, 0, kGathered, kMostSparse, triangles_)) {
     sortTriangles();
     makeSparse(place);
   } else {

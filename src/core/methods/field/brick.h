@@ -86,9 +86,9 @@ class BrickMaker {
 
   // Buffers for dense bricks.
   FacetCache cache_;
-  std::uint32_t guess_ = kNoTriangle;      // first guess of the nearest triangle in a search
-  std::vector<int> crowded_;               // blocks with too many candidates
-  std::array<bool, kBrickStride> open_{};  // true for the corners of crowded blocks
+  std::uint32_t guess_ = kNoTriangle;           // first guess of the nearest triangle in a search
+  std::vector<int> crowded_;                    // blocks with too many candidates
+  std::array<bool, kBrickStride> isCrowded_{};  // true for the corners of crowded blocks
   std::vector<Listing> listings_;
   std::vector<std::uint32_t> listingsByCorner_;
 
@@ -109,7 +109,7 @@ constexpr float kListRadius = 0.9536f;   // radius of a ball that contains a cub
 constexpr float kBlockRadius = 1.7322f;  // distance from a block's centre to its corners, rounded up: sqrt(3)
 static_assert(kListRadius * kListRadius > 3 * kListHalfSide * kListHalfSide);
 // Triangles that are at most kExactLimit from a corner of the brick are at most this far from the brick's centre.
-constexpr float kSeen = kRadius + kExactLimit;
+constexpr float kGatherRadius = kRadius + kExactLimit;
 
 // Positions relative to the brick's centre: the corners of each block, and the centres of the blocks.
 extern const std::array<BrickMaker::Points, BrickMaker::kBlock> kBlockCorners;
@@ -123,9 +123,9 @@ constexpr std::uint32_t cornerIndex(int block, int lane) {
 }
 
 // Returns the distance from a block's centre within which all triangles are known.
-inline float seenFrom(int block) {
+inline float knownRadius(int block) {
   const auto& c = kBlockCentres;
-  return kSeen - std::sqrt(c.x[block] * c.x[block] + c.y[block] * c.y[block] + c.z[block] * c.z[block]);
+  return kGatherRadius - std::sqrt(c.x[block] * c.x[block] + c.y[block] * c.y[block] + c.z[block] * c.z[block]);
 }
 
 }  // namespace brick

@@ -17,9 +17,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kUnmade = 0xFFFFFFFFu;  // table entry of a full brick that has no place in the pool yet
-constexpr std::uint32_t kNone = 0xFFFFFFFFu;    // means "no index"
-constexpr float kEmptyWorldDistance = 1e30f;    // voxels, the distance to surfaces in an empty world
+constexpr std::uint32_t kNewBrick = 0xFFFFFFFFu;  // table entry of a full brick that has no place in the pool yet
+constexpr std::uint32_t kNone = 0xFFFFFFFFu;      // means "no index"
+constexpr float kEmptyWorldDistance = 1e30f;      // voxels, the distance to surfaces in an empty world
 constexpr std::size_t kBricksPerTask = 8;
 // Largest number of full bricks: march_stream.h addresses their distances by byte offsets of 31 bits.
 constexpr std::size_t kMostBricks = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
@@ -31,7 +31,7 @@ constexpr std::size_t withRoom(std::size_t count) {
 }
 
 constexpr std::uint32_t tableEntry(float distance) {
-  return distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kUnmade;
+  return distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kNewBrick;
 }
 
 class Builder {
@@ -41,8 +41,8 @@ class Builder {
     if (!world.placed.empty()) throw Error("particle: a field cannot be built of instanced meshes");
     for (const auto& field : before) {
       if (field->shape.voxel != shape.voxel || field->shape.lists != shape.lists) continue;
-      if (poolBefore_ == nullptr) poolBefore_ = field->pool;
-      if (field->pool == poolBefore_) before_.push_back(field.get());
+      if (earlierPool_ == nullptr) earlierPool_ = field->pool;
+      if (field->pool == earlierPool_) earlierFields_.push_back(field.get());
     }
     field_->shape = shape;
     field_->levels = fieldLevels(shape);
@@ -50,18 +50,19 @@ class Builder {
 
   std::shared_ptr<const DistanceField> build() {
     std::unique_lock<std::mutex> lock;
-    if (poolBefore_ != nullptr) lock = std::unique_lock(poolBefore_->appending);
+    if (earlierPool_ != nullptr) lock = std::unique_lock(earlierPool_->appending);
     fillTable();
-    findUnmade();
+    findNewBricks();
     // A field gets a new pool if there is no earlier pool, if it has more new bricks than bricks from earlier fields,
     // or if the earlier pool has no room for the new bricks.
-    const bool appended = poolBefore_ != nullptr && kept_ >= unmade_.size() && poolBefore_->room() >= unmade_.size();
-    appended ? append() : startPool();
+    const bool appended =
+        earlierPool_ != nullptr && reusedBricks_ >= newEntries_.size() && earlierPool_->room() >= newEntries_.size();
+    appended ? appendToEarlierPool() : startOwnPool();
     makeBricks();
     if (field_->shape.lists) {
       std::uint64_t end = placeLists();
       if (appended && end > pool_->lists.size()) {
-        startPool();
+        startOwnPool();
         end = placeLists();
       }
       if (end >= kNoWord) {
@@ -70,11 +71,11 @@ class Builder {
                         "larger voxels (voxel_m), or `refine: none`",
                         field_->shape.voxel));
       }
-      const std::uint64_t most = poolBefore_ != nullptr ? std::min<std::uint64_t>(withRoom(end), kNoWord - 1) : end;
+      const std::uint64_t most = earlierPool_ != nullptr ? std::min<std::uint64_t>(withRoom(end), kNoWord - 1) : end;
       if (pool_->lists.empty()) pool_->lists.resize(most);
     }
-    assemble();
-    pool_->bricks = first_ + bricks_.size();
+    copyBricksAndLists();
+    pool_->bricks = firstPlace_ + bricks_.size();
     field_->distance = std::span(pool_->distance).first(pool_->bricks * kBrickStride);
     field_->word = std::span(pool_->word).first(pool_->bricks * kBrickStride);
     field_->lists = std::span(pool_->lists).first(pool_->firstList[pool_->bricks]);
@@ -121,8 +122,8 @@ class Builder {
   }
 
   // Returns the table entry of a brick in the first earlier field that has the brick; null if none has it.
-  const std::uint32_t* entryBefore(std::size_t level, const Corner& brick) const {
-    for (const DistanceField* field : before_) {
+  const std::uint32_t* earlierEntry(std::size_t level, const Corner& brick) const {
+    for (const DistanceField* field : earlierFields_) {
       if (const std::uint32_t* entry = entryOf(*field, level, brick)) return entry;
     }
     return nullptr;
@@ -139,7 +140,7 @@ class Builder {
   }
 
   // Fills the table entries of a row of bricks along x: with an earlier field's entry if there is one, else with the
-  // distance of an empty brick, or kUnmade for a full brick.
+  // distance of an empty brick, or kNewBrick for a full brick.
   void fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
     const LevelBox& box = field_->shape.levels[level];
     const auto first = static_cast<std::uint32_t>(field_->levels[level].firstEntry + row * box.bricks[0]);
@@ -147,7 +148,7 @@ class Builder {
     for (std::uint32_t i = 0; i < box.bricks[0]; ++i) {
       const Corner brick = brickOf(level, first + i);
       std::uint32_t& entry = field_->table[first + i];
-      if (const std::uint32_t* before = entryBefore(level, brick)) {
+      if (const std::uint32_t* before = earlierEntry(level, brick)) {
         entry = *before;
       } else if (world_.baked.triangles.empty()) {
         entry = tableEntry(kEmptyWorldDistance);
@@ -170,16 +171,16 @@ class Builder {
     }
   }
 
-  void findUnmade() {
+  void findNewBricks() {
     for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
       const std::uint32_t entry = field_->table[i];
-      if (entry == kUnmade) {
-        unmade_.push_back(i);
+      if (entry == kNewBrick) {
+        newEntries_.push_back(i);
       } else if (entry >= kFullBrick) {
-        ++kept_;
+        ++reusedBricks_;
       }
     }
-    if (kept_ + unmade_.size() <= kMostBricks) return;
+    if (reusedBricks_ + newEntries_.size() <= kMostBricks) return;
     throw Error(
         fmt::format("particle: voxels of {:g} m give more than {} million bricks near surfaces: choose larger voxels "
                     "(voxel_m) or fewer (voxels)",
@@ -187,111 +188,111 @@ class Builder {
   }
 
   // Gives new bricks places in the pool of the earlier fields, after the bricks that the pool already contains.
-  void append() {
-    pool_ = poolBefore_;
-    first_ = pool_->bricks;
-    for (const std::uint32_t entry : unmade_) {
-      const auto made = static_cast<std::uint32_t>(bricks_.size());
-      field_->table[entry] = kFullBrick + static_cast<std::uint32_t>(first_) + made;
-      bricks_.push_back({entry, made, kNone});
+  void appendToEarlierPool() {
+    pool_ = earlierPool_;
+    firstPlace_ = pool_->bricks;
+    for (const std::uint32_t entry : newEntries_) {
+      const auto newNumber = static_cast<std::uint32_t>(bricks_.size());
+      field_->table[entry] = kFullBrick + static_cast<std::uint32_t>(firstPlace_) + newNumber;
+      bricks_.push_back({entry, newNumber, kNone});
     }
   }
 
   // Gives all bricks places in a new pool of this field, including new bricks that were already appended to the earlier
   // pool.
-  void startPool() {
+  void startOwnPool() {
     const bool wereAppended = !bricks_.empty();
-    const std::size_t count = kept_ + unmade_.size();
-    pool_ = std::make_shared<BrickPool>(poolBefore_ != nullptr ? std::min(withRoom(count), kMostBricks) : count);
+    const std::size_t count = reusedBricks_ + newEntries_.size();
+    pool_ = std::make_shared<BrickPool>(earlierPool_ != nullptr ? std::min(withRoom(count), kMostBricks) : count);
     std::vector<Brick> placed;
     placed.reserve(count);
-    std::uint32_t made = 0;
+    std::uint32_t newNumber = 0;
     for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
       std::uint32_t& entry = field_->table[i];
       if (entry < kFullBrick) continue;
-      const std::uint32_t copied = entry == kUnmade ? kNone : entry - kFullBrick;
-      const bool isNew = copied == kNone || (wereAppended && copied >= first_);
-      placed.push_back({i, isNew ? made++ : kNone, copied});
+      const std::uint32_t copiedFrom = entry == kNewBrick ? kNone : entry - kFullBrick;
+      const bool isNew = copiedFrom == kNone || (wereAppended && copiedFrom >= firstPlace_);
+      placed.push_back({i, isNew ? newNumber++ : kNone, copiedFrom});
       entry = kFullBrick + static_cast<std::uint32_t>(placed.size() - 1);
     }
     bricks_ = std::move(placed);
-    first_ = 0;
+    firstPlace_ = 0;
   }
 
   void makeBricks() {
-    lists_.resize(unmade_.size());
+    lists_.resize(newEntries_.size());
     parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t first, std::size_t last) {
       BrickMaker maker(world_, field_->shape.lists);
       std::vector<std::uint32_t> lists;
       for (std::size_t i = first; i < last; ++i) {
-        if (bricks_[i].made != kNone) makeBrick(i, maker, lists);
+        if (bricks_[i].newNumber != kNone) makeBrick(i, maker, lists);
       }
     });
   }
 
   void makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint32_t>& lists) {
     const Brick& brick = bricks_[i];
-    const std::size_t at = (first_ + i) * kBrickStride;
+    const std::size_t at = (firstPlace_ + i) * kBrickStride;
     lists.clear();
     maker.make(placeOf(brick.entry), &pool_->distance[at], &pool_->word[at], lists);
-    lists_[brick.made].assign(lists.begin(), lists.end());
+    lists_[brick.newNumber].assign(lists.begin(), lists.end());
   }
 
   // Sets the start of each brick's lists. Returns the end of the last lists, which may be beyond the space of the pool.
   std::uint64_t placeLists() {
     const auto countOf = [&](const Brick& brick) -> std::uint64_t {
-      if (brick.made != kNone) return lists_[brick.made].size();
-      const auto& first = poolBefore_->firstList;
-      return first[brick.copied + 1] - first[brick.copied];
+      if (brick.newNumber != kNone) return lists_[brick.newNumber].size();
+      const auto& first = earlierPool_->firstList;
+      return first[brick.copiedFrom + 1] - first[brick.copiedFrom];
     };
-    std::uint64_t end = pool_->firstList[first_];
+    std::uint64_t end = pool_->firstList[firstPlace_];
     for (std::size_t i = 0; i < bricks_.size(); ++i) {
       end += countOf(bricks_[i]);
-      pool_->firstList[first_ + i + 1] = static_cast<std::uint32_t>(end);
+      pool_->firstList[firstPlace_ + i + 1] = static_cast<std::uint32_t>(end);
     }
     return end;
   }
 
   // Copies the bricks that are taken from the earlier pool, and the lists of all bricks, to their places in the pool.
-  void assemble() {
-    const BrickPool* from = poolBefore_.get();
+  void copyBricksAndLists() {
+    const BrickPool* from = earlierPool_.get();
     parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const Brick& brick = bricks_[i];
-        const std::size_t at = (first_ + i) * kBrickStride;
+        const std::size_t at = (firstPlace_ + i) * kBrickStride;
         std::uint32_t* word = &pool_->word[at];
-        if (brick.copied != kNone) {
-          const std::size_t there = std::size_t{brick.copied} * kBrickStride;
+        if (brick.copiedFrom != kNone) {
+          const std::size_t there = std::size_t{brick.copiedFrom} * kBrickStride;
           std::copy_n(&from->distance[there], kBrickStride, &pool_->distance[at]);
           std::copy_n(&from->word[there], kBrickStride, word);
         }
         if (!field_->shape.lists) continue;
-        const bool isNew = brick.made != kNone;
-        const std::uint32_t first = pool_->firstList[first_ + i];
-        const std::uint32_t base = isNew ? 0 : from->firstList[brick.copied];
-        const std::uint32_t* lists = isNew ? lists_[brick.made].data() : from->lists.data() + base;
+        const bool isNew = brick.newNumber != kNone;
+        const std::uint32_t first = pool_->firstList[firstPlace_ + i];
+        const std::uint32_t base = isNew ? 0 : from->firstList[brick.copiedFrom];
+        const std::uint32_t* lists = isNew ? lists_[brick.newNumber].data() : from->lists.data() + base;
         for (int c = 0; c < kBrickStride; ++c) word[c] += word[c] == kNoWord ? 0 : first - base;
-        std::copy_n(lists, pool_->firstList[first_ + i + 1] - first, pool_->lists.begin() + first);
+        std::copy_n(lists, pool_->firstList[firstPlace_ + i + 1] - first, pool_->lists.begin() + first);
       }
     });
   }
 
   const World& world_;
-  std::vector<const DistanceField*> before_;  // earlier fields, all of one pool
-  std::shared_ptr<BrickPool> poolBefore_;     // pool of the earlier fields; null if there are none
+  std::vector<const DistanceField*> earlierFields_;  // earlier fields, all of one pool
+  std::shared_ptr<BrickPool> earlierPool_;           // pool of the earlier fields; null if there are none
   std::shared_ptr<DistanceField> field_;
   std::shared_ptr<BrickPool> pool_;
 
   // A full brick (a brick that stores distances), with a place in the pool.
   struct Brick {
-    std::uint32_t entry;   // index of the brick's table entry
-    std::uint32_t made;    // number of a new brick, an index into lists_; kNone for a brick from an earlier field
-    std::uint32_t copied;  // place in poolBefore_ of a brick that is copied from there; otherwise kNone
+    std::uint32_t entry;       // index of the brick's table entry
+    std::uint32_t newNumber;   // number of a new brick, an index into lists_; kNone for a brick from an earlier field
+    std::uint32_t copiedFrom;  // place in earlierPool_ of a brick that is copied from there; otherwise kNone
   };
   std::vector<Brick> bricks_;                      // in the order of their places, which are consecutive
-  std::size_t first_ = 0;                          // the place in the pool that the first brick of bricks_ has
-  std::vector<std::uint32_t> unmade_;              // indices of the table entries of new bricks
-  std::size_t kept_ = 0;                           // number of bricks taken from earlier fields
+  std::size_t firstPlace_ = 0;                     // the place in the pool that the first brick of bricks_ has
+  std::vector<std::uint32_t> newEntries_;          // indices of the table entries of new bricks
+  std::size_t reusedBricks_ = 0;                   // number of bricks taken from earlier fields
   std::vector<std::vector<std::uint32_t>> lists_;  // lists of each new brick; the brick's words are offsets in them
 };
 

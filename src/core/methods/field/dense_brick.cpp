@@ -39,7 +39,7 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
   const Corners ys = range(low.y, high.y);
   const Corners zs = range(low.z, high.z);
   std::optional<CubeTest> cube;
-  const auto meets = [&](const Vec3d& p) {
+  const auto inCube = [&](const Vec3d& p) {
     for (const Vec3d& corner : corners) {
       const Vec3d away = corner - p;
       if (higher(std::fabs(away.x), std::fabs(away.y), std::fabs(away.z)) < kListHalfSide - kSlack) return true;
@@ -52,7 +52,7 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
       for (int x = xs.first; x <= xs.last; ++x) {
         const auto corner = static_cast<std::uint32_t>((z * kBrickCorners + y) * kBrickCorners + x);
         const Vec3d p{x - double{kHalf}, y - double{kHalf}, z - double{kHalf}};
-        if (!open_[corner] || !meets(p)) continue;
+        if (!isCrowded_[corner] || !inCube(p)) continue;
         listings_.push_back({corner, triangle});
         const Vec3d gap{higher(low.x - p.x, p.x - high.x, 0), higher(low.y - p.y, p.y - high.y, 0),
                         higher(low.z - p.z, p.z - high.z, 0)};
@@ -97,8 +97,8 @@ NearestFacet BrickMaker::search(const BrickPlace& place, const Vec3f& point, flo
 bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
   const Points& centres = brick::kBlockCentres;
   const Vec3f centre{centres.x[block], centres.y[block], centres.z[block]};
-  const float seen = brick::seenFrom(block);
-  blockDistance_[block] = std::min(std::sqrt(search(place, centre, seen).distance2), seen);
+  const float known = brick::knownRadius(block);
+  blockDistance_[block] = std::min(std::sqrt(search(place, centre, known).distance2), known);
   if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) return true;
   // The search radius is the largest distance from a corner to the triangle that is nearest to the block's centre: no
   // corner's nearest triangle is farther away. With lists it is at least kListRadius. It is at most kExactLimit.
@@ -138,14 +138,14 @@ void BrickMaker::makeDense(const BrickPlace& place) {
   cache_.startBrick();
   guess_ = kNoTriangle;
   crowded_.clear();
-  open_.fill(false);
+  isCrowded_.fill(false);
   for (int block = 0; block < kBlock; ++block) {
     if (!makeBlock(place, block)) crowded_.push_back(block);
   }
   if (crowded_.empty()) return;
   if (lists_) {
     for (const int block : crowded_) {
-      for (int i = 0; i < kBlock; ++i) open_[brick::cornerIndex(block, i)] = true;
+      for (int i = 0; i < kBlock; ++i) isCrowded_[brick::cornerIndex(block, i)] = true;
     }
     listings_.clear();
     constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max() - 1;

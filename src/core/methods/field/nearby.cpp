@@ -39,7 +39,7 @@ class Ball {
 
   // Returns true if a triangle's bounding box is within the ball's radius of the cube of half side `half` around the
   // point.
-  bool meets(const TriangleBlock& block, std::uint32_t triangle, float half = 0) const {
+  bool overlaps(const TriangleBlock& block, std::uint32_t triangle, float half = 0) const {
     const Triangle& corners = block.corners[triangle];
     const Float4 a = vertexOf(block, corners[0]);
     const Float4 b = vertexOf(block, corners[1]);
@@ -88,10 +88,10 @@ double reachOf(const BrickPlace& place, float distance2) {
   return (double{std::sqrt(distance2)} + 1e-4) * place.voxel;
 }
 
-bool nearPoint(RTCPointQueryFunctionArguments* arguments) {
+bool visitNearest(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<PointSearch*>(arguments->userPtr);
   const std::uint32_t triangle = search.block.global(arguments->geomID, arguments->primID);
-  if (!search.ball.meets(search.block, triangle)) return false;
+  if (!search.ball.overlaps(search.block, triangle)) return false;
   const Facet<float>& facet = search.facets.of(search.block, triangle, search.place);
   const float distance2 = facet.distance2(search.point.x, search.point.y, search.point.z);
   NearestFacet& best = search.best;
@@ -116,11 +116,11 @@ struct Gathering {
   std::vector<std::uint32_t>& triangles;
 };
 
-bool gathered(RTCPointQueryFunctionArguments* arguments) {
+bool visitGathered(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<Gathering*>(arguments->userPtr);
   if (search.triangles.size() > search.most) return false;
   const std::uint32_t triangle = search.block.global(arguments->geomID, arguments->primID);
-  if (!search.margin.meets(search.block, triangle, search.half)) return false;
+  if (!search.margin.overlaps(search.block, triangle, search.half)) return false;
   search.triangles.push_back(triangle);
   if (search.triangles.size() <= search.most) return false;
   arguments->query->radius = 0;  // a radius of 0 ends the query
@@ -140,7 +140,7 @@ NearestFacet nearestFacet(const World& world, const BrickPlace& place, const Vec
                           FacetCache& facets) {
   PointSearch search{world.baked, place, point, facets, Ball(metresOf(place, point), reachOf(place, nearest.distance2)),
                      nearest};
-  runQuery(world, search.ball, nearPoint, &search);
+  runQuery(world, search.ball, visitNearest, &search);
   return search.best;
 }
 
@@ -150,7 +150,7 @@ bool gatherTriangles(const World& world, const BrickPlace& place, const Vec3f& p
   const Vec3d metres = metresOf(place, point);
   Gathering search{world.baked, Ball(metres, margin * place.voxel), static_cast<float>(half * place.voxel), most,
                    triangles};
-  runQuery(world, Ball(metres, (half * std::sqrt(3.0) + margin) * place.voxel), gathered, &search);
+  runQuery(world, Ball(metres, (half * std::sqrt(3.0) + margin) * place.voxel), visitGathered, &search);
   return triangles.size() <= most;
 }
 

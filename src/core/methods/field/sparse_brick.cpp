@@ -20,7 +20,7 @@ void BrickMaker::makeSparse(const BrickPlace& place) {
     facets_[t] = facet;
   }
   for (int block = 0; block < kBlock; ++block) {
-    blockDistance_[block] = std::min(std::sqrt(least[block]), brick::seenFrom(block));
+    blockDistance_[block] = std::min(std::sqrt(least[block]), brick::knownRadius(block));
     if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) continue;
     // Candidates are the triangles that may be the nearest to some corner of the block (up to kExactLimit), and the
     // triangles that some corner of the block may list.

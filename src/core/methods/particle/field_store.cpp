@@ -17,7 +17,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kShareOfMemory = 0.125;  // fraction of memoryLimitBytes() that more than kFewestPools pools may take
+constexpr double kMemoryFraction = 0.125;  // fraction of memoryLimitBytes() that more than kFewestPools pools may take
 // Least limit on the number of pools of fields around sensors: two for two drives, one under construction, one being
 // released.
 constexpr std::size_t kFewestPools = 4;
@@ -38,7 +38,7 @@ const ParticleOptions& checked(const ParticleOptions& options) {
 
 // Returns the largest number of pools that may exist, including the pool of the field under construction.
 std::size_t mostPoolsOf(const ParticleOptions& options) {
-  const double fit = kShareOfMemory * static_cast<double>(memoryLimitBytes()) / fieldBytes(options);
+  const double fit = kMemoryFraction * static_cast<double>(memoryLimitBytes()) / fieldBytes(options);
   const auto wanted = static_cast<double>(threadCount() + 2);
   return std::max(static_cast<std::size_t>(std::min(fit, wanted)), kFewestPools);
 }
@@ -51,8 +51,8 @@ double apart2(const FieldShape& a, const FieldShape& b) {
 
 }  // namespace
 
-struct FieldStore::Work {
-  Work(std::shared_ptr<const World> of, const FieldShape& asked) : world(std::move(of)), shape(asked) {}
+struct FieldStore::Construction {
+  Construction(std::shared_ptr<const World> of, const FieldShape& asked) : world(std::move(of)), shape(asked) {}
 
   const std::shared_ptr<const World> world;
   const FieldShape shape;
@@ -69,86 +69,87 @@ FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
       worlds_(scene, Instancing::Never, {}) {}
 
 SensorField FieldStore::around(const Vec3d& sensor, double range, StageClock& clock) const {
-  SensorField made;
-  made.world = worlds_.near(sensor);
-  const Vec3d& origin = made.world->origin;
+  SensorField result;
+  result.world = worlds_.near(sensor);
+  const Vec3d& origin = result.world->origin;
   Box scene;
   if (!bounds_.empty()) scene = {bounds_.low - origin, bounds_.high - origin};
   const FieldShape shape = shapeOf(options_, sensor - origin, scene, range);
-  made.box = marchBox(shape);
-  made.coversScene = holds(made.box, scene);
-  made.field = fieldOf(made.world, shape, clock);
-  return made;
+  result.box = marchBox(shape);
+  result.coversScene = holds(result.box, scene);
+  result.field = fieldOf(result.world, shape, clock);
+  return result;
 }
 
 std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<const World>& world,
                                                          const FieldShape& shape, StageClock& clock) const {
   for (;;) {
-    std::shared_ptr<Work> work;
-    bool own = false;
+    std::shared_ptr<Construction> construction;
+    bool isBuilder = false;
     {
       const std::scoped_lock lock(mutex_);
-      if (auto field = known(world, shape)) return field;
-      own = work_ == nullptr;
-      if (own) work_ = std::make_shared<Work>(world, shape);
-      work = work_;
+      if (auto field = cachedField(world, shape)) return field;
+      isBuilder = construction_ == nullptr;
+      if (isBuilder) construction_ = std::make_shared<Construction>(world, shape);
+      construction = construction_;
     }
-    if (own && hasWaiters()) {
+    if (isBuilder && hasWaiters()) {
       // This thread is loading the scene, so threads that wait for the scene help to build the field.
-      build(*work, clock);
+      build(*construction, clock);
     } else {
-      tbb::collaborative_call_once(work->once, [&]() SCANMILL_UNWATCHED { build(*work, clock); });
-      work->done.take();
+      tbb::collaborative_call_once(construction->once, [&]() SCANMILL_UNWATCHED { build(*construction, clock); });
+      construction->done.take();
     }
-    if (work->world != world || !(work->shape == shape)) continue;  // another thread needed a different field first
-    if (work->failure) std::rethrow_exception(work->failure);
-    return work->field;
+    if (construction->world != world || !(construction->shape == shape))
+      continue;  // another thread needed a different field first
+    if (construction->failure) std::rethrow_exception(construction->failure);
+    return construction->field;
   }
 }
 
 // Returns the field if it is cached, otherwise null. The caller must have locked mutex_.
-std::shared_ptr<const DistanceField> FieldStore::known(const std::shared_ptr<const World>& world,
-                                                       const FieldShape& shape) const {
-  const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const Known& known) {
-    return known.world.lock() == world && known.field->shape == shape;
+std::shared_ptr<const DistanceField> FieldStore::cachedField(const std::shared_ptr<const World>& world,
+                                                             const FieldShape& shape) const {
+  const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const CachedField& entry) {
+    return entry.world.lock() == world && entry.field->shape == shape;
   });
   if (found == fields_.end()) return nullptr;
   fields_.splice(fields_.begin(), fields_, found);
   return fields_.front().field;
 }
 
-void FieldStore::build(Work& work, StageClock& clock) const {
-  const TaskOrder::Task task(work.done, work.done);
+void FieldStore::build(Construction& construction, StageClock& clock) const {
+  const TaskOrder::Task task(construction.done, construction.done);
   try {
     std::vector<std::shared_ptr<const DistanceField>> before;
     {
       const std::scoped_lock lock(mutex_);
-      for (const Known& known : fields_) {
-        if (known.world.lock() == work.world) before.push_back(known.field);
+      for (const CachedField& entry : fields_) {
+        if (entry.world.lock() == construction.world) before.push_back(entry.field);
       }
     }
     // Threads work on drives that are far apart, so the nearest field belongs to the same drive.
-    std::ranges::stable_sort(before, {}, [&](const auto& field) { return apart2(field->shape, work.shape); });
+    std::ranges::stable_sort(before, {}, [&](const auto& field) { return apart2(field->shape, construction.shape); });
     const WallTimer timer;
-    withWaiters([&] { work.field = buildField(*work.world, work.shape, before); });
+    withWaiters([&] { construction.field = buildField(*construction.world, construction.shape, before); });
     clock.add(before.empty() ? "field_build" : "field_update", timer.seconds());
     const std::scoped_lock lock(mutex_);
-    keep(work);
+    cache(construction);
   } catch (...) {
-    work.failure = std::current_exception();
+    construction.failure = std::current_exception();
   }
   const std::scoped_lock lock(mutex_);
-  work_ = nullptr;
+  construction_ = nullptr;
 }
 
 // Caches the new field. Drops fields of worlds that no longer exist and, beyond the limits, the least recently used
 // fields. The caller must have locked mutex_.
-void FieldStore::keep(const Work& work) const {
-  std::erase_if(fields_, [](const Known& known) { return known.world.expired(); });
-  fields_.push_front({work.world, work.field});
+void FieldStore::cache(const Construction& construction) const {
+  std::erase_if(fields_, [](const CachedField& entry) { return entry.world.expired(); });
+  fields_.push_front({construction.world, construction.field});
   const auto pools = [&] {
     std::set<const BrickPool*> all;
-    for (const Known& known : fields_) all.insert(known.field->pool.get());
+    for (const CachedField& entry : fields_) all.insert(entry.field->pool.get());
     return all.size();
   };
   while (fields_.size() > kFieldsOfPool * mostPools_ || pools() + 1 > mostPools_) fields_.pop_back();

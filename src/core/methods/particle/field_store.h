@@ -31,25 +31,26 @@ class FieldStore {
   SensorField around(const Vec3d& sensor, double range, StageClock& clock) const;
 
  private:
-  struct Known {
+  struct CachedField {
     std::weak_ptr<const World> world;
     std::shared_ptr<const DistanceField> field;
   };
-  struct Work;  // a field under construction
+  struct Construction;  // a field under construction
 
   std::shared_ptr<const DistanceField> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
                                                StageClock& clock) const;
-  std::shared_ptr<const DistanceField> known(const std::shared_ptr<const World>& world, const FieldShape& shape) const;
-  void build(Work& work, StageClock& clock) const;
-  void keep(const Work& work) const;
+  std::shared_ptr<const DistanceField> cachedField(const std::shared_ptr<const World>& world,
+                                                   const FieldShape& shape) const;
+  void build(Construction& construction, StageClock& clock) const;
+  void cache(const Construction& construction) const;
 
   ParticleOptions options_;
   Box bounds_;  // bounds of the scene (m, world frame)
   std::size_t mostPools_;
   Worlds worlds_;
   mutable std::mutex mutex_;
-  mutable std::list<Known> fields_;     // most recently used first
-  mutable std::shared_ptr<Work> work_;  // the field under construction; null if there is none
+  mutable std::list<CachedField> fields_;               // most recently used first
+  mutable std::shared_ptr<Construction> construction_;  // the field under construction; null if there is none
 };
 
 }  // namespace scanmill

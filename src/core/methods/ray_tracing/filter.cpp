@@ -41,8 +41,8 @@ float reachOf(float distance, float floor) {
 
 // Decides whether a lane accepts a candidate hit at `distance` (m). If so, returns true and updates the context and
 // `far`, the ray's end. `direction`: direction of the ray, in the world frame.
-bool decide(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction, const Candidate& candidate,
-            float& far) {
+bool accepts(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction,
+             const Candidate& candidate, float& far) {
   const float best = context.distance[lane];
   bool tied = false;
   if (std::abs(distance - best) <= distance * kReach + context.floor) {
@@ -78,7 +78,7 @@ void filterLanes(const RTCFilterFunctionNArguments* a, TieContext& context) {
     }
     float& far = ray[kFar * n + i];
     const float distance = far;
-    if (!decide(context, ids[i], distance, direction, candidate, far)) {
+    if (!accepts(context, ids[i], distance, direction, candidate, far)) {
       a->valid[i] = 0;
       far = distance;
     }
@@ -123,13 +123,13 @@ void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
     const Floats reach = distance * kReach + context.floor;
     const Ints taken = valid(from) & (best(from) > distance);
     best(from) = taken ? distance : best(from);
-    const auto keep = [&](std::uint32_t* column, int field) {
-      auto& kept = *reinterpret_cast<Ints*>(column + first + from);
-      kept = taken ? *reinterpret_cast<const Ints*>(hit + field * N + from) : kept;
+    const auto update = [&](std::uint32_t* column, int field) {
+      auto& ids = *reinterpret_cast<Ints*>(column + first + from);
+      ids = taken ? *reinterpret_cast<const Ints*>(hit + field * N + from) : ids;
     };
-    keep(context.geometry, kGeometry);
-    keep(context.primitive, kPrimitive);
-    keep(context.instance, kInstance);
+    update(context.geometry, kGeometry);
+    update(context.primitive, kPrimitive);
+    update(context.instance, kInstance);
     far(from) = taken ? distance + reach : distance;
     valid(from) = taken;
   }

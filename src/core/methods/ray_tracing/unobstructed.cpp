@@ -23,16 +23,16 @@ struct ThingContext {
 };
 
 // A box that contains a thing during the complete revolution, in the box's own axes.
-struct Extent {
+struct ThingExtent {
   Pose boxFromOrigin;
   Box box;
   Vec3d middle;  // m, relative to the world's origin
   double radius = 0;
 };
 
-Extent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, double from, double duration) {
+ThingExtent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, double from, double duration) {
   const OrientedBox first = boxes.at(thing, from + duration / 2);
-  Extent extent;
+  ThingExtent extent;
   Pose originFromBox = first.worldFromBox;
   originFromBox.translation = originFromBox.translation - world.origin;
   extent.boxFromOrigin = inverse(originFromBox);
@@ -54,7 +54,7 @@ struct Interval {
   double enter, leave;  // distances along the ray at which it enters and leaves a box (m)
 };
 
-std::optional<Interval> crossing(const Extent& extent, const Vec3d& origin, const Vec3d& direction) {
+std::optional<Interval> crossing(const ThingExtent& extent, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d o = extent.boxFromOrigin * origin;
   const Vec3d d = toMatrix(extent.boxFromOrigin.rotation) * direction;
   Interval found{0, INFINITY};
@@ -76,18 +76,18 @@ std::optional<Interval> crossing(const Extent& extent, const Vec3d& origin, cons
 // Returns the half angle (rad) of a cone in the sensor's frame that contains all beams that may hit the thing during
 // the revolution. The cone's axis is the direction to the thing's centre at the first pose. `offset`: largest distance
 // of a beam's origin from the sensor's origin (m).
-double angleOf(const Extent& extent, const ShotFrame& frame, double offset) {
+double angleOf(const ThingExtent& extent, const ShotFrame& frame, double offset) {
   const double radius = extent.radius + offset;
   double angle = 0;
   const Mat3 first = transposed(frame.rotation.front());
   const Vec3d towards = normalized(first * (extent.middle - frame.position.front()));
   for (const std::size_t step : {std::size_t{0}, frame.rotation.size() / 2, frame.rotation.size() - 1}) {
-    const Vec3d way = extent.middle - frame.position[step];
-    const double distance = length(way);
+    const Vec3d toMiddle = extent.middle - frame.position[step];
+    const double distance = length(toMiddle);
     if (distance <= radius * 1.01) return kPi;
-    const Vec3d own = normalized(transposed(frame.rotation[step]) * way);
-    const double apart = std::atan2(length(cross(own, towards)), dot(own, towards));
-    angle = std::max(angle, std::asin(radius / distance) + apart);
+    const Vec3d direction = normalized(transposed(frame.rotation[step]) * toMiddle);
+    const double turned = std::atan2(length(cross(direction, towards)), dot(direction, towards));
+    angle = std::max(angle, std::asin(radius / distance) + turned);
   }
   return angle;
 }
@@ -125,14 +125,14 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
   const std::shared_ptr<const World> world = worlds_.near(
       shot.worldFromSensor.front().translation, farthestEnd(shot, grid.farthestOrigin()), shot.time, shot.duration);
   const ShotFrame frame = frameOf(shot, world->origin);
-  const Extent extent = extentOf(boxes_, thing, *world, shot.time, shot.duration);
+  const ThingExtent extent = extentOf(boxes_, thing, *world, shot.time, shot.duration);
   const Vec3d direction = normalized(transposed(frame.rotation.front()) * (extent.middle - frame.position.front()));
   const double angle = angleOf(extent, frame, grid.farthestOrigin()) + 1e-6;
 
   ThingContext context{};
   context.world = world.get();
   context.thing = boxes_.things()[thing].id;
-  const auto blocked = [&](const Vec3d& o, const Vec3d& d, double from, double to, float part) {
+  const auto hitsThing = [&](const Vec3d& o, const Vec3d& d, double from, double to, float part) {
     RTCRay ray{static_cast<float>(o.x),
                static_cast<float>(o.y),
                static_cast<float>(o.z),
@@ -160,10 +160,10 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
     const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
     const float part = firingFraction(beams, beam, world->revolution.duration);
     // A surface of the thing that is nearer than the minimum range blocks this beam.
-    if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return false;
+    if (inside->enter < beams.minRange && hitsThing(o, d, inside->enter, beams.minRange, part)) return false;
     const double from = std::max(inside->enter, beams.minRange);
     const double to = std::min(inside->leave, beams.maxRange);
-    if (from <= to && blocked(o, d, from, to, part)) firing.emplace_back(time, beam);
+    if (from <= to && hitsThing(o, d, from, to, part)) firing.emplace_back(time, beam);
     return false;
   });
   if (firing.empty()) return {0, nearestBeam(beams, direction)};

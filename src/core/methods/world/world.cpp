@@ -67,14 +67,14 @@ double distanceOf(const Box& box) {
 
 // Sets World::placed, without blocks, to the parts of instanced meshes that are within reach at some time of the
 // revolution. Returns their numbers.
-std::vector<std::size_t> place(World& world, const std::vector<bool>& instanced, const SharedMeshes& shared) {
+std::vector<std::size_t> placeParts(World& world, const std::vector<bool>& instanced, const SharedMeshes& shared) {
   const Revolution& revolution = world.revolution;
   std::vector<std::size_t> parts;
   for (std::uint32_t i = 0; i < world.scene->instances.size(); ++i) {
     const Instance& instance = world.scene->instances[i];
     if (!instanced[instance.mesh]) continue;
-    const RigidMotion* const given = revolution.placed == nullptr ? nullptr : revolution.placed->find(i);
-    if (given != nullptr && given->hidden) continue;
+    const RigidMotion* const motion = revolution.placed == nullptr ? nullptr : revolution.placed->find(i);
+    if (motion != nullptr && motion->hidden) continue;
     const auto placeAt = [&](double when) {
       const Affine a = worldFromMeshAt(instance, i, revolution.placed.get(), when);
       return Affine{a.linear, a.translation - world.origin};
@@ -84,16 +84,16 @@ std::vector<std::size_t> place(World& world, const std::vector<bool>& instanced,
     placed.originFromMesh = placeAt(revolution.time);
     placed.normalFromMesh = transposed(inverse(placed.originFromMesh.linear));
     placed.firstInstanceId = instance.firstInstanceId;
-    if ((given != nullptr ? given->moves() : instance.movement != nullptr) && revolution.duration > 0) {
+    if ((motion != nullptr ? motion->moves() : instance.movement != nullptr) && revolution.duration > 0) {
       placed.atEnd = placeAt(revolution.time + revolution.duration);
       placed.moves = true;
     }
     const std::uint32_t mesh = instance.meshAt(revolution.time + revolution.duration / 2);
     for (std::size_t part = shared.first(mesh); part < shared.first(mesh + 1); ++part) {
-      const Box& own = shared.part(part).bounds;
-      if (own.empty()) continue;
-      Box box = boxAround(placed.originFromMesh, own);
-      if (placed.moves) box.add(boxAround(placed.atEnd, own));
+      const Box& bounds = shared.part(part).bounds;
+      if (bounds.empty()) continue;
+      Box box = boxAround(placed.originFromMesh, bounds);
+      if (placed.moves) box.add(boxAround(placed.atEnd, bounds));
       if (distanceOf(box) > revolution.reach) continue;
       world.placed.push_back(placed);
       parts.push_back(part);
@@ -141,7 +141,7 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
   bake(*world, instanced);
   world->embree = newScene(device);
   attachBlock(device, world->embree.get(), world->baked, options);
-  const std::vector<std::size_t> parts = place(*world, instanced, shared);
+  const std::vector<std::size_t> parts = placeParts(*world, instanced, shared);
   shared.build(parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const SharedMeshes::Part& part = shared.part(parts[i]);

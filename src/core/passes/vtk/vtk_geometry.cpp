@@ -19,12 +19,12 @@ namespace {
 // smaller chunks need more draw calls.
 constexpr std::size_t kChunk = 1024;
 
-// Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kShare of the mesh's size. The
+// Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kFraction of the mesh's size. The
 // reason is that llvmpipe interpolates depth in float32 across the complete triangle, even if its corners are clipped
 // away: the relative error is 1e-4 for a triangle of 20 km, and 1e-5 below 1 km. This depth only decides which triangle
 // is visible; the depth that is returned is computed in double precision (see DrawnView::seen).
 constexpr double kLongestEdge = 256;
-constexpr double kShare = 1.0 / 256;
+constexpr double kFraction = 1.0 / 256;
 
 struct Corner {
   Vec3f position;  // m, relative to the mesh's origin
@@ -46,7 +46,7 @@ struct MeshPieces {
 };
 
 // Returns the largest factor by which an instance stretches an axis of its mesh.
-double stretch(const Instance& instance) {
+double largestStretch(const Instance& instance) {
   const Mat3& m = instance.worldFromMesh.linear;
   return std::max({length(m.x), length(m.y), length(m.z)});
 }
@@ -61,7 +61,7 @@ double originOf(double low, double high) {
 
 // Halves the longest edge until no edge is longer than `longest`. Triangles that share an edge split it at the same
 // points, whatever their other edges are, so that no gap opens between the triangles.
-void split(const Piece& piece, float longest, std::vector<Piece>& pieces) {
+void splitLongEdges(const Piece& piece, float longest, std::vector<Piece>& pieces) {
   const auto squared = [&](std::size_t i) {
     const Vec3f edge = piece.corners[(i + 1) % 3].position - piece.corners[i].position;
     return dot(edge, edge);
@@ -80,12 +80,12 @@ void split(const Piece& piece, float longest, std::vector<Piece>& pieces) {
     pieces.push_back(piece);
     return;
   }
-  Piece one = piece;
-  one.corners[j] = half;
-  split(one, longest, pieces);
-  Piece other = piece;
-  other.corners[i] = half;
-  split(other, longest, pieces);
+  Piece firstHalf = piece;
+  firstHalf.corners[j] = half;
+  splitLongEdges(firstHalf, longest, pieces);
+  Piece secondHalf = piece;
+  secondHalf.corners[i] = half;
+  splitLongEdges(secondHalf, longest, pieces);
 }
 
 void appendChunk(std::span<const Piece> pieces, bool cut, ViewBatch& batch) {
@@ -111,7 +111,7 @@ void appendChunk(std::span<const Piece> pieces, bool cut, ViewBatch& batch) {
 
 // Halves a set of pieces at the median of their centres, along the longest axis of their bounds, until each half fits
 // into a chunk.
-void chop(std::span<Piece> pieces, bool cut, ViewBatch& batch) {
+void cutIntoChunks(std::span<Piece> pieces, bool cut, ViewBatch& batch) {
   if (pieces.empty()) return;
   if (pieces.size() <= kChunk) {
     std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.original < b.original; });
@@ -127,8 +127,8 @@ void chop(std::span<Piece> pieces, bool cut, ViewBatch& batch) {
   const std::size_t half = pieces.size() / 2;
   std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
                    [&](const Piece& a, const Piece& b) { return a.middle().*axis < b.middle().*axis; });
-  chop(pieces.first(half), cut, batch);
-  chop(pieces.subspan(half), cut, batch);
+  cutIntoChunks(pieces.first(half), cut, batch);
+  cutIntoChunks(pieces.subspan(half), cut, batch);
 }
 
 constexpr std::uint32_t kSolid = 0xFFFFFFFFu;
@@ -144,7 +144,7 @@ MeshPieces cutMesh(const Mesh& mesh, double largestScale, const std::vector<std:
   made.mesh.high = Vec3f(bounds.high - made.mesh.origin);
   const Vec3d size = bounds.high - bounds.low;
   const auto longest =
-      static_cast<float>(std::max(kLongestEdge / largestScale, std::max({size.x, size.y, size.z}) * kShare));
+      static_cast<float>(std::max(kLongestEdge / largestScale, std::max({size.x, size.y, size.z}) * kFraction));
 
   std::vector<Piece> solid;
   std::vector<Piece> cut;
@@ -159,10 +159,10 @@ MeshPieces cutMesh(const Mesh& mesh, double largestScale, const std::vector<std:
     piece.original = static_cast<std::uint32_t>(t);
     const std::uint32_t cutout = cutoutOf[mesh.surfaces[mesh.surfaceOf[t]].material];
     piece.cutout = cutout == kSolid ? 0 : cutout;
-    split(piece, longest, cutout == kSolid ? solid : cut);
+    splitLongEdges(piece, longest, cutout == kSolid ? solid : cut);
   }
-  chop(solid, false, made.solid);
-  chop(cut, true, made.cut);
+  cutIntoChunks(solid, false, made.solid);
+  cutIntoChunks(cut, true, made.cut);
   return made;
 }
 
@@ -226,7 +226,7 @@ ViewGeometry buildViewGeometry(const Scene& scene, std::uint64_t trianglesPerBat
   std::vector<double> largestScale(scene.meshes.size(), 0.0);
   for (const Instance& instance : scene.instances) {
     double& scale = largestScale[instance.mesh];
-    scale = std::max(scale, stretch(instance));
+    scale = std::max(scale, largestStretch(instance));
   }
   std::vector<MeshPieces> made(scene.meshes.size());
   parallelFor(made.size(), 1, [&](std::size_t first, std::size_t last) {

@@ -28,7 +28,7 @@ namespace {
 
 // Calls `work`, which uses the plug-in, and rethrows its exceptions as Error with a message about this renderer.
 template <class Work>
-decltype(auto) told(const Work& work) {
+decltype(auto) withErrorWords(const Work& work) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
@@ -46,7 +46,7 @@ decltype(auto) told(const Work& work) {
 struct Device {
   explicit Device(const Scene& scene) : resolver(scene) {
     const auto& module = moduleOf<VtkModule>();
-    told([&] {
+    withErrorWords([&] {
       plugin = module.open(namedDevice());
       geometry = buildViewGeometry(scene, plugin->limits().trianglesPerBatch);
       plugin->upload(geometry);
@@ -85,9 +85,9 @@ class VtkSource : public PixelSource {
     views_.reserve(cameras_.size());
     for (std::uint32_t k = 0; k < cameras_.size(); ++k) {
       views_.emplace_back(scene, device_.geometry, cameras_[k], limits);
-      told([&] { device_.plugin->draw(k, views_.back().image()); });
+      withErrorWords([&] { device_.plugin->draw(k, views_.back().image()); });
     }
-    told([&] { device_.plugin->finish(); });
+    withErrorWords([&] { device_.plugin->finish(); });
   }
 
   const std::vector<Camera>& cameras() const override { return cameras_; }
@@ -116,7 +116,7 @@ class VtkSource : public PixelSource {
       pixels.widths[k] = there ? cameras_[k].width : 1;
       pixels.firsts[k + 1] = firsts_[std::min(k + 1, cameras_.size())];
     }
-    told([&] { device_.plugin->gather(pixels, addresses, numbers_.data()); });
+    withErrorWords([&] { device_.plugin->gather(pixels, addresses, numbers_.data()); });
   }
 
   RendererLock lock_;
