@@ -280,8 +280,7 @@ Legend instanceLegend(std::map<std::uint32_t, ColorOfId> present) {
     std::uint64_t counted = 0;
     for (const auto& [id, held] : present) counted += held.count;
     legend.entries.push_back(
-        {fmt::format("{} instance{}, a colour each", grouped(present.size()), present.size() == 1 ? "" : "s"),
-         present.begin()->second.color, -1, counted});
+        {pluralOf(present.size(), "instance") + ", a colour each", present.begin()->second.color, -1, counted});
   }
   legend.entries.push_back({"no instance", instanceColor(0), -1, none});
   return legend;

@@ -282,21 +282,17 @@ constexpr double kBoxSlack = 1e-6;
 double entry(const Box& box, const Vec3d& origin, const Vec3d& direction) {
   double enter = 0;
   double leave = kNever;
-  const auto clip = [&](double low, double high, double from, double along) {
-    low -= kBoxSlack;
-    high += kBoxSlack;
-    if (along == 0) {
-      if (from < low || from > high) leave = -kNever;
-      return;
+  for (double Vec3d::*const axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    const double low = box.low.*axis - kBoxSlack - origin.*axis;
+    const double high = box.high.*axis + kBoxSlack - origin.*axis;
+    if (direction.*axis == 0) {
+      if (low > 0 || high < 0) return kNever;
+      continue;
     }
-    const double a = (low - from) / along;
-    const double b = (high - from) / along;
-    enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
-  };
-  clip(box.low.x, box.high.x, origin.x, direction.x);
-  clip(box.low.y, box.high.y, origin.y, direction.y);
-  clip(box.low.z, box.high.z, origin.z, direction.z);
+    const auto [near, far] = std::minmax({low / direction.*axis, high / direction.*axis});
+    enter = std::max(enter, near);
+    leave = std::min(leave, far);
+  }
   return enter <= leave ? enter : kNever;
 }
 

@@ -143,7 +143,7 @@ std::string PanelContents::summary() const {
   if (context_.source->isScene()) {
     if (sceneView_.mesh) out = fmt::format("{} triangles", grouped(sceneView_.mesh->size()));
   } else if (visible == finite) {
-    out = fmt::format("{} point{}", grouped(finite), finite == 1 ? "" : "s");
+    out = pluralOf(finite, "point");
   } else {
     out = fmt::format("{} of {} points", grouped(visible), grouped(finite));
   }

@@ -83,6 +83,12 @@ void addBeam(Rows& rows, const ViewScan& scan, std::size_t point) {
   }
 }
 
+void addPosition(Rows& rows, const std::string& frame, const Vec3d& p) {
+  for (const auto& [axis, metres] : {std::pair("x", p.x), {"y", p.y}, {"z", p.z}}) {
+    rows.emplace_back(frame + axis, fmt::format("{:.3f} m", metres));
+  }
+}
+
 std::string errorRow(const ViewScan& viewed) {
   return viewed.errorTitle.empty() ? "error" : withoutUnit(viewed.errorTitle);
 }
@@ -107,9 +113,7 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
     rows.emplace_back("instance", scan[kInstance][point] == 0 ? "none" : fmt::format("{}", scan[kInstance][point]));
   }
   rows.emplace_back("range", fmt::format("{:.3f} m", length(p)));
-  rows.emplace_back("x", fmt::format("{:.3f} m", p.x));
-  rows.emplace_back("y", fmt::format("{:.3f} m", p.y));
-  rows.emplace_back("z", fmt::format("{:.3f} m", p.z));
+  addPosition(rows, "", p);
   addColumns(rows, scan, point);
   if (!viewed.error.empty()) {
     const double error = double{viewed.error[point]};
@@ -134,9 +138,8 @@ void addBrief(PickedThing& thing, const ViewScan& viewed, const ColorBy& shown) 
 
 void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology) {
   const Vec3d& size = summary.size;
-  const std::string points =
-      fmt::format("{} point{}", grouped(summary.points.size()), summary.points.size() == 1 ? "" : "s");
-  Rows rows{{"its points", points.substr(0, points.find(' '))},
+  const std::string points = pluralOf(summary.points.size(), "point");
+  Rows rows{{"its points", grouped(summary.points.size())},
             {"its upright box", fmt::format("{:.2f} x {:.2f} x {:.2f} m", size.x, size.y, size.z)}};
   thing.brief.emplace_back("instance", fmt::format("{}, {:.1f} x {:.1f} x {:.1f} m", points, size.x, size.y, size.z));
   if (summary.classes.size() > 1) {
@@ -175,7 +178,7 @@ std::string fullName(const ViewScan& scan, const std::string& dataset) {
   return name.find(dataset) == std::string::npos && name.find(": ") == std::string::npos ? dataset + ": " + name : name;
 }
 
-PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPlace) {
+PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPosition) {
   PickedThing thing;
   thing.scan = kNoScan;
   thing.point = triangle;
@@ -191,9 +194,7 @@ PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const V
   thing.rows.emplace_back("material", mesh.materials[surface.material]);
   thing.rows.emplace_back("reflectance", fmt::format("{:.3g}", mesh.reflectance[surface.material]));
   thing.rows.emplace_back("texture", surface.texture == 0 ? "none" : mesh.textures[surface.texture]);
-  thing.rows.emplace_back("world x", fmt::format("{:.3f} m", worldPlace.x));
-  thing.rows.emplace_back("world y", fmt::format("{:.3f} m", worldPlace.y));
-  thing.rows.emplace_back("world z", fmt::format("{:.3f} m", worldPlace.z));
+  addPosition(thing.rows, "world ", worldPosition);
   thing.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, grouped(mesh.size())));
   for (const char* row : {"object", "class by", "material", "reflectance"}) {
     if (const std::string value = valueIn(thing.rows, row); !value.empty()) thing.brief.emplace_back(row, value);

@@ -75,6 +75,6 @@ void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, con
 // Returns the scan's name together with its dataset, sensor and method, as far as these are known.
 std::string fullName(const ViewScan& scan, const std::string& dataset);
 
-PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPlace);
+PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPosition);
 
 }  // namespace scanmill

@@ -287,8 +287,7 @@ Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
       painted([&](std::size_t t) { return mesh.surfaceOf(t).part + 1; }, instanceColor);
       if (mesh.parts.empty()) break;
       out.legend.entries.push_back(
-          {fmt::format("{} object{}, a colour each", grouped(mesh.parts.size()), mesh.parts.size() == 1 ? "" : "s"),
-           instanceColor(1), -1, mesh.size()});
+          {pluralOf(mesh.parts.size(), "object") + ", a colour each", instanceColor(1), -1, mesh.size()});
       break;
     case MeshColor::Material:
       byName(mesh.materials, &ViewSurface::material, 1);

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::array<Rgb, 3> kBackgrounds{{{13, 15, 20}, {104, 108, 116}, {255, 255, 255}}};
+constexpr std::array<Rgb, 3> kBackgrounds{{kBackground, {104, 108, 116}, {255, 255, 255}}};
 
 // Returns the quantity that the action ColorByNumber chooses.
 ColorBy numberedColor(const KeyMeaning& meaning) {

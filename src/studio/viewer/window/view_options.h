@@ -37,7 +37,7 @@ struct ViewOptions {
   CameraChoice camera{};
   std::string sample{};  // key or index of the first frame; empty: the middle frame
   double pointSize = 0;  // side of a drawn point (pixels); 0: depends on the canvas's height
-  Rgb background{13, 15, 20};
+  Rgb background = kBackground;
   bool depthEdges = true;
   bool legends = true;
   bool mesh = false;  // draws the scene's mesh, translucent
