@@ -23,8 +23,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import InputError
-from .augment import Sample, _interval, _moved, _of_points, _require, _rotation, _share, _xyz
 from .geometry import points_in_box
+from .sample_arrays import (
+    Sample,
+    dense_xyz,
+    has_row_per_point,
+    moved,
+    require_arrays,
+    require_fraction,
+    require_interval,
+    rotation_about_z,
+)
 
 Mix = Callable[[Sample, Sample, np.random.Generator], Sample]
 Rows = Any  # a mask, indices or a slice
@@ -42,7 +51,7 @@ class Choice:
     def __init__(self, mixes: Sequence[Mix], probability: float = 1.0) -> None:
         if not mixes:
             raise InputError("Choice needs at least one mix")
-        self.mixes, self.probability = list(mixes), _share("probability", probability)
+        self.mixes, self.probability = list(mixes), require_fraction("probability", probability)
 
     def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
         if rng.random() >= self.probability:
@@ -65,11 +74,11 @@ class LaserMix:
         if not areas or min(areas) < 1:
             raise InputError("areas of LaserMix must be a list of numbers of at least 1")
         self.areas = list(areas)
-        self.elevation = None if elevation is None else _interval("elevation", *elevation)
+        self.elevation = None if elevation is None else require_interval("elevation", *elevation)
 
     def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
         count, start = int(rng.choice(self.areas)), int(rng.integers(2))
-        both = np.concatenate([_elevation(_xyz(one)) for one in (sample, other)])
+        both = np.concatenate([_elevation(dense_xyz(one)) for one in (sample, other)])
         low, high = self.elevation or ((both.min(), both.max()) if len(both) else (0, 0))
         edges = np.linspace(low, high, count + 1)[1:-1]
         return _exchanged(sample, other, lambda xyz: (np.digitize(_elevation(xyz), edges) + start) % 2 == 1)
@@ -102,7 +111,7 @@ class PolarMix:
         if not 0 <= sector <= 2 * np.pi or copies < 1:
             raise InputError("PolarMix needs a sector from 0 to 2 pi and at least 1 copy")
         self.classes, self.sector, self.copies = _ids(classes), sector, copies
-        self.swap, self.paste = _share("swap", swap), _share("paste", paste)
+        self.swap, self.paste = require_fraction("swap", swap), require_fraction("paste", paste)
 
     def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
         _require_alike(sample, other)
@@ -111,12 +120,12 @@ class PolarMix:
             start = rng.uniform(-np.pi, np.pi)
             out = _exchanged(sample, other, lambda xyz: np.remainder(_azimuth(xyz) - start, 2 * np.pi) < self.sector)
         if self.classes and rng.random() < self.paste:
-            _require(other, "PolarMix", "label", *(["box_class"] if "boxes" in other else []))
+            require_arrays(other, "PolarMix", "label", *(["box_class"] if "boxes" in other else []))
             boxes = np.isin(other.get("box_class", []), self.classes)
             original = _part(other, np.isin(other["label"], self.classes), boxes)
             for number in range(self.copies):
                 angle = (number + rng.random()) * 2 * np.pi / self.copies
-                out = _joined(out, _moved(original, _rotation(angle)))
+                out = _joined(out, moved(original, rotation_about_z(angle)))
         return out
 
 
@@ -143,7 +152,7 @@ class PasteInstances:
         self.classes, self.most, self.min_points, self.hide = _ids(classes), most, min_points, hide
 
     def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
-        _require(sample, "PasteInstances", "boxes", "box_class", "instance", "box_instance")
+        require_arrays(sample, "PasteInstances", "boxes", "box_class", "instance", "box_instance")
         _require_alike(sample, other)
         boxes, ids = other["boxes"], other["box_instance"]
         free = np.isin(other["box_class"], self.classes) & ~_overlap(boxes, sample["boxes"]).any(axis=1)
@@ -153,7 +162,7 @@ class PasteInstances:
         pasted = _part(other, np.isin(other["instance"], ids[chosen]), chosen)
         own = [(pasted["instance"] == ids[i]) & points_in_box(pasted["xyz"], boxes[i], MARGIN) for i in chosen]
         pasted = _part(pasted, np.any(own, axis=0), ALL)
-        inside = np.array([points_in_box(_xyz(sample), boxes[i]) for i in chosen])
+        inside = np.array([points_in_box(dense_xyz(sample), boxes[i]) for i in chosen])
         by_beam = self.hide and "ring" in sample and "column" in sample and sample.get("sensor") == other.get("sensor")
         if by_beam:
             pasted = _part(pasted, _visible(pasted, _part(sample, ~inside.any(axis=0), ALL)), ALL)
@@ -193,9 +202,9 @@ def _require_alike(sample: Sample, other: Sample) -> None:
 
 def _part(sample: Sample, points: Rows, boxes: Rows) -> Sample:
     """Returns the sample with some of its points and boxes."""
-    count = len(_xyz(sample))
+    count = len(dense_xyz(sample))
     return {
-        name: values[boxes] if name.startswith("box") else values[points] if _of_points(name, values, count) else values
+        name: values[boxes] if name.startswith("box") else values[points] if has_row_per_point(name, values, count) else values
         for name, values in sample.items()
     }
 
@@ -206,17 +215,17 @@ def _exchanged(sample: Sample, other: Sample, taken: Callable[[NDArray[Any]], ND
     parts = []
     for one, wanted in ((sample, False), (other, True)):
         boxes = taken(one["boxes"]) == wanted if "boxes" in one else ALL
-        parts.append(_part(one, taken(_xyz(one)) == wanted, boxes))
+        parts.append(_part(one, taken(dense_xyz(one)) == wanted, boxes))
     return _joined(*parts)
 
 
 def _joined(sample: Sample, other: Sample) -> Sample:
     """Returns the points and boxes of both samples, with distinct instance ids."""
-    count = len(_xyz(sample))
+    count = len(dense_xyz(sample))
     other = _renumbered(other, sample)
     out = {
         name: np.concatenate([values, other[name]])
-        if name.startswith("box") or _of_points(name, values, count)
+        if name.startswith("box") or has_row_per_point(name, values, count)
         else values
         for name, values in sample.items()
     }
