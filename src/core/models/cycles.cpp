@@ -42,6 +42,35 @@ void appendBicycleWheel(Shape& s, const Vec3d& hub, double radius) {
   }
 }
 
+// Appends a luggage rack of tubes above the rear wheel, up to `toSeat` (m along x).
+void appendRack(Shape& s, SurfaceIndex metal, const Vec3d& rear, double wheelRadius, double toSeat) {
+  const double rack = wheelRadius * 2 + 0.06;  // m, height of the rack
+  for (const double y : {-0.055, 0.055}) {
+    s.tube(metal, {rear.x - 0.2, y, rack}, {toSeat, y, rack}, 0.006, 0.006, 5);
+    s.tube(metal, {rear.x - 0.1, y, rack}, {rear.x, y, wheelRadius}, 0.005, 0.005, 5);
+  }
+  for (const double x : {-0.2, -0.1, 0.0, 0.1}) {
+    s.tube(metal, {rear.x + x, -0.055, rack}, {rear.x + x, 0.055, rack}, 0.005, 0.005, 5);
+  }
+}
+
+// Appends a basket of wires around a point in front of the handlebar.
+void appendBasket(Shape& s, SurfaceIndex metal, const Vec3d& center) {
+  for (const double z : {-0.12, 0.0, 0.12}) {
+    const double w = 0.12 + z * 0.1;
+    s.pipe(metal,
+           {center + Vec3d{-w, -w * 1.3, z}, center + Vec3d{w, -w * 1.3, z}, center + Vec3d{w, w * 1.3, z},
+            center + Vec3d{-w, w * 1.3, z}, center + Vec3d{-w, -w * 1.3, z + 0.003}},
+           {0.005, 0.005, 0.005, 0.005, 0.005}, 4);
+  }
+  for (int k = 0; k < 12; ++k) {
+    const double angle = 2 * kPi * k / 12;
+    const Vec3d out{std::clamp(std::cos(angle) * 1.4, -1.0, 1.0), std::clamp(std::sin(angle) * 1.4, -1.0, 1.0) * 1.3,
+                    0};
+    s.tube(metal, center + out * 0.108 + Vec3d{0, 0, -0.12}, center + out * 0.132 + Vec3d{0, 0, 0.12}, 0.003, 0.003, 3);
+  }
+}
+
 }  // namespace
 
 Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit) {
@@ -106,34 +135,12 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit*
   if (!sporty) {
     appendMudguard(s, paint, rear, r + 0.025, 0.05, radians(-5), radians(175));
     appendMudguard(s, paint, front, r + 0.025, 0.05, radians(25), radians(190));
-    const double rack = r * 2 + 0.06;  // height of the luggage rack
-    for (const double y : {-0.055, 0.055}) {
-      s.tube(metal, {rear.x - 0.2, y, rack}, {seatTop.x - 0.05, y, rack}, 0.006, 0.006, 5);
-      s.tube(metal, {rear.x - 0.1, y, rack}, {rear.x, y, r}, 0.005, 0.005, 5);
-    }
-    for (const double x : {-0.2, -0.1, 0.0, 0.1}) {
-      s.tube(metal, {rear.x + x, -0.055, rack}, {rear.x + x, 0.055, rack}, 0.005, 0.005, 5);
-    }
+    appendRack(s, metal, rear, r, seatTop.x - 0.05);
   }
   s.box(reflector, {rear.x - r * 0.6, 0, r * 2 + 0.01}, {0.03, 0.07, 0.05});
   s.ball(metal, {headHigh.x + 0.09, 0, headHigh.z}, {0.05, 0.035, 0.035}, 10);
   s.box(reflector, {headHigh.x + 0.12, 0, headHigh.z - 0.06}, {0.012, 0.05, 0.035});
-  if (basket) {
-    const Vec3d c{headHigh.x + 0.22, 0, headHigh.z + 0.06};
-    for (const double z : {-0.12, 0.0, 0.12}) {
-      const double w = 0.12 + z * 0.1;
-      s.pipe(metal,
-             {c + Vec3d{-w, -w * 1.3, z}, c + Vec3d{w, -w * 1.3, z}, c + Vec3d{w, w * 1.3, z},
-              c + Vec3d{-w, w * 1.3, z}, c + Vec3d{-w, -w * 1.3, z + 0.003}},
-             {0.005, 0.005, 0.005, 0.005, 0.005}, 4);
-    }
-    for (int k = 0; k < 12; ++k) {
-      const double angle = 2 * kPi * k / 12;
-      const Vec3d out{std::clamp(std::cos(angle) * 1.4, -1.0, 1.0), std::clamp(std::sin(angle) * 1.4, -1.0, 1.0) * 1.3,
-                      0};
-      s.tube(metal, c + out * 0.108 + Vec3d{0, 0, -0.12}, c + out * 0.132 + Vec3d{0, 0, 0.12}, 0.003, 0.003, 3);
-    }
-  }
+  if (basket) appendBasket(s, metal, {headHigh.x + 0.22, 0, headHigh.z + 0.06});
   if (fit)
     *fit = {saddle + Vec3d{0, 0, 0.05}, left + Vec3d{0, 0, 0.02}, right + Vec3d{0, 0, 0.02}, leftPedal, rightPedal};
   return s.finish();

@@ -105,6 +105,30 @@ const char* paintOf(std::uint64_t seed, int number) {
   return kPaints.back().second;
 }
 
+constexpr double kCab = 2.0;  // m, length of a truck's cab
+
+BodyForm truckCab(double width) {
+  BodyForm cab;
+  cab.className = "truck";
+  cab.length = kCab;
+  cab.width = width - 0.08;
+  cab.floor = 0.45;
+  cab.belt = 1.45;
+  cab.beltRise = 0;
+  cab.roofHalf = 0.98;
+  cab.noseTaper = 0.05;
+  cab.tailTaper = 0;
+  cab.bulge = 0.06;
+  cab.wheelRadius = 0.45;
+  cab.wheelWidth = 0.27;
+  cab.profile = {{-1, 2.55}, {-0.9, 2.62}, {0.3, 2.62}, {0.72, 2.52}, {0.93, 1.5}, {1, 1.3}};
+  cab.windscreen = {0.76, 0.92};
+  cab.sideWindows = {{-0.45, 0.62}};
+  cab.axles = {0.0};
+  cab.mirrors = false;
+  return cab;
+}
+
 }  // namespace
 
 Model makeCar(SceneBuilder& builder, std::uint64_t seed, CarForm form, int number) {
@@ -131,28 +155,9 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
   const double width = 2.35;
   const double height = draw.in(3.1, 3.6);
   const double end = length / 2;
-  constexpr double kCab = 2.0;
 
-  BodyForm cab;
-  cab.className = "truck";
-  cab.length = kCab;
-  cab.width = width - 0.08;
-  cab.floor = 0.45;
-  cab.belt = 1.45;
-  cab.beltRise = 0;
-  cab.roofHalf = 0.98;
-  cab.noseTaper = 0.05;
-  cab.tailTaper = 0;
-  cab.bulge = 0.06;
-  cab.wheelRadius = 0.45;
-  cab.wheelWidth = 0.27;
-  cab.profile = {{-1, 2.55}, {-0.9, 2.62}, {0.3, 2.62}, {0.72, 2.52}, {0.93, 1.5}, {1, 1.3}};
-  cab.windscreen = {0.76, 0.92};
-  cab.sideWindows = {{-0.45, 0.62}};
-  cab.axles = {0.0};
-  cab.mirrors = false;
   shape.frame = at({end - kCab / 2 - 0.06, 0, 0});
-  appendBody(shape, cab);
+  appendBody(shape, truckCab(width));
   shape.frame = {};
 
   const SurfaceIndex metal = shape.surface("truck", "painted_metal");

@@ -83,6 +83,72 @@ void placePits(Placer& placer, const std::vector<Spot>& pits) {
   placer.builder.place(s.finish().mesh, placer.worldFromTown, "tree pits");
 }
 
+// Plants trees along a road: in the verge if it is wide enough, in pits near the curb of wide sidewalks, else in the
+// gardens behind the pavement. `avenue`: fraction of the places that have a tree. `number`: trees so far; it is
+// advanced. Appends the spots in pits to `pits`.
+void plantAlong(Placer& placer, const Road& road, double avenue, int& number, std::vector<Spot>& pits) {
+  constexpr double kWideVerge = 1.2, kWideSidewalk = 2.8;  // m
+  const Layout& l = placer.layout;
+  const CrossSection& s = road.section;
+  const bool inVerge = s.verge > kWideVerge;
+  const bool inPit = !inVerge && s.sidewalk > kWideSidewalk;
+  Draw draw(l.seed, Kind::Avenue, road.number);
+  const double spacing = draw.in(7, 13);
+  for (const double along : models::steps(6, road.length() - 4, spacing)) {
+    for (const int side : {-1, 1}) {
+      if (!draw.chance(avenue)) continue;
+      const double out = inVerge ? s.curb + s.verge / 2
+                         : inPit ? s.curb + draw.in(0.9, 1.1)
+                                 : s.outer() + draw.in(0.8, 2.5);
+      const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
+      if (l.besideAt(spot.at).edge < out - 0.5) continue;  // the place is on another road or close to it
+      const double room = std::clamp(out + kOverhang, 1.6, 3.4);
+      if (!plant(placer, draw, spot, true, room, fmt::format("tree {}", number + 1))) continue;
+      ++number;
+      if (inPit) pits.push_back(spot);
+    }
+  }
+}
+
+// Plants trees in a park. `number`: see plantAlong().
+void plantPark(Placer& placer, const MapArea& park, Draw& draw, int& number) {
+  constexpr double kMost = 2000;  // trees
+  const Layout& l = placer.layout;
+  const Footprint about = rectangleAbout(park.outline);
+  const double wanted = l.parameters.greenery * 4 * about.halfX * about.halfY / draw.in(70, 200);
+  const int count = static_cast<int>(std::min(kMost, wanted));
+  for (int k = 0; k < count; ++k) {
+    const double u = draw.in(-about.halfX, about.halfX);
+    const double v = draw.in(-about.halfY, about.halfY);
+    const Point2 p = about.at(u, v);
+    const bool far = !l.besideAt(p).known;
+    if (far || l.areas.at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
+    if (plant(placer, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;
+  }
+}
+
+// Plants trees in the garden of a plot. `number`: see plantAlong().
+void plantGarden(Placer& placer, const Plot& plot, int& number) {
+  constexpr int kAttempts = 4;
+  const Layout& l = placer.layout;
+  const Road& road = l.roads()[plot.road];
+  Draw draw(l.seed, Kind::GardenTrees, plot.number);
+  const double expected = l.character.gardenTrees * draw.in(0.3, 1.7);
+  const auto count = static_cast<int>(expected + draw.next());
+  for (int k = 0; k < count; ++k) {
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      const bool front = draw.chance(0.4) && plot.setback > 3;
+      const double depth = front ? draw.in(0.8, plot.setback) : plot.setback + draw.in(0, 26);
+      const Spot spot =
+          besideRoad(road, draw.in(plot.from, plot.to), plot.side * (road.section.half + road.section.outer() + depth));
+      if (!onLawn(l, spot.at, 0.5)) continue;
+      if (!plant(placer, draw, spot, front, front ? 2.6 : 0, fmt::format("tree {}", number + 1))) continue;
+      ++number;
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 void placeMapTrees(Placer& placer) {
@@ -104,73 +170,22 @@ void placeMapTrees(Placer& placer) {
   }
 }
 
+// Plants trees along the roads, in parks and in gardens, in this order. If the map has trees, none are added along the
+// roads and in parks.
 void placeTrees(Placer& placer) {
   const Layout& l = placer.layout;
-  const Character& c = l.character;
   auto number = static_cast<int>(l.trees.size());
-  // If the map has trees, no random trees are added along the roads.
-  const double avenue = l.trees.empty() ? c.avenue : 0;
   std::vector<Spot> pits;
-  // Plants trees along the roads: in the verge if it is wide enough, else in the gardens behind the pavement.
   for (const Road& road : l.roads()) {
-    const CrossSection& s = road.section;
-    if (road.minor) continue;
-    Draw draw(l.seed, Kind::Avenue, road.number);
-    const double spacing = draw.in(7, 13);
-    for (const double along : models::steps(6, road.length() - 4, spacing)) {
-      for (const int side : {-1, 1}) {
-        if (!draw.chance(avenue)) continue;
-        // Trees stand in pits near the curb if the sidewalk is wide.
-        const bool inPit = s.verge <= 1.2 && s.sidewalk > 2.8;
-        const double out = s.verge > 1.2 ? s.curb + s.verge / 2
-                           : inPit       ? s.curb + draw.in(0.9, 1.1)
-                                         : s.outer() + draw.in(0.8, 2.5);
-        const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
-        const Beside b = l.besideAt(spot.at);
-        if (b.edge < out - 0.5) continue;  // the place is on another road or close to it
-        if (!plant(placer, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4), fmt::format("tree {}", number + 1)))
-          continue;
-        ++number;
-        if (inPit) pits.push_back(spot);
-      }
-    }
+    if (!road.minor) plantAlong(placer, road, l.trees.empty() ? l.character.avenue : 0, number, pits);
   }
   placePits(placer, pits);
-  // Plants trees in parks, unless the map has trees.
-  std::uint32_t park = 0;
-  for (const MapArea& area : l.areas.all()) {
-    Draw draw(l.seed, Kind::ParkTrees, ++park);
-    if (area.land != Land::Park || !l.trees.empty()) continue;
-    const Footprint about = rectangleAbout(area.outline);
-    const double wanted = l.parameters.greenery * 4 * about.halfX * about.halfY / draw.in(70, 200);
-    const int count = static_cast<int>(std::min(2000.0, wanted));
-    for (int k = 0; k < count; ++k) {
-      const double u = draw.in(-about.halfX, about.halfX);
-      const double v = draw.in(-about.halfY, about.halfY);
-      const Point2 p = about.at(u, v);
-      const bool far = !l.besideAt(p).known;
-      if (far || l.areas.at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
-      if (plant(placer, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;
-    }
+  std::uint32_t area = 0;
+  for (const MapArea& park : l.areas.all()) {
+    Draw draw(l.seed, Kind::ParkTrees, ++area);
+    if (park.land == Land::Park && l.trees.empty()) plantPark(placer, park, draw, number);
   }
-  for (const Plot& plot : l.plots) {
-    const Road& road = l.roads()[plot.road];
-    Draw draw(l.seed, Kind::GardenTrees, plot.number);
-    const double expected = c.gardenTrees * draw.in(0.3, 1.7);
-    const auto count = static_cast<int>(expected + draw.next());
-    for (int k = 0; k < count; ++k) {
-      for (int attempt = 0; attempt < 4; ++attempt) {
-        const bool front = draw.chance(0.4) && plot.setback > 3;
-        const double depth = front ? draw.in(0.8, plot.setback) : plot.setback + draw.in(0, 26);
-        const Spot spot = besideRoad(road, draw.in(plot.from, plot.to),
-                                     plot.side * (road.section.half + road.section.outer() + depth));
-        if (!onLawn(l, spot.at, 0.5)) continue;
-        if (!plant(placer, draw, spot, front, front ? 2.6 : 0, fmt::format("tree {}", number + 1))) continue;
-        ++number;
-        break;
-      }
-    }
-  }
+  for (const Plot& plot : l.plots) plantGarden(placer, plot, number);
 }
 
 // Places woods: trees on a jittered lattice where a smooth random field is high, or in the woods of a map. Undergrowth
