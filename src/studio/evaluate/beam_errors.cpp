@@ -93,27 +93,7 @@ std::vector<ErrorGroup> bands(const std::array<double, N>& edges, const char* un
   return groups;
 }
 
-double share(std::uint64_t part, std::uint64_t whole, double ofNone) {
-  return whole == 0 ? ofNone : static_cast<double>(part) / static_cast<double>(whole);
-}
-
 }  // namespace
-
-double GroupErrors::missRate() const {
-  return share(falseNegatives + falsePositives + unresolved, beams, 0);
-}
-double GroupErrors::labels() const {
-  return share(sameLabel, bothHit, 1);
-}
-double GroupErrors::classAgreed() const {
-  return share(sameClass, bothHit, 1);
-}
-double GroupErrors::instanceAgreed() const {
-  return share(sameInstance, bothHit, 1);
-}
-double GroupErrors::hausdorff() const {
-  return std::max(nearestTo.max, nearestFrom.max);
-}
 
 class BeamErrorSum::Impl {
  public:

@@ -3,6 +3,7 @@
 // Compares the hits of a method with exact hits, beam by beam, over any number of shots. The exact hits are called the
 // truth.
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -35,11 +36,12 @@ struct GroupErrors {
   Spread nearestTo;    // distances from the beams' true points to the nearest tested point (m)
   Spread nearestFrom;  // distances from the beams' tested points to the nearest true point (m)
 
-  double missRate() const;        // (falseNegatives + falsePositives + unresolved) / beams; 0 if there are no beams
-  double labels() const;          // sameLabel / bothHit; 1 if bothHit is 0
-  double classAgreed() const;     // sameClass / bothHit; 1 if bothHit is 0
-  double instanceAgreed() const;  // sameInstance / bothHit; 1 if bothHit is 0
-  double hausdorff() const;       // maximum of all distances in nearestTo and nearestFrom (m); 0 if there are no points
+  double missRate() const { return shareOf(falseNegatives + falsePositives + unresolved, beams); }
+  double labels() const { return shareOf(sameLabel, bothHit, 1); }
+  double classAgreed() const { return shareOf(sameClass, bothHit, 1); }
+  double instanceAgreed() const { return shareOf(sameInstance, bothHit, 1); }
+  // Returns the largest distance in nearestTo and nearestFrom (m); 0 if there are no points.
+  double hausdorff() const { return std::max(nearestTo.max, nearestFrom.max); }
 };
 
 struct ErrorGroup {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -25,6 +26,11 @@ struct Spread {
 };
 
 Spread spreadOf(std::vector<double> values);
+
+// Returns part / all; `ofNone` if `all` is 0.
+inline double shareOf(std::uint64_t part, std::uint64_t all, double ofNone = 0) {
+  return all == 0 ? ofNone : static_cast<double>(part) / static_cast<double>(all);
+}
 
 // Returns how well two sets of values can be separated by a threshold: the area under the receiver operating
 // characteristic (ROC) curve. This is the probability that a random value of `b` is greater than a random value of `a`,

@@ -49,10 +49,6 @@ std::string secondsText(double seconds) {
   return scaled(seconds, {{1, " s"}, {1e-3, " ms"}, {1e-6, " \xC2\xB5s"}});
 }
 
-double shareOf(std::uint64_t part, std::uint64_t all, double ofNone) {
-  return all == 0 ? ofNone : static_cast<double>(part) / static_cast<double>(all);
-}
-
 std::string shareText(double value) {
   if (!std::isfinite(value)) return "unknown";
   const double fromEnd = std::min(value, 1 - value) * 100;

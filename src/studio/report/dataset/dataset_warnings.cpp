@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/short_text.h"
+#include "evaluate/spread.h"
 #include "report/dataset/dataset_report.h"
 #include "study/figure_text.h"
 

@@ -27,6 +27,14 @@ struct Variation {
   Changes changes;
 };
 
+std::string footprintOf(std::uint32_t rays) {
+  return fmt::format("footprint: {{rays: {}}}", rays);
+}
+
+std::string lightPathsOf(std::uint32_t bounces) {
+  return fmt::format("light_paths: {{panes: {}, bounces: {}, least: 0.0001}}", kTruePanes, bounces);
+}
+
 Effects changedEffects(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
   Value list;
   list.kind = Value::Kind::Sequence;
@@ -107,57 +115,45 @@ class SensingStudy {
   // Returns the variations to measure; the first has the complete physics and is the reference.
   std::vector<Variation> listVariations() const {
     const Pipeline& pipeline = plan_.pipeline;
-    bool wide = false;  // some sensor has beams of several rays
-    bool paths = false;
-    bool weather = false;
+    bool manyRays = false, paths = false, weather = false;  // true: some sensor has the effect
     for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-      wide = wide || pipeline.raysPerBeam(s) > 1;
+      manyRays = manyRays || pipeline.raysPerBeam(s) > 1;
       paths = paths || pipeline.lightPaths(s) != nullptr;
       for (const ChosenEffect& effect : *pipeline.sensors[s].effects) {
         weather = weather || effect.entry->name == "weather";
       }
     }
-    if (!wide && !paths && !weather) return {};
-    const auto light = [](std::uint32_t bounces, std::uint32_t panes) {
-      return fmt::format("light_paths: {{panes: {}, bounces: {}, least: 0.0001}}", panes, bounces);
-    };
-    const auto footprint = [](std::uint32_t rays) { return fmt::format("footprint: {{rays: {}}}", rays); };
-    Changes truth;
-    std::string name = "truth:";
-    if (wide) {
-      truth["footprint"] = footprint(kTrueRays);
-      name += fmt::format(" {} rays a beam,", kTrueRays);
+    if (!manyRays && !paths && !weather) return {};
+    Variation truth{"truth:", {}};
+    if (manyRays) {
+      truth.changes["footprint"] = footprintOf(kTrueRays);
+      truth.name += fmt::format(" {} rays a beam,", kTrueRays);
     }
     if (paths) {
-      truth["light_paths"] = light(kTrueBounces, kTruePanes);
-      name += fmt::format(" {} mirrors, {} panes,", kTrueBounces, kTruePanes);
+      truth.changes["light_paths"] = lightPathsOf(kTrueBounces);
+      truth.name += fmt::format(" {} mirrors, {} panes,", kTrueBounces, kTruePanes);
     }
-    if (weather) name += " weather,";
-    name.pop_back();
-    std::vector<Variation> list{{name, truth}};
-    const auto add = [&](const std::string& what, const std::string& effect, const std::string& with) {
-      Changes changes = truth;
-      changes[effect] = with;
-      list.push_back({what, std::move(changes)});
+    if (weather) truth.name += " weather,";
+    truth.name.pop_back();  // the last comma
+    std::vector<Variation> list{truth};
+    const auto add = [&](const std::string& name, const Changes& changes) {
+      list.push_back({name, truth.changes});
+      for (const auto& [effect, options] : changes) list.back().changes[effect] = options;
     };
-    if (wide) {
-      add("1 ray a beam", "footprint", "");
+    if (manyRays) {
+      add("1 ray a beam", {{"footprint", ""}});
       for (const std::uint32_t rays : kFootprintRays) {
-        if (rays > 1 && rays < kTrueRays) add(fmt::format("{} rays a beam", rays), "footprint", footprint(rays));
+        if (rays > 1 && rays < kTrueRays) add(fmt::format("{} rays a beam", rays), {{"footprint", footprintOf(rays)}});
       }
     }
     if (paths) {
-      add("no glass, no mirrors", "light_paths", "");
-      add("glass, no mirrors", "light_paths", light(0, kTruePanes));
-      add("glass and 1 mirror", "light_paths", light(1, kTruePanes));
+      add("no glass, no mirrors", {{"light_paths", ""}});
+      add("glass, no mirrors", {{"light_paths", lightPathsOf(0)}});
+      add("glass and 1 mirror", {{"light_paths", lightPathsOf(1)}});
     }
-    if (weather) add("clear air", "weather", "");
-    if (wide && paths) {
-      Changes bare = truth;
-      bare["footprint"] = bare["light_paths"] = "";
-      list.push_back({"1 ray a beam, no glass, no mirrors", std::move(bare)});
-    }
-    if (wide || paths) list.push_back({"as the pipeline is", {}});
+    if (weather) add("clear air", {{"weather", ""}});
+    if (manyRays && paths) add("1 ray a beam, no glass, no mirrors", {{"footprint", ""}, {"light_paths", ""}});
+    if (manyRays || paths) list.push_back({"as the pipeline is", {}});
     return list;
   }
 
