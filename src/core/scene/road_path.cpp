@@ -9,7 +9,7 @@
 #include <optional>
 #include <queue>
 
-#include "config/fields.h"
+#include "config/named_options.h"
 
 namespace scanmill {
 
@@ -245,8 +245,9 @@ void keepToSide(const Road& road, RoadSide side, std::vector<Vec3d>& path) {
 }  // namespace
 
 RoadSide readRoadSide(Fields& fields) {
-  const std::string side = fields.choice("keep", {"right", "left", "middle"}, "right");
-  return side == "right" ? RoadSide::Right : side == "left" ? RoadSide::Left : RoadSide::Middle;
+  constexpr std::pair<const char*, RoadSide> kSides[]{
+      {"right", RoadSide::Right}, {"left", RoadSide::Left}, {"middle", RoadSide::Middle}};
+  return namedChoice(fields, "keep", kSides, RoadSide::Right).second;
 }
 
 RoadTrip readRoadTrip(Fields& fields) {

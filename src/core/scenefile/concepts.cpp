@@ -9,7 +9,7 @@
 #include <sstream>
 #include <utility>
 
-#include "config/fields.h"
+#include "config/named_options.h"
 #include "config/resources.h"
 
 namespace scanmill {
@@ -47,12 +47,10 @@ std::optional<Match> lastMatch(std::string_view name, std::string_view word) {
   return found;
 }
 
-ConceptKind kindOf(const std::string& name) {
-  return name == "ground"   ? ConceptKind::Ground
-         : name == "detail" ? ConceptKind::Detail
-         : name == "drop"   ? ConceptKind::Drop
-                            : ConceptKind::Whole;
-}
+constexpr std::pair<const char*, ConceptKind> kKinds[]{{"ground", ConceptKind::Ground},
+                                                       {"whole", ConceptKind::Whole},
+                                                       {"detail", ConceptKind::Detail},
+                                                       {"drop", ConceptKind::Drop}};
 
 // Replaces each detail without classes by one copy for each concept that it belongs to, with that concept's classes.
 std::vector<Concept> withDetails(const std::vector<Concept>& concepts) {
@@ -87,7 +85,7 @@ std::vector<Concept> readConcepts(const std::filesystem::path& path) {
     c.name = f.text("name");
     c.classes = f.texts("classes");
     c.material = f.text("material", "");
-    c.kind = kindOf(f.choice("kind", {"ground", "whole", "detail", "drop"}, "whole"));
+    c.kind = namedChoice(f, "kind", kKinds, ConceptKind::Whole).second;
     c.of = f.texts("of");
     if (c.kind == ConceptKind::Detail && c.of.empty()) {
       throw InputError(item.where,

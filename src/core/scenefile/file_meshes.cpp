@@ -11,6 +11,7 @@
 #include "assets/meshes/gltf/reader.h"
 #include "assets/surveys/surveys.h"
 #include "base/error.h"
+#include "config/named_options.h"
 #include "formats/cloud_file.h"
 #include "rasters/raster.h"
 #include "scene/ontology.h"
@@ -38,11 +39,12 @@ PointOptions readPointOptions(const Value& value) {
     const Range ends = one ? Range{f.number("radius", kRadii), f.number("radius", kRadii)} : *f.range("radius", kRadii);
     options.surfels.radius = {ends.low, ends.high};
   }
-  const std::string source = f.choice("reflectance", {"auto", "intensity", "color", "none"}, "auto");
   using Reflectance = PointOptions::Reflectance;
-  if (source == "intensity") options.reflectance = Reflectance::Intensity;
-  if (source == "color") options.reflectance = Reflectance::Color;
-  if (source == "none") options.reflectance = Reflectance::None;
+  constexpr std::pair<const char*, Reflectance> kSources[]{{"auto", Reflectance::Auto},
+                                                           {"intensity", Reflectance::Intensity},
+                                                           {"color", Reflectance::Color},
+                                                           {"none", Reflectance::None}};
+  options.reflectance = namedChoice(f, "reflectance", kSources, Reflectance::Auto).second;
   if (f.has("full")) options.full = f.number("full", {1e-9, 1e9});
   if (const auto file = f.optionalResource("labels", "labels")) {
     for (const SemanticClass& c : readOntology(*file).classes) options.labels[c.id] = c.name;

@@ -9,16 +9,17 @@
 
 #include "base/hash.h"
 #include "base/path.h"
+#include "config/named_options.h"
 #include "config/waypoints.h"
 #include "scene/road_path.h"
 
 namespace scanmill {
 namespace {
 
+// Returns the direction in which the object faces (rad about z, from its x axis).
 std::optional<double> readFacing(Fields& object) {
-  if (!object.has("facing")) return {};
-  const std::string way = object.choice("facing", {"x", "y", "-x", "-y"}, "x");
-  return way == "x" ? 0 : way == "y" ? kPi / 2 : way == "-x" ? kPi : -kPi / 2;
+  constexpr std::pair<const char*, double> kDirections[]{{"x", 0}, {"y", kPi / 2}, {"-x", kPi}, {"-y", -kPi / 2}};
+  return object.has("facing") ? std::optional(namedChoice(object, "facing", kDirections, 0.0).second) : std::nullopt;
 }
 
 }  // namespace

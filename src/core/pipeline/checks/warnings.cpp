@@ -44,6 +44,25 @@ std::vector<std::string> firstOf(std::vector<std::string> lines, const Scene& sc
   return lines;
 }
 
+// Returns the end of a warning, after the names of drives, if the frames of a sequence follow one another faster than
+// the slowest sensor turns. Otherwise empty.
+std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) {
+  const double interval = sequence.trajectory->interval();
+  const double period = pipeline.periods.longest;
+  if (interval >= period * (1 - 1e-6)) return {};
+  const auto slowest = std::find_if(pipeline.sensors.begin(), pipeline.sensors.end(),
+                                    [&](const MountedSensor& sensor) { return sensor.period == period; });
+  const std::string both =
+      fmt::format("are {:g} s apart, but a revolution of '{}' takes {:g} s", interval, slowest->name, period);
+  if (sequence.turnsWithoutBreak(pipeline.periods)) {
+    return fmt::format("{}: some samples have no scan of it (`every_s: {:g}` gives each sample one)", both, period);
+  }
+  return fmt::format(
+      "{}: its revolutions overlap, as those of a real sensor cannot (`every_s: {:g}` makes one follow "
+      "the other)",
+      both, period);
+}
+
 }  // namespace
 
 std::vector<std::string> damageWarnings(const Scene& scene) {
@@ -150,29 +169,6 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
       leaks ? ", and `splits: {by: seed}` puts this geometry into several splits: list the scene's seeds in one split"
             : "")};
 }
-
-namespace {
-
-// Returns the end of a warning, after the names of drives, if the frames of a sequence follow one another faster than
-// the slowest sensor turns. Otherwise empty.
-std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) {
-  const double interval = sequence.trajectory->interval();
-  const double period = pipeline.periods.longest;
-  if (interval >= period * (1 - 1e-6)) return {};
-  const auto slowest = std::find_if(pipeline.sensors.begin(), pipeline.sensors.end(),
-                                    [&](const MountedSensor& sensor) { return sensor.period == period; });
-  const std::string both =
-      fmt::format("are {:g} s apart, but a revolution of '{}' takes {:g} s", interval, slowest->name, period);
-  if (sequence.turnsWithoutBreak(pipeline.periods)) {
-    return fmt::format("{}: some samples have no scan of it (`every_s: {:g}` gives each sample one)", both, period);
-  }
-  return fmt::format(
-      "{}: its revolutions overlap, as those of a real sensor cannot (`every_s: {:g}` makes one follow "
-      "the other)",
-      both, period);
-}
-
-}  // namespace
 
 std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   std::vector<std::string> lines;

@@ -85,19 +85,6 @@ std::string readSensorName(Fields& fields, const std::string& fallback, const st
   return name;
 }
 
-}  // namespace
-
-Pose readMount(const Value& mount) {
-  if (mount.kind == Value::Kind::Null) return {};
-  Fields fields(mount, "mount");
-  const Pose pose = fields.pose();
-  fields.finish();
-  checkedPosition(pose.translation, mount.where);
-  return pose;
-}
-
-namespace {
-
 // Reads the key `sensors`. Distributions are replaced by the values of the first frame of the first sequence; the
 // values with their distributions are stored in `written`.
 std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, DrawnSensors::Written& written) {
@@ -124,81 +111,6 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
   if (sensors.size() > 4095) throw InputError(fields.where(), "a vehicle can have at most 4095 sensors");
   return sensors;
 }
-
-}  // namespace
-
-bool setsIntensity(const Pipeline& pipeline) {
-  // The first sensor decides: either all sensors have an intensity, or none has.
-  return intensityFullScale(*pipeline.sensors.front().effects) > 0;
-}
-
-std::uint64_t Pipeline::frames() const {
-  std::uint64_t count = 0;
-  for (const Sequence& s : sequences) count += s.frames;
-  return count;
-}
-
-std::uint64_t Pipeline::beamsPerFrame() const {
-  std::uint64_t count = 0;
-  for (const MountedSensor& s : sensors) count += s.size.rings * s.size.columns;
-  return count;
-}
-
-std::uint64_t Pipeline::raysPerFrame() const {
-  std::uint64_t count = 0;
-  for (std::size_t s = 0; s < sensors.size(); ++s) {
-    count += sensors[s].size.rings * sensors[s].size.columns * raysPerBeam(s);
-  }
-  return count;
-}
-
-double Pipeline::rays() const {
-  double count = 0;
-  for (std::size_t s = 0; s < sensors.size(); ++s) {
-    double revolutions = 0;
-    for (const Sequence& sequence : sequences) revolutions += sequence.totalRevolutions(sensors[s].period, periods);
-    count += revolutions * static_cast<double>(sensors[s].size.rings * sensors[s].size.columns * raysPerBeam(s));
-  }
-  return count;
-}
-
-bool Pipeline::oneRevolution() const {
-  return std::all_of(sensors.begin(), sensors.end(), [&](const MountedSensor& sensor) {
-    return std::all_of(sequences.begin(), sequences.end(), [&](const Sequence& sequence) {
-      return sequence.mostRevolutions(sensor.period, periods) == 1 &&
-             sequence.totalRevolutions(sensor.period, periods) == sequence.frames;
-    });
-  });
-}
-
-std::uint32_t Pipeline::raysPerBeam(std::size_t sensor) const {
-  return recording == nullptr ? scanmill::raysPerBeam(*sensors[sensor].effects) : 1;
-}
-
-const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
-  return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
-}
-
-std::vector<const Effects*> Pipeline::effectCases(std::size_t sensor) const {
-  std::vector<const Effects*> all{sensors[sensor].effects.get()};
-  if (drawn == nullptr) return all;
-  for (const SensorDraw& one : drawn->cases()) all.push_back(one.effects[sensor].get());
-  return all;
-}
-
-std::uint32_t Pipeline::mostReturns() const {
-  std::uint32_t most = 1;
-  for (std::size_t s = 0; s < sensors.size(); ++s) {
-    for (const Effects* effects : effectCases(s)) most = std::max(most, scanmill::mostReturns(*effects));
-  }
-  return most;
-}
-
-std::string Pipeline::methodName() const {
-  return recording != nullptr ? recording->method : std::string(method.entry->name);
-}
-
-namespace {
 
 // Reads `vehicle`: the name of a scene, or {scene:, returns:}.
 void readVehicle(Fields& fields, Pipeline& pipeline) {
@@ -343,6 +255,86 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
 }
 
 }  // namespace
+
+Pose readMount(const Value& mount) {
+  if (mount.kind == Value::Kind::Null) return {};
+  Fields fields(mount, "mount");
+  const Pose pose = fields.pose();
+  fields.finish();
+  checkedPosition(pose.translation, mount.where);
+  return pose;
+}
+
+bool setsIntensity(const Pipeline& pipeline) {
+  // The first sensor decides: either all sensors have an intensity, or none has.
+  return intensityFullScale(*pipeline.sensors.front().effects) > 0;
+}
+
+std::uint64_t Pipeline::frames() const {
+  std::uint64_t count = 0;
+  for (const Sequence& s : sequences) count += s.frames;
+  return count;
+}
+
+std::uint64_t Pipeline::beamsPerFrame() const {
+  std::uint64_t count = 0;
+  for (const MountedSensor& s : sensors) count += s.size.rings * s.size.columns;
+  return count;
+}
+
+std::uint64_t Pipeline::raysPerFrame() const {
+  std::uint64_t count = 0;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    count += sensors[s].size.rings * sensors[s].size.columns * raysPerBeam(s);
+  }
+  return count;
+}
+
+double Pipeline::rays() const {
+  double count = 0;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    double revolutions = 0;
+    for (const Sequence& sequence : sequences) revolutions += sequence.totalRevolutions(sensors[s].period, periods);
+    count += revolutions * static_cast<double>(sensors[s].size.rings * sensors[s].size.columns * raysPerBeam(s));
+  }
+  return count;
+}
+
+bool Pipeline::oneRevolution() const {
+  return std::all_of(sensors.begin(), sensors.end(), [&](const MountedSensor& sensor) {
+    return std::all_of(sequences.begin(), sequences.end(), [&](const Sequence& sequence) {
+      return sequence.mostRevolutions(sensor.period, periods) == 1 &&
+             sequence.totalRevolutions(sensor.period, periods) == sequence.frames;
+    });
+  });
+}
+
+std::uint32_t Pipeline::raysPerBeam(std::size_t sensor) const {
+  return recording == nullptr ? scanmill::raysPerBeam(*sensors[sensor].effects) : 1;
+}
+
+const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
+  return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
+}
+
+std::vector<const Effects*> Pipeline::effectCases(std::size_t sensor) const {
+  std::vector<const Effects*> all{sensors[sensor].effects.get()};
+  if (drawn == nullptr) return all;
+  for (const SensorDraw& one : drawn->cases()) all.push_back(one.effects[sensor].get());
+  return all;
+}
+
+std::uint32_t Pipeline::mostReturns() const {
+  std::uint32_t most = 1;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    for (const Effects* effects : effectCases(s)) most = std::max(most, scanmill::mostReturns(*effects));
+  }
+  return most;
+}
+
+std::string Pipeline::methodName() const {
+  return recording != nullptr ? recording->method : std::string(method.entry->name);
+}
 
 Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                       std::shared_ptr<const Recording> recording) {

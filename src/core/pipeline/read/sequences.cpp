@@ -97,6 +97,25 @@ std::vector<Value> readWithout(const Value* value) {
   return value->items;
 }
 
+// Returns how many frames a list of trajectories has for each seed at least: those that it states.
+std::uint64_t leastFrames(const Value& list) {
+  std::uint64_t least = 0;
+  for (const Value& trajectory : list.items) {
+    const Value* const frames = trajectory.find("frames");
+    std::uint64_t stated = 1;
+    if (frames != nullptr) std::from_chars(frames->text.data(), frames->text.data() + frames->text.size(), stated);
+    least += stated;
+  }
+  return least;
+}
+
+constexpr double kSlack = 1e-6;  // revolutions; absorbs rounding errors of times
+
+// Returns how many revolutions of a sensor have ended by `time` (s).
+std::uint64_t ended(double time, double period) {
+  return static_cast<std::uint64_t>(time / period + kSlack);
+}
+
 }  // namespace
 
 std::string keyPart(std::string_view text) {
@@ -113,22 +132,6 @@ std::string keyPart(std::string_view text) {
   }
   return part;
 }
-
-namespace {
-
-// Returns how many frames a list of trajectories has for each seed at least: those that it states.
-std::uint64_t leastFrames(const Value& list) {
-  std::uint64_t least = 0;
-  for (const Value& trajectory : list.items) {
-    const Value* const frames = trajectory.find("frames");
-    std::uint64_t stated = 1;
-    if (frames != nullptr) std::from_chars(frames->text.data(), frames->text.data() + frames->text.size(), stated);
-    least += stated;
-  }
-  return least;
-}
-
-}  // namespace
 
 std::vector<Sequence> readSequences(Fields& fields, double period,
                                     const std::function<void(std::uint64_t)>& checkFrames) {
@@ -205,17 +208,6 @@ std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fiel
   }
   return sequences;
 }
-
-namespace {
-
-constexpr double kSlack = 1e-6;  // revolutions; absorbs rounding errors of times
-
-// Returns how many revolutions of a sensor have ended by `time` (s).
-std::uint64_t ended(double time, double period) {
-  return static_cast<std::uint64_t>(time / period + kSlack);
-}
-
-}  // namespace
 
 bool Sequence::turnsWithoutBreak(const Periods& periods) const {
   if (periods.shortest == periods.longest || trajectory == nullptr || !trajectory->regular()) return false;
