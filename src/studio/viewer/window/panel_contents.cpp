@@ -108,13 +108,13 @@ void PanelContents::addLabels() {
   }
   for (const Vec3d& end : pointer_.ends) addLabel(end, "", true);
   if (!pointer_.ends.empty() && (pointer_.ends.size() == 2 || (pointer_.measuring && pointer_.hover))) {
-    const Vec3d to = pointer_.ends.size() == 2 ? pointer_.ends[1] : pointer_.hover->place;
+    const Vec3d to = pointer_.ends.size() == 2 ? pointer_.ends[1] : pointer_.hover->position;
     const Vec3d line = to - pointer_.ends[0];
     addLabel(pointer_.ends[0] + line * 0.5,
              fmt::format("{:.3f} m (dx {:.3f}, dy {:.3f}, dz {:.3f})", length(line), line.x, line.y, line.z), false);
   }
-  if (pointer_.pinned) addLabel(pointer_.pinned->place, "", true);
-  if (pointer_.hover) addLabel(pointer_.hover->place, "", true);
+  if (pointer_.pinned) addLabel(pointer_.pinned->position, "", true);
+  if (pointer_.hover) addLabel(pointer_.hover->position, "", true);
 }
 
 std::string PanelContents::title() const {

@@ -55,10 +55,10 @@ struct PickedThing {
   std::string alarm;                                       // name of the row that is shown as a warning; empty: none
   std::size_t scan = 0;                                    // index of the scan in the frame; kNoScan: a triangle
   std::size_t point = 0;                                   // index of the point in the scan or the triangle in the mesh
-  Vec3d place;                                             // position (m, canvas frame)
+  Vec3d position;                                          // position (m, canvas frame)
 };
 
-// Describes a point: all its columns with their units, its class and its beam. Does not set PickedThing::place.
+// Describes a point: all its columns with their units, its class and its beam. Does not set PickedThing::position.
 PickedThing describePoint(const ViewScan& scan, std::size_t scanIndex, std::size_t point, const Ontology* ontology);
 
 // Adds the rows that are shown while the pointer is over the point: range, ring and column, and `shown`, the quantity

@@ -26,7 +26,7 @@ void Pointer::leaveFrame() {
 
 void Pointer::moveBy(const Affine& newFromOld) {
   for (Vec3d& end : ends) end = newFromOld * end;
-  if (pinned) pinned->place = newFromOld * pinned->place;
+  if (pinned) pinned->position = newFromOld * pinned->position;
   hover.reset();
   placeMeasure();
 }
@@ -85,7 +85,7 @@ void Pointer::click(int px, int py) {
     return;
   }
   if (!thing) return context_.notify("nothing lies there");
-  ends.push_back(thing->place);
+  ends.push_back(thing->position);
   measuring = ends.size() < 2;
   placeMeasure();
 }
@@ -94,7 +94,7 @@ void Pointer::toggleMeasuring() {
   const bool start = !measuring && ends.empty();
   ends.clear();
   measuring = start;
-  if (start && pinned) ends.push_back(pinned->place);
+  if (start && pinned) ends.push_back(pinned->position);
   placeMeasure();
 }
 
@@ -102,7 +102,7 @@ void Pointer::turnAbout() {
   auto thing = x >= 0 ? pick(x, y) : std::nullopt;
   if (!thing) thing = pinned;
   if (!thing) return context_.notify("nothing lies there");
-  lookAt(thing->place);
+  lookAt(thing->position);
 }
 
 void Pointer::lookAt(const Vec3d& place) {
@@ -135,7 +135,7 @@ PickedThing Pointer::pickedPoint(std::size_t k, std::size_t point) const {
   const ShownCloud& cloud = clouds_.list[k];
   const ViewScan& scan = clouds_.scanOf(cloud);
   PickedThing thing = describePoint(scan, cloud.scan, point, context_.source->ontology());
-  thing.place = cloud.canvasFromScan * Vec3d(scan.drawnPositions()[point]);
+  thing.position = cloud.canvasFromScan * Vec3d(scan.drawnPositions()[point]);
   addBrief(thing, scan, clouds_.colorOf(cloud.view));
   if (const auto instance = instanceOf(thing)) {
     addInstance(thing, summaryOf(cloud, *instance), context_.source->ontology());
@@ -215,7 +215,7 @@ void Pointer::updateHover(bool panels, const std::optional<PixelRect>& strip) {
   }
   const bool same = found.has_value() == hover.has_value() &&
                     (!found || (found->scan == hover->scan && found->point == hover->point && found->scan != kNoScan &&
-                                found->place == hover->place && found->brief == hover->brief));
+                                found->position == hover->position && found->brief == hover->brief));
   if (same) return;
   hover = std::move(found);
   context_.changes.panels = true;
@@ -291,7 +291,7 @@ void Pointer::highlightInstance() {
     }
   }
   if (wanted == highlighted_ && !context_.changes.items) {
-    if (highlighted_ && context_.changes.views) outline(*cloud, false);
+    if (highlighted_ && context_.changes.views) placeOutline(*cloud);
     return;
   }
   // If drawing takes long, do not draw again for every point that the moving pointer passes.
@@ -300,24 +300,27 @@ void Pointer::highlightInstance() {
   highlighted_ = wanted;
   context_.changes.highlight = true;
   if (!highlighted_) return highlightItem_.drop();
-  outline(*cloud, true);
+  setOutlinePoints(*cloud);
+  placeOutline(*cloud);
 }
 
-// Places the outline of the instance `highlighted_` behind its points. `anew`: the points have changed.
-void Pointer::outline(const ShownCloud& cloud, bool anew) {
+// Outlines the shown points of the instance `highlighted_`.
+void Pointer::setOutlinePoints(const ShownCloud& cloud) {
+  std::vector<Vec3f> points;
+  const std::vector<Vec3f>& all = clouds_.scanOf(cloud).drawnPositions();
+  for (const std::uint32_t i : summaryOf(cloud, highlighted_->id).points) {
+    if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
+    points.push_back(Vec3f(cloud.canvasFromScan * Vec3d(all[i])));
+  }
+  highlightItem_.setPoints(points, std::vector<Rgb>(points.size(), Rgb{255, 255, 255}));
+}
+
+// Places the outline behind the points, as seen by the camera.
+void Pointer::placeOutline(const ShownCloud& cloud) {
   constexpr double kEdge = 1.5;      // width of the outline (pixels)
   constexpr double kFarther = 1.03;  // distance of the outline from the eye divided by the points' distance
   constexpr double kBehind = 0.2;    // distance of the outline behind the points for an orthographic camera (m)
   if (context_.redraw.views().empty()) return;
-  if (anew) {
-    std::vector<Vec3f> places;
-    const std::vector<Vec3f>& all = clouds_.scanOf(cloud).drawnPositions();
-    for (const std::uint32_t i : summaryOf(cloud, highlighted_->id).points) {
-      if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
-      places.push_back(Vec3f(cloud.canvasFromScan * Vec3d(all[i])));
-    }
-    highlightItem_.setPoints(places, std::vector<Rgb>(places.size(), Rgb{255, 255, 255}));
-  }
   ItemLook look{.views = 0};
   for (const ShownCloud& same : clouds_.list) {
     if (same.scan == cloud.scan) look.views |= 1U << same.view;

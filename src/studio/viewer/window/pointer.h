@@ -82,7 +82,8 @@ struct Pointer {
   std::optional<std::size_t> viewAt(int px, int py) const;
   void click(int px, int py);
   const InstanceSummary& summaryOf(const ShownCloud& cloud, std::uint32_t instance) const;
-  void outline(const ShownCloud& cloud, bool anew);
+  void setOutlinePoints(const ShownCloud& cloud);
+  void placeOutline(const ShownCloud& cloud);
 
   SessionContext& context_;
   const ShownClouds& clouds_;

@@ -105,7 +105,7 @@ std::optional<PickedThing> SceneView::pickMesh(const SightLine& line) const {
     const Vec3d spot = origin + direction * hit->distance;
     if (meshShown.empty() || meshShown[hit->triangle] != 0) {
       PickedThing thing = describeTriangle(*mesh, hit->triangle, spot + mesh->origin);
-      thing.place = canvasFromWorld * (spot + mesh->origin);
+      thing.position = canvasFromWorld * (spot + mesh->origin);
       return thing;
     }
     origin = spot + direction * kBeyond;

@@ -56,6 +56,10 @@ class ViewSession {
   void key(const CanvasEvent& event);
   void act(const KeyMeaning& meaning);
   void escape();
+  void toggleLayout(ViewLayout layout);
+  void nextBackground();
+  void nextBoxes();
+  void nextView();
   void switchOption(bool ViewOptions::*option);
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);

@@ -104,14 +104,6 @@ void ViewSession::key(const CanvasEvent& event) {
 }
 
 void ViewSession::act(const KeyMeaning& meaning) {
-  const auto setLayout = [&](ViewLayout wantedLayout) {
-    context_.options.layout = context_.options.layout == wantedLayout ? ViewLayout::One : wantedLayout;
-    clouds_.activeView.reset();
-    if (context_.options.layout == ViewLayout::Split && context_.frame && context_.frame->scans.size() == 1)
-      clouds_.activeView = 1;
-    pointer_.hover.reset();
-    arrange();
-  };
   if (context_.source->isScene()) {
     if (const std::string why = sceneLacks(meaning); !why.empty()) return context_.notify(why);
   }
@@ -126,30 +118,12 @@ void ViewSession::act(const KeyMeaning& meaning) {
       context_.options.pointSize = std::clamp(sceneView_.pointSize() + meaning.number, 1.0, 20.0);
       sceneView_.placeClouds();
       return context_.notify(fmt::format("points of {:.0f} px", context_.options.pointSize));
-    case KeyAction::NextBackground: {
-      const auto is = std::ranges::find(kBackgrounds, context_.options.background);
-      context_.options.background =
-          is == kBackgrounds.end() || is + 1 == kBackgrounds.end() ? kBackgrounds.front() : is[1];
-      context_.changes.views = context_.changes.panels = true;
-      return;
-    }
+    case KeyAction::NextBackground:
+      return nextBackground();
     case KeyAction::Switch:
       return switchOption(meaning.option);
-    case KeyAction::ToggleBoxes: {
-      context_.changes.views = true;
-      if (context_.frame && context_.frame->objects.empty()) {
-        sceneView_.instanceBoxes = !sceneView_.instanceBoxes;
-        sceneView_.placeGuides();
-        return context_.notify(
-            fmt::format("boxes about instances' points {}", sceneView_.instanceBoxes ? "on" : "off"));
-      }
-      constexpr std::size_t kChoices = kBoxChoiceNames.size();
-      context_.options.boxes =
-          static_cast<BoxChoice>((static_cast<std::size_t>(context_.options.boxes) + 1) % kChoices);
-      sceneView_.placeGuides();
-      constexpr std::array<const char*, kChoices> kBoxTexts{"of road users", "of all objects", "off"};
-      return context_.notify(fmt::format("boxes {}", kBoxTexts[static_cast<std::size_t>(context_.options.boxes)]));
-    }
+    case KeyAction::ToggleBoxes:
+      return nextBoxes();
     case KeyAction::ToggleProjection: {
       OrbitCamera other = sceneView_.camera;
       other.orthographic = !other.orthographic;
@@ -179,17 +153,11 @@ void ViewSession::act(const KeyMeaning& meaning) {
     case KeyAction::ToggleOverlay:
       if (context_.frame && context_.frame->scans.size() < 2)
         return context_.notify("the sample has no other scan to lay over it");
-      return setLayout(ViewLayout::Overlay);
+      return toggleLayout(ViewLayout::Overlay);
     case KeyAction::ToggleSplit:
-      return setLayout(ViewLayout::Split);
+      return toggleLayout(ViewLayout::Split);
     case KeyAction::NextView:
-      if (clouds_.viewCount() < 2) return context_.notify("there is one view only; s splits it");
-      // Each press activates the next view; after the last view, all views are active if they show different scans.
-      clouds_.activeView = clouds_.activeView ? *clouds_.activeView + 1 : 0;
-      if (*clouds_.activeView >= clouds_.viewCount()) clouds_.activeView.reset();
-      if (!clouds_.activeView && context_.frame->scans.size() == 1) clouds_.activeView = 0;
-      context_.changes.items = context_.changes.panels = true;
-      return clouds_.makeStrip();
+      return nextView();
     case KeyAction::NextScan:
       if (!context_.frame || context_.frame->scans.size() < 2) return context_.notify("the sample has no other scan");
       clouds_.scanName = context_.frame->scans[(clouds_.shownScan() + 1) % context_.frame->scans.size()].name;
@@ -202,7 +170,7 @@ void ViewSession::act(const KeyMeaning& meaning) {
       context_.filter.instances.clear();
       context_.filter.hiddenScans.clear();
       context_.filter.closeUp.reset();
-      return applyFilter();
+      return arrange();  // legends count all points again, not only those of a close-up
     case KeyAction::InstanceAlone:
       return toggleAlone();
     case KeyAction::Measure:
@@ -219,6 +187,47 @@ void ViewSession::act(const KeyMeaning& meaning) {
       quit_ = true;
       return;
   }
+}
+
+// Chooses a layout; if it is chosen already, the layout One.
+void ViewSession::toggleLayout(ViewLayout wantedLayout) {
+  context_.options.layout = context_.options.layout == wantedLayout ? ViewLayout::One : wantedLayout;
+  clouds_.activeView.reset();
+  if (context_.options.layout == ViewLayout::Split && context_.frame && context_.frame->scans.size() == 1)
+    clouds_.activeView = 1;
+  pointer_.hover.reset();
+  arrange();
+}
+
+void ViewSession::nextBackground() {
+  const auto is = std::ranges::find(kBackgrounds, context_.options.background);
+  context_.options.background = is == kBackgrounds.end() || is + 1 == kBackgrounds.end() ? kBackgrounds.front() : is[1];
+  context_.changes.views = context_.changes.panels = true;
+}
+
+// Draws the boxes of the next kind of objects; if there is no list of objects, boxes around the points of instances.
+void ViewSession::nextBoxes() {
+  context_.changes.views = true;
+  if (context_.frame && context_.frame->objects.empty()) {
+    sceneView_.instanceBoxes = !sceneView_.instanceBoxes;
+    sceneView_.placeGuides();
+    return context_.notify(fmt::format("boxes about instances' points {}", sceneView_.instanceBoxes ? "on" : "off"));
+  }
+  constexpr std::size_t kChoices = kBoxChoiceNames.size();
+  context_.options.boxes = static_cast<BoxChoice>((static_cast<std::size_t>(context_.options.boxes) + 1) % kChoices);
+  sceneView_.placeGuides();
+  constexpr std::array<const char*, kChoices> kBoxTexts{"of road users", "of all objects", "off"};
+  return context_.notify(fmt::format("boxes {}", kBoxTexts[static_cast<std::size_t>(context_.options.boxes)]));
+}
+
+void ViewSession::nextView() {
+  if (clouds_.viewCount() < 2) return context_.notify("there is one view only; s splits it");
+  // Each press activates the next view; after the last view, all views are active if they show different scans.
+  clouds_.activeView = clouds_.activeView ? *clouds_.activeView + 1 : 0;
+  if (*clouds_.activeView >= clouds_.viewCount()) clouds_.activeView.reset();
+  if (!clouds_.activeView && context_.frame->scans.size() == 1) clouds_.activeView = 0;
+  context_.changes.items = context_.changes.panels = true;
+  clouds_.makeStrip();
 }
 
 void ViewSession::switchOption(bool ViewOptions::*option) {

@@ -207,7 +207,7 @@ void ViewSession::drawStrip() {
   ImGui::PopStyleVar();
   if (!pressed) return;
   if (auto picked = pointer_.pickStrip(rect, pointer_.x, pointer_.y)) {
-    pointer_.lookAt(picked->place);
+    pointer_.lookAt(picked->position);
     pointer_.pinned = pointer_.withOtherScans(std::move(*picked));
   }
 }

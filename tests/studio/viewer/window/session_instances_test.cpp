@@ -254,7 +254,7 @@ TEST(SessionBoxes, FitPointsOfAMovingSensor) {
   const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72);
   const auto thing = world.session->pick(x, y);
   ASSERT_TRUE(thing);
-  EXPECT_EQ(thing->place, Vec3d(scan.placed[thing->point]));
+  EXPECT_EQ(thing->position, Vec3d(scan.placed[thing->point]));
   EXPECT_EQ(rowOf(*thing, "x"), fmt::format("{:.3f} m", scan.scan.position[thing->point].x)) << "as the file has it";
 }
 

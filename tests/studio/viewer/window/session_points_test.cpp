@@ -135,7 +135,7 @@ TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
       const Projected found = world.canvas.views().front().camera.project(Vec3d(scan.position[p]));
       EXPECT_LE(found.depth, own.depth + 1e-3);
       EXPECT_EQ(thing->scan, 0u);
-      EXPECT_NEAR(length(thing->place - Vec3d(scan.position[p])), 0, 1e-9);
+      EXPECT_NEAR(length(thing->position - Vec3d(scan.position[p])), 0, 1e-9);
       const Vec3d at(scan.position[p]);
       for (const auto& [row, value, within] :
            std::initializer_list<std::tuple<const char*, double, double>>{{"x", at.x, 6e-4},

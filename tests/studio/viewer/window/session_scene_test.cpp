@@ -156,14 +156,14 @@ TEST_F(SceneViewer, CamerasAimAtThePlacesOfPicks) {
   EXPECT_THAT(picked->heading, testing::HasSubstr("car"));
   const ViewCamera camera = canvas_.views().at(0).camera;
   const double middle = rect.width / 2 + 0.5;  // of the pixel
-  EXPECT_NEAR(camera.project(picked->place).x, middle, 0.1);
+  EXPECT_NEAR(camera.project(picked->position).x, middle, 0.1);
   for (const auto& [row, expected] : {std::pair("world x", 15.0), {"world y", 100.0}, {"world z", 1.75}}) {
     EXPECT_NEAR(std::stod(rowOf(*picked, row)), expected, 0.03) << row;  // half a pixel
   }
   key(*session, "F1");
-  EXPECT_GT(std::abs(canvas_.views().at(0).camera.project(picked->place).y - rect.height / 2), 1);
+  EXPECT_GT(std::abs(canvas_.views().at(0).camera.project(picked->position).y - rect.height / 2), 1);
   key(*session, "Home");
-  EXPECT_NEAR(canvas_.views().at(0).camera.project(picked->place).x, camera.project(picked->place).x, 1e-6);
+  EXPECT_NEAR(canvas_.views().at(0).camera.project(picked->position).x, camera.project(picked->position).x, 1e-6);
 }
 
 TEST_F(SceneViewer, SaysWhatMeansNothing) {
