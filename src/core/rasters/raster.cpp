@@ -295,14 +295,15 @@ bool readMeans(RasterReader& reader, int band, double marker, const Window& wind
     }
     const double* sample =
         samples.data() + static_cast<std::size_t>(rowInBlock) * static_cast<std::size_t>(window.width);
-    for (int column = 0; column < window.width; ++column, ++sample) {
-      if (!std::isfinite(*sample)) continue;
-      marked = marked || *sample == marker;
-      above = above || *sample > marker;
-      below = below || *sample < marker;
-      const auto square = static_cast<std::size_t>(column / columnsEach);
-      sums[square] += *sample;
-      ++counts[square];
+    for (std::size_t square = 0; square < sums.size(); ++square) {
+      for (int column = 0; column < columnsEach; ++column, ++sample) {
+        if (!std::isfinite(*sample)) continue;
+        marked = marked || *sample == marker;
+        above = above || *sample > marker;
+        below = below || *sample < marker;
+        sums[square] += *sample;
+        ++counts[square];
+      }
     }
     if ((row + 1) % rowsEach != 0) continue;
     for (std::size_t i = 0; i < sums.size(); ++i) {
