@@ -38,7 +38,7 @@ std::string bandName(double low, double high, const char* unit) {
                           : fmt::format("{:g} to {:g} {}", low, high, unit);
 }
 
-struct Outcome {
+struct BeamOutcome {
   bool truth = false;   // the exact tracer has a hit
   bool tested = false;  // the tested method has a hit
   bool unresolved = false;
@@ -59,7 +59,7 @@ struct GroupSum {
   std::vector<float> nearestTo;
   std::vector<float> nearestFrom;
 
-  void add(const Outcome& beam) {
+  void add(const BeamOutcome& beam) {
     ++counts.beams;
     if (beam.unresolved) {
       ++counts.unresolved;
@@ -97,7 +97,7 @@ std::vector<ErrorGroup> bands(const std::array<double, N>& edges, const char* un
 
 class BeamErrorSum::Impl {
  public:
-  explicit Impl(const Scene& scene) : scene_(scene), sizes_(instanceSizes(scene)), things_(sizes_.size()) {}
+  explicit Impl(const Scene& scene) : scene_(scene), sizes_(instanceSizes(scene)), instances_(sizes_.size()) {}
 
   void add(const TrueShot& shot, const Hits& tested, std::span<const float> intensity, std::span<const float> nearestTo,
            std::span<const float> nearestFrom) {
@@ -111,38 +111,18 @@ class BeamErrorSum::Impl {
       throw Error(fmt::format("a list of {} entries is not one of {} beams", size, exact.size()));
     }
     const bool lit = !shot.intensity.empty() && !intensity.empty();
-    auto unresolved = tested.unresolved.begin();
     for (std::size_t i = 0; i < exact.size(); ++i) {
-      const double range = shot.truth.range[i];
-      Outcome beam;
-      beam.truth = std::isfinite(range);
-      while (unresolved != tested.unresolved.end() && *unresolved < i) ++unresolved;
-      beam.unresolved = unresolved != tested.unresolved.end() && *unresolved == i;
-      beam.tested = std::isfinite(tested.range[i]) && !beam.unresolved;
-      if (beam.truth && beam.tested) {
-        beam.sameClass = tested.semantic[i] == exact.semantic[i];
-        beam.sameInstance = tested.instance[i] == exact.instance[i];
-        beam.range = static_cast<float>(std::abs(double{tested.range[i]} - range));
-        if (lit) beam.intensity = std::abs(intensity[i] - shot.intensity[i]);
-      }
+      BeamOutcome beam = outcomeOf(shot, tested, i);
+      if (lit && beam.truth && beam.tested) beam.intensity = std::abs(intensity[i] - shot.intensity[i]);
       if (beam.truth && !nearestTo.empty()) beam.nearestTo = nearestTo[i];
       if (beam.tested && !nearestFrom.empty()) beam.nearestFrom = nearestFrom[i];
       all_.add(beam);
-      places_[shot.edges.empty() || shot.edges[i] == 0 ? 0 : 1].add(beam);
-      if (beam.truth || beam.tested) {
-        ranges_[bandOf(kRangeEdges, beam.truth ? range : double{tested.range[i]})].add(beam);
-        classes_[beam.truth ? exact.semantic[i] : tested.semantic[i]].add(beam);
-      }
-      if (!beam.truth) continue;
-      if (const double cosine = exact.incidence[i]; !std::isnan(cosine)) {
-        incidences_[bandOf(kIncidenceEdges, degrees(std::acos(std::clamp(cosine, 0.0, 1.0))))].add(beam);
-      }
-      if (exact.instance[i] != 0) {
-        if (exact.instance[i] >= things_.size())
-          throw Error("the hits belong to another scene, which has more instances");
-        Thing& thing = things_[exact.instance[i]];
-        ++thing.beams;
-        thing.found += beam.sameInstance ? 1 : 0;
+      byEdge_[shot.edges.empty() || shot.edges[i] == 0 ? 0 : 1].add(beam);
+      if (beam.truth) {
+        addToGroups(exact.semantic[i], shot.truth.range[i], beam);
+        addToTrueGroups(exact, i, beam);
+      } else if (beam.tested) {
+        addToGroups(tested.semantic[i], double{tested.range[i]}, beam);
       }
     }
   }
@@ -150,7 +130,7 @@ class BeamErrorSum::Impl {
   BeamErrors finish() const {
     BeamErrors errors;
     errors.all = all_.counts;
-    errors.byEdge = {{"interior", 0, 0, places_[0].counts}, {"edges", 0, 0, places_[1].counts}};
+    errors.byEdge = {{"interior", 0, 0, byEdge_[0].counts}, {"edges", 0, 0, byEdge_[1].counts}};
     errors.byRange = bands(kRangeEdges, "m", ranges_);
     errors.byIncidence = bands(kIncidenceEdges, "deg", incidences_);
     for (const auto& [id, sum] : classes_) {
@@ -158,18 +138,21 @@ class BeamErrorSum::Impl {
       errors.byClass.push_back({known != nullptr ? known->name : fmt::format("class {}", id), 0, 0, sum.counts});
     }
     std::vector<std::pair<const std::vector<float>*, Spread*>> spreads;
-    const auto spread = [&](const GroupSum& of, GroupErrors& group) {
-      spreads.insert(spreads.end(), {{&of.range, &group.range},
-                                     {&of.intensity, &group.intensity},
-                                     {&of.nearestTo, &group.nearestTo},
-                                     {&of.nearestFrom, &group.nearestFrom}});
+    const auto addSpreads = [&](const GroupSum& sum, GroupErrors& group) {
+      spreads.insert(spreads.end(), {{&sum.range, &group.range},
+                                     {&sum.intensity, &group.intensity},
+                                     {&sum.nearestTo, &group.nearestTo},
+                                     {&sum.nearestFrom, &group.nearestFrom}});
     };
-    spread(all_, errors.all);
-    for (std::size_t i = 0; i < errors.byEdge.size(); ++i) spread(places_[i], errors.byEdge[i].errors);
-    for (std::size_t i = 0; i < errors.byRange.size(); ++i) spread(ranges_[i], errors.byRange[i].errors);
-    for (std::size_t i = 0; i < errors.byIncidence.size(); ++i) spread(incidences_[i], errors.byIncidence[i].errors);
+    const auto addSpreadsOfEach = [&](const auto& sums, std::vector<ErrorGroup>& groups) {
+      for (std::size_t i = 0; i < groups.size(); ++i) addSpreads(sums[i], groups[i].errors);
+    };
+    addSpreads(all_, errors.all);
+    addSpreadsOfEach(byEdge_, errors.byEdge);
+    addSpreadsOfEach(ranges_, errors.byRange);
+    addSpreadsOfEach(incidences_, errors.byIncidence);
     auto byClass = errors.byClass.begin();
-    for (const auto& entry : classes_) spread(entry.second, (byClass++)->errors);
+    for (const auto& [id, sum] : classes_) addSpreads(sum, (byClass++)->errors);
     // Computing percentiles takes most of the time, so several threads do it, each for one list of errors at a time.
     parallelFor(spreads.size(), 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
@@ -183,23 +166,55 @@ class BeamErrorSum::Impl {
   }
 
  private:
-  struct Thing {
+  // The beams of an object instance, and those of them whose tested hit is on it.
+  struct InstanceBeams {
     std::uint64_t beams = 0;
     std::uint64_t found = 0;
   };
+
+  // Returns the outcome without intensity and distances to nearest points.
+  static BeamOutcome outcomeOf(const TrueShot& shot, const Hits& tested, std::size_t i) {
+    const Hits& exact = shot.truth.hits;
+    BeamOutcome beam;
+    beam.truth = std::isfinite(shot.truth.range[i]);
+    beam.unresolved = std::ranges::binary_search(tested.unresolved, i);
+    beam.tested = std::isfinite(tested.range[i]) && !beam.unresolved;
+    if (!beam.truth || !beam.tested) return beam;
+    beam.sameClass = tested.semantic[i] == exact.semantic[i];
+    beam.sameInstance = tested.instance[i] == exact.instance[i];
+    beam.range = static_cast<float>(std::abs(double{tested.range[i]} - shot.truth.range[i]));
+    return beam;
+  }
+
+  void addToGroups(std::uint16_t semantic, double range, const BeamOutcome& beam) {
+    ranges_[bandOf(kRangeEdges, range)].add(beam);
+    classes_[semantic].add(beam);
+  }
+
+  // Adds a beam to the groups that only a true hit determines.
+  void addToTrueGroups(const Hits& exact, std::size_t i, const BeamOutcome& beam) {
+    if (const double cosine = exact.incidence[i]; !std::isnan(cosine)) {
+      incidences_[bandOf(kIncidenceEdges, degrees(std::acos(std::clamp(cosine, 0.0, 1.0))))].add(beam);
+    }
+    if (exact.instance[i] == 0) return;
+    if (exact.instance[i] >= instances_.size())
+      throw Error("the hits belong to another scene, which has more instances");
+    ++instances_[exact.instance[i]].beams;
+    instances_[exact.instance[i]].found += beam.sameInstance ? 1 : 0;
+  }
 
   std::vector<SizeRecall> recall(std::span<const double> edges, double InstanceSize::*side) const {
     std::vector<SizeRecall> groups;
     for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
       groups.push_back({bandName(edges[i], edges[i + 1], "m"), edges[i], edges[i + 1]});
     }
-    for (std::size_t id = 1; id < things_.size(); ++id) {
-      if (things_[id].beams == 0) continue;
+    for (std::size_t id = 1; id < instances_.size(); ++id) {
+      if (instances_[id].beams == 0) continue;
       SizeRecall& group = groups[bandOf(edges, sizes_[id].*side)];
       ++group.instances;
-      group.instancesFound += things_[id].found > 0 ? 1 : 0;
-      group.beams += things_[id].beams;
-      group.beamsFound += things_[id].found;
+      group.instancesFound += instances_[id].found > 0 ? 1 : 0;
+      group.beams += instances_[id].beams;
+      group.beamsFound += instances_[id].found;
     }
     while (!groups.empty() && groups.back().instances == 0) groups.pop_back();
     return groups;
@@ -207,9 +222,9 @@ class BeamErrorSum::Impl {
 
   const Scene& scene_;
   std::vector<InstanceSize> sizes_;
-  std::vector<Thing> things_;  // indexed by instance id
+  std::vector<InstanceBeams> instances_;  // indexed by instance id
   GroupSum all_;
-  std::array<GroupSum, 2> places_;  // beams away from edges, beams near edges
+  std::array<GroupSum, 2> byEdge_;  // beams away from edges, beams near edges
   std::array<GroupSum, kRangeEdges.size() - 1> ranges_;
   std::array<GroupSum, kIncidenceEdges.size() - 1> incidences_;
   std::map<std::uint16_t, GroupSum> classes_;
