@@ -124,13 +124,13 @@ Value drawChoice(Fields& fields, double random) {
   const std::vector<double> weights = readWeights(fields);
   const auto pick = [&](std::size_t count) {
     if (weights.empty()) return std::min(static_cast<std::size_t>(random * static_cast<double>(count)), count - 1);
-    double left = random * std::accumulate(weights.begin(), weights.end(), 0.0);
+    double remaining = random * std::accumulate(weights.begin(), weights.end(), 0.0);
     std::size_t last = 0;
     for (std::size_t i = 0; i < count; ++i) {
       if (weights[i] <= 0) continue;
       last = i;
-      if (left < weights[i]) break;
-      left -= weights[i];
+      if (remaining < weights[i]) break;
+      remaining -= weights[i];
     }
     return last;
   };
@@ -217,7 +217,7 @@ std::uint64_t permuted(std::uint64_t index, std::uint64_t count, RandomAddress a
 }
 
 // Returns a random number from 0 to 1 for the distribution of a key.
-double randomOf(const std::string& key, RandomAddress address, Fields& fields, const PlaceInSplit& place) {
+double randomNumberOf(const std::string& key, RandomAddress address, Fields& fields, const PlaceInSplit& place) {
   const bool perFrame = isPerFrame(fields);
   const bool stratified = isStratified(fields);
   address.beam = hashOf(key);
@@ -294,7 +294,7 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
     // An item of a choice may be a distribution, too.
     for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {
       Fields fields = fieldsOf(one);
-      one = draw(fields, randomOf(key, own, fields, place));
+      one = draw(fields, randomNumberOf(key, own, fields, place));
     }
     std::vector<DrawnValue> within;  // not reported: the entries in `draws` show the complete item
     one = withDraws(one, key, address, within, place);

@@ -22,16 +22,17 @@ struct NamedOptions {
 // Reads "name" or {name: {options}}. `what` describes the item in messages, such as "an effect". Throws InputError.
 NamedOptions readNamed(const Value& value, const std::string& what);
 
-// Returns the entry of `values` that the key names; the entry of `fallback` if the key is absent.
+// Returns the entry of `values` that the key names; the entry of `fallback`, which `values` must have, if the key is
+// absent.
 template <class T, std::size_t n>
 const std::pair<const char*, T>& namedChoice(Fields& fields, std::string_view key,
                                              const std::pair<const char*, T> (&values)[n], T fallback) {
   std::vector<std::string> names;
   for (const auto& [name, value] : values) names.emplace_back(name);
-  const auto usual =
-      std::find_if(std::begin(values), std::end(values), [&](const auto& v) { return v.second == fallback; });
-  const std::string chosen = fields.choice(key, names, usual->first);
-  return *std::find_if(std::begin(values), std::end(values), [&](const auto& v) { return chosen == v.first; });
+  const std::string chosen = fields.choice(key, names, "");
+  return *std::find_if(std::begin(values), std::end(values), [&](const auto& entry) {
+    return chosen.empty() ? entry.second == fallback : chosen == entry.first;
+  });
 }
 
 }  // namespace scanmill

@@ -25,8 +25,8 @@ constexpr const char* kOwn = "scanmill:";  // begins the saved paths of the prog
 // Returns the file at this path, with or without the suffix .yaml; nullopt if there is no such file.
 std::optional<fs::path> fileAt(const fs::path& path) {
   if (pathExists(path) && !isFolder(path)) return path;
-  const fs::path whole = path.string() + kSuffix;
-  if (path.has_filename() && pathExists(whole) && !isFolder(whole)) return whole;
+  const fs::path withSuffix = path.string() + kSuffix;
+  if (path.has_filename() && pathExists(withSuffix) && !isFolder(withSuffix)) return withSuffix;
   return std::nullopt;
 }
 
@@ -157,10 +157,10 @@ std::string nearestResource(const std::string& name, const std::string& subfolde
 }
 
 std::string savedPath(const fs::path& file, const fs::path& folder) {
-  const fs::path whole = fs::absolute(file).lexically_normal();
-  const fs::path own = whole.lexically_relative(fs::absolute(resourceFolder()).lexically_normal());
+  const fs::path absolute = fs::absolute(file).lexically_normal();
+  const fs::path own = absolute.lexically_relative(fs::absolute(resourceFolder()).lexically_normal());
   if (!own.empty() && *own.begin() != "..") return std::string(kOwn) + own.generic_string();
-  return whole.lexically_relative((fs::current_path() / folder).lexically_normal()).generic_string();
+  return absolute.lexically_relative((fs::current_path() / folder).lexically_normal()).generic_string();
 }
 
 fs::path fileOfSavedPath(const std::string& saved, const fs::path& folder) {

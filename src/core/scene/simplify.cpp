@@ -71,13 +71,14 @@ void appendFewer(const Scene& scene, const Mesh& from, const std::vector<std::ui
                  Mesh& to) {
   const Welded welded = weld(scene, from, chosen);
   const auto target = static_cast<std::size_t>(std::ceil(keep * static_cast<double>(chosen.size()))) * 3;
-  std::vector<std::uint32_t> left(welded.corners.size());
-  left.resize(meshopt_simplify(left.data(), welded.corners.data(), welded.corners.size(),
-                               &welded.vertices.front().position.x, welded.vertices.size(), sizeof(Weld), target,
-                               kAnyError, 0, nullptr));
-  for (std::size_t i = 0; i < left.size(); i += 3) {
-    to.triangles.push_back({welded.vertexOf[left[i]], welded.vertexOf[left[i + 1]], welded.vertexOf[left[i + 2]]});
-    to.surfaceOf.push_back(static_cast<std::uint16_t>(welded.vertices[left[i]].surface));
+  std::vector<std::uint32_t> remaining(welded.corners.size());
+  remaining.resize(meshopt_simplify(remaining.data(), welded.corners.data(), welded.corners.size(),
+                                    &welded.vertices.front().position.x, welded.vertices.size(), sizeof(Weld), target,
+                                    kAnyError, 0, nullptr));
+  for (std::size_t i = 0; i < remaining.size(); i += 3) {
+    to.triangles.push_back(
+        {welded.vertexOf[remaining[i]], welded.vertexOf[remaining[i + 1]], welded.vertexOf[remaining[i + 2]]});
+    to.surfaceOf.push_back(static_cast<std::uint16_t>(welded.vertices[remaining[i]].surface));
   }
 }
 
@@ -122,12 +123,12 @@ void compact(Mesh& mesh) {
   unsigned* const corners = mesh.triangles.front().data();
   const std::size_t before = mesh.positions.size();
   std::vector<unsigned> renamed(before);
-  const std::size_t kept = meshopt_optimizeVertexFetchRemap(renamed.data(), corners, mesh.triangles.size() * 3, before);
+  const std::size_t used = meshopt_optimizeVertexFetchRemap(renamed.data(), corners, mesh.triangles.size() * 3, before);
   const auto keep = [&](auto& of) {
     if (of.empty()) return;
-    std::decay_t<decltype(of)> left(kept);
-    meshopt_remapVertexBuffer(left.data(), of.data(), before, sizeof left.front(), renamed.data());
-    of = std::move(left);
+    std::decay_t<decltype(of)> compacted(used);
+    meshopt_remapVertexBuffer(compacted.data(), of.data(), before, sizeof compacted.front(), renamed.data());
+    of = std::move(compacted);
   };
   keep(mesh.positions);
   keep(mesh.uvs);

@@ -23,7 +23,7 @@ void drop(Mesh& mesh, const std::function<bool(const Surface&)>& goes) {
   keepTriangles(mesh, [&](std::size_t t) { return !leaves[mesh.surfaceOf[t]]; });
 }
 
-bool holds(const Mesh& mesh, std::uint32_t object) {
+bool hasObject(const Mesh& mesh, std::uint32_t object) {
   return std::any_of(mesh.surfaceOf.begin(), mesh.surfaceOf.end(),
                      [&](std::uint16_t s) { return mesh.surfaces[s].object == object; });
 }
@@ -32,10 +32,10 @@ bool holds(const Mesh& mesh, std::uint32_t object) {
 // gets a copy of its mesh without that part, since other instances may share the mesh.
 bool takeOutThing(Scene& scene, std::uint32_t id, UnreducedScene& unreduced) {
   bool found = false;
-  const auto less = [&](std::uint32_t mesh, std::uint32_t object) {
-    Mesh rest = scene.meshes[mesh];
-    drop(rest, [&](const Surface& surface) { return surface.object == object; });
-    scene.meshes.push_back(std::move(rest));
+  const auto meshWithout = [&](std::uint32_t mesh, std::uint32_t object) {
+    Mesh reduced = scene.meshes[mesh];
+    drop(reduced, [&](const Surface& surface) { return surface.object == object; });
+    scene.meshes.push_back(std::move(reduced));
     unreduced.copies.push_back(unreduced.copies[mesh]);
     return static_cast<std::uint32_t>(scene.meshes.size() - 1);
   };
@@ -44,16 +44,16 @@ bool takeOutThing(Scene& scene, std::uint32_t id, UnreducedScene& unreduced) {
     if (id < instance.firstInstanceId || id - instance.firstInstanceId >= objects) continue;
     const std::uint32_t object = id - instance.firstInstanceId + 1;
     if (instance.animation != nullptr) {
-      auto rest = std::make_shared<Animation>(*instance.animation);
-      for (std::uint32_t& mesh : rest->meshes) {
-        found = found || holds(scene.meshes[mesh], object);
-        mesh = less(mesh, object);
+      auto reduced = std::make_shared<Animation>(*instance.animation);
+      for (std::uint32_t& mesh : reduced->meshes) {
+        found = found || hasObject(scene.meshes[mesh], object);
+        mesh = meshWithout(mesh, object);
       }
-      instance.mesh = rest->meshes.front();
-      instance.animation = std::move(rest);
-    } else if (holds(scene.meshes[instance.mesh], object)) {
+      instance.mesh = reduced->meshes.front();
+      instance.animation = std::move(reduced);
+    } else if (hasObject(scene.meshes[instance.mesh], object)) {
       found = true;
-      instance.mesh = less(instance.mesh, object);
+      instance.mesh = meshWithout(instance.mesh, object);
     }
   }
   return found;
@@ -69,11 +69,11 @@ bool isEmpty(const Scene& scene, const Instance& instance) {
 // NAME#2 and so on; meshes that the object's file places several times are called NAME/NODE 1 or NAME#1/NODE 1.
 bool belongsTo(const Instance& instance, const std::string& name) {
   if (!instance.name.starts_with(name)) return false;
-  const std::string_view rest = std::string_view(instance.name).substr(name.size());
-  if (rest.empty() || rest.front() == '#') return true;
-  const std::size_t blank = rest.rfind(' ');
-  return rest.front() == '/' && blank != std::string_view::npos && blank + 1 < rest.size() &&
-         rest.find_first_not_of("0123456789", blank + 1) == std::string_view::npos;
+  const std::string_view suffix = std::string_view(instance.name).substr(name.size());
+  if (suffix.empty() || suffix.front() == '#') return true;
+  const std::size_t blank = suffix.rfind(' ');
+  return suffix.front() == '/' && blank != std::string_view::npos && blank + 1 < suffix.size() &&
+         suffix.find_first_not_of("0123456789", blank + 1) == std::string_view::npos;
 }
 
 bool takeOutNamed(Scene& scene, const std::string& name) {

@@ -62,11 +62,11 @@ double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRang
     const auto third = axis == &Vec3d::z ? &Vec3d::y : &Vec3d::z;
     const double cell = size.*second * size.*third / (kCells * kCells);
     for (int i = 0; i < kCells * kCells; ++i) {
-      Vec3d place;
-      place.*axis = side * size.*axis / 2;
-      place.*second = ((i % kCells + 0.5) / kCells - 0.5) * size.*second;
-      place.*third = ((i / kCells + 0.5) / kCells - 0.5) * size.*third;
-      const Vec3d seen = sensorFromBox * place;
+      Vec3d point;
+      point.*axis = side * size.*axis / 2;
+      point.*second = ((i % kCells + 0.5) / kCells - 0.5) * size.*second;
+      point.*third = ((i / kCells + 0.5) / kCells - 0.5) * size.*third;
+      const Vec3d seen = sensorFromBox * point;
       const double distance = length(seen);
       const double angle = cell * height / (distance * distance * distance);
       all += angle;

@@ -121,13 +121,13 @@ std::vector<std::uint8_t> inputOf(const VoxelGrid& grid, const Shot& shot, const
   const bool skewed = gridFromStep.size() > 1 && !shot.deskew;
   std::vector<std::uint8_t> input(grid.voxels());
   for (std::size_t row = 0; row < scan.size(); ++row) {
-    Vec3d place(scan.position[row]);
+    Vec3d position(scan.position[row]);
     if (skewed) {
       const auto column =
           scan.organised ? static_cast<std::uint32_t>(row % scan.columns) : std::uint32_t{scan[kColumn][row]};
-      place = gridFromStep[shot.stepOf(column)] * place;
+      position = gridFromStep[shot.stepOf(column)] * position;
     }
-    if (const auto voxel = grid.at(place)) input[*voxel] = 1;
+    if (const auto voxel = grid.at(position)) input[*voxel] = 1;
   }
   return input;
 }
@@ -142,9 +142,9 @@ std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::
   parallelFor(lengths.size(), kBeams, [&](std::size_t first, std::size_t last) {
     for (std::size_t beam = first; beam < last; ++beam) {
       if (!(lengths[beam] > 0)) continue;
-      const Affine& place = gridFromStep[shot.stepOf(static_cast<std::uint32_t>(beam % beams.columns))];
+      const Affine& gridFromSensor = gridFromStep[shot.stepOf(static_cast<std::uint32_t>(beam % beams.columns))];
       const Vec3d origin = beams.originOf(beam);
-      walk(grid, place * origin, place.linear * beams.direction[beam], lengths[beam], marks);
+      walk(grid, gridFromSensor * origin, gridFromSensor.linear * beams.direction[beam], lengths[beam], marks);
     }
   });
   return marks;
