@@ -202,7 +202,7 @@ Polygon polygonOf(const Ring& ring, const Point2& origin) {
 // Adds the rest of the outline as further parts, if the parts do not cover it. Returns whether it did.
 bool addRest(MapBuilding& b) {
   constexpr double kCovered = 0.9;  // parts that cover this share of an outline stand for all of it
-  constexpr double kSmallest = 1;   // m^2
+  constexpr double kLeastRest = 1;  // m^2
   using namespace gtl::operators;
   const Point2 origin = b.outline.front();
   Region rest = regionOf(b, origin);
@@ -221,7 +221,7 @@ bool addRest(MapBuilding& b) {
   for (const auto& piece : pieces) {
     MapBuilding part;
     part.outline = polygonOf(piece, origin);
-    if (part.outline.size() < 3 || sizeOf(part.outline) < kSmallest) continue;
+    if (part.outline.size() < 3 || sizeOf(part.outline) < kLeastRest) continue;
     for (auto hole = gtl::begin_holes(piece); hole != gtl::end_holes(piece); ++hole) {
       part.courts.push_back(polygonOf(*hole, origin));
     }

@@ -12,9 +12,9 @@ using models::Kind;
 using models::Shape;
 using models::TrafficSign;
 
-constexpr double kAbove = 0.004;    // m, height of markings and manhole covers above the road
-constexpr double kEndOfRoad = 4;    // m at the ends of a road without dashes, covers and repairs
-constexpr double kHalfLine = 0.06;  // m, half of the width of a dashed line
+constexpr double kMarkingHeight = 0.004;  // m, height of markings and manhole covers above the road
+constexpr double kEndOfRoad = 4;          // m at the ends of a road without dashes, covers and repairs
+constexpr double kHalfLine = 0.06;        // m, half of the width of a dashed line
 
 enum class StopLineKind { Solid, Dashed };
 
@@ -106,9 +106,9 @@ bool addManhole(Shape& s, models::SurfaceIndex iron, const Layout& l, const Poin
   if (l.nearPothole(middle, kRadius)) return false;
   const auto rim = [&](int corner) {
     const double angle = 2 * kPi * corner / kCorners;
-    return l.onGround({middle.x + kRadius * std::cos(angle), middle.y + kRadius * std::sin(angle)}, kAbove);
+    return l.onGround({middle.x + kRadius * std::cos(angle), middle.y + kRadius * std::sin(angle)}, kMarkingHeight);
   };
-  const Vec3d center = l.onGround(middle, kAbove);
+  const Vec3d center = l.onGround(middle, kMarkingHeight);
   for (int i = 0; i < kCorners; ++i) s.triangle(iron, center, rim(i), rim(i + 1));
   return true;
 }
@@ -137,7 +137,7 @@ void addRepair(Shape& s, models::SurfaceIndex asphalt, const Layout& l, const Ro
 void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double from, double to,
               double right, double left) {
   const auto corner = [&](double along, double lateral) {
-    return l.onGround(besideRoad(road, along, lateral).at, kAbove);
+    return l.onGround(besideRoad(road, along, lateral).at, kMarkingHeight);
   };
   s.quad(paint, corner(from, right), corner(to, right), corner(to, left), corner(from, left));
 }

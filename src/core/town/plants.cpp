@@ -41,7 +41,7 @@ const TreeModel& randomTree(Placer& placer, Draw& draw, bool broadleaf, bool far
 // kept.
 bool plant(Placer& placer, Draw& draw, Spot spot, bool broadleaf, double room, const std::string& name,
            const MapTree& mapped = {}) {
-  constexpr double kSunk = 0.05;  // m of the trunk below the ground
+  constexpr double kTrunkBelow = 0.05;  // m of the trunk below the ground
   const Beside b = placer.layout.besideAt(spot.at);
   const bool far = !b.known || b.edge > kFar;
   const TreeModel& tree = randomTree(placer, draw, broadleaf, far);
@@ -49,14 +49,14 @@ bool plant(Placer& placer, Draw& draw, Spot spot, bool broadleaf, double room, c
   spot.scale = draw.in(0.75, 1.35);
   // Near a road, limits the crown's radius so that it reaches at most kOverhang over the road, but not below 1.6 m.
   if (!far) room = std::min(room > 0 ? room : 1e9, std::max(1.6, b.edge + kOverhang));
-  const double high = mapped.height.value_or(0) > 0 ? (*mapped.height + kSunk) / tree.model.bounds.high.z : 0;
+  const double high = mapped.height.value_or(0) > 0 ? (*mapped.height + kTrunkBelow) / tree.model.bounds.high.z : 0;
   if (high > 0) spot.scale = high;
   if (room > 0) spot.scale = std::min(spot.scale, room / tree.crownRadius);
   if (mapped.crown) spot.scale = *mapped.crown / 2 / tree.crownRadius;
   const bool sized = mapped.height || mapped.crown;
   if ((spot.scale < 0.5 && !sized) || !placer.isFree({spot.at, 0.6, 0.6, 0})) return false;
   placer.occupancy.add({spot.at, 0.35, 0.35, 0});
-  Affine place = models::poseOf(spot, placer.layout.heightAt(spot.at) - kSunk);
+  Affine place = models::poseOf(spot, placer.layout.heightAt(spot.at) - kTrunkBelow);
   if (high > 0) place.linear.z = {0, 0, high};
   placer.builder.place(tree.model.mesh, placer.worldFromTown * place, name);
   return true;
