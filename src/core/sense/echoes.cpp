@@ -15,19 +15,19 @@ constexpr float kBelowOne = 0.99999994f;  // the largest float below 1: upper bo
                                           // classes
 
 // A ray with a hit; `power` is the ray's contribution to an echo.
-struct Part {
+struct HitRay {
   float range;
   std::uint32_t ray;
   double power;
 };
 
-constexpr std::size_t kTogether = 64;    // number of beams whose echoes are computed together
-constexpr std::uint32_t kMostRays = 19;  // largest number of rays of such a beam
+constexpr std::size_t kGroup = 64;            // number of beams whose echoes are computed together
+constexpr std::uint32_t kMostGroupRays = 19;  // largest number of rays of such a beam
 
-// Beams of equally many rays that form one echo each.
-struct Simple {
+// A group of beams that form one echo each, of equally many rays, computed together.
+struct BeamGroup {
   template <class T>
-  using PerBeam = std::array<T, kTogether>;
+  using PerBeam = std::array<T, kGroup>;
 
   std::uint32_t rays = 0;
   std::size_t count = 0;
@@ -37,43 +37,43 @@ struct Simple {
   PerBeam<float> power;
   PerBeam<float> range;
   PerBeam<float> spread;
-  std::array<PerBeam<float>, kMostRays> ranges;  // by ray
-  std::array<PerBeam<float>, kMostRays> powers;
+  std::array<PerBeam<float>, kMostGroupRays> ranges;  // by ray
+  std::array<PerBeam<float>, kMostGroupRays> powers;
 };
 
 // Computes power, range, spread and the strongest ray of each beam. The operations are those of EchoFinder::echoOf().
-SCANMILL_BEST_INSTRUCTIONS void computeEchoes(Simple& s) {
-  Simple::PerBeam<double> total{};
-  Simple::PerBeam<double> sum{};
-  Simple::PerBeam<double> plain{};
-  Simple::PerBeam<double> square{};
-  Simple::PerBeam<float> most;
+SCANMILL_BEST_INSTRUCTIONS void computeEchoes(BeamGroup& s) {
+  BeamGroup::PerBeam<double> total{};
+  BeamGroup::PerBeam<double> sum{};
+  BeamGroup::PerBeam<double> unweighted{};
+  BeamGroup::PerBeam<double> square{};
+  BeamGroup::PerBeam<float> most;
   most.fill(-1);
   s.strongest.fill(0);
   for (std::uint32_t k = 0; k < s.rays; ++k) {
-    for (std::size_t i = 0; i < kTogether; ++i) {
+    for (std::size_t i = 0; i < kGroup; ++i) {
       const double power = s.powers[k][i];
-      const double behind = s.ranges[k][i] - double{s.ranges[0][i]};
+      const double behindFirst = s.ranges[k][i] - double{s.ranges[0][i]};
       total[i] += power;
-      sum[i] += power * behind;
-      plain[i] += behind;
+      sum[i] += power * behindFirst;
+      unweighted[i] += behindFirst;
       s.strongest[i] = s.powers[k][i] > most[i] ? k : s.strongest[i];
       most[i] = s.powers[k][i] > most[i] ? s.powers[k][i] : most[i];
     }
   }
-  Simple::PerBeam<double> mean;
+  BeamGroup::PerBeam<double> mean;
   const double rays = s.rays;
-  for (std::size_t i = 0; i < kTogether; ++i) {
+  for (std::size_t i = 0; i < kGroup; ++i) {
     const bool powered = total[i] > 0;
-    mean[i] = s.ranges[0][i] + (powered ? sum[i] : plain[i]) / (powered ? total[i] : rays);
+    mean[i] = s.ranges[0][i] + (powered ? sum[i] : unweighted[i]) / (powered ? total[i] : rays);
   }
   for (std::uint32_t k = 0; k < s.rays; ++k) {
-    for (std::size_t i = 0; i < kTogether; ++i) {
+    for (std::size_t i = 0; i < kGroup; ++i) {
       const double off = s.ranges[k][i] - mean[i];
       square[i] += (total[i] > 0 ? double{s.powers[k][i]} : 1.0) * off * off;
     }
   }
-  for (std::size_t i = 0; i < kTogether; ++i) {
+  for (std::size_t i = 0; i < kGroup; ++i) {
     s.power[i] = static_cast<float>(total[i]);
     s.range[i] = static_cast<float>(mean[i]);
     s.spread[i] = static_cast<float>(std::sqrt(square[i] / (total[i] > 0 ? total[i] : rays)));
@@ -124,49 +124,30 @@ class EchoFinder {
     // The rays from the sensor are sorted by beam. Behind them are the few that continue behind glass or off mirrors.
     const std::vector<std::uint32_t>& beamOf = hits_.beamOfRay;
     const auto sorted = static_cast<std::uint32_t>(std::is_sorted_until(beamOf.begin(), beamOf.end()) - beamOf.begin());
-    std::vector<std::uint32_t> others(beamOf.size() - sorted);
-    std::iota(others.begin(), others.end(), sorted);
-    std::stable_sort(others.begin(), others.end(), [&](auto a, auto b) { return beamOf[a] < beamOf[b]; });
+    std::vector<std::uint32_t> continued(beamOf.size() - sorted);
+    std::iota(continued.begin(), continued.end(), sorted);
+    std::stable_sort(continued.begin(), continued.end(), [&](auto a, auto b) { return beamOf[a] < beamOf[b]; });
     std::uint32_t ray = 0;
-    for (auto other = others.begin(); ray < sorted || other != others.end();) {
+    for (auto next = continued.begin(); ray < sorted || next != continued.end();) {
       const std::uint32_t beam =
-          other == others.end() || (ray < sorted && beamOf[ray] <= beamOf[*other]) ? beamOf[ray] : beamOf[*other];
-      if (ray < sorted && beamOf[ray] == beam && (other == others.end() || beamOf[*other] != beam)) {
-        std::uint32_t end = ray + 1;
-        while (end < sorted && beamOf[end] == beam) ++end;
-        if (takeSimple(beam, ray, end)) {
-          ray = end;
-          continue;
-        }
-      }
-      parts_.clear();
-      float nearest = kMiss;
-      float farthest = 0;
-      const auto take = [&](std::uint32_t taken) {
-        if (!hits_.hit(taken)) return;
-        const float range = hits_.range[taken];
-        parts_.push_back({range, taken, powerOf(taken)});
-        nearest = std::min(nearest, range);
-        farthest = std::max(farthest, range);
-      };
-      for (; ray < sorted && beamOf[ray] == beam; ++ray) take(ray);
-      for (; other != others.end() && beamOf[*other] == beam; ++other) take(*other);
-      if (parts_.size() == 1 || (!parts_.empty() && pulse_ > 0 && farthest - nearest <= pulse_)) {
-        addEcho(beam, parts_);  // all rays form one echo: the case of most beams
-      } else if (!parts_.empty()) {
-        addBeam(beam);
-      }
+          next == continued.end() || (ray < sorted && beamOf[ray] <= beamOf[*next]) ? beamOf[ray] : beamOf[*next];
+      const std::uint32_t first = ray;
+      const auto firstContinued = next;
+      while (ray < sorted && beamOf[ray] == beam) ++ray;
+      while (next != continued.end() && beamOf[*next] == beam) ++next;
+      if (firstContinued == next && addToGroup(beam, first, ray)) continue;
+      addBeam(beam, first, ray, {firstContinued, next});
     }
-    finishSimple();
+    finishGroup();
     return std::move(echoes_);
   }
 
  private:
   // Takes the rays first to end - 1 of a beam if all hit something and form one echo. Returns false if they do not, or
   // if the beam has not as many rays as the first such beam.
-  bool takeSimple(std::uint32_t beam, std::uint32_t first, std::uint32_t end) {
+  bool addToGroup(std::uint32_t beam, std::uint32_t first, std::uint32_t end) {
     const std::uint32_t rays = end - first;
-    if (rays < 2 || rays > kMostRays || pulse_ == 0 || (simple_.rays != 0 && rays != simple_.rays)) return false;
+    if (rays < 2 || rays > kMostGroupRays || pulse_ == 0 || (group_.rays != 0 && rays != group_.rays)) return false;
     float nearest = kMiss;
     float farthest = 0;
     for (std::uint32_t ray = first; ray < end; ++ray) {
@@ -174,41 +155,41 @@ class EchoFinder {
       farthest = std::max(farthest, hits_.range[ray]);
     }
     if (!(farthest < kMiss) || farthest - nearest > pulse_) return false;
-    simple_.rays = rays;
-    simple_.echo[simple_.count] = echoes_.size();
-    simple_.first[simple_.count] = first;
+    group_.rays = rays;
+    group_.echo[group_.count] = echoes_.size();
+    group_.first[group_.count] = first;
     for (std::uint32_t k = 0; k < rays; ++k) {
-      simple_.ranges[k][simple_.count] = hits_.range[first + k];
-      simple_.powers[k][simple_.count] = powerOf(first + k);
+      group_.ranges[k][group_.count] = hits_.range[first + k];
+      group_.powers[k][group_.count] = powerOf(first + k);
     }
     echoes_.push_back({.beam = beam});
-    if (++simple_.count == kTogether) finishSimple();
+    if (++group_.count == kGroup) finishGroup();
     return true;
   }
 
-  void finishSimple() {
-    if (simple_.count == 0) return;
-    computeEchoes(simple_);
-    for (std::size_t i = 0; i < simple_.count; ++i) {
-      Echo& echo = echoes_[simple_.echo[i]];
-      const std::uint32_t first = simple_.first[i];
-      echo.hit = first + simple_.strongest[i];
-      echo.range = simple_.range[i];
-      echo.power = simple_.power[i];
-      echo.spread = simple_.spread[i];
-      if (mixed(first, first + simple_.rays)) {
-        parts_.clear();
+  void finishGroup() {
+    if (group_.count == 0) return;
+    computeEchoes(group_);
+    for (std::size_t i = 0; i < group_.count; ++i) {
+      Echo& echo = echoes_[group_.echo[i]];
+      const std::uint32_t first = group_.first[i];
+      echo.hit = first + group_.strongest[i];
+      echo.range = group_.range[i];
+      echo.power = group_.power[i];
+      echo.spread = group_.spread[i];
+      if (mixed(first, first + group_.rays)) {
+        rays_.clear();
         double total = 0;
-        for (std::uint32_t ray = first; ray < first + simple_.rays; ++ray) {
-          parts_.push_back({hits_.range[ray], ray, powerOf(ray)});
-          total += parts_.back().power;
+        for (std::uint32_t ray = first; ray < first + group_.rays; ++ray) {
+          rays_.push_back({hits_.range[ray], ray, powerOf(ray)});
+          total += rays_.back().power;
         }
         echo.hit = first;
-        label(parts_, total, echo);
+        label(rays_, total, echo);
       }
       setCause(echo);
     }
-    simple_.count = 0;
+    group_.count = 0;
   }
 
   // Returns true if neighbouring rays hit several classes.
@@ -230,22 +211,41 @@ class EchoFinder {
     return hits_.weightOfRay.empty() ? 1 : hits_.weightOfRay[ray];
   }
 
-  void addBeam(std::uint32_t beam) {
-    std::sort(parts_.begin(), parts_.end(),
-              [](const Part& a, const Part& b) { return a.range != b.range ? a.range < b.range : a.ray < b.ray; });
+  // Adds the echoes of a beam, of its rays first to end - 1 and of those that continue behind glass or off mirrors.
+  void addBeam(std::uint32_t beam, std::uint32_t first, std::uint32_t end, std::span<const std::uint32_t> continued) {
+    rays_.clear();
+    const auto addRay = [&](std::uint32_t ray) {
+      if (hits_.hit(ray)) rays_.push_back({hits_.range[ray], ray, powerOf(ray)});
+    };
+    for (std::uint32_t ray = first; ray < end; ++ray) addRay(ray);
+    for (const std::uint32_t ray : continued) addRay(ray);
+    if (rays_.empty()) return;
+    const auto [nearest, farthest] = std::minmax_element(
+        rays_.begin(), rays_.end(), [](const HitRay& a, const HitRay& b) { return a.range < b.range; });
+    if (rays_.size() == 1 || (pulse_ > 0 && farthest->range - nearest->range <= pulse_)) {
+      addEcho(beam, rays_);  // all rays form one echo: the case of most beams
+    } else {
+      separateEchoes(beam);
+    }
+  }
+
+  // Adds the echoes of a beam whose rays are farther apart than a pulse length.
+  void separateEchoes(std::uint32_t beam) {
+    std::sort(rays_.begin(), rays_.end(),
+              [](const HitRay& a, const HitRay& b) { return a.range != b.range ? a.range < b.range : a.ray < b.ray; });
     const std::size_t before = echoes_.size();
     std::size_t first = 0;
-    for (std::size_t i = 1; i <= parts_.size(); ++i) {
-      const bool joined = i < parts_.size() && pulse_ > 0 && parts_[i].range - parts_[i - 1].range <= pulse_;
+    for (std::size_t i = 1; i <= rays_.size(); ++i) {
+      const bool joined = i < rays_.size() && pulse_ > 0 && rays_[i].range - rays_[i - 1].range <= pulse_;
       if (joined) continue;
-      addEcho(beam, {parts_.data() + first, i - first});
+      addEcho(beam, {rays_.data() + first, i - first});
       first = i;
     }
     keepStrongest(before);
   }
 
-  void addEcho(std::uint32_t beam, std::span<const Part> parts) {
-    echoes_.push_back(echoOf(beam, parts));
+  void addEcho(std::uint32_t beam, std::span<const HitRay> rays) {
+    echoes_.push_back(echoOf(beam, rays));
     setCause(echoes_.back());
   }
 
@@ -258,17 +258,17 @@ class EchoFinder {
 
   // Returns the echo of some rays of a beam. The rays must be sorted by range, unless all of them are within one pulse
   // length.
-  Echo echoOf(std::uint32_t beam, std::span<const Part> parts) {
-    Echo echo{beam, parts.front().ray, parts.front().range, static_cast<float>(parts.front().power)};
-    if (parts.size() == 1) return echo;
-    const auto [total, mean] = powerAndMean(parts);
+  Echo echoOf(std::uint32_t beam, std::span<const HitRay> rays) {
+    Echo echo{beam, rays.front().ray, rays.front().range, static_cast<float>(rays.front().power)};
+    if (rays.size() == 1) return echo;
+    const auto [total, mean] = powerAndMean(rays);
     echo.power = static_cast<float>(total);
     double square = 0;
-    for (const Part& p : parts) square += (total > 0 ? p.power : 1.0) * (p.range - mean) * (p.range - mean);
-    echo.spread = static_cast<float>(std::sqrt(square / (total > 0 ? total : static_cast<double>(parts.size()))));
-    const std::span<const Part> stretch = strongestStretch(parts);
-    echo.range = static_cast<float>(stretch.size() == parts.size() ? mean : powerAndMean(stretch).mean);
-    label(parts, total, echo);
+    for (const HitRay& p : rays) square += (total > 0 ? p.power : 1.0) * (p.range - mean) * (p.range - mean);
+    echo.spread = static_cast<float>(std::sqrt(square / (total > 0 ? total : static_cast<double>(rays.size()))));
+    const std::span<const HitRay> interval = strongestInterval(rays);
+    echo.range = static_cast<float>(interval.size() == rays.size() ? mean : powerAndMean(interval).mean);
+    label(rays, total, echo);
     return echo;
   }
 
@@ -279,47 +279,49 @@ class EchoFinder {
 
   // Returns the sum of the rays' powers, and the mean of their ranges weighted by power. If no ray has power, all have
   // equal weight.
-  static PowerAndMean powerAndMean(std::span<const Part> parts) {
-    const double first = parts.front().range;
+  static PowerAndMean powerAndMean(std::span<const HitRay> rays) {
+    const double first = rays.front().range;
     double total = 0;
     double sum = 0;
-    double plain = 0;
-    for (const Part& p : parts) {
+    double unweighted = 0;
+    for (const HitRay& p : rays) {
       total += p.power;
       sum += p.power * (p.range - first);
-      plain += p.range - first;
+      unweighted += p.range - first;
     }
-    return {total, first + (total > 0 ? sum / total : plain / static_cast<double>(parts.size()))};
+    return {total, first + (total > 0 ? sum / total : unweighted / static_cast<double>(rays.size()))};
   }
 
-  std::span<const Part> strongestStretch(std::span<const Part> parts) const {
-    if (parts.back().range - parts.front().range <= pulse_) return parts;
+  // Returns the rays within the interval of one pulse length that has the most power.
+  std::span<const HitRay> strongestInterval(std::span<const HitRay> rays) const {
+    if (rays.back().range - rays.front().range <= pulse_) return rays;
     std::size_t bestFirst = 0;
     std::size_t bestEnd = 1;
-    double best = -1;
+    double most = -1;
     double power = 0;
     std::size_t end = 0;
-    for (std::size_t first = 0; first < parts.size(); ++first) {
-      while (end < parts.size() && parts[end].range - parts[first].range <= pulse_) power += parts[end++].power;
-      if (power > best) {
-        best = power;
+    for (std::size_t first = 0; first < rays.size(); ++first) {
+      while (end < rays.size() && rays[end].range - rays[first].range <= pulse_) power += rays[end++].power;
+      if (power > most) {
+        most = power;
         bestFirst = first;
         bestEnd = end;
       }
-      power -= parts[first].power;
+      power -= rays[first].power;
     }
-    return parts.subspan(bestFirst, bestEnd - bestFirst);
+    return rays.subspan(bestFirst, bestEnd - bestFirst);
   }
 
-  void label(std::span<const Part> parts, double total, Echo& echo) {
+  // Sets the echo's classes, the share of the first, and its hit: the strongest ray of the first class.
+  void label(std::span<const HitRay> rays, double total, Echo& echo) {
     const bool classes = hits_.channels.has(Channel::Semantic);
-    const std::uint16_t first = classes ? hits_.semantic[parts.front().ray] : std::uint16_t{0};
-    const bool mixed = classes && std::any_of(parts.begin(), parts.end(),
-                                              [&](const Part& p) { return hits_.semantic[p.ray] != first; });
+    const std::uint16_t first = classes ? hits_.semantic[rays.front().ray] : std::uint16_t{0};
+    const bool mixed = classes && std::any_of(rays.begin(), rays.end(),
+                                              [&](const HitRay& p) { return hits_.semantic[p.ray] != first; });
     std::uint16_t most = first;
     if (mixed) {
       powers_.clear();
-      for (const Part& p : parts) powers_.add(hits_.semantic[p.ray], p.power);
+      for (const HitRay& p : rays) powers_.add(hits_.semantic[p.ray], p.power);
       const ClassPowers::Entry strongest = powers_.strongest(nullptr);
       most = strongest.label;
       const ClassPowers::Entry next = powers_.strongest(&strongest);
@@ -331,7 +333,7 @@ class EchoFinder {
       echo.share = 1;
     }
     double strongest = -1;
-    for (const Part& p : parts) {
+    for (const HitRay& p : rays) {
       if (mixed && hits_.semantic[p.ray] != most) continue;
       if (p.power > strongest || (p.power == strongest && p.ray < echo.hit)) {
         strongest = p.power;
@@ -343,9 +345,9 @@ class EchoFinder {
   const Hits& hits_;
   std::span<const float> power_;
   double pulse_;
-  std::vector<Part> parts_;
+  std::vector<HitRay> rays_;
   ClassPowers powers_;
-  Simple simple_{};
+  BeamGroup group_{};
   std::vector<Echo> echoes_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 // for each ring a tile reads a few consecutive beams, and for each column it writes to one place.
 constexpr std::uint32_t kTileRings = 16;
 constexpr std::uint32_t kTileColumns = 64;
-constexpr std::size_t kPoints = std::size_t{kTileRings} * kTileColumns;
+constexpr std::size_t kTilePoints = std::size_t{kTileRings} * kTileColumns;
 
 constexpr std::uint32_t kNoRow = 0xFFFFFFFF;
 
@@ -40,7 +40,7 @@ class ReturnOrder {
   std::uint32_t row(std::uint32_t plane, std::uint32_t beam) const {
     return plane < planes_.size() ? planes_[plane][beam] : kNoRow;
   }
-  bool several() const { return !returns_.onePerBeam(); }
+  bool severalPerBeam() const { return !returns_.onePerBeam(); }
 
  private:
   void insert(std::uint32_t row, std::size_t beams) {
@@ -63,26 +63,27 @@ class ReturnOrder {
 
 // The points of a tile: for each point its beam, its row in the table of returns, its hit, and its row in the scan. If
 // there is one row per beam, the first three are the same number.
-class Moves {
-  std::array<std::uint32_t, kPoints> rows_;
-  std::array<std::uint32_t, kPoints> hits_;
+class TilePoints {
+  std::array<std::uint32_t, kTilePoints> rows_;
+  std::array<std::uint32_t, kTilePoints> hits_;
 
  public:
-  explicit Moves(bool several) : row(several ? rows_.data() : beam.data()), hit(several ? hits_.data() : beam.data()) {}
-  Moves(const Moves&) = delete;
-  Moves& operator=(const Moves&) = delete;
+  explicit TilePoints(bool severalPerBeam)
+      : row(severalPerBeam ? rows_.data() : beam.data()), hit(severalPerBeam ? hits_.data() : beam.data()) {}
+  TilePoints(const TilePoints&) = delete;
+  TilePoints& operator=(const TilePoints&) = delete;
 
   std::size_t count = 0;
-  std::array<std::uint32_t, kPoints> beam;
-  std::array<std::uint32_t, kPoints> to;
-  std::array<std::uint16_t, kPoints> ring;
-  std::array<std::uint16_t, kPoints> column;
+  std::array<std::uint32_t, kTilePoints> beam;
+  std::array<std::uint32_t, kTilePoints> scanRow;
+  std::array<std::uint16_t, kTilePoints> ring;
+  std::array<std::uint16_t, kTilePoints> column;
   const std::uint32_t* row;
   const std::uint32_t* hit;
 
-  void set(std::size_t move, std::uint32_t ownRow, std::uint32_t ownHit) {
-    rows_[move] = ownRow;
-    hits_[move] = ownHit;
+  void set(std::size_t point, std::uint32_t rowOfPoint, std::uint32_t hitOfPoint) {
+    rows_[point] = rowOfPoint;
+    hits_[point] = hitOfPoint;
   }
 };
 
@@ -115,10 +116,10 @@ class Gathering {
         motions_(motions),
         scan_(scan),
         order_(returns, hits.size()),
-        moves_(order_.several()) {}
+        points_(order_.severalPerBeam()) {}
 
   void run() {
-    shape();
+    resizeColumns();
     const bool deskew = shot_.deskew && shot_.worldFromSensor.size() > 1;
     std::array<Affine, kTileColumns> toStart;
     std::uint32_t next = 0;
@@ -130,14 +131,14 @@ class Gathering {
         toStart[c] = startFromStep(shot_, shot_.stepOf(first + c));
       }
       for (std::uint32_t ring = 0; ring < hits_.rings; ring += kTileRings) {
-        if (order_.several()) {
+        if (order_.severalPerBeam()) {
           for (std::uint32_t plane = 0; plane < order_.planes(); ++plane) {
-            collectPlane(ring, plane);
-            move(deskew ? toStart.data() : nullptr, plane);
+            collectReturn(ring, plane);
+            fillColumns(deskew ? toStart.data() : nullptr, plane);
           }
         } else {
-          collect(ring);
-          move(deskew ? toStart.data() : nullptr, 0);
+          collectOnePerBeam(ring);
+          fillColumns(deskew ? toStart.data() : nullptr, 0);
         }
       }
     }
@@ -146,7 +147,7 @@ class Gathering {
  private:
   // Resizes every column; columns that were not asked for become empty. In an organised scan all points are first set
   // to misses.
-  void shape() {
+  void resizeColumns() {
     scan_.rings = hits_.rings;
     scan_.columns = hits_.columns;
     scan_.organised = layout_.organised;
@@ -155,7 +156,7 @@ class Gathering {
     scan_.columnsIfEmpty = {};
     std::size_t points = 0;
     for (const float range : returns_.range) points += range < kMiss ? 1u : 0u;
-    const auto fit = [&](auto& values, bool wanted, auto none) {
+    const auto resize = [&](auto& values, bool wanted, auto none) {
       if (!wanted) {
         values.clear();
       } else if (layout_.organised) {
@@ -165,13 +166,13 @@ class Gathering {
       }
     };
     constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-    fit(scan_.position, true, Vec3f{kNaN, kNaN, kNaN});
+    resize(scan_.position, true, Vec3f{kNaN, kNaN, kNaN});
     visitTable(scan_, [&]<class T>(auto key, std::vector<T>& values) {
       const bool known = returns_.size() == 0 || ((key.index != kIntensity.index || !returns_.intensity.empty()) &&
                                                   (key.index != kPower.index || !returns_.power.empty()));
       const bool wanted = layout_.columns.has(key) && known;
       if (wanted) scan_.columnsIfEmpty.add(key.index);
-      fit(values, wanted, static_cast<T>(key.row.none));
+      resize(values, wanted, static_cast<T>(key.row.none));
     });
   }
 
@@ -181,10 +182,10 @@ class Gathering {
     std::array<std::uint32_t, kTileColumns> returned{};
     for (std::uint32_t ring = 0; ring < hits_.rings; ++ring) {
       const std::uint32_t line = ring * hits_.columns + strip_.firstColumn;
-      for (std::uint32_t plane = 0; order_.several() && plane < order_.planes(); ++plane) {
+      for (std::uint32_t plane = 0; order_.severalPerBeam() && plane < order_.planes(); ++plane) {
         for (std::uint32_t c = 0; c < strip_.width; ++c) returned[c] += order_.row(plane, line + c) != kNoRow ? 1u : 0u;
       }
-      if (order_.several()) continue;
+      if (order_.severalPerBeam()) continue;
       const float* const range = returns_.range.data() + line;
       for (std::uint32_t c = 0; c < strip_.width; ++c) returned[c] += range[c] < kMiss ? 1u : 0u;
     }
@@ -196,7 +197,7 @@ class Gathering {
 
   // Collects the points of a tile if there is one row per beam. Members are copied to local variables, because the
   // compiler must assume that the writes of the loop change members, and would read them again for every beam.
-  void collect(std::uint32_t firstRing) {
+  void collectOnePerBeam(std::uint32_t firstRing) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
     const std::uint32_t columns = hits_.columns;
@@ -210,50 +211,51 @@ class Gathering {
       for (std::uint32_t c = 0; c < width; ++c) {
         // Each beam is written, but `count` only increases if the beam has a return: branches would be mispredicted,
         // because misses are irregular.
-        moves_.beam[count] = line + c;
-        moves_.to[count] = organised ? line + c : next[c];
-        moves_.ring[count] = static_cast<std::uint16_t>(ring);
-        moves_.column[count] = static_cast<std::uint16_t>(firstColumn + c);
+        points_.beam[count] = line + c;
+        points_.scanRow[count] = organised ? line + c : next[c];
+        points_.ring[count] = static_cast<std::uint16_t>(ring);
+        points_.column[count] = static_cast<std::uint16_t>(firstColumn + c);
         const std::uint32_t returned = range[line + c] < kMiss ? 1u : 0u;
         count += returned;
         next[c] += returned;
       }
     }
     strip_.next = next;
-    moves_.count = count;
+    points_.count = count;
   }
 
   // Collects the points of a tile that are return number `plane` of their beam, for any number of rows per beam. In a
   // dense scan the returns of a beam are consecutive. The scan's row of a return is therefore the row at which the
   // column continues, plus the number of earlier returns: those of the same beam, and those of the column's beams in
   // the tile's earlier rings.
-  void collectPlane(std::uint32_t firstRing, std::uint32_t plane) {
+  void collectReturn(std::uint32_t firstRing, std::uint32_t plane) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
     for (std::uint32_t c = 0; c < strip_.width; ++c) {
-      std::uint32_t place = strip_.next[c];
+      std::uint32_t scanRow = strip_.next[c];
       for (std::uint32_t ring = firstRing; ring < endRing; ++ring) {
         const std::uint32_t beam = ring * hits_.columns + strip_.firstColumn + c;
         for (std::uint32_t number = 0; number < order_.planes() && order_.row(number, beam) != kNoRow; ++number) {
           if (number == plane) {
             const std::uint32_t row = order_.row(plane, beam);
-            moves_.beam[count] = beam;
-            moves_.set(count, row, returns_.hit(row));
-            moves_.to[count] = layout_.organised ? static_cast<std::uint32_t>(plane * hits_.size()) + beam : place;
-            moves_.ring[count] = static_cast<std::uint16_t>(ring);
-            moves_.column[count] = static_cast<std::uint16_t>(strip_.firstColumn + c);
+            points_.beam[count] = beam;
+            points_.set(count, row, returns_.hit(row));
+            points_.scanRow[count] =
+                layout_.organised ? static_cast<std::uint32_t>(plane * hits_.size()) + beam : scanRow;
+            points_.ring[count] = static_cast<std::uint16_t>(ring);
+            points_.column[count] = static_cast<std::uint16_t>(strip_.firstColumn + c);
             ++count;
           }
-          ++place;
+          ++scanRow;
         }
       }
-      if (plane + 1 == order_.planes()) strip_.next[c] = place;
+      if (plane + 1 == order_.planes()) strip_.next[c] = scanRow;
     }
-    moves_.count = count;
+    points_.count = count;
   }
 
-  void move(const Affine* toStart, std::uint32_t plane) {
-    place(toStart);
+  void fillColumns(const Affine* toStart, std::uint32_t plane) {
+    computePositions(toStart);
     visitTable(scan_, [&](auto key, auto& values) {
       if (!values.empty()) fill(key, plane, values);
     });
@@ -262,13 +264,13 @@ class Gathering {
   // Computes positions in the sensor's frame or, if `toStart` is given (one entry per column of the strip), in the
   // sensor's frame at the start of the revolution. Not inlined: within the loop over the tiles, the pointers used here
   // would not all stay in registers.
-  [[gnu::noinline]] void place(const Affine* toStart) {
-    std::array<double, kPoints> x;
-    std::array<double, kPoints> y;
-    std::array<double, kPoints> z;
-    const std::size_t count = moves_.count;
-    const std::uint32_t* const beam = moves_.beam.data();
-    const std::uint32_t* const row = moves_.row;
+  [[gnu::noinline]] void computePositions(const Affine* toStart) {
+    std::array<double, kTilePoints> x;
+    std::array<double, kTilePoints> y;
+    std::array<double, kTilePoints> z;
+    const std::size_t count = points_.count;
+    const std::uint32_t* const beam = points_.beam.data();
+    const std::uint32_t* const row = points_.row;
     const Vec3d* const directions = beams_.direction.data();
     const float* const ranges = returns_.range.data();
     for (std::size_t m = 0; m < count; ++m) {
@@ -289,12 +291,12 @@ class Gathering {
     add(beams_.origin, beam);
     add(returns_.displacement, row);
     for (std::size_t m = 0; m < count && toStart != nullptr; ++m) {
-      const Vec3d point = toStart[moves_.column[m] - strip_.firstColumn] * Vec3d{x[m], y[m], z[m]};
+      const Vec3d point = toStart[points_.column[m] - strip_.firstColumn] * Vec3d{x[m], y[m], z[m]};
       x[m] = point.x;
       y[m] = point.y;
       z[m] = point.z;
     }
-    const std::uint32_t* const to = moves_.to.data();
+    const std::uint32_t* const to = points_.scanRow.data();
     Vec3f* const position = scan_.position.data();
     for (std::size_t m = 0; m < count; ++m) {
       position[to[m]] = {static_cast<float>(x[m]), static_cast<float>(y[m]), static_cast<float>(z[m])};
@@ -306,18 +308,18 @@ class Gathering {
   void fill(Key key, std::uint32_t plane, std::vector<T>& values) {
     constexpr std::string_view name = Key::row.name;
     if constexpr (name == "intensity") {
-      copy(returns_.intensity, moves_.row, values);
+      copy(returns_.intensity, points_.row, values);
     } else if constexpr (name == "label") {
-      returns_.label.empty() ? copyHits(key, hits_.semantic, values) : copy(returns_.label, moves_.row, values);
+      returns_.label.empty() ? copyHits(key, hits_.semantic, values) : copy(returns_.label, points_.row, values);
       if (motions_ != nullptr && motions_->haveMovingClasses()) relabel(values);
     } else if constexpr (name == "instance") {
-      returns_.instance.empty() ? copyHits(key, hits_.instance, values) : copy(returns_.instance, moves_.row, values);
+      returns_.instance.empty() ? copyHits(key, hits_.instance, values) : copy(returns_.instance, points_.row, values);
     } else if constexpr (name == "ring") {
-      put(values, [ring = moves_.ring.data()](std::size_t m) { return ring[m]; });
+      put(values, [ring = points_.ring.data()](std::size_t m) { return ring[m]; });
     } else if constexpr (name == "column") {
-      put(values, [column = moves_.column.data()](std::size_t m) { return column[m]; });
+      put(values, [column = points_.column.data()](std::size_t m) { return column[m]; });
     } else if constexpr (name == "time") {
-      copy(beams_.time, moves_.beam.data(), values);
+      copy(beams_.time, points_.beam.data(), values);
     } else if constexpr (name == "range_true") {
       copyHits(key, hits_.range, values);
     } else if constexpr (name == "incidence") {
@@ -329,29 +331,33 @@ class Gathering {
     } else if constexpr (name == "return") {
       put(values, [&](std::size_t) { return static_cast<T>(plane + 1); });
     } else if constexpr (name == "cause") {
-      put(values, [&](std::size_t m) { return static_cast<T>(returns_.cause(moves_.row[m])); });
+      put(values, [&](std::size_t m) { return static_cast<T>(returns_.cause(points_.row[m])); });
     } else if constexpr (name == "returns") {
-      put(values, [&](std::size_t m) { return static_cast<T>(order_.count(moves_.beam[m])); });
+      put(values, [&](std::size_t m) { return static_cast<T>(order_.count(points_.beam[m])); });
     } else if constexpr (name == "label_2") {
-      put(values, [&](std::size_t m) { return returns_.label2.empty() ? T{0} : returns_.label2[moves_.row[m]]; });
+      put(values, [&](std::size_t m) { return returns_.label2.empty() ? T{0} : returns_.label2[points_.row[m]]; });
     } else if constexpr (name == "share") {
-      put(values, [&](std::size_t m) { return returns_.share.empty() ? T{1} : returns_.share[moves_.row[m]]; });
+      put(values, [&](std::size_t m) { return returns_.share.empty() ? T{1} : returns_.share[points_.row[m]]; });
     } else if constexpr (name == "power") {
-      copy(returns_.power, moves_.row, values);
+      copy(returns_.power, points_.row, values);
     } else if constexpr (name.starts_with("velocity_")) {
-      putVelocities(name.back(), values);
+      putMotion(name.back(), values, [&](std::uint32_t hit, const Vec3d& point, double) {
+        return motions_->velocity(hits_.instance[hit], point);
+      });
     } else if constexpr (name.starts_with("flow_")) {
-      putFlow(name.back(), values);
+      putMotion(name.back(), values, [&](std::uint32_t hit, const Vec3d& point, double time) {
+        return motions_->flow(hits_.instance[hit], hits_.primitive[hit], point, time);
+      });
     } else if constexpr (name == "radial_velocity") {
       putRadialVelocities(values);
     } else if constexpr (name == "azimuth") {
       putHits(key, values, [&](std::uint32_t hit) {
-        const Vec3d p = placeOf(hit);
+        const Vec3d p = positionOf(hit);
         return static_cast<float>(std::atan2(p.y, p.x));
       });
     } else if constexpr (name == "elevation") {
       putHits(key, values, [&](std::uint32_t hit) {
-        const Vec3d p = placeOf(hit);
+        const Vec3d p = positionOf(hit);
         return static_cast<float>(std::atan2(p.z, std::hypot(p.x, p.y)));
       });
     } else {
@@ -362,63 +368,51 @@ class Gathering {
   // Sets the class of points on moving objects to the class for moving objects of the same kind, if the ontology has
   // one.
   void relabel(std::vector<std::uint16_t>& values) {
-    for (std::size_t m = 0; m < moves_.count; ++m) {
-      const std::uint32_t thing = returns_.instanceOf(moves_.row[m], hits_);
-      std::uint16_t& label = values[moves_.to[m]];
-      if (thing != 0) label = motions_->classOf(label, thing);
+    for (std::size_t m = 0; m < points_.count; ++m) {
+      const std::uint32_t instance = returns_.instanceOf(points_.row[m], hits_);
+      std::uint16_t& label = values[points_.scanRow[m]];
+      if (instance != 0) label = motions_->classOf(label, instance);
     }
-  }
-
-  void putVelocities(char axis, std::vector<float>& values) {
-    putMotion(axis, values, [&](std::uint32_t hit, const Vec3d& place, double) {
-      return motions_->velocity(hits_.instance[hit], place);
-    });
-  }
-
-  void putFlow(char axis, std::vector<float>& values) {
-    putMotion(axis, values, [&](std::uint32_t hit, const Vec3d& place, double time) {
-      return motions_->flow(hits_.instance[hit], hits_.primitive[hit], place, time);
-    });
   }
 
   // Writes the velocity of the surface minus that of the sensor, along the beam. The ego vehicle moves as the sensor
   // does. What a mirror shows has no value, since the mirror's normal is not known here.
   void putRadialVelocities(std::vector<float>& values) {
     put(values, [&](std::size_t m) {
-      const std::uint32_t hit = moves_.hit[m];
-      const Reason cause = returns_.cause(moves_.row[m]);
+      const std::uint32_t hit = points_.hit[m];
+      const Reason cause = returns_.cause(points_.row[m]);
       if (cause == Reason::EgoVehicle) return 0.0f;
       const bool direct = cause == Reason::Surface || cause == Reason::ThroughGlass;
       if (hit == kNoHit || !direct) return std::numeric_limits<float>::quiet_NaN();
-      const std::size_t step = shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(moves_.column[m]);
+      const std::size_t step = shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(points_.column[m]);
       const Pose& worldFromSensor = shot_.worldFromSensor[step];
       Vec3d relative;
-      if (motions_ != nullptr) relative = motions_->velocity(hits_.instance[hit], worldFromSensor * placeOf(hit));
+      if (motions_ != nullptr) relative = motions_->velocity(hits_.instance[hit], worldFromSensor * positionOf(hit));
       if (!shot_.sensorVelocity.empty()) relative = relative - shot_.sensorVelocity[step];
       const std::uint32_t beam = hits_.beamOfRay.empty() ? hit : hits_.beamOfRay[hit];
       return static_cast<float>(dot(toMatrix(worldFromSensor.rotation) * beams_.direction[beam], relative));
     });
   }
 
-  // Writes one component of a vector, in the frame in which points are given. `of(hit, place, time)` returns the vector
-  // in world axes for a point (m, world) that was hit at a time (s since the start of the revolution).
-  template <class Of>
-  void putMotion(char axis, std::vector<float>& values, const Of& of) {
+  // Writes one component of a vector, in the frame in which points are given. `vectorAt(hit, point, time)` returns the
+  // vector in world axes for a point (m, world) that was hit at a time (s since the start of the revolution).
+  template <class VectorAt>
+  void putMotion(char axis, std::vector<float>& values, const VectorAt& vectorAt) {
     put(values, [&](std::size_t m) {
-      const std::uint32_t hit = moves_.hit[m];
+      const std::uint32_t hit = points_.hit[m];
       if (motions_ == nullptr || hit == kNoHit || hits_.instance[hit] == 0) return 0.0f;
       const Pose& worldFromSensor =
-          shot_.worldFromSensor[shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(moves_.column[m])];
-      const double time = shot_.duration > 0 ? double{beams_.time[moves_.beam[m]]} : 0;
-      const Vec3d v = of(hit, worldFromSensor * placeOf(hit), time);
-      const Pose& given = shot_.deskew ? shot_.worldFromSensor.front() : worldFromSensor;
-      const Vec3d own = transposed(toMatrix(given.rotation)) * v;
-      return static_cast<float>(axis == 'x' ? own.x : axis == 'y' ? own.y : own.z);
+          shot_.worldFromSensor[shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(points_.column[m])];
+      const double time = shot_.duration > 0 ? double{beams_.time[points_.beam[m]]} : 0;
+      const Vec3d v = vectorAt(hit, worldFromSensor * positionOf(hit), time);
+      const Pose& worldFromPoints = shot_.deskew ? shot_.worldFromSensor.front() : worldFromSensor;
+      const Vec3d inFrame = transposed(toMatrix(worldFromPoints.rotation)) * v;
+      return static_cast<float>(axis == 'x' ? inFrame.x : axis == 'y' ? inFrame.y : inFrame.z);
     });
   }
 
   // Returns the noise-free position of a hit (m) in the sensor's frame at the time of firing.
-  Vec3d placeOf(std::uint32_t hit) const {
+  Vec3d positionOf(std::uint32_t hit) const {
     const std::uint32_t beam = hits_.beamOfRay.empty() ? hit : hits_.beamOfRay[hit];
     const Vec3d along = beams_.direction[beam] * double{hits_.range[hit]};
     return along + beams_.originOf(beam);
@@ -427,8 +421,8 @@ class Gathering {
   template <class T, class Value>
   void put(std::vector<T>& values, const Value& value) {
     T* const target = values.data();
-    const std::uint32_t* const to = moves_.to.data();
-    const std::size_t count = moves_.count;
+    const std::uint32_t* const to = points_.scanRow.data();
+    const std::size_t count = points_.count;
     for (std::size_t m = 0; m < count; ++m) target[to[m]] = value(m);
   }
 
@@ -442,8 +436,8 @@ class Gathering {
   template <class Key, class T, class Value>
   void putHits(Key key, std::vector<T>& values, const Value& value) {
     static_assert(Key::row.channels != Channels() || Key::index == kRangeTrue.index, "name the channels of the column");
-    const std::uint32_t* const hits = moves_.hit;
-    if (!order_.several()) return put(values, [hits, &value](std::size_t m) { return value(hits[m]); });
+    const std::uint32_t* const hits = points_.hit;
+    if (!order_.severalPerBeam()) return put(values, [hits, &value](std::size_t m) { return value(hits[m]); });
     const T none = static_cast<T>(key.row.none);
     put(values, [=, &value](std::size_t m) { return hits[m] == kNoHit ? none : value(hits[m]); });
   }
@@ -462,7 +456,7 @@ class Gathering {
   const InstanceMotions* motions_;
   Scan& scan_;
   ReturnOrder order_;
-  Moves moves_;
+  TilePoints points_;
   Strip strip_{};
 };
 

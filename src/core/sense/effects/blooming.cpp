@@ -76,7 +76,7 @@ class Blooming : public Effect {
   std::vector<Stray> straysOf(const BeamTable& beams, const std::vector<Source>& sources) const {
     std::vector<Stray> strays(beams.size());
     const double leastCosine = std::cos(2 * o_.angle);  // beyond 2 * angle the halo (0.03 % of its peak) is ignored
-    // Number of columns to search on each side, enough for neighbours in any ring; spill() then compares the
+    // Number of columns to search on each side, enough for neighbours in any ring; addHalo() then compares the
     // directions.
     const double step = beams.fullTurn() ? 2 * kPi / beams.columns : beams.field / beams.columns;
     const auto reach = static_cast<std::int64_t>(std::ceil((2 * o_.angle + widestOffset(beams)) / step)) + 1;
@@ -92,7 +92,7 @@ class Blooming : public Effect {
           if (other < 0 || other >= beams.columns) continue;
           const auto neighbour = static_cast<std::uint32_t>(ring * beams.columns + static_cast<std::uint32_t>(other));
           if (neighbour == beam) continue;
-          spill(beams, source, neighbour, leastCosine, strays[neighbour]);
+          addHalo(beams, source, neighbour, leastCosine, strays[neighbour]);
         }
       }
     }
@@ -105,25 +105,25 @@ class Blooming : public Effect {
     return *ends.second - *ends.first;
   }
 
-  void spill(const BeamTable& beams, const Source& source, std::uint32_t to, double leastCosine, Stray& stray) const {
+  void addHalo(const BeamTable& beams, const Source& source, std::uint32_t to, double leastCosine, Stray& stray) const {
     const double cosine = dot(beams.direction[source.beam], beams.direction[to]);
     if (cosine < leastCosine) return;
     const double square = 2 * (1 - std::min(1.0, cosine));  // square of the angle (rad^2), for small angles
-    const double spilled = double{source.echo} * o_.share * exponential(-2 * square / (o_.angle * o_.angle));
-    const auto echo = static_cast<float>(spilled);
+    const double haloEcho = double{source.echo} * o_.share * exponential(-2 * square / (o_.angle * o_.angle));
+    const auto echo = static_cast<float>(haloEcho);
     if (echo > stray.echo || (echo == stray.echo && source.range < stray.range)) stray = {echo, source.range};
   }
 
   void addStrays(const Hits& hits, const BeamTable& beams, const std::vector<Stray>& strays, Returns& returns) const {
     const auto length = static_cast<float>(pulseLength(beams.pulse));
-    std::vector<bool> joined(strays.size());
+    std::vector<bool> joinsAReturn(strays.size());
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
       if (!returns.returned(row)) continue;
       const std::uint32_t beam = returns.beam(row);
-      joined[beam] = joined[beam] || std::abs(returns.range[row] - strays[beam].range) <= length;
+      joinsAReturn[beam] = joinsAReturn[beam] || std::abs(returns.range[row] - strays[beam].range) <= length;
     }
     for (std::uint32_t beam = 0; beam < strays.size(); ++beam) {
-      if (strays[beam].echo <= 0 || joined[beam] || returns.full(beam)) continue;
+      if (strays[beam].echo <= 0 || joinsAReturn[beam] || returns.full(beam)) continue;
       const auto [echo, range] = strays[beam];
       returns.add({.beam = beam, .range = range, .power = echo, .cause = Reason::StrayLight, .label = o_.label}, hits);
     }

@@ -100,7 +100,7 @@ class Detection : public Effect {
       addFalsePositives(hits, shot, returns, measured);
       if (o_.interference > 0) addInterference(hits, shot, returns, measured);
     }
-    if (!returns.onePerBeam()) choose(returns, measured);
+    if (!returns.onePerBeam()) selectReported(returns, measured);
     for (std::size_t row = 0; row < returns.intensity.size(); ++row) {
       if (!returns.returned(row)) returns.intensity[row] = 0;
     }
@@ -154,19 +154,19 @@ class Detection : public Effect {
     const double length = beams.maxRange - beams.minRange;
     const double expected = length / pulseLength(beams.pulse) * tailOfNormal(o_.threshold);
     const double probability = -std::expm1(-expected);
-    Batch<std::uint32_t> drawn;
+    Batch<std::uint32_t> firstWords;
     for (std::size_t first = 0; first < beams.size(); first += kBatch) {
-      draw(shot, first, drawn);
+      drawFirstWords(shot, first, firstWords);
       const std::size_t count = std::min(kBatch, beams.size() - first);
       for (std::size_t i = 0; i < count; ++i) {
         const auto beam = static_cast<std::uint32_t>(first + i);
-        if (uniform(drawn[i]) >= probability || returns.full(beam)) continue;
+        if (uniform(firstWords[i]) >= probability || returns.full(beam)) continue;
         const RandomBlock words = drawBlock(shot, Purpose::FalsePositives, beam);
-        const double over = o_.threshold > 0 ? -naturalLog(uniform(words[2])) / o_.threshold : 0.0;
+        const double excess = o_.threshold > 0 ? -naturalLog(uniform(words[2])) / o_.threshold : 0.0;
         const AddedReturn added{.beam = beam,
                                 .range = static_cast<float>(beams.minRange + length * uniform(words[1])),
-                                .power = static_cast<float>(o_.noise * (o_.threshold + over)),
-                                .snr = static_cast<float>(o_.threshold + over)};
+                                .power = static_cast<float>(o_.noise * (o_.threshold + excess)),
+                                .snr = static_cast<float>(o_.threshold + excess)};
         returns.add(added, hits);
         measured.push_back(added.power);
       }
@@ -191,25 +191,26 @@ class Detection : public Effect {
   }
 
   // Sets `words` to the first random word of each beam of a batch.
-  SCANMILL_BEST_INSTRUCTIONS static void draw(const Shot& shot, std::size_t first, Batch<std::uint32_t>& words) {
+  SCANMILL_BEST_INSTRUCTIONS static void drawFirstWords(const Shot& shot, std::size_t first,
+                                                        Batch<std::uint32_t>& words) {
     for (std::size_t i = 0; i < kBatch; ++i) {
       words[i] = drawBlock(shot, Purpose::FalsePositives, static_cast<std::uint32_t>(first + i))[0];
     }
   }
 
-  void choose(Returns& returns, const std::vector<float>& measured) const {
+  void selectReported(Returns& returns, const std::vector<float>& measured) const {
     std::vector<std::uint32_t> rows;
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
       if (returns.returned(row)) rows.push_back(row);
     }
     // Sorts by beam. Only the few rows that effects have added are out of order.
-    const auto ofEarlierBeam = [&](std::uint32_t a, std::uint32_t b) { return returns.beam(a) < returns.beam(b); };
-    const auto added = std::is_sorted_until(rows.begin(), rows.end(), ofEarlierBeam);
-    std::sort(added, rows.end(), ofEarlierBeam);
-    std::inplace_merge(rows.begin(), added, rows.end(), ofEarlierBeam);
+    const auto isOfEarlierBeam = [&](std::uint32_t a, std::uint32_t b) { return returns.beam(a) < returns.beam(b); };
+    const auto added = std::is_sorted_until(rows.begin(), rows.end(), isOfEarlierBeam);
+    std::sort(added, rows.end(), isOfEarlierBeam);
+    std::inplace_merge(rows.begin(), added, rows.end(), isOfEarlierBeam);
     // Orders a beam's rows by descending power, and at equal power by ascending range.
     const auto power = [&](std::uint32_t row) { return measured.empty() ? 0.0f : measured[row]; };
-    const auto before = [&](std::uint32_t a, std::uint32_t b) {
+    const auto precedes = [&](std::uint32_t a, std::uint32_t b) {
       if (power(a) != power(b)) return power(a) > power(b);
       return returns.range[a] != returns.range[b] ? returns.range[a] < returns.range[b] : a < b;
     };
@@ -218,15 +219,15 @@ class Detection : public Effect {
       while (end < rows.size() && returns.beam(rows[end]) == returns.beam(rows[first])) ++end;
       const std::span<std::uint32_t> ofBeam{rows.data() + first, end - first};
       if (ofBeam.size() > 1) {
-        std::sort(ofBeam.begin(), ofBeam.end(), before);
-        chooseOf(ofBeam, returns);
+        std::sort(ofBeam.begin(), ofBeam.end(), precedes);
+        removeUnreported(ofBeam, returns);
       }
       first = end;
     }
   }
 
   // Removes the rows of one beam that are not reported. `rows`: rows of the beam by descending power.
-  void chooseOf(std::span<std::uint32_t> rows, Returns& returns) const {
+  void removeUnreported(std::span<std::uint32_t> rows, Returns& returns) const {
     std::size_t count = 1;
     for (std::size_t i = 1; i < rows.size(); ++i) {
       const bool near = std::any_of(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count), [&](auto row) {

@@ -22,8 +22,9 @@
 namespace scanmill {
 namespace {
 
-// Noise makes no range smaller than kNearest (m), or than the exact range if the exact range is below kNearest.
-constexpr double kNearest = 0.001;
+// Noise makes no range smaller than kLeastRange (m), or than the exact range if the exact range is below it.
+constexpr double kLeastRange = 0.001;      // m, least range that noise gives
+constexpr double kWidthOverSigma = 2.355;  // full width at half maximum of a Gaussian, in standard deviations
 
 // Sigma rises by `slope` per metre, from `start` (m) on, for at most `length` (m).
 struct Ramp {
@@ -95,10 +96,10 @@ class RangeNoise : public Effect {
           sigma[i] += ramp.slope * along;
         }
       }
-      if (sigma_.overSnr > 0) addFaintness(shot, returns, first, count, sigma);
+      if (sigma_.overSnr > 0) addNoiseOfFaintEchoes(shot, returns, first, count, sigma);
       for (std::size_t i = 0; i < count; ++i) {
         const double exact = range[i];
-        const double nearest = exact < kNearest ? exact : kNearest;
+        const double nearest = exact < kLeastRange ? exact : kLeastRange;
         double noisy = exact + sigma[i] * normalPair(words.a[i], words.b[i]).first;
         noisy = noisy > nearest ? noisy : nearest;
         range[i] = range[i] < kMiss ? static_cast<float>(noisy) : kMiss;
@@ -106,17 +107,17 @@ class RangeNoise : public Effect {
     });
   }
 
-  void addFaintness(const Shot& shot, const Returns& returns, std::size_t first, std::size_t count,
-                    Batch<double>& sigma) const {
+  void addNoiseOfFaintEchoes(const Shot& shot, const Returns& returns, std::size_t first, std::size_t count,
+                             Batch<double>& sigma) const {
     if (returns.snr.size() != returns.size()) {
       throw InputError("effect range_noise: over_snr_m needs the effect `detection` with the key `noise`");
     }
-    const double pulse = pulseLength(shot.beams->pulse) / 2.355;
+    const double pulse = pulseLength(shot.beams->pulse) / kWidthOverSigma;
     for (std::size_t i = 0; i < count; ++i) {
       const double spread = returns.spread.empty() ? 0 : returns.spread[first + i] / pulse;
       const double snr = returns.snr[first + i] > 1e-3 ? returns.snr[first + i] : 1e-3;
-      const double faint = sigma_.overSnr / snr;
-      sigma[i] = std::sqrt(sigma[i] * sigma[i] + faint * faint * (1 + spread * spread));
+      const double sigmaOfSnr = sigma_.overSnr / snr;
+      sigma[i] = std::sqrt(sigma[i] * sigma[i] + sigmaOfSnr * sigmaOfSnr * (1 + spread * spread));
     }
   }
 

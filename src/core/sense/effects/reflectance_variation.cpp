@@ -70,7 +70,7 @@ class ReflectanceVariation : public Effect {
           size[i] = double{variation.size};
           contrast[i] = double{variation.contrast};
         }
-        weaken(area, size, contrast, exponent);
+        averageOverFootprint(area, size, contrast, exponent);
         fields[k].add(places, size, contrast, exponent);
       }
       multiply(exponent, count, returns.gain.data() + first);
@@ -80,8 +80,8 @@ class ReflectanceVariation : public Effect {
  private:
   // Multiplies the contrasts by the effect's strength and averages them over the beams' areas (m^2), replaces sizes by
   // cubes per metre, and subtracts half the variances from the exponents.
-  SCANMILL_BEST_INSTRUCTIONS void weaken(const Batch<double>& area, Batch<double>& size, Batch<double>& contrast,
-                                         Batch<double>& exponent) const {
+  SCANMILL_BEST_INSTRUCTIONS void averageOverFootprint(const Batch<double>& area, Batch<double>& size,
+                                                       Batch<double>& contrast, Batch<double>& exponent) const {
     for (std::size_t i = 0; i < kBatch; ++i) {
       contrast[i] = strength_ * contrast[i] / std::sqrt(1 + area[i] / (size[i] * size[i]));
       exponent[i] -= contrast[i] * contrast[i] / 2;

@@ -5,12 +5,12 @@
 //   relief: {strength: 0.5}   # half as high
 //
 // The height over the mesh is the sum of height_k n_k over the entries of the material's `relief`. Each entry has a
-// height and a size, and n_k is a Gaussian field of variance 1 over cubes of that size (spatial_noise.h). The field
-// depends only on the point in the world and the pipeline's seed, so that every frame, sensor and method hits the same
-// tufts. The search begins kDeviations standard deviations of the height above the mesh and follows the beam, in steps
-// shorter than the smallest size (unless this takes more than kMostSteps), to the first step below the height field.
-// Two linear interpolations between this step and the previous one then find the hit (relief mapping: Policarpo,
-// Oliveira and Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). Grazing beams
+// height and a size, and n_k is a Gaussian field of variance 1 over cubes of that size (spatial_noise.h). The
+// field depends only on the point in the world and the pipeline's seed, so that every frame, sensor and method hits the
+// same tufts. The search begins kSearchDeviations standard deviations of the height above the mesh and follows the
+// beam, in steps shorter than the smallest size (unless this takes more than kMostSteps), to the first step below the
+// height field. Two linear interpolations between this step and the previous one then find the hit (relief mapping:
+// Policarpo, Oliveira and Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). Grazing beams
 // therefore hit the tips of tufts, with gaps behind them, and beams from above hit heights whose mean is 0.
 //
 // A beam averages over its width: as in reflectance_variation, the variance is divided by 1 + area / size^2, where the
@@ -27,23 +27,23 @@
 namespace scanmill {
 namespace {
 
-constexpr double kDeviations = 2.5;  // height at which the search begins, in standard deviations of the height; only
-                                     // 0.6 % of heights are higher
+constexpr double kSearchDeviations = 2.5;  // height at which the search begins, in standard deviations of the height;
+                                           // only 0.6 % of heights are higher
 constexpr double kLeastCosine = 0.05;
-constexpr double kStep = 0.75;  // length of a step, as a fraction of the smallest Relief::size
+constexpr double kStepFraction = 0.75;  // length of a step, as a fraction of the smallest Relief::size
 constexpr int kMostSteps = 24;
 
 // A beam that hits a rough surface.
 struct RoughHit {
   std::size_t row = 0;
-  Vec3d place, along;  // hit on the mesh (m) and direction of the beam (unit vector), in world
+  Vec3d point, along;  // hit on the mesh (m) and direction of the beam (unit vector), in world
                        // axes
   // Standard deviation of the height after averaging over the beam's footprint (m), for each entry of the relief.
   std::array<double, kMostReliefs> height{};
-  std::array<double, kMostReliefs> cubes{};  // cubes per metre, by entry of the relief
-  double cosine = 1;                         // cosine of the angle of incidence
-  double reach = 0;                          // m along the beam that are searched before the mesh and behind it
-  double step = 0;                           // m along the beam, length of a step
+  std::array<double, kMostReliefs> cubesPerMetre{};  // cubes per metre, by entry of the relief
+  double cosine = 1;                                 // cosine of the angle of incidence
+  double reach = 0;                                  // m along the beam that are searched before the mesh and behind it
+  double step = 0;                                   // m along the beam, length of a step
   int steps = 0;
 };
 
@@ -55,12 +55,12 @@ class March {
       : fields_(fields), hits_(hits), returns_(returns) {}
 
   void run() {
-    for (std::size_t slot = 0; slot < kBatch; ++slot) fill(slot);
+    for (std::size_t slot = 0; slot < kBatch; ++slot) startNext(slot);
     Batch<double> heights;
     while (running_ > 0) {
       heights.fill(0);
       for (std::uint32_t k = 0; k < kMostReliefs; ++k) {
-        if (levels_ > k) fields_[k].add(places_, cubes_[k], height_[k], heights);
+        if (levels_ > k) fields_[k].add(places_, cubesPerMetre_[k], height_[k], heights);
       }
       for (std::size_t slot = 0; slot < kBatch; ++slot) {
         if (hit_[slot] != nullptr) advance(slot, heights[slot]);
@@ -69,7 +69,7 @@ class March {
   }
 
  private:
-  void fill(std::size_t slot) {
+  void startNext(std::size_t slot) {
     if (next_ == hits_.size()) {
       hit_[slot] = nullptr;
       return;
@@ -81,47 +81,47 @@ class March {
     below_[slot] = 0;
     for (std::size_t k = 0; k < kMostReliefs; ++k) {
       height_[k][slot] = hit.height[k];
-      cubes_[k][slot] = hit.cubes[k];
+      cubesPerMetre_[k][slot] = hit.cubesPerMetre[k];
       if (hit.height[k] > 0) levels_ = std::max(levels_, k + 1);
     }
-    look(slot, -hit.reach);
+    moveTo(slot, -hit.reach);
   }
 
   // Moves the slot's position along its beam to `at` (m, counted from the mesh).
-  void look(std::size_t slot, double at) {
+  void moveTo(std::size_t slot, double at) {
     const RoughHit& hit = *hit_[slot];
     at_[slot] = at;
-    places_.x[slot] = hit.place.x + at * hit.along.x;
-    places_.y[slot] = hit.place.y + at * hit.along.y;
-    places_.z[slot] = hit.place.z + at * hit.along.z;
+    places_.x[slot] = hit.point.x + at * hit.along.x;
+    places_.y[slot] = hit.point.y + at * hit.along.y;
+    places_.z[slot] = hit.point.z + at * hit.along.z;
   }
 
   void advance(std::size_t slot, double height) {
     const RoughHit& hit = *hit_[slot];
     const double at = at_[slot];
-    const double over = -at * hit.cosine - height;
+    const double heightOver = -at * hit.cosine - height;
     if (below_[slot] < 0) {  // after the first interpolation: interpolate again, between this position and the step
                              // on the other side of the height field
       const double first = step_[slot] * hit.step - hit.reach;
-      end(slot, over > 0 ? at + (first + hit.step - at) * over / (over - below_[slot])
-                         : first + (at - first) * above_[slot] / (above_[slot] - over));
-    } else if (over > 0 && step_[slot] < hit.steps) {
-      above_[slot] = over;
-      look(slot, ++step_[slot] * hit.step - hit.reach);
-    } else if (step_[slot] == 0 || over >= 0) {
-      end(slot, at);
+      finish(slot, heightOver > 0 ? at + (first + hit.step - at) * heightOver / (heightOver - below_[slot])
+                                  : first + (at - first) * above_[slot] / (above_[slot] - heightOver));
+    } else if (heightOver > 0 && step_[slot] < hit.steps) {
+      above_[slot] = heightOver;
+      moveTo(slot, ++step_[slot] * hit.step - hit.reach);
+    } else if (step_[slot] == 0 || heightOver >= 0) {
+      finish(slot, at);
     } else {
-      below_[slot] = over;
+      below_[slot] = heightOver;
       const double first = --step_[slot] * hit.step - hit.reach;
-      look(slot, first + hit.step * above_[slot] / (above_[slot] - over));
+      moveTo(slot, first + hit.step * above_[slot] / (above_[slot] - heightOver));
     }
   }
 
-  void end(std::size_t slot, double at) {
+  void finish(std::size_t slot, double at) {
     float& range = returns_.range[hit_[slot]->row];
     range = std::max(range / 2, range + static_cast<float>(at));
     --running_;
-    fill(slot);
+    startNext(slot);
   }
 
   std::span<SpatialField> fields_;  // by entry of the relief
@@ -136,7 +136,7 @@ class March {
   Batch<double> above_{};  // m, height of the beam over the height field at the last step above it
   Batch<double> below_{};  // m, height (negative) at the first step below the height field; 0: not found yet
   Places places_{};
-  std::array<Batch<double>, kMostReliefs> height_{}, cubes_{};
+  std::array<Batch<double>, kMostReliefs> height_{}, cubesPerMetre_{};
 };
 
 class ReliefEffect : public Effect {
@@ -158,12 +158,13 @@ class ReliefEffect : public Effect {
       for (std::size_t first = start; first < std::min(start + kTogether, returns.size()); first += kBatch) {
         const std::size_t before = rough.size();
         const std::size_t count = std::min(kBatch, returns.size() - first);
-        for (std::size_t row = first; row < first + count; ++row) prepare(hits, shot, materials, returns, row, rough);
+        for (std::size_t row = first; row < first + count; ++row)
+          addIfRough(hits, shot, materials, returns, row, rough);
         if (rough.size() == before) continue;
         hitPlaces.find(first, places, &along);
         for (std::size_t k = before; k < rough.size(); ++k) {
           const std::size_t i = rough[k].row - first;
-          rough[k].place = {places.x[i], places.y[i], places.z[i]};
+          rough[k].point = {places.x[i], places.y[i], places.z[i]};
           rough[k].along = {along.x[i], along.y[i], along.z[i]};
         }
       }
@@ -172,32 +173,32 @@ class ReliefEffect : public Effect {
   }
 
  private:
-  // Appends a RoughHit for the row if the row's hit has a material with a relief. The caller sets `place` and `along`.
-  void prepare(const Hits& hits, const Shot& shot, std::span<const Material> materials, const Returns& returns,
-               std::size_t row, std::vector<RoughHit>& rough) const {
+  // Appends a RoughHit for the row if the row's hit has a material with a relief. The caller sets `point` and `along`.
+  void addIfRough(const Hits& hits, const Shot& shot, std::span<const Material> materials, const Returns& returns,
+                  std::size_t row, std::vector<RoughHit>& rough) const {
     if (!returns.returned(row) || returns.hit(row) == kNoHit) return;
     const std::uint32_t hit = returns.hit(row);
     if (hits.material[hit] >= materials.size()) return;
     const std::vector<Relief>& reliefs = materials[hits.material[hit]].relief;
     if (reliefs.empty()) return;
-    RoughHit made;
-    made.row = row;
-    made.cosine = std::max(kLeastCosine, double{hits.incidence[hit]});
-    const double area = beamArea(*shot.beams, double{hits.range[hit]}) / made.cosine;
+    RoughHit roughHit;
+    roughHit.row = row;
+    roughHit.cosine = std::max(kLeastCosine, double{hits.incidence[hit]});
+    const double area = beamArea(*shot.beams, double{hits.range[hit]}) / roughHit.cosine;
     double variance = 0;
     double smallest = double{reliefs.front().size};
     for (std::size_t k = 0; k < reliefs.size(); ++k) {
       const double size = reliefs[k].size;
-      made.height[k] = strength_ * reliefs[k].height / std::sqrt(1 + area / (size * size));
-      made.cubes[k] = 1 / size;
-      variance += made.height[k] * made.height[k];
+      roughHit.height[k] = strength_ * reliefs[k].height / std::sqrt(1 + area / (size * size));
+      roughHit.cubesPerMetre[k] = 1 / size;
+      variance += roughHit.height[k] * roughHit.height[k];
       smallest = std::min(smallest, size);
     }
     if (variance == 0) return;
-    made.reach = kDeviations * std::sqrt(variance) / made.cosine;
-    made.steps = std::min(kMostSteps, static_cast<int>(std::ceil(2 * made.reach / (kStep * smallest))));
-    made.step = 2 * made.reach / made.steps;
-    rough.push_back(made);
+    roughHit.reach = kSearchDeviations * std::sqrt(variance) / roughHit.cosine;
+    roughHit.steps = std::min(kMostSteps, static_cast<int>(std::ceil(2 * roughHit.reach / (kStepFraction * smallest))));
+    roughHit.step = 2 * roughHit.reach / roughHit.steps;
+    rough.push_back(roughHit);
   }
 
   double strength_;

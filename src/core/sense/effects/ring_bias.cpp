@@ -38,10 +38,10 @@ class RingBias : public Effect {
   bool setsGain() const override { return !gain_.zero(); }
 
   void check(const BeamTable& beams) const override {
-    for (const PerRing* figure : {&range_, &elevation_, &gain_}) {
-      if (figure->list.empty() || figure->list.size() == beams.rings) continue;
-      throw InputError(figure->where, "effect ring_bias: the number of values is " +
-                                          std::to_string(figure->list.size()) + ", but the number of rings is " +
+    for (const PerRing* errors : {&range_, &elevation_, &gain_}) {
+      if (errors->list.empty() || errors->list.size() == beams.rings) continue;
+      throw InputError(errors->where, "effect ring_bias: the number of values is " +
+                                          std::to_string(errors->list.size()) + ", but the number of rings is " +
                                           std::to_string(beams.rings) + ": give one value per ring");
     }
   }
@@ -87,14 +87,15 @@ class RingBias : public Effect {
     float* const range = returns.range.data() + firstRow;
     for (std::size_t i = 0; i < count && !elevation_.zero(); ++i) {
       const Vec3d& d = shot.beams->direction[returns.beam(firstRow + i)];
-      const double level = std::sqrt(d.x * d.x + d.y * d.y);
-      const double tilted = level * errors.elevation.cos - d.z * errors.elevation.sin;
-      const double stretch = level > 0 ? tilted / level - 1 : 0.0;
+      const double horizontal = std::sqrt(d.x * d.x + d.y * d.y);
+      const double tilted = horizontal * errors.elevation.cos - d.z * errors.elevation.sin;
+      const double growth = horizontal > 0 ? tilted / horizontal - 1 : 0.0;
       const double scale = range[i] < kMiss ? range[i] : 0.0;
       Vec3f& displacement = returns.displacement[firstRow + i];
-      displacement.x += static_cast<float>(scale * d.x * stretch);
-      displacement.y += static_cast<float>(scale * d.y * stretch);
-      displacement.z += static_cast<float>(scale * (d.z * errors.elevation.cos + level * errors.elevation.sin - d.z));
+      displacement.x += static_cast<float>(scale * d.x * growth);
+      displacement.y += static_cast<float>(scale * d.y * growth);
+      displacement.z +=
+          static_cast<float>(scale * (d.z * errors.elevation.cos + horizontal * errors.elevation.sin - d.z));
     }
     for (std::size_t i = 0; i < count && !range_.zero(); ++i) {
       const double exact = range[i];
@@ -113,16 +114,16 @@ class RingBias : public Effect {
 };
 
 PerRing readFigure(Fields& options, const char* spread, Range spreads, const char* list, Range values) {
-  PerRing figure;
+  PerRing errors;
   if (const Value* given = options.find(list)) {
     if (options.has(spread)) {
       throw InputError(given->where, std::string("effect ring_bias: give either ") + list + " or " + spread);
     }
-    figure.list = readNumbers(*given, std::string("effect ring_bias: ") + list, values);
-    figure.where = given->where;
+    errors.list = readNumbers(*given, std::string("effect ring_bias: ") + list, values);
+    errors.where = given->where;
   }
-  figure.sigma = options.number(spread, spreads, 0);
-  return figure;
+  errors.sigma = options.number(spread, spreads, 0);
+  return errors;
 }
 
 }  // namespace

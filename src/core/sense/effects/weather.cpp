@@ -59,11 +59,12 @@ namespace scanmill {
 namespace {
 
 constexpr double kUnitRange = 10;           // m; `least` is in units of a white target at this range
-constexpr double kUsualLeast = 0.001;       // power below which particles are ignored
+constexpr double kUsualLeastPower = 0.001;  // power below which particles are ignored
 constexpr std::size_t kMostOfBeam = 8;      // largest number of a beam's drops or intervals that become returns
-constexpr std::size_t kMostStretches = 32;  // largest number of intervals of a beam, two per random block
-constexpr double kLeastUp = 0.5;            // least cosine of the angle between a wet surface's normal and the vertical
-constexpr double kPuddle = 1.2;             // m, size of the patches of standing water
+constexpr std::size_t kMostIntervals = 32;  // largest number of intervals of a beam, two per random block
+constexpr std::uint32_t kMostDrops = 15;    // largest number of drops of a beam, one per random block
+constexpr double kWetCosine = 0.5;          // least cosine of the angle between a wet surface's normal and the vertical
+constexpr double kPuddleSize = 1.2;         // m, size of the patches of standing water
 
 // What is assumed of sensors whose files give no width of the beam or no pulse: in the middle of what data sheets of
 // spinning sensors state (VLS-128: 3.0 x 1.5 mrad; HDL-64E: 2 mrad; OS1: 5.3 mrad to 1/e^2; pulses of 5 to 6 ns).
@@ -72,15 +73,15 @@ constexpr double kUsualPulse = 5e-9;       // s
 
 // Returns the area (m^2) that a beam illuminates at a range (m).
 double litArea(const BeamTable& beams, double range) {
-  const double own = beamArea(beams, range);
-  if (own > 0) return own;
+  const double area = beamArea(beams, range);
+  if (area > 0) return area;
   const double width = kUsualDivergence * range;
   return kPi / 8 * width * width;
 }
 
 struct WeatherOptions {
   Weather weather;
-  double least = 0;  // 0: kUsualLeast, or less for receivers that detect less
+  double least = 0;  // 0: kUsualLeastPower, or less for receivers that detect less
   double wet = 0;
   std::uint16_t label = 0;
 };
@@ -122,9 +123,9 @@ class DropTable {
 
   // Returns the diameter (mm) of the smallest drop that is bright enough at a range (m).
   double leastDiameter(double range) const {
-    const double way = reception_.falloff.amplitudeLoss(range);
+    const double loss = reception_.falloff.amplitudeLoss(range);
     const double area = litArea(beams_, range);
-    return std::sqrt(reception_.least * area * way * way * exponential(2 * weather_.extinction * range) /
+    return std::sqrt(reception_.least * area * loss * loss * exponential(2 * weather_.extinction * range) /
                      weather_.dropEcho);
   }
 
@@ -141,7 +142,7 @@ class DropTable {
 };
 
 // Returns for each beam the range (m) of its nearest return, or the sensor's maximum range if the beam has no return.
-std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Returns& returns) {
+std::vector<float> nearestRanges(const Hits& hits, const BeamTable& beams, const Returns& returns) {
   std::vector<float> open(hits.size(), static_cast<float>(beams.maxRange));
   for (std::size_t row = 0; row < returns.size(); ++row) {
     float& range = open[returns.beam(row)];
@@ -186,12 +187,12 @@ class WeatherEffect : public Effect {
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
     returns.gain.resize(returns.size(), 1.0f);
-    const std::vector<float> open = openRanges(hits, *shot.beams, returns);
+    const std::vector<float> open = nearestRanges(hits, *shot.beams, returns);
     extinguish(returns);
     if (o_.wet > 0) wetGround(hits, shot, returns);
     const Falloff& falloff = returns.falloff;
     const double unit = falloff.inverseSquare ? falloff.reference / kUnitRange : 1;
-    Reception reception{falloff, (o_.least > 0 ? o_.least : kUsualLeast) * unit * unit};
+    Reception reception{falloff, (o_.least > 0 ? o_.least : kUsualLeastPower) * unit * unit};
     if (o_.least == 0 && returns.threshold > 0) reception.least = std::min(reception.least, returns.threshold / 2);
     if (o_.weather.drops.intercept > 0) addDrops(hits, shot, open, reception, returns);
     if (o_.weather.backscatter > 0) addMist(hits, shot, open, reception, returns);
@@ -202,9 +203,9 @@ class WeatherEffect : public Effect {
     if (returns.recordsReasons()) returns.air.resize(returns.size(), 1.0f);
     for (std::size_t row = 0; row < returns.size(); ++row) {
       if (!returns.returned(row)) continue;
-      const auto left = static_cast<float>(exponential(-2 * o_.weather.extinction * returns.range[row]));
-      returns.gain[row] *= left;
-      if (returns.recordsReasons()) returns.air[row] *= left;
+      const auto transmitted = static_cast<float>(exponential(-2 * o_.weather.extinction * returns.range[row]));
+      returns.gain[row] *= transmitted;
+      if (returns.recordsReasons()) returns.air[row] *= transmitted;
     }
   }
 
@@ -215,7 +216,7 @@ class WeatherEffect : public Effect {
     Places places;
     Batch<double> cubes;
     Batch<double> one;
-    cubes.fill(1 / kPuddle);
+    cubes.fill(1 / kPuddleSize);
     one.fill(1);
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       Batch<double> field{};
@@ -223,10 +224,10 @@ class WeatherEffect : public Effect {
       puddles.add(places, cubes, one, field);
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t hit = returns.hit(first + i);
-        if (!returns.returned(first + i) || hit == kNoHit || double{hits.normal[hit].z} < kLeastUp) continue;
-        double left = dampness(std::clamp(double{hits.reflectance[hit]}, 0.0, 1.0));
-        if (field[i] < film) left *= filmTransmission(hits.incidence[hit]);
-        returns.gain[first + i] *= static_cast<float>(left);
+        if (!returns.returned(first + i) || hit == kNoHit || double{hits.normal[hit].z} < kWetCosine) continue;
+        double factor = dampness(std::clamp(double{hits.reflectance[hit]}, 0.0, 1.0));
+        if (field[i] < film) factor *= filmTransmission(hits.incidence[hit]);
+        returns.gain[first + i] *= static_cast<float>(factor);
       }
     });
   }
@@ -250,12 +251,13 @@ class WeatherEffect : public Effect {
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
       const double expected = table.upTo(double{open[beam]});
       if (expected <= 0) continue;
-      // Random block 15 gives the number of drops; each of the blocks before it gives one drop.
-      double left = uniform(drawBlock(shot, Purpose::Weather, beam, 15)[0]);
+      // The number of drops has Poisson's distribution, which is inverted by subtracting the probabilities of 0, 1, 2
+      // ... drops from a uniform number. Its random block is behind those of the drops.
+      double remaining = uniform(drawBlock(shot, Purpose::Weather, beam, kMostDrops)[0]);
       double probability = exponential(-expected);
       drops.clear();
-      for (std::uint32_t n = 0; left > probability && n < 15; ++n) {
-        left -= probability;
+      for (std::uint32_t n = 0; remaining > probability && n < kMostDrops; ++n) {
+        remaining -= probability;
         probability *= expected / (n + 1);
         const RandomBlock words = drawBlock(shot, Purpose::Weather, beam, n);
         const double range = table.rangeOf(expected * uniform(words[0]));
@@ -271,33 +273,33 @@ class WeatherEffect : public Effect {
   void addMist(const Hits& hits, const Shot& shot, const std::vector<float>& open, const Reception& reception,
                Returns& returns) const {
     const BeamTable& beams = *shot.beams;
-    const double whole = pulseLength(beams.pulse > 0 ? beams.pulse : kUsualPulse);
-    std::vector<Particle> stretches;
+    const double pulse = pulseLength(beams.pulse > 0 ? beams.pulse : kUsualPulse);
+    std::vector<Particle> intervals;
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
-      stretches.clear();
+      intervals.clear();
       RandomBlock words{};
-      for (std::uint32_t k = 0; k < kMostStretches; ++k) {
-        const double start = beams.minRange + k * whole;
-        const double length = std::min(whole, double{open[beam]} - start);
+      for (std::uint32_t k = 0; k < kMostIntervals; ++k) {
+        const double start = beams.minRange + k * pulse;
+        const double length = std::min(pulse, double{open[beam]} - start);
         if (length <= 0) break;
         if (k % 2 == 0) words = drawBlock(shot, Purpose::Fog, beam, k / 2);
         const double range = start + length * uniform(words[2 * (k % 2) + 1]);
-        Particle stretch = particleAt(range, mistEcho(o_.weather, length), reception.falloff);
-        if (double{stretch.strength} < reception.least) break;
+        Particle interval = particleAt(range, mistEcho(o_.weather, length), reception.falloff);
+        if (double{interval.strength} < reception.least) break;
         // The numbers of largest rank are a sample with probabilities proportional to the strength (Efraimidis and
         // Spirakis, "Weighted random sampling with a reservoir", Information Processing Letters 97, 2006).
-        stretch.rank /= static_cast<float>(-naturalLog(uniform(words[2 * (k % 2)])));
-        stretches.push_back(stretch);
+        interval.rank /= static_cast<float>(-naturalLog(uniform(words[2 * (k % 2)])));
+        intervals.push_back(interval);
       }
-      add(beam, stretches, hits, returns);
+      add(beam, intervals, hits, returns);
     }
   }
 
   Particle particleAt(double range, double echo, const Falloff& falloff) const {
-    const double kept = echo * exponential(-2 * o_.weather.extinction * range);
-    const double way = falloff.amplitudeLoss(range);
-    const auto strength = static_cast<float>(kept / (way * way));
-    return {static_cast<float>(range), static_cast<float>(kept), strength, strength};
+    const double echoBehindAir = echo * exponential(-2 * o_.weather.extinction * range);
+    const double loss = falloff.amplitudeLoss(range);
+    const auto strength = static_cast<float>(echoBehindAir / (loss * loss));
+    return {static_cast<float>(range), static_cast<float>(echoBehindAir), strength, strength};
   }
 
   void add(std::uint32_t beam, std::vector<Particle>& particles, const Hits& hits, Returns& returns) const {
@@ -323,18 +325,18 @@ struct Severity {
   double wet;
 };
 
-struct Kind {
+struct KindOfWeather {
   std::string_view name;
-  Weather (*of)(double);
+  Weather (*weatherOf)(double);
   bool byRate;
-  double most;
-  std::array<Severity, 3> ladder;  // light, moderate, heavy
+  double greatestAmount;
+  std::array<Severity, 3> severities;  // light, moderate, heavy
 };
 
 // The severities follow the bounds that observers use: for rain the rate (2.5 and 7.6 mm/h, glossary of the American
 // Meteorological Society), for snow and fog the visibility (1000 and 500 m; 1000 and 200 m). The values within these
 // bounds, and the fractions under water, are estimates.
-constexpr std::array<Kind, 4> kKinds{{
+constexpr std::array<KindOfWeather, 4> kKinds{{
     {"rain", rainOf, true, 200, {{{1.5, 0.1}, {5, 0.3}, {25, 0.6}}}},
     {"snow", snowOf, true, 50, {{{0.5, 0}, {1.5, 0}, {4, 0}}}},
     {"fog", fogOf, false, 1e5, {{{500, 0}, {150, 0}, {50, 0}}}},
@@ -346,25 +348,26 @@ constexpr std::array<Kind, 4> kKinds{{
 std::unique_ptr<Effect> makeWeather(Fields& options) {
   std::vector<std::string> names;
   names.reserve(kKinds.size());
-  for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  for (const KindOfWeather& kind : kKinds) names.emplace_back(kind.name);
   options.also({"kind", "severity", "rate_mm_h", "visibility_m", "wet", "least", "label"}).finish();
   options.require("kind");
   const std::string name = options.choice("kind", names, "");
-  const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.name == name; });
+  const KindOfWeather& kind =
+      *std::find_if(kKinds.begin(), kKinds.end(), [&](const KindOfWeather& k) { return k.name == name; });
   const char* const exact = kind.byRate ? "rate_mm_h" : "visibility_m";
   if (const Value* other = options.find(kind.byRate ? "visibility_m" : "rate_mm_h")) {
     throw InputError(other->where, fmt::format("effect weather: give the amount of {} by `{}`", name, exact));
   }
   const std::string word = options.choice("severity", {"light", "moderate", "heavy"}, "moderate");
-  Severity severity = kind.ladder[word == "light" ? 0 : word == "moderate" ? 1 : 2];
+  Severity severity = kind.severities[word == "light" ? 0 : word == "moderate" ? 1 : 2];
   if (const Value* given = options.find(exact)) {
     if (options.has("severity")) {
       throw InputError(given->where, fmt::format("effect weather: give `severity` or `{}`, not both", exact));
     }
-    severity.amount = options.number(exact, {kind.byRate ? 0.01 : 1.0, kind.most});
+    severity.amount = options.number(exact, {kind.byRate ? 0.01 : 1.0, kind.greatestAmount});
   }
   WeatherOptions o;
-  o.weather = kind.of(severity.amount);
+  o.weather = kind.weatherOf(severity.amount);
   o.wet = options.number("wet", {0, 1}, severity.wet);
   if (options.has("least")) o.least = options.number("least", {1e-6, 1});
   o.label = static_cast<std::uint16_t>(options.integer("label", 0, 65535, 0));
