@@ -214,8 +214,8 @@ class DepthCameraMethod : public DepthCamera {
 
  private:
   std::shared_ptr<const StepView> viewOf(const Shot& shot, const PassStep& step) const {
-    const bool whole = step.endColumn - step.firstColumn == shot.beams->columns;
-    if (shot.worldFromSensor.size() == 1 && whole && step.worldFromRig == shot.worldFromSensor[0]) {
+    const bool allColumns = step.endColumn - step.firstColumn == shot.beams->columns;
+    if (shot.worldFromSensor.size() == 1 && allColumns && step.worldFromRig == shot.worldFromSensor[0]) {
       return stillView(shot, step);
     }
     return makeView(shot, step);

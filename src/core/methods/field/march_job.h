@@ -27,11 +27,11 @@ struct MarchJob {
   static constexpr std::uint32_t kGroupColumns = 16;  // number of columns in a group
   const Shot& shot;
   const ShotFrame& frame;  // the shot's poses, relative to the world's origin
-  const SensorField& around;
+  const SensorField& sensorField;
   std::uint32_t maxSteps;  // largest number of steps of a particle
 
-  const DistanceField& field() const { return *around.field; }
-  const TriangleBlock& triangles() const { return around.world->baked; }
+  const DistanceField& field() const { return *sensorField.field; }
+  const TriangleBlock& triangles() const { return sensorField.world->baked; }
   // Returns the length of particles' paths (m): slightly more than the sensor's maximum range, so that float32 rounding
   // does not decide about hits at exactly the maximum.
   double pathLength() const { return shot.beams->maxRange * (1 + 1e-4) + 1e-3; }

@@ -24,7 +24,7 @@ struct MarchParameters {
   float metres;
   std::uint32_t steps;
   std::uint32_t count;
-  std::uint32_t again;
+  std::uint32_t onlyBehindHoles;
   std::uint32_t unused[2];
 };
 static_assert(sizeof(MarchParameters) == 32);
@@ -127,9 +127,9 @@ void DeviceMarch::reserve(bool lists, std::size_t particles) {
   records_.reserve(5 * particles * sizeof(float));
 }
 
-void DeviceMarch::run(const DistanceField& field, std::uint32_t steps, std::size_t particles, bool again) {
+void DeviceMarch::run(const DistanceField& field, std::uint32_t steps, std::size_t particles, Marching which) {
   MarchParameters block = marchParameters(field, steps, particles);
-  block.again = again ? 1 : 0;
+  block.onlyBehindHoles = which == Marching::BehindHoles ? 1 : 0;
   marchers_.of(field.shape.lists)
       .run(particles, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
            {fields_.levels(),

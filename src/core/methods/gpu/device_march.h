@@ -115,10 +115,12 @@ class DeviceMarch {
   // triangles, unless they are on the device. Throws an Error, worded by ComputeErrorWords, if something does not fit.
   void ensureUploaded(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world);
 
+  enum class Marching { All, BehindHoles };  // all particles, or only those that continue behind a hole
+
   // reserve() makes room for `particles` particles and their records; run() marches them through the field of the last
-  // ensureUploaded(). `again`: marches only the particles that continue behind a hole.
+  // ensureUploaded().
   void reserve(bool lists, std::size_t particles);
-  void run(const DistanceField& field, std::uint32_t steps, std::size_t particles, bool again);
+  void run(const DistanceField& field, std::uint32_t steps, std::size_t particles, Marching which);
 
   // Return the buffers for the bindings 0 and 1 of marchShader() (shaders.h), and the fields on the device.
   ComputeBuffer& particles() { return particles_; }

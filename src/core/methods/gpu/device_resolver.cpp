@@ -177,10 +177,10 @@ ComputeTable DeviceResolver::table(std::size_t binding) const {
 }
 
 void DeviceResolver::copyHits(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
-                              std::vector<UnresolvedRay>& undecided) {
+                              std::vector<UnresolvedRay>& unresolved) {
   const ColumnOffsets places(hits.channels, piece.all);
   std::mutex mutex;
-  const std::size_t before = undecided.size();
+  const std::size_t before = unresolved.size();
   parallelFor(piece.count, kTableGrain, [&](std::size_t from, std::size_t to) {
     const auto copy = [&](std::size_t word, std::size_t words, auto* values) {
       std::memcpy(values, columns.data() + 4 * (word + words * (piece.from + from)), 4 * words * (to - from));
@@ -209,9 +209,9 @@ void DeviceResolver::copyHits(std::span<const std::byte> columns, const Piece& p
     }
     if (mine.empty()) return;
     const std::scoped_lock lock(mutex);
-    undecided.insert(undecided.end(), mine.begin(), mine.end());
+    unresolved.insert(unresolved.end(), mine.begin(), mine.end());
   });
-  std::sort(undecided.begin() + static_cast<std::ptrdiff_t>(before), undecided.end(),
+  std::sort(unresolved.begin() + static_cast<std::ptrdiff_t>(before), unresolved.end(),
             [](const UnresolvedRay& a, const UnresolvedRay& b) { return a.ray < b.ray; });
 }
 

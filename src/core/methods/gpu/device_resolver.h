@@ -98,9 +98,9 @@ class DeviceResolver {
     std::size_t count;
   };
   // Copies a piece's results to the channels that `hits` has, and adds the rays that are neither hits nor misses to
-  // `undecided`, ascending. `columns`: a copy of the complete columns().
+  // `unresolved`, ascending. `columns`: a copy of the complete columns().
   static void copyHits(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
-                       std::vector<UnresolvedRay>& undecided);
+                       std::vector<UnresolvedRay>& unresolved);
 
  private:
   ComputeDevice device_;

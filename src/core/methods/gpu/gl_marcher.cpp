@@ -31,7 +31,7 @@ static_assert(sizeof(ParticleParameters) == 224);
 ParticleParameters particleParameters(const MarchJob& job, Channels channels, std::size_t rays) {
   const BeamTable& beams = *job.shot.beams;
   const FieldShape& shape = job.field().shape;
-  const Box& box = job.around.box;
+  const Box& box = job.sensorField.box;
   ParticleParameters parameters{};
   parameters.common = DeviceResolver::parameters(beams, channels, rays);
   parameters.rings = beams.rings;
@@ -41,7 +41,7 @@ ParticleParameters particleParameters(const MarchJob& job, Channels channels, st
   parameters.shotRays = static_cast<std::uint32_t>(beams.size());
   parameters.shotPoses = static_cast<std::uint32_t>(job.shot.worldFromSensor.size());
   parameters.firstAlpha = job.triangles().firstAlpha;
-  parameters.coversScene = job.around.coversScene ? 1 : 0;
+  parameters.coversScene = job.sensorField.coversScene ? 1 : 0;
   parameters.lastLevel = static_cast<std::int32_t>(job.field().levels.size()) - 1;
   parameters.reach = shape.reach;
   parameters.metres = static_cast<float>(shape.voxel);
@@ -63,8 +63,8 @@ ParticleParameters particleParameters(const MarchJob& job, Channels channels, st
 bool GlMarcher::ShotWork::canShareDispatch(const ShotWork& other) const {
   const MarchJob& a = job;
   const MarchJob& b = other.job;
-  return a.around.field == b.around.field && a.around.world == b.around.world && a.maxSteps == b.maxSteps &&
-         channels == other.channels && a.shot.beams == b.shot.beams &&
+  return a.sensorField.field == b.sensorField.field && a.sensorField.world == b.sensorField.world &&
+         a.maxSteps == b.maxSteps && channels == other.channels && a.shot.beams == b.shot.beams &&
          a.shot.worldFromSensor.size() == b.shot.worldFromSensor.size();
 }
 
@@ -73,7 +73,7 @@ GlMarcher::GlMarcher(const GlMarcherLimits& limits)
       particlesAtOnce_(std::min<std::uint64_t>(
           device_.limits().bufferBytes / (DeviceMarch::kMostColumns * sizeof(float)), limits.particles)) {}
 
-void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay>& undecided, StageClock& clock) {
+void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay>& unresolved, StageClock& clock) {
   const ShotWork work{job, hits.channels};
   const WallTimer timer;
   const Queue::Submitted submitted = queue_.submit(work);
@@ -81,14 +81,14 @@ void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay
   clock.add("upload", work.upload);
   clock.add("march", timer.seconds() - work.upload);
   const StageTimer copying(clock, "read_back", StageTimer::Kind::Wall);
-  DeviceResolver::copyHits(columns, {submitted.batch->rays, submitted.from, work.rays()}, hits, undecided);
+  DeviceResolver::copyHits(columns, {submitted.batch->rays, submitted.from, work.rays()}, hits, unresolved);
 }
 
 void GlMarcher::dispatch(const std::vector<const ShotWork*>& together, Queue::Batch& batch) {
   const ShotWork& work = *together.front();
   const WallTimer timer;
-  march_.ensureUploaded(work.job.around.field, work.job.around.world);
-  uploadLabels(work.job.around.world);
+  march_.ensureUploaded(work.job.sensorField.field, work.job.sensorField.world);
+  uploadLabels(work.job.sensorField.world);
   work.upload = timer.seconds();
   if (std::max(work.bytes(), DeviceBeams::kBytesPerRay * work.rays()) > device_.limits().bufferBytes) {
     device_.fail("the sensor has too many beams for a buffer of the graphics card");
@@ -126,7 +126,8 @@ void GlMarcher::marchSlice(const ShotWork& work, std::size_t rays, std::size_t f
       count, {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(), &march_.particles()},
       parameterBytes);
   for (std::uint32_t hole = 0; hole <= (holes ? kMostHoles : 0); ++hole) {
-    march_.run(field, work.job.maxSteps, count, hole > 0);
+    march_.run(field, work.job.maxSteps, count,
+               hole > 0 ? DeviceMarch::Marching::BehindHoles : DeviceMarch::Marching::All);
     parameters.last = hole == kMostHoles || !holes ? 1 : 0;
     resolvers_.of(lists).run(count,
                              {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(),

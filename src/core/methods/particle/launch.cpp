@@ -30,9 +30,9 @@ Sections sectionsInsideBox(const MarchJob& job, const Rays& rays) {
   Sections inside;
   std::fill_n(inside.begin, kPacket, 0.0);
   std::fill_n(inside.end, kPacket, job.pathLength());
-  clip(job.around.box.low.x, job.around.box.high.x, rays.ox, rays.dx, inside);
-  clip(job.around.box.low.y, job.around.box.high.y, rays.oy, rays.dy, inside);
-  clip(job.around.box.low.z, job.around.box.high.z, rays.oz, rays.dz, inside);
+  clip(job.sensorField.box.low.x, job.sensorField.box.high.x, rays.ox, rays.dx, inside);
+  clip(job.sensorField.box.low.y, job.sensorField.box.high.y, rays.oy, rays.dy, inside);
+  clip(job.sensorField.box.low.z, job.sensorField.box.high.z, rays.oz, rays.dz, inside);
   return inside;
 }
 

@@ -206,12 +206,13 @@ inline void ListIntersector::intersectPairs(const Pair* pairs) {
   const Floats u = hn::Mul(dotOf(s, p), sign);
   const Floats v = hn::Mul(dotOf(d, q), sign);
   const Floats t = hn::Mul(dotOf(ac, q), sign);
-  const Floats seam = hn::Mul(denominator, hn::Set(kFloats, kTriangleMargin));
-  const Floats least = hn::Neg(seam);
-  const Mask corner = hn::And(hn::Ge(u, least), hn::Ge(v, least));
-  const Mask edge = hn::And(hn::Le(hn::Add(u, v), hn::Add(denominator, seam)), hn::Gt(denominator, hn::Zero(kFloats)));
+  const Floats margin = hn::Mul(denominator, hn::Set(kFloats, kTriangleMargin));
+  const Floats minusMargin = hn::Neg(margin);
+  const Mask insideTwoEdges = hn::And(hn::Ge(u, minusMargin), hn::Ge(v, minusMargin));
+  const Mask insideThirdEdge =
+      hn::And(hn::Le(hn::Add(u, v), hn::Add(denominator, margin)), hn::Gt(denominator, hn::Zero(kFloats)));
   const Mask inSection = hn::And(hn::Ge(t, hn::Mul(low, denominator)), hn::Le(t, hn::Mul(high, denominator)));
-  LaneBits hits = bitsOf(hn::And(hn::And(corner, edge), inSection));
+  LaneBits hits = bitsOf(hn::And(hn::And(insideTwoEdges, insideThirdEdge), inSection));
   if (hits == 0) return;
   HWY_ALIGN_MAX LaneFloats numerators;
   HWY_ALIGN_MAX LaneFloats denominators;
@@ -221,9 +222,9 @@ inline void ListIntersector::intersectPairs(const Pair* pairs) {
     const std::size_t k = firstOf(hits);
     const LineHit next{numerators[k], denominators[k], pairs[k].triangle};
     LineHit& known = nearest[pairs[k].line];
-    const float margin = tie[pairs[k].line] * known.denominator;
+    const float tieMargin = tie[pairs[k].line] * known.denominator;
     if (!(known.denominator > 0) ||
-        next.numerator * known.denominator < (known.numerator - margin) * next.denominator) {
+        next.numerator * known.denominator < (known.numerator - tieMargin) * next.denominator) {
       known = next;
     }
   }

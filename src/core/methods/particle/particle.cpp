@@ -144,8 +144,8 @@ class ParticleMethod : public Method {
 
   // Marches on the device. The CPU marches the tiles with rays that the device leaves because of rounding.
   UnreliableBeams marchOnDevice(const MarchJob& job, Hits& hits, StageClock& clock) const {
-    std::vector<UnresolvedRay> undecided;
-    gl_->march(job, hits, undecided, clock);
+    std::vector<UnresolvedRay> unresolved;
+    gl_->march(job, hits, unresolved, clock);
     const StageTimer timer(clock, "undecided");
     const auto tileOf = [&](std::uint32_t ray) {
       const std::uint32_t column = ray % hits.columns / kPacket * kPacket;
@@ -153,13 +153,13 @@ class ParticleMethod : public Method {
     };
     const auto firstRayOf = [&](const Tile& tile) { return tile.ring * hits.columns + tile.column; };
     std::vector<Tile> onCpu;  // ascending, as the rays are
-    for (const UnresolvedRay& ray : undecided) {
+    for (const UnresolvedRay& ray : unresolved) {
       if (ray.reason != UnresolvedReason::Rounding) continue;
       const Tile tile = tileOf(ray.ray);
       if (onCpu.empty() || firstRayOf(onCpu.back()) != firstRayOf(tile)) onCpu.push_back(tile);
     }
     UnreliableBeams counts;
-    for (const UnresolvedRay& ray : undecided) {
+    for (const UnresolvedRay& ray : unresolved) {
       if (std::ranges::binary_search(onCpu, firstRayOf(tileOf(ray.ray)), {}, firstRayOf)) continue;
       ++(ray.reason == UnresolvedReason::StepsUsedUp ? counts.exhausted : counts.leftField);
       hits.range[ray.ray] = kMiss;

@@ -65,7 +65,7 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, Particles
       const auto lane = static_cast<int>(i % kPacket);
       const Vec3d point = originOf(rays, lane) + directionOf(rays, lane) * rangeOf(job, records, i);
       const Vec2d at = barycentric({&block, nullptr, triangle}, point);
-      if (!transparentAt(*job.around.world, block, triangle, at.x, at.y)) continue;
+      if (!transparentAt(*job.sensorField.world, block, triangle, at.x, at.y)) continue;
       const float travelled = records.travelled[i];
       particles.begin[i] = travelled + std::max(kHoleSkip, travelled * kHoleSkipShare);
       passing.push_back(i);
@@ -84,7 +84,7 @@ void addUnresolved(const MarchJob& job, const Tile& tile, const Rays& rays, cons
     const Outcome outcome = records.outcomeOf(firstRecord + lane);
     if (outcome == Outcome::Hit) continue;
     if (outcome == Outcome::Miss) {
-      if (job.around.coversScene) continue;
+      if (job.sensorField.coversScene) continue;
       if (!inside) inside = sectionsInsideBox(job, rays);
       if (!(inside->end[lane] < job.pathLength())) continue;
     }

@@ -40,7 +40,7 @@ class GlMarch {
     for (std::size_t k = 0; k < columns.size(); ++k) {
       march_.particles().write(k * bytes, std::as_bytes(std::span(*columns[k])));
     }
-    march_.run(*field, steps, p.size(), false);
+    march_.run(*field, steps, p.size(), DeviceMarch::Marching::All);
     // The quotient of the last two is m, and lacks in the way.
     std::vector<float> numerator(p.size());
     std::vector<float> denominator(p.size());

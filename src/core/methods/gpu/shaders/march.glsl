@@ -12,7 +12,7 @@ layout(std140, binding = 0) uniform MarchParameters {
   float metres;
   uint steps;
   uint count;
-  uint again;  // 1: marches only particles that continue behind a hole
+  uint onlyBehindHoles;  // 1: marches only particles that continue behind a hole
 };
 layout(std430, binding = 0) readonly restrict buffer Particles { float particles[]; };
 layout(std430, binding = 1) restrict buffer HitRecords { uint records[]; };

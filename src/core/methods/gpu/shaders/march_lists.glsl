@@ -40,14 +40,14 @@ void intersect(inout Search found, uint triangle, Facet facet) {
   precise float u = dotted(s, p) * facing;
   precise float v = dotted(found.d, q) * facing;
   precise float t = dotted(facet.ac, q) * facing;
-  precise float seam = denominator * kTriangleMargin;
+  precise float margin = denominator * kTriangleMargin;
   precise float corner = u + v;
-  precise float most = denominator + seam;
+  precise float most = denominator + margin;
   precise float nearer = (found.numerator - found.tie * found.denominator) * denominator;
   precise float here = t * found.denominator;
   precise float first = found.low * denominator;
   precise float last = found.high * denominator;
-  if (denominator > 0.0 && u >= -seam && v >= -seam && corner <= most && t >= first && t <= last &&
+  if (denominator > 0.0 && u >= -margin && v >= -margin && corner <= most && t >= first && t <= last &&
       (!(found.denominator > 0.0) || here < nearer)) {
     found.numerator = t;
     found.denominator = denominator;
@@ -65,7 +65,7 @@ void invoke(uint i) {
   precise vec3 side = mix(vec3(kExitPlane), vec3(-kExitPlane), lessThan(reciprocal, vec3(0.0)));
   precise float travelled = begin;
   uint taken = 0u;
-  if (again != 0u) {
+  if (onlyBehindHoles != 0u) {
     uint before = records[2u * count + i];
     if ((before & 3u) != kPassesHole) return;
     taken = before >> 2;

@@ -7,13 +7,13 @@ bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
   float travelled = uintBitsToFloat(records[i]);
   precise float divisor = uintBitsToFloat(records[4u * count + i]) * metres;
   double exact = double(uintBitsToFloat(records[3u * count + i])) / double(divisor);
-  float rest;
-  if (exact != 0.0LF && !roundsAlike(exact, abs(exact) * kSlack, rest)) {
+  float lengthToHit;
+  if (exact != 0.0LF && !roundsAlike(exact, abs(exact) * kSlack, lengthToHit)) {
     putUnresolved(ray, kRounding);
     return true;
   }
-  if (exact == 0.0LF) rest = 0.0;
-  precise float total = travelled + rest;
+  if (exact == 0.0LF) lengthToHit = 0.0;
+  precise float total = travelled + lengthToHit;
   precise double traced = double(total) * voxel;
   Plane plane = planeOf(triangle, d);
   if (triangle >= firstAlpha) {
@@ -32,9 +32,9 @@ bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
   }
   double errorBound;
   double range = distanceTo(plane, o, errorBound);
-  double about = double(float(traced));
-  precise double low = about - (rangeErrorBound * about + rangeErrorBound);
-  precise double high = about + (rangeErrorBound * about + rangeErrorBound);
+  double tracedRange = double(float(traced));
+  precise double low = tracedRange - (rangeErrorBound * tracedRange + rangeErrorBound);
+  precise double high = tracedRange + (rangeErrorBound * tracedRange + rangeErrorBound);
   if (range > low + errorBound && range < high - errorBound) {
     hit(ray, plane, range, errorBound, o, d);
   } else if (range < low - errorBound || range > high + errorBound) {
