@@ -67,9 +67,9 @@ void LeftOut::warn(const std::string& file) const {
   std::set<std::string>& files = filesOf[file.substr(0, slash == std::string::npos ? 0 : slash) + "\n" + text()];
   if (files.size() > kNamed) return;
   files.insert(file);
-  warn(files.size() <= kNamed
-           ? fmt::format("{}: left out: {}", file, text())
-           : fmt::format("{} and other files, not named one by one: left out in each: {}", file, text()));
+  scanmill::warn(files.size() <= kNamed
+                     ? fmt::format("{}: left out: {}", file, text())
+                     : fmt::format("{} and other files, not named one by one: left out in each: {}", file, text()));
 }
 
 }  // namespace scanmill
