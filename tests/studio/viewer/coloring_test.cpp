@@ -64,6 +64,8 @@ TEST(ColorScan, LegendNamesTheClassesInTheScanAlone) {
   EXPECT_EQ(c.colors[1], c.legend.entries[0].color);
   EXPECT_THAT(names(colorScan(scan, ColorBy("class"), {}).legend),
               testing::ElementsAre("class 1", "class 3", "class 500"));
+  const ColorContext closeUp{.ontology = &ontology, .closeUp = CloseUp{{2, 0, -1}, 0.5}};
+  EXPECT_THAT(names(colorScan(scan, ColorBy("class"), closeUp).legend), testing::ElementsAre("ground"));
 }
 
 TEST(ColorScan, PercentilesClipIntensity) {

@@ -150,9 +150,32 @@ void fillBoxes(ViewMesh& view) {
   }
 }
 
-// Returns a box that contains most of a scene. Of a grid of cells in the plane, those that have parts count, without
-// kLeftOut of them at each side, but at most as many as kLeftOut of the parts. How many parts a cell has does not
-// count. Large parts, such as surrounding ground, are left out unless the others reach nearly as far.
+// Returns the part of each cell of a horizontal grid that the boxes fill, for all cells that are not empty. `origin`:
+// corner of the grid. `side`: side of a cell (m).
+std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origin, double side) {
+  std::map<std::pair<int, int>, Box> occupied;
+  for (const Box& box : boxes) {
+    const auto first = [&](double Vec3d::*axis) { return static_cast<int>((box.low.*axis - origin.*axis) / side); };
+    const auto end = [&](double Vec3d::*axis) {
+      return std::max(static_cast<int>(std::ceil((box.high.*axis - origin.*axis) / side)), first(axis) + 1);
+    };
+    for (int i = first(&Vec3d::x); i < end(&Vec3d::x); ++i) {
+      for (int j = first(&Vec3d::y); j < end(&Vec3d::y); ++j) {
+        const Vec3d low = origin + Vec3d{i * side, j * side, 0};
+        occupied[{i, j}].add(Box{{std::max(low.x, box.low.x), std::max(low.y, box.low.y), box.low.z},
+                                 {std::min(low.x + side, box.high.x), std::min(low.y + side, box.high.y), box.high.z}});
+      }
+    }
+  }
+  std::vector<Box> cells;
+  cells.reserve(occupied.size());
+  for (const auto& [cell, box] : occupied) cells.push_back(box);
+  return cells;
+}
+
+// Returns a box that contains most of a scene: the occupied cells of a grid, without kLeftOut of them at each side, but
+// at most as many as kLeftOut of the parts. How many parts a cell has does not count. Large parts, such as surrounding
+// ground, are left out unless the others reach nearly as far.
 Box coreOf(const ViewMesh& view) {
   constexpr double kLarge = 0.5;      // fraction of the scene's longest side from which a part counts as large
   constexpr double kReaching = 0.85;  // largest such fraction for the parts that are not large
@@ -161,35 +184,17 @@ Box coreOf(const ViewMesh& view) {
   const auto longest = [](const Box& box) {
     return box.empty() ? 0 : std::max(box.high.x - box.low.x, box.high.y - box.low.y);
   };
-  const auto isSmall = [&](const Box& part) { return longest(part) < kLarge * longest(view.bounds); };
-  Box all;
-  for (const Box& part : view.partBoxes) {
-    if (isSmall(part)) all.add(part);
-  }
-  const bool whole = all.empty() || longest(all) > kReaching * longest(view.bounds);
-  if (whole) all = view.bounds;
+  const double sceneSide = longest(view.bounds);
+  std::vector<Box> parts;
+  std::ranges::copy_if(view.partBoxes, std::back_inserter(parts),
+                       [&](const Box& part) { return longest(part) < kLarge * sceneSide; });
+  Box bounds;
+  for (const Box& part : parts) bounds.add(part);
+  if (bounds.empty() || longest(bounds) > kReaching * sceneSide) parts = view.partBoxes, bounds = view.bounds;
   Box core;
-  if (all.empty()) return core;
-  const double side = std::max(longest(all) / kCells, 1e-6);  // m, of a cell
-  std::map<std::pair<int, int>, Box> occupied;
-  for (const Box& part : view.partBoxes) {
-    if (part.empty() || !(whole || isSmall(part))) continue;
-    const auto first = [&](double Vec3d::*axis) { return static_cast<int>((part.low.*axis - all.low.*axis) / side); };
-    const auto end = [&](double Vec3d::*axis) {
-      return std::max(static_cast<int>(std::ceil((part.high.*axis - all.low.*axis) / side)), first(axis) + 1);
-    };
-    for (int i = first(&Vec3d::x); i < end(&Vec3d::x); ++i) {
-      for (int j = first(&Vec3d::y); j < end(&Vec3d::y); ++j) {
-        const Vec3d low = all.low + Vec3d{i * side, j * side, 0};
-        occupied[{i, j}].add(
-            Box{{std::max(low.x, part.low.x), std::max(low.y, part.low.y), part.low.z},
-                {std::min(low.x + side, part.high.x), std::min(low.y + side, part.high.y), part.high.z}});
-      }
-    }
-  }
-  std::vector<Box> cells;
-  cells.reserve(occupied.size());
-  for (const auto& [place, box] : occupied) cells.push_back(box);
+  if (bounds.empty()) return core;
+  std::erase_if(parts, [](const Box& part) { return part.empty(); });
+  std::vector<Box> cells = occupiedCells(parts, bounds.low, std::max(longest(bounds) / kCells, 1e-6));
   const std::size_t most = std::min(cells.size(), view.partBoxes.size());
   const auto omitted = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(most));
   const auto edge = [&](Vec3d Box::*end, double Vec3d::*axis, auto order) {
