@@ -11,7 +11,8 @@ LinearFit fitLinear(std::span<const double> design, std::size_t columns, std::sp
   // A column is skipped if less than this fraction of its length is independent of earlier columns.
   constexpr double kDependent = 1e-9;
   const std::size_t rows = values.size();
-  std::vector<double> q(rows * columns);
+  // design = q r, where the columns of q are orthonormal and r is an upper triangular matrix, row by row.
+  std::vector<double> q(rows * columns);  // column by column
   std::vector<double> r(columns * columns, 0.0);
   std::vector<double> projection(columns, 0.0);
   std::vector<bool> used(columns, false);
@@ -27,35 +28,35 @@ LinearFit fitLinear(std::span<const double> design, std::size_t columns, std::sp
     return sum;
   };
   for (std::size_t c = 0; c < columns; ++c) {
-    double* const own = column(c);
-    for (std::size_t i = 0; i < rows; ++i) own[i] = design[i * columns + c];
-    const double whole = std::sqrt(product(own, own));
+    double* const current = column(c);
+    for (std::size_t i = 0; i < rows; ++i) current[i] = design[i * columns + c];
+    const double length = std::sqrt(product(current, current));
     for (int pass = 0; pass < 2; ++pass) {
       for (std::size_t other = 0; other < c; ++other) {
         if (!used[other]) continue;
         const double* const axis = column(other);
-        const double part = product(axis, own);
+        const double part = product(axis, current);
         r[other * columns + c] += part;
-        for (std::size_t i = 0; i < rows; ++i) own[i] -= part * axis[i];
+        for (std::size_t i = 0; i < rows; ++i) current[i] -= part * axis[i];
       }
     }
-    const double left = std::sqrt(product(own, own));
-    if (!(left > kDependent * whole) || fit.rank == rows) continue;
+    const double independent = std::sqrt(product(current, current));
+    if (!(independent > kDependent * length) || fit.rank == rows) continue;
     used[c] = true;
     ++fit.rank;
-    r[c * columns + c] = left;
-    for (std::size_t i = 0; i < rows; ++i) own[i] /= left;
-    projection[c] = product(own, fit.residuals.data());
+    r[c * columns + c] = independent;
+    for (std::size_t i = 0; i < rows; ++i) current[i] /= independent;
+    projection[c] = product(current, fit.residuals.data());
     for (std::size_t i = 0; i < rows; ++i) {
-      fit.residuals[i] -= projection[c] * own[i];
-      fit.leverages[i] += own[i] * own[i];
+      fit.residuals[i] -= projection[c] * current[i];
+      fit.leverages[i] += current[i] * current[i];
     }
   }
   for (std::size_t c = columns; c-- > 0;) {
     if (!used[c]) continue;
-    double rest = projection[c];
-    for (std::size_t later = c + 1; later < columns; ++later) rest -= r[c * columns + later] * fit.coefficients[later];
-    fit.coefficients[c] = rest / r[c * columns + c];
+    double value = projection[c];
+    for (std::size_t next = c + 1; next < columns; ++next) value -= r[c * columns + next] * fit.coefficients[next];
+    fit.coefficients[c] = value / r[c * columns + c];
   }
   fit.squares = product(fit.residuals.data(), fit.residuals.data());
   return fit;

@@ -30,12 +30,13 @@ float intensityOfKey(std::uint16_t key) {
 
 ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
   ScanCounts counts;
-  // Counts of the previous point's class; neighbouring points mostly have the same class.
-  std::vector<std::uint64_t>* ranges = nullptr;
+  // Neighbouring points mostly have the same class and instance, so the counts of the previous point are looked up only
+  // if they differ.
   std::uint16_t lastClass = 0;
+  std::vector<std::uint64_t>* ranges = nullptr;            // counts of lastClass
   std::unordered_map<std::uint64_t, std::uint64_t> pairs;  // (id, class) -> number of points
   std::uint64_t lastPair = 0;
-  std::uint64_t* pairPoints = nullptr;
+  std::uint64_t* pairPoints = nullptr;  // count of lastPair
   std::vector<std::uint64_t> intensities(scan[kIntensity].empty() ? 0 : std::size_t{1} << 16, 0);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3f& p = scan.position[i];

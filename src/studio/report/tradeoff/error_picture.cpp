@@ -12,7 +12,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kLeast = 1e-3;  // errors below this bound (m) get the same colour
-constexpr double kDecades = 3;
+constexpr double kDecades = 3;   // from kLeast to the end of the colours
 constexpr Rgb kFalseNegativeColor{255, 70, 70};
 constexpr Rgb kFalsePositiveColor{255, 255, 255};
 constexpr Rgb kLabelColor{255, 150, 220};

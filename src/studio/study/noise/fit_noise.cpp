@@ -113,6 +113,25 @@ std::string whyLeftOut(const PatchGroup& band) {
   return {};
 }
 
+std::string rangeName(double low, double high) {
+  return std::isfinite(high) ? fmt::format("{:g}-{:g} m", low, high) : fmt::format("from {:g} m", low);
+}
+
+// Returns the bands of ranges that have patches.
+std::vector<PatchGroup> measureBands(const FlatPatches& patches, double step) {
+  const std::vector<double> edges = rangeBandEdges();
+  std::vector<FlatPatches> perBand(edges.size());
+  for (const FlatPatch* p : patches) perBand[rangeBandOf(p->range)].push_back(p);
+  std::vector<PatchGroup> bands;
+  for (std::size_t b = 0; b < edges.size(); ++b) {
+    if (perBand[b].empty()) continue;
+    const double high = b + 1 < edges.size() ? edges[b + 1] : INFINITY;
+    bands.push_back(measureBand(perBand[b], rangeName(edges[b], high), high, step, static_cast<std::uint32_t>(b)));
+    bands.back().leftOut = whyLeftOut(bands.back());
+  }
+  return bands;
+}
+
 // Returns the weight of a band in the fit: 1 / the standard error of its sigma, which counts as at least 1e-6 m.
 double weightOf(const PatchGroup& band) {
   return 1 / std::max(band.error, 1e-6);
@@ -201,10 +220,6 @@ std::string ringBiasYaml(const RingErrors& rings) {
   return text + fmt::format(" ({} rings).\n  - ring_bias: {{{}}}\n", rings.range.rings, keys);
 }
 
-std::string rangeName(double low, double high) {
-  return std::isfinite(high) ? fmt::format("{:g}-{:g} m", low, high) : fmt::format("from {:g} m", low);
-}
-
 }  // namespace
 
 std::vector<const PatchGroup*> NoiseFit::used() const {
@@ -232,20 +247,11 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   fit.step = rangeStep(scans);
   fit.sensorReach = beams.maxRange;
 
-  const std::vector<double> edges = rangeBandEdges();
-  std::vector<FlatPatches> perBand(edges.size());
+  FlatPatches steep;
   for (const FlatPatch& p : patches) {
-    if (p.incidence >= kSteep) perBand[rangeBandOf(p.range)].push_back(&p);
+    if (p.incidence >= kSteep) steep.push_back(&p);
   }
-  std::vector<bool> useful(edges.size(), false);
-  for (std::size_t b = 0; b < edges.size(); ++b) {
-    if (perBand[b].empty()) continue;
-    const double high = b + 1 < edges.size() ? edges[b + 1] : INFINITY;
-    fit.bands.push_back(
-        measureBand(perBand[b], rangeName(edges[b], high), high, fit.step, static_cast<std::uint32_t>(b)));
-    fit.bands.back().leftOut = whyLeftOut(fit.bands.back());
-    useful[b] = fit.bands.back().leftOut.empty();
-  }
+  fit.bands = measureBands(steep, fit.step);
   const std::vector<const PatchGroup*> used = fit.used();
   for (const PatchGroup* band : used) {
     fit.patches += band->patches;
@@ -262,10 +268,13 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   fitLine(fit, used);
   FlatPatches chosen;
   std::vector<FlatPatch> ringPatches;
-  for (const FlatPatch& p : patches) {
-    if (p.incidence < kSteep || !useful[rangeBandOf(p.range)]) continue;
-    chosen.push_back(&p);
-    ringPatches.push_back(p);
+  // The mean range of a band lies in the band.
+  for (const FlatPatch* p : steep) {
+    const bool isUsed = std::ranges::any_of(
+        used, [&](const PatchGroup* band) { return rangeBandOf(band->range) == rangeBandOf(p->range); });
+    if (!isUsed) continue;
+    chosen.push_back(p);
+    ringPatches.push_back(*p);
   }
   constexpr std::uint32_t kDropOutStream = 1000;
   fit.dropOut = dropOutOf(chosen, kDropOutStream);

@@ -20,7 +20,7 @@ namespace {
 
 using ObjectCloud = std::vector<Vec3f>;  // points relative to the object's centre, along the world's axes (m)
 
-ObjectCloud crop(const Scan& scan, const Shot& shot, const BoxedObject& thing, double margin) {
+ObjectCloud cropToObject(const Scan& scan, const Shot& shot, const BoxedObject& thing, double margin) {
   ObjectCloud cloud;
   const Vec3d middle = thing.center();
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -65,8 +65,8 @@ class RepeatabilityRun {
         progress_("repeatability", choice_.methods.size() * plan.pipeline.sensors.size() * plan.pipeline.frames(),
                   "poses", "poses", options.quiet) {}
 
-  Repeatability operator()() {
-    start();
+  Repeatability run() {
+    describe();
     const Pipeline& pipeline = plan_.pipeline;
     std::unique_ptr<Scene> scene;
     std::vector<std::unique_ptr<Method>> methods;
@@ -94,13 +94,14 @@ class RepeatabilityRun {
         }
       }
     }
-    warnOfBlindPoses();
-    warnOfStillNoise();
+    warnOfPosesWithoutPoints();
+    warnOfNoiseThatMovesNothing();
     return std::move(result_);
   }
 
  private:
-  void start() {
+  // Sets all members of the result but the measurements, with one view for each method, sequence and sensor.
+  void describe() {
     const Pipeline& pipeline = plan_.pipeline;
     result_.programVersion = kVersion;
     result_.pipelineName = pipeline.name;
@@ -132,7 +133,7 @@ class RepeatabilityRun {
     }
   }
 
-  void warnOfBlindPoses() {
+  void warnOfPosesWithoutPoints() {
     constexpr std::size_t kShown = 5;
     for (const RepeatedView& view : result_.views) {
       std::vector<std::string> blind;
@@ -157,7 +158,7 @@ class RepeatabilityRun {
 
   // Warns if all scans of a level are equal, since perfect agreement then says nothing. `effects: []` causes no
   // warning, since equal scans are then intended.
-  void warnOfStillNoise() {
+  void warnOfNoiseThatMovesNothing() {
     for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
       std::vector<std::string> names;
       for (std::size_t s = 0; s < plan_.pipeline.sensors.size(); ++s) {
@@ -202,7 +203,7 @@ class RepeatabilityRun {
         const Effects& effects = *choice_.levels[c / choice_.scans].effects[shot.sensor];
         senseShot({method, channels_, {effects, scene.materials, repeatabilityLayout()}}, repeated, hits, scratch,
                   scan);
-        clouds[c] = crop(scan, repeated, thing, choice_.margin);
+        clouds[c] = cropToObject(scan, repeated, thing, choice_.margin);
       }
     });
     return clouds;
@@ -224,7 +225,7 @@ class RepeatabilityRun {
     }
     const std::size_t perCell = std::size_t{choice_.scans} * (choice_.scans - 1);
     for (std::size_t first = 0; first < registered.size(); first += perCell) {
-      pose.fitness.push_back(gather(std::span(registered).subspan(first, perCell)));
+      pose.fitness.push_back(fitnessOf(std::span(registered).subspan(first, perCell)));
     }
     return pose;
   }
@@ -239,9 +240,8 @@ class RepeatabilityRun {
     return count;
   }
 
-  static LevelFitness gather(std::span<const Registered> pairs) {
-    std::vector<std::optional<double>> after;
-    std::vector<std::optional<double>> before;
+  static LevelFitness fitnessOf(std::span<const Registered> pairs) {
+    std::vector<std::optional<double>> after, before;
     LevelFitness cell;
     for (const Registered& r : pairs) {
       after.push_back(r.moved ? r.fitness : std::nullopt);
@@ -266,7 +266,7 @@ class RepeatabilityRun {
 }  // namespace
 
 Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions& options) {
-  return RepeatabilityRun(plan, options)();
+  return RepeatabilityRun(plan, options).run();
 }
 
 }  // namespace scanmill
