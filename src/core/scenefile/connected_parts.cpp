@@ -84,49 +84,64 @@ class Cells {
   std::vector<std::uint32_t> large_;
 };
 
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+// Sets of connected vertices of all parts, whose vertices are numbered continuously (union-find). At first, vertices at
+// the same position are connected; those at no position stay apart.
+class VertexSets {
+ public:
+  explicit VertexSets(const std::vector<const AssetPart*>& parts) {
+    std::vector<Vec3f> positions;
+    for (const AssetPart* part : parts) {
+      // Adding zero replaces minus zero by zero: equal positions must have equal bytes.
+      for (const Vec3f& p : part->positions) positions.push_back(p + Vec3f{});
+    }
+    const std::size_t vertices = positions.size();
+    if (vertices > kNone) throw Error("a file has more than 4294967295 vertices: split it");
+    std::vector<std::uint32_t> positionOf(vertices);  // number of the vertex's position
+    const std::size_t different =
+        meshopt_generateVertexRemap(positionOf.data(), nullptr, vertices, positions.data(), vertices, sizeof(Vec3f));
+    std::vector<std::uint32_t> firstAt(different, kNone);
+    parent_.resize(vertices);
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+      std::uint32_t& first = firstAt[positionOf[v]];
+      if (first == kNone || !isFinite(positions[v])) first = v;
+      parent_[v] = first;
+    }
+  }
+
+  // Returns the vertex that stands for the set of a vertex.
+  std::uint32_t root(std::size_t v) {
+    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+    return static_cast<std::uint32_t>(v);
+  }
+
+  // Connects the set of `other` to that of `v`.
+  void join(std::size_t v, std::size_t other) { parent_[root(other)] = root(v); }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
 }  // namespace
 
 ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
-  std::vector<Vec3f> positions;  // of all parts, whose vertices are numbered continuously
-  for (const AssetPart* part : parts) {
-    // Adding zero replaces minus zero by zero: equal positions must have equal bytes.
-    for (const Vec3f& p : part->positions) positions.push_back(p + Vec3f{});
-  }
-  const std::size_t vertices = positions.size();
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  if (vertices > kNone) throw Error("a file has more than 4294967295 vertices: split it");
-  // Union-find over the vertices. The first vertex at each position is the initial parent of all vertices there; those
-  // at no position stay apart.
-  std::vector<std::uint32_t> place(vertices);
-  const std::size_t places =
-      meshopt_generateVertexRemap(place.data(), nullptr, vertices, positions.data(), vertices, sizeof(Vec3f));
-  std::vector<std::uint32_t> firstAt(places, kNone);
-  std::vector<std::uint32_t> parent(vertices);
-  for (std::uint32_t v = 0; v < vertices; ++v) {
-    std::uint32_t& first = firstAt[place[v]];
-    if (first == kNone || !isFinite(positions[v])) first = v;
-    parent[v] = first;
-  }
-  const auto root = [&](std::size_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return static_cast<std::uint32_t>(v);
-  };
-  std::size_t first = 0;
+  VertexSets sets(parts);
+  std::size_t first = 0;  // index of the part's first vertex among those of all parts
   for (const AssetPart* part : parts) {
     for (const Triangle& t : part->triangles) {
-      const std::uint32_t own = root(first + t[0]);
-      for (const std::uint32_t corner : {t[1], t[2]}) parent[root(first + corner)] = own;
+      for (const std::uint32_t corner : {t[1], t[2]}) sets.join(first + t[0], first + corner);
     }
     first += part->positions.size();
   }
-  std::vector<std::uint32_t> numberOf(vertices, kNone);
+  std::vector<std::uint32_t> numberOf(first, kNone);  // by root: the number of the connected part
   ConnectedParts found;
   first = 0;
   for (const AssetPart* part : parts) {
     std::vector<std::uint32_t>& of = found.of.emplace_back();
     of.reserve(part->triangles.size());
     for (const Triangle& t : part->triangles) {
-      std::uint32_t& number = numberOf[root(first + t[0])];
+      std::uint32_t& number = numberOf[sets.root(first + t[0])];
       if (number == kNone) {
         number = static_cast<std::uint32_t>(found.boxes.size());
         found.boxes.emplace_back();
@@ -181,7 +196,6 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
     if (owner[i] == i) largest.add(connected[i], i);
   }
   // Numbers the things in the order of the connected parts.
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> number(connected.size(), kNone);
   std::vector<std::uint32_t> things;
   std::uint32_t next = 0;

@@ -163,6 +163,33 @@ bool isInside(const Box& box, const Vec3d& p) {
          p.z <= box.high.z;
 }
 
+// Reads the conditions of a rule: the map `match`.
+void readMatch(const Value& match, Rule& rule) {
+  Fields m(match, "match");
+  rule.node = readPattern(m, "node");
+  rule.material = readPattern(m, "material");
+  rule.texture = readPattern(m, "texture");
+  rule.file = readPattern(m, "file");
+  rule.colors = readColors(m.find("color"));
+  if (m.has("within")) {
+    if (rule.colors.empty())
+      throw InputError(m.require("within").where,
+                       "within needs the key `color`: it is the greatest difference from this color");
+    rule.within = static_cast<int>(m.integer("within", 0, 255));
+  }
+  rule.box = readBox(m.find("box"));
+  rule.height = m.range("height", kLengths);
+  rule.slope = m.range("slope_deg", kLengths);
+  if (rule.slope) rule.slope = Range{radians(rule.slope->low), radians(rule.slope->high)};
+  rule.size = m.range("size", kLengths);
+  m.finish();
+  if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty() && !rule.byTriangle()) {
+    throw InputError(
+        match.where,
+        "match is empty: give node, material, texture, file, color, box, height, slope_deg or size, or write 'any'");
+  }
+}
+
 Rule readRule(const Value& value) {
   Fields f(value, "rule");
   Rule rule;
@@ -175,29 +202,7 @@ Rule readRule(const Value& value) {
                                                 match.text));
     }
   } else {
-    Fields m(match, "match");
-    rule.node = readPattern(m, "node");
-    rule.material = readPattern(m, "material");
-    rule.texture = readPattern(m, "texture");
-    rule.file = readPattern(m, "file");
-    rule.colors = readColors(m.find("color"));
-    if (m.has("within")) {
-      if (rule.colors.empty())
-        throw InputError(m.require("within").where,
-                         "within needs the key `color`: it is the greatest difference from this color");
-      rule.within = static_cast<int>(m.integer("within", 0, 255));
-    }
-    rule.box = readBox(m.find("box"));
-    rule.height = m.range("height", kLengths);
-    rule.slope = m.range("slope_deg", kLengths);
-    if (rule.slope) rule.slope = Range{radians(rule.slope->low), radians(rule.slope->high)};
-    rule.size = m.range("size", kLengths);
-    m.finish();
-    if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty() && !rule.byTriangle()) {
-      throw InputError(
-          match.where,
-          "match is empty: give node, material, texture, file, color, box, height, slope_deg or size, or write 'any'");
-    }
+    readMatch(match, rule);
   }
   rule.className = f.text("class", "");
   rule.materialName = f.text("material", "");
@@ -275,10 +280,10 @@ std::string_view textureName(std::string_view path) {
 }
 
 bool matchesNames(const Rule& rule, const Names& names) {
-  const auto holds = [&](const std::string& pattern, std::string_view text) {
+  const auto fits = [&](const std::string& pattern, std::string_view text) {
     return pattern.empty() || matches(pattern, text, rule.where);
   };
-  const auto holdsTexture = [&] {
+  const auto fitsTexture = [&] {
     if (rule.texture.empty()) return true;
     if (isRegex(rule.texture) || rule.texture.find('/') != std::string::npos) {
       std::string path(names.texture);
@@ -287,8 +292,8 @@ bool matchesNames(const Rule& rule, const Names& names) {
     }
     return matches(rule.texture, textureName(names.texture), rule.where);
   };
-  return holds(rule.node, names.node) && holds(rule.material, names.material) && holdsTexture() &&
-         holds(rule.file, names.file);
+  return fits(rule.node, names.node) && fits(rule.material, names.material) && fitsTexture() &&
+         fits(rule.file, names.file);
 }
 
 bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {

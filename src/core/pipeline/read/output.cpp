@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "config/fields.h"
@@ -15,7 +16,7 @@ namespace scanmill {
 namespace {
 
 // Reads the voxel grid. Its keys and their defaults (m) are {size: 0.2, from: [0, -25.6, -2], to: [51.2, 25.6, 4.4]}.
-VoxelGrid readVoxels(const Value& value) {
+VoxelGrid readVoxelGrid(const Value& value) {
   VoxelGrid grid;
   Fields fields(value, "voxels");
   fields.also({"size", "from", "to"}).finish();
@@ -48,6 +49,31 @@ VoxelGrid readVoxels(const Value& value) {
   return grid;
 }
 
+// Reads true (the default grid), false (none) or a grid.
+std::optional<VoxelGrid> readVoxels(const Value& value) {
+  if (value.kind == Value::Kind::Map) return readVoxelGrid(value);
+  if (value.kind == Value::Kind::Scalar && value.text != "true" && value.text != "false") {
+    throw InputError(value.where,
+                     "voxels must be true, false or a grid such as {size: 0.2, from: [0, -25.6, -2], to: "
+                     "[51.2, 25.6, 4.4]}");
+  }
+  return readBool(value, "output: voxels") ? std::optional(VoxelGrid()) : std::nullopt;
+}
+
+ColumnSet readColumns(const Value& list) {
+  if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "columns must be a list of names");
+  ColumnSet columns;
+  for (const Value& item : list.items) {
+    const std::string name = readText(item, "columns");
+    const std::size_t column = columnIndex(name);
+    if (column == kColumnCount) {
+      throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, ColumnSet::all().names()));
+    }
+    columns.add(column);
+  }
+  return columns;
+}
+
 }  // namespace
 
 Output readOutput(const Value& value) {
@@ -58,29 +84,8 @@ Output readOutput(const Value& value) {
   read.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
   read.layout.reasons = output.boolean("reasons", false);
   read.objects = output.boolean("objects", false);
-  const Value* voxels = output.find("voxels");
-  if (voxels != nullptr && voxels->kind == Value::Kind::Map) {
-    read.voxels = readVoxels(*voxels);
-  } else if (voxels != nullptr && voxels->kind == Value::Kind::Scalar && voxels->text != "true" &&
-             voxels->text != "false") {
-    throw InputError(voxels->where,
-                     "voxels must be true, false or a grid such as {size: 0.2, from: [0, -25.6, -2], to: "
-                     "[51.2, 25.6, 4.4]}");
-  } else if (output.boolean("voxels", false)) {
-    read.voxels = VoxelGrid();
-  }
-  if (const Value* list = output.find("columns")) {
-    if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
-    read.layout.columns = {};
-    for (const Value& item : list->items) {
-      const std::string name = readText(item, "columns");
-      const std::size_t column = columnIndex(name);
-      if (column == kColumnCount) {
-        throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, ColumnSet::all().names()));
-      }
-      read.layout.columns.add(column);
-    }
-  }
+  if (const Value* voxels = output.find("voxels")) read.voxels = readVoxels(*voxels);
+  if (const Value* list = output.find("columns")) read.layout.columns = readColumns(*list);
   std::set<std::string> suffixes;
   for (const Value& item : readList(output.require("formats"), "formats")) {
     const NamedOptions named = readNamed(item, "a format");
