@@ -220,28 +220,28 @@ class Tables {
     rows_.flush();
   }
 
+  const SampleRecord& sampleAt(std::size_t s, std::size_t f) const {
+    return plan_.manifest.samples[plan_.sequences[s].samples[f]];
+  }
+
   void addSample(std::size_t s, std::size_t f, const std::string& scene) {
     const ExportSequence& sequence = plan_.sequences[s];
-    const auto tokenAt = [&](std::string_view of, std::size_t frame) {
-      return frame < sequence.samples.size() ? token(of, plan_.manifest.samples[sequence.samples[frame]].key)
-                                             : std::string();  // empty: there is no such frame
-    };
-    const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
-    add("sample", {{"token", tokenAt("sample", f)},
+    const bool isFirst = f == 0, isLast = f + 1 == sequence.samples.size();
+    const auto sampleToken = [&](std::size_t frame) { return token("sample", sampleAt(s, frame).key); };
+    const SampleRecord& sample = sampleAt(s, f);
+    add("sample", {{"token", sampleToken(f)},
                    {"timestamp", nuScenesTime(s, scanOf(plan_, sample, 0))},
-                   {"prev", tokenAt("sample", f - 1)},
-                   {"next", tokenAt("sample", f + 1)},
+                   {"prev", isFirst ? "" : sampleToken(f - 1)},
+                   {"next", isLast ? "" : sampleToken(f + 1)},
                    {"scene_token", scene}});
     for (std::size_t i = 0; i < plan_.sensors.size(); ++i) addScans(s, f, i);
     for (const auto& each : kCameras) {
       const std::string_view camera = each.first;
-      const auto imageAt = [&](std::size_t frame) {
-        return frame < sequence.samples.size()
-                   ? cameraToken("sample_data", camera, plan_.manifest.samples[sequence.samples[frame]].key)
-                   : std::string();
+      const auto imageToken = [&](std::size_t frame) {
+        return cameraToken("sample_data", camera, sampleAt(s, frame).key);
       };
-      add("sample_data", {{"token", imageAt(f)},
-                          {"sample_token", tokenAt("sample", f)},
+      add("sample_data", {{"token", imageToken(f)},
+                          {"sample_token", sampleToken(f)},
                           {"ego_pose_token", token("ego_pose", nuScenesScan(plan_, sample, 0))},
                           {"calibrated_sensor_token", cameraToken("calibrated_sensor", camera, sequence.name)},
                           {"timestamp", nuScenesTime(s, scanOf(plan_, sample, 0))},
@@ -250,8 +250,8 @@ class Tables {
                           {"height", kCameraHeight},
                           {"width", kCameraWidth},
                           {"filename", cameraFile(camera)},
-                          {"prev", imageAt(f - 1)},
-                          {"next", imageAt(f + 1)}});
+                          {"prev", isFirst ? "" : imageToken(f - 1)},
+                          {"next", isLast ? "" : imageToken(f + 1)}});
     }
   }
 
@@ -273,16 +273,13 @@ class Tables {
   // a frame; empty if there is none.
   std::string neighbour(std::size_t s, std::size_t f, std::size_t sensor, std::size_t r, int step) const {
     constexpr std::string_view table = "sample_data";
-    const ExportSequence& sequence = plan_.sequences[s];
-    const auto sampleAt = [&](std::size_t frame) -> const SampleRecord& {
-      return plan_.manifest.samples[sequence.samples[frame]];
-    };
-    if (step < 0 && r > 0) return scanToken(table, sampleAt(f), sensor, r - 1);
-    if (step > 0 && r + 1 < revolutionsOf(plan_, sampleAt(f), sensor).size()) {
-      return scanToken(table, sampleAt(f), sensor, r + 1);
+    const SampleRecord& sample = sampleAt(s, f);
+    if (step < 0 && r > 0) return scanToken(table, sample, sensor, r - 1);
+    if (step > 0 && r + 1 < revolutionsOf(plan_, sample, sensor).size()) {
+      return scanToken(table, sample, sensor, r + 1);
     }
-    if (step < 0 ? f == 0 : f + 1 == sequence.samples.size()) return {};
-    const SampleRecord& other = sampleAt(step < 0 ? f - 1 : f + 1);
+    if (step < 0 ? f == 0 : f + 1 == plan_.sequences[s].samples.size()) return {};
+    const SampleRecord& other = sampleAt(s, step < 0 ? f - 1 : f + 1);
     return scanToken(table, other, sensor, step < 0 ? revolutionsOf(plan_, other, sensor).size() - 1 : 0);
   }
 
@@ -293,7 +290,7 @@ class Tables {
   // Adds the rows of a sensor's scans of a sample: ego_pose, sample_data and, for the first one, labels.
   void addScans(std::size_t s, std::size_t f, std::size_t sensor) {
     const ExportSequence& sequence = plan_.sequences[s];
-    const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
+    const SampleRecord& sample = sampleAt(s, f);
     const std::vector<const ScanRecord*> scans = revolutionsOf(plan_, sample, sensor);
     for (std::size_t r = 0; r < scans.size(); ++r) {
       const ScanRecord& scan = *scans[r];
