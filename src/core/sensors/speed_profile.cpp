@@ -58,40 +58,40 @@ SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, 
   }
 }
 
+// Returns the node after a time within the drive (s).
+std::vector<SpeedProfile::Node>::const_iterator SpeedProfile::nodeAfter(double time) const {
+  return std::ranges::upper_bound(nodes_, time, {}, &Node::time);
+}
+
 double SpeedProfile::distance(double time) const {
   if (time <= 0) return 0;
   if (time >= duration()) return nodes_.back().distance;
-  const auto next =
-      std::upper_bound(nodes_.begin(), nodes_.end(), time, [](double t, const Node& n) { return t < n.time; });
-  const Node& a = *(next - 1);
-  const Node& b = *next;
-  const double t = time - a.time;
-  const double push = (b.speed - a.speed) / (b.time - a.time);
-  return std::clamp(a.distance + t * (a.speed + push * t / 2), a.distance, b.distance);
+  const auto b = nodeAfter(time);
+  const auto a = b - 1;
+  const double t = time - a->time;
+  const double acceleration = (b->speed - a->speed) / (b->time - a->time);
+  return std::clamp(a->distance + t * (a->speed + acceleration * t / 2), a->distance, b->distance);
 }
 
 double SpeedProfile::speed(double time) const {
   if (time <= 0) return nodes_.front().speed;
   if (time >= duration()) return nodes_.back().speed;
-  const auto next =
-      std::upper_bound(nodes_.begin(), nodes_.end(), time, [](double t, const Node& n) { return t < n.time; });
-  const Node& a = *(next - 1);
-  const Node& b = *next;
-  return a.speed + (b.speed - a.speed) * (time - a.time) / (b.time - a.time);
+  const auto b = nodeAfter(time);
+  const auto a = b - 1;
+  return a->speed + (b->speed - a->speed) * (time - a->time) / (b->time - a->time);
 }
 
 double SpeedProfile::timeAt(double distance) const {
-  const auto next =
-      std::lower_bound(nodes_.begin(), nodes_.end(), distance, [](const Node& n, double d) { return n.distance < d; });
+  const auto next = std::ranges::lower_bound(nodes_, distance, {}, &Node::distance);
   if (next == nodes_.begin()) return 0;
   if (next == nodes_.end()) return duration();
   const Node& a = *(next - 1);
   const Node& b = *next;
-  // Solve v t + p t^2 / 2 = s for t, in a form that is exact for small p too.
-  const double push = (b.speed - a.speed) / (b.time - a.time);
-  const double way = distance - a.distance;
-  const double now = std::sqrt(std::max(0.0, a.speed * a.speed + 2 * push * way));
-  return std::min(a.time + (a.speed + now > 0 ? 2 * way / (a.speed + now) : b.time - a.time), b.time);
+  // Solve v t + a t^2 / 2 = s for t, in a form that is exact for small a too.
+  const double acceleration = (b.speed - a.speed) / (b.time - a.time);
+  const double driven = distance - a.distance;  // since node a
+  const double now = std::sqrt(std::max(0.0, a.speed * a.speed + 2 * acceleration * driven));
+  return std::min(a.time + (a.speed + now > 0 ? 2 * driven / (a.speed + now) : b.time - a.time), b.time);
 }
 
 Sway::Sway(const Value& value, std::uint64_t seed) {

@@ -95,17 +95,21 @@ struct MapTree {
   std::optional<double> height, crown;  // m, height and diameter of the crown; not set: the map does not give them
 };
 
-struct Map {
-  std::filesystem::path file;
-  double latitude = 0, longitude = 0;  // degrees; position of the frame's origin
-  bool mirrored = false;               // true: y points south
-  std::vector<MapRoad> roads;          // joined by joinRoads()
+// The contents of a map, or of a part of it, besides its roads.
+struct MapContents {
   std::vector<MapPath> paths;
   std::vector<MapBuilding> buildings;
   std::vector<MapArea> areas;
   std::vector<MapBarrier> barriers;
   std::vector<MapTree> trees;
-  LeftOut leftOut;  // what the map has, and the town has not or has otherwise
+};
+
+struct Map : MapContents {
+  std::filesystem::path file;
+  double latitude = 0, longitude = 0;  // degrees; position of the frame's origin
+  bool mirrored = false;               // true: y points south
+  std::vector<MapRoad> roads;          // joined by joinRoads()
+  LeftOut leftOut;                     // what the map has, and the town has not or has otherwise
 };
 
 // The tags and elements that readMap() reads and leaves out.

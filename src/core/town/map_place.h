@@ -10,19 +10,14 @@
 
 namespace scanmill::town {
 
-struct MapPlace {
+// A square of a map, with its contents in a frame of its own (m; x east, y north).
+struct MapPlace : MapContents {
   OsmNode origin;  // origin of the place's frame, on the main road
   // The main road comes first. Lines are smoothed, in steps of about kRoadStep; roads have no nodes.
   std::vector<MapRoad> roads;
   std::vector<Point2> joints;         // points where roads meet
   double mainFrom = 0, mainTo = 0;    // m along the main road, the ends of its built-up part
   std::string district = "suburban";  // value of the key `district`
-  // The contents of the square, in the place's frame (m; x east, y north).
-  std::vector<MapPath> paths;
-  std::vector<MapBuilding> buildings;
-  std::vector<MapArea> areas;
-  std::vector<MapBarrier> barriers;
-  std::vector<MapTree> trees;
 };
 
 // Returns a square of the map around a random point of the main road. The main road is the road that the parameters
