@@ -17,10 +17,10 @@
 
 namespace scanmill {
 
-Vec3d cloudOrigin(const Vec3d& place) {
+Vec3d cloudOrigin(const Vec3d& position) {
   constexpr double kNear = 1000;  // m; coordinates with a smaller absolute value get the offset 0
   const auto rounded = [](double d) { return std::fabs(d) < kNear ? 0.0 : std::floor(d); };
-  return {rounded(place.x), rounded(place.y), rounded(place.z)};
+  return {rounded(position.x), rounded(position.y), rounded(position.z)};
 }
 
 namespace {

@@ -23,9 +23,10 @@ struct Cloud {
   std::string system = {};  // the coordinate system of a LAS (WKT or "EPSG:32632"); empty: not stated
 };
 
-// Returns the origin to use for a cloud near `place` (m). For each axis it is 0 if the place's coordinate is within 1
-// km of 0, where float32 is exact to 0.1 mm; else it is the place's coordinate, rounded down to whole metres.
-Vec3d cloudOrigin(const Vec3d& place);
+// Returns the origin to use for a cloud near `position` (m). For each axis it is 0 if the position's coordinate is
+// within 1 km of 0, where float32 is exact to 0.1 mm; else it is the position's coordinate, rounded down to whole
+// metres.
+Vec3d cloudOrigin(const Vec3d& position);
 
 // True if a file is a cloud that can be part of a scene, judged by its suffix; also for kinds of clouds that
 // readCloud() refuses with advice (.laz, .e57, .pts, .ptx). A .ply is a cloud if its header has no faces, and an .asc

@@ -69,9 +69,9 @@ double tableBits(const Histogram& h) {
 // Returns the symbols' probabilities in units of 2^-precisionBits: at least 1 unit for a symbol that occurs; their sum
 // is exactly 1.
 std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) {
-  const std::int64_t whole = std::int64_t{1} << precisionBits;
+  const std::int64_t one = std::int64_t{1} << precisionBits;
   std::vector<std::uint32_t> result(h.counts.size());
-  const double scale = static_cast<double>(whole) / static_cast<double>(h.total);
+  const double scale = static_cast<double>(one) / static_cast<double>(h.total);
   std::int64_t sum = 0;
   std::size_t largest = 0;
   for (std::size_t s = 0; s < result.size(); ++s) {
@@ -80,18 +80,18 @@ std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) 
     sum += result[s];
     if (result[s] > result[largest]) largest = s;
   }
-  if (sum <= whole) {
-    result[largest] += static_cast<std::uint32_t>(whole - sum);
+  if (sum <= one) {
+    result[largest] += static_cast<std::uint32_t>(one - sum);
     return result;
   }
   // The sum is too large, since rare symbols were rounded up to 1 unit. Reduces the other probabilities in proportion.
-  while (sum > whole) {
+  while (sum > one) {
     std::int64_t shrinkable = 0;
     for (const std::uint32_t p : result) shrinkable += p > 1 ? p - 1 : 0;
-    const double share = static_cast<double>(sum - whole) / static_cast<double>(shrinkable);
+    const double share = static_cast<double>(sum - one) / static_cast<double>(shrinkable);
     for (std::uint32_t& p : result) {
-      if (p <= 1 || sum == whole) continue;
-      const auto cut = std::min<std::int64_t>(static_cast<std::int64_t>(std::ceil((p - 1) * share)), sum - whole);
+      if (p <= 1 || sum == one) continue;
+      const auto cut = std::min<std::int64_t>(static_cast<std::int64_t>(std::ceil((p - 1) * share)), sum - one);
       p -= static_cast<std::uint32_t>(cut);
       sum -= cut;
     }
@@ -119,15 +119,15 @@ void appendTable(const std::vector<std::uint32_t>& probability, std::string& out
 }
 
 // The coder codes a symbol of probability p in this way: it writes the low bytes of its state until the state is below
-// 1024 p. Then the state becomes (state / p) * 2^precision + state % p + start, which equals state + (state / p) * rest
-// + start. The state is always between 4 and 1024 times 2^precision, so each symbol writes either `bits` or `bits` + 8
-// bits. The division is a multiplication by the reciprocal, exact for states below 2^31, and uses the state before its
-// low bytes are written. Thus only two multiplications separate successive states, while Draco's coder has a division
-// and unpredictable branches.
+// 1024 p. Then the state becomes (state / p) * 2^precision + state % p + start, which equals state + (state / p) *
+// complement + start. The state is always between 4 and 1024 times 2^precision, so each symbol writes either `bits` or
+// `bits` + 8 bits. The division is a multiplication by the reciprocal, exact for states below 2^31, and uses the state
+// before its low bytes are written. Thus only two multiplications separate successive states, while Draco's coder has a
+// division and unpredictable branches.
 struct Step {
   std::uint32_t reciprocal;  // 2^(shift - bits) / p, rounded up
   std::uint32_t limit;       // least state from which 8 more bits are written
-  std::uint32_t rest;        // 2^precision - p
+  std::uint32_t complement;  // 2^precision - p
   std::uint32_t start;       // sum of the probabilities of all earlier symbols
   std::uint16_t bits;
   std::uint16_t shift;
@@ -162,8 +162,8 @@ void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, st
   std::uint32_t state = base;
   thread_local RawVector<char> scratch;
   scratch.resize(3 * h.total + 8);
-  char* const room = scratch.data();
-  char* to = room;
+  char* const begin = scratch.data();
+  char* to = begin;
   if (h.unique > 1) {  // a single symbol has probability 1 and takes no bits
     const std::vector<Step> table = steps(probability, precisionBits);
     for (std::size_t i = h.total; i-- > 0;) {
@@ -173,7 +173,7 @@ void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, st
       const auto quotient = static_cast<std::uint32_t>((std::uint64_t{state} * step.reciprocal) >> (step.shift + more));
       const unsigned bits = step.bits + more;
       to += bits / 8;
-      state = (state >> bits) + step.start + quotient * step.rest;
+      state = (state >> bits) + step.start + quotient * step.complement;
     }
   }
   // Appends the last state, with its length in the two high bits.
@@ -182,8 +182,8 @@ void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, st
   const std::uint32_t tail = last | (static_cast<std::uint32_t>(bytes - 1) << (8 * bytes - 2));
   std::memcpy(to, &tail, sizeof(tail));
   to += bytes;
-  appendVarint(static_cast<std::uint64_t>(to - room), out);
-  out.append(room, to);
+  appendVarint(static_cast<std::uint64_t>(to - begin), out);
+  out.append(begin, to);
 }
 
 std::uint8_t bitLength(std::uint32_t value) {
@@ -214,8 +214,8 @@ void appendTagged(std::span<const std::uint32_t> symbols, int components, std::s
   appendRans(lengths.data(), h, kTagPrecisionBits, out);
   thread_local RawVector<char> scratch;
   scratch.resize(4 * symbols.size() + 8);
-  char* const room = scratch.data();
-  char* to = room;
+  char* const begin = scratch.data();
+  char* to = begin;
   std::uint64_t pending = 0;
   unsigned pendingBits = 0;
   for (std::size_t i = 0; i < symbols.size(); ++i) {
@@ -227,7 +227,7 @@ void appendTagged(std::span<const std::uint32_t> symbols, int components, std::s
     pendingBits &= 7u;
   }
   if (pendingBits > 0) *to++ = static_cast<char>(pending);
-  out.append(room, to);
+  out.append(begin, to);
 }
 
 // Returns the bit length that Draco stores before raw symbols: the length of the number of different symbols, adjusted

@@ -112,15 +112,15 @@ class LasReader {
     readRecordsAt<std::uint64_t>(at<std::uint64_t>(kLaterRecordsAt), bytes_.size(), at<std::uint32_t>(kLaterRecords));
   }
 
-  // Reads records at `place`, which state the size of their data in an integer of this type.
+  // Reads records at `begin`, which state the size of their data in an integer of this type.
   template <class Length>
-  void readRecordsAt(std::uint64_t place, std::uint64_t end, std::uint32_t count) {
+  void readRecordsAt(std::uint64_t begin, std::uint64_t end, std::uint32_t count) {
     constexpr std::uint64_t kHead = 52 + sizeof(Length);  // size (bytes) of what stands before the data
-    for (; count > 0 && place <= end && end - place >= kHead; --count) {
-      const std::uint64_t length = at<Length>(place + 20);
-      if (length > end - place - kHead) break;
-      readRecord(place, bytes_.substr(place + kHead, length));
-      place += kHead + length;
+    for (; count > 0 && begin <= end && end - begin >= kHead; --count) {
+      const std::uint64_t length = at<Length>(begin + 20);
+      if (length > end - begin - kHead) break;
+      readRecord(begin, bytes_.substr(begin + kHead, length));
+      begin += kHead + length;
     }
   }
 
@@ -128,16 +128,16 @@ class LasReader {
   std::uint64_t endOfPoints(std::uint64_t first) const {
     const int minor = at<std::uint8_t>(kMinor);
     std::uint64_t end = bytes_.size();
-    for (const std::uint64_t place : {kWaveformsAt, kLaterRecordsAt}) {
-      if (minor < (place == kWaveformsAt ? 3 : 4) || at<std::uint16_t>(kHeaderSize) < place + 8) continue;
-      if (const auto begin = at<std::uint64_t>(place); begin >= first) end = std::min(end, begin);
+    for (const std::uint64_t field : {kWaveformsAt, kLaterRecordsAt}) {
+      if (minor < (field == kWaveformsAt ? 3 : 4) || at<std::uint16_t>(kHeaderSize) < field + 8) continue;
+      if (const auto begin = at<std::uint64_t>(field); begin >= first) end = std::min(end, begin);
     }
     return end;
   }
 
-  void readRecord(std::uint64_t place, std::string_view data) {
-    const std::string_view user = textAt(bytes_, place + 2, 16);
-    const auto id = at<std::uint16_t>(place + 18);
+  void readRecord(std::uint64_t begin, std::string_view data) {
+    const std::string_view user = textAt(bytes_, begin + 2, 16);
+    const auto id = at<std::uint16_t>(begin + 18);
     if (user == "LASF_Projection" && id == 2112) wkt_ = data;
     if (user == "LASF_Projection" && id == 34735) geoKeys_ = data;
     if (user == "LASF_Projection" && id == 34736) geoNumbers_ = data;
@@ -155,17 +155,17 @@ class LasReader {
   }
 
   // Returns the text of a field of `length` bytes, which ends at its first zero.
-  static std::string_view textAt(std::string_view data, std::size_t place, std::size_t length) {
-    const std::string_view field = data.substr(place, length);
+  static std::string_view textAt(std::string_view data, std::size_t begin, std::size_t length) {
+    const std::string_view field = data.substr(begin, length);
     return field.substr(0, field.find('\0'));
   }
 
   // Reads the coordinate system at the first point. `why` becomes the reason if it cannot be read.
-  CoordinateSystem readSystem(bool byWkt, const Vec3d& place, std::string& why) const {
+  CoordinateSystem readSystem(bool byWkt, const Vec3d& point, std::string& why) const {
     try {
-      if (!byWkt) return coordinateSystem({geoKeys_, geoNumbers_, geoTexts_}, place.x, place.y);
+      if (!byWkt) return coordinateSystem({geoKeys_, geoNumbers_, geoTexts_}, point.x, point.y);
       why = quotedForMessage(textAt(wkt_, 0, 60));
-      return coordinateSystem(textAt(wkt_, 0, wkt_.size()), place.x, place.y);
+      return coordinateSystem(textAt(wkt_, 0, wkt_.size()), point.x, point.y);
     } catch (const Error& e) {
       why = e.what();
       return {};
@@ -278,7 +278,7 @@ class LasReader {
 
   void readExtraBytes(const std::vector<std::uint64_t>& records) {
     constexpr std::size_t kDescription = 192;
-    std::uint64_t place = kLeastRecord[format_];
+    std::uint64_t firstByte = kLeastRecord[format_];
     for (; described_.size() >= kDescription; described_.remove_prefix(kDescription)) {
       const std::string name(textAt(described_, 4, 32));
       const std::size_t type = static_cast<unsigned char>(described_[2]);
@@ -286,16 +286,16 @@ class LasReader {
       // Types from 11 on are pairs and triples of the first ten.
       const std::uint64_t size =
           type == 0 ? options : kExtraBytes[(type - 1) % kExtraBytes.size()] * ((type - 1) / 10 + 1);
-      if (size > recordBytes_ - place) break;
+      if (size > recordBytes_ - firstByte) break;
       if (type == 0 || type > kExtraBytes.size()) {
         cloud_.leftOut.add(fmt::format("extra bytes '{}' of several values", name));
       } else {
         visitNumberType(kExtraKinds[type - 1], kExtraBytes[type - 1],
-                        [&]<class T>(T) { keepExtra<T>(records, name, place, options); });
+                        [&]<class T>(T) { keepExtra<T>(records, name, firstByte, options); });
       }
-      place += size;
+      firstByte += size;
     }
-    cloud_.leftOut.add("bytes of each point that nothing describes", recordBytes_ - place);
+    cloud_.leftOut.add("bytes of each point that nothing describes", recordBytes_ - firstByte);
   }
 
   template <class T>
@@ -305,12 +305,12 @@ class LasReader {
     return value;
   }
 
-  // Keeps the extra bytes at `place` of each record, whose description begins described_.
+  // Keeps the extra bytes at `firstByte` of each record, whose description begins described_.
   template <class T>
-  void keepExtra(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t place,
+  void keepExtra(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t firstByte,
                  std::size_t options) {
     constexpr std::size_t kHasNone = 1, kHasScale = 8, kHasOffset = 16;
-    keep<T>(records, name, place);
+    keep<T>(records, name, firstByte);
     auto& values = std::get<std::vector<T>>(cloud_.scan.foreign.back().values);
     if ((options & kHasNone) != 0 && columnIndex(columnMeant(name)) < kColumnCount) {
       const T none = std::is_same_v<T, float> ? static_cast<T>(describedNumber<double>(40)) : describedNumber<T>(40);

@@ -30,8 +30,8 @@ constexpr std::size_t kBeforeHeader = 10;
 std::size_t elementSize(std::string_view descr) {
   std::size_t size = 0;
   const char* const end = descr.data() + descr.size();
-  const bool whole = descr.size() > 2 && std::from_chars(descr.data() + 2, end, size).ptr == end;
-  if (!whole) throw Error(fmt::format("'{}' is no type of NumPy with a size", descr));
+  const bool parsed = descr.size() > 2 && std::from_chars(descr.data() + 2, end, size).ptr == end;
+  if (!parsed) throw Error(fmt::format("'{}' is no type of NumPy with a size", descr));
   return descr[1] == 'U' ? 4 * size : size;
 }
 

@@ -88,7 +88,7 @@ void PlyBody::beginRow(const PlyElement& element, std::uint64_t row) {
   element_ = &element;
   row_ = row;
   if (!isText()) return;
-  if (at_ >= bytes_.size()) fail(fmt::format("is truncated or damaged: it ends within {}", place()));
+  if (at_ >= bytes_.size()) fail(fmt::format("is truncated or damaged: it ends within {}", rowName()));
   std::string_view rest = bytes_.substr(at_);
   text_ = takeLine(rest);
   at_ = bytes_.size() - rest.size();
@@ -98,17 +98,17 @@ void PlyBody::beginRow(const PlyElement& element, std::uint64_t row) {
 double PlyBody::next(const PlyProperty& property, const PlyType& type) {
   if (isText()) {
     const std::string_view word = takeWord(text_);
-    if (word.empty()) fail(fmt::format("{} lacks values: the file is truncated or damaged", place()));
+    if (word.empty()) fail(fmt::format("{} lacks values: the file is truncated or damaged", rowName()));
     double value = 0;
     readNumber(word, value, property.name, {file_, line_});
     return value;
   }
-  if (type.size > bytes_.size() - at_) fail(fmt::format("is truncated or damaged: it ends within {}", place()));
-  const bool big = header_.format == PlyHeader::Format::BigEndian;
+  if (type.size > bytes_.size() - at_) fail(fmt::format("is truncated or damaged: it ends within {}", rowName()));
+  const bool isBigEndian = header_.format == PlyHeader::Format::BigEndian;
   std::uint64_t bits = 0;
   for (std::uint64_t i = 0; i < type.size; ++i) {
     const auto byte = static_cast<unsigned char>(bytes_[at_ + i]);
-    bits |= std::uint64_t{byte} << 8 * (big ? type.size - 1 - i : i);
+    bits |= std::uint64_t{byte} << 8 * (isBigEndian ? type.size - 1 - i : i);
   }
   at_ += type.size;
   return visitNumberType(type.kind, type.size, [&]<class T>(T value) {
@@ -121,27 +121,27 @@ std::uint64_t PlyBody::length(const PlyProperty& property) {
   constexpr double kMost = 4294967296.0;  // above any 32-bit count
   const double length = next(property, property.count);
   if (length >= 0 && length < kMost) return static_cast<std::uint64_t>(length);
-  fail(fmt::format("is damaged: {} has a list with an invalid length", place()));
+  fail(fmt::format("is damaged: {} has a list with an invalid length", rowName()));
 }
 
 void PlyBody::skip(const PlyProperty& property) {
   if (!property.isList()) return void(number(property));
-  std::uint64_t left = length(property);
+  std::uint64_t remaining = length(property);
   if (isText()) {
-    for (; left > 0; --left) number(property);
-  } else if (left <= (bytes_.size() - at_) / property.value.size) {
-    at_ += left * property.value.size;
+    for (; remaining > 0; --remaining) number(property);
+  } else if (remaining <= (bytes_.size() - at_) / property.value.size) {
+    at_ += remaining * property.value.size;
   } else {
-    fail(fmt::format("is truncated or damaged: it ends within {}", place()));
+    fail(fmt::format("is truncated or damaged: it ends within {}", rowName()));
   }
 }
 
 void PlyBody::endRow() {
   if (!isText() || text_.empty()) return;
-  fail(fmt::format("{} has more values than properties ({})", place(), element_->properties.size()));
+  fail(fmt::format("{} has more values than properties ({})", rowName(), element_->properties.size()));
 }
 
-std::string PlyBody::place() const {
+std::string PlyBody::rowName() const {
   return fmt::format("'{}' {} of {}", element_->name, row_ + 1, element_->count);
 }
 

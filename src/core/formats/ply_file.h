@@ -68,7 +68,7 @@ class PlyBody {
  private:
   bool isText() const { return header_.format == PlyHeader::Format::Ascii; }
   double next(const PlyProperty& property, const PlyType& type);
-  std::string place() const;
+  std::string rowName() const;
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string file_;

@@ -80,9 +80,9 @@ class PlyReader {
     const PlyColumn& x = require("x");
     const PlyColumn& y = require("y");
     const PlyColumn& z = require("z");
-    std::vector<Vec3d> places;
-    for (std::uint64_t i = 0; i < count; ++i) places.push_back({x.values[i], y.values[i], z.values[i]});
-    setPositions(places, cloud_);
+    std::vector<Vec3d> positions;
+    for (std::uint64_t i = 0; i < count; ++i) positions.push_back({x.values[i], y.values[i], z.values[i]});
+    setPositions(positions, cloud_);
     std::vector<ForeignColumn>& foreign = cloud_.scan.foreign;
     for (const PlyColumn& column : columns_) {
       if (&column == &x || &column == &y || &column == &z || column.isList) continue;

@@ -201,8 +201,8 @@ void addPanopticLabels(std::string_view bytes, const std::string& what, Scan& sc
 }
 
 std::filesystem::path labelsBeside(const std::filesystem::path& scan) {
-  const std::filesystem::path whole = std::filesystem::absolute(scan);
-  if (whole.parent_path().filename() != "velodyne") return {};
+  const std::filesystem::path absolute = std::filesystem::absolute(scan);
+  if (absolute.parent_path().filename() != "velodyne") return {};
   const std::filesystem::path file =
       scan.parent_path() / ".." / "labels" / std::filesystem::path(scan.filename()).replace_extension(".label");
   return isFile(file) ? file.lexically_normal() : std::filesystem::path();

@@ -123,8 +123,8 @@ class OpenImageIoReader final : public ImageReader {
     for (std::size_t i = 0; i < light_.size(); i += channels) {
       for (std::size_t c = 0; c < channels; ++c) {
         const double value = double{light_[i + c]};
-        const double whole = divide ? part(double{light_[i + alpha]}) : 1.0;
-        const double coded = c == alpha ? part(value) : srgbOf(part(value / whole));
+        const double alphaOfPixel = divide ? part(double{light_[i + alpha]}) : 1.0;
+        const double coded = c == alpha ? part(value) : srgbOf(part(value / alphaOfPixel));
         pixels[i + c] = static_cast<std::uint8_t>(std::lround(255 * coded));
       }
     }

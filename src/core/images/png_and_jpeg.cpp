@@ -54,7 +54,7 @@ void ignoreWarning(png_structp, png_const_charp) {}
 
 class PngReader final : public ImageReader {
  public:
-  explicit PngReader(std::string_view bytes) : left_(bytes) {
+  explicit PngReader(std::string_view bytes) : unread_(bytes) {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &guard_, failPng, ignoreWarning);
     info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
     if (info_ == nullptr) throw std::bad_alloc();
@@ -78,7 +78,7 @@ class PngReader final : public ImageReader {
     const std::size_t rowBytes = std::size_t(header_.width) * std::size_t(header_.channels);
     if (interlaced_) {
       readInterlaced(rowBytes);
-      std::memcpy(pixels, whole_.data() + std::size_t(next_) * rowBytes, std::size_t(count) * rowBytes);
+      std::memcpy(pixels, allRows_.data() + std::size_t(next_) * rowBytes, std::size_t(count) * rowBytes);
     } else {
       guard_.run([=, this] {
         for (int i = 0; i < count; ++i) png_read_row(png_, pixels + std::size_t(i) * rowBytes, nullptr);
@@ -97,7 +97,7 @@ class PngReader final : public ImageReader {
   }
 
   void readHeader() {
-    png_set_read_fn(png_, &left_, take);
+    png_set_read_fn(png_, &unread_, take);
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // skips chunks that do not affect pixels
     png_set_user_limits(png_, 1 << 30, 1 << 30);                             // checkSize() checks the size later
     png_read_info(png_, info_);
@@ -111,22 +111,22 @@ class PngReader final : public ImageReader {
   }
 
   void readInterlaced(std::size_t rowBytes) {
-    if (!whole_.empty()) return;
-    whole_.resize(std::size_t(header_.height) * rowBytes);
+    if (!allRows_.empty()) return;
+    allRows_.resize(std::size_t(header_.height) * rowBytes);
     std::vector<png_bytep> rows;
     rows.reserve(static_cast<std::size_t>(header_.height));
-    for (int i = 0; i < header_.height; ++i) rows.push_back(whole_.data() + std::size_t(i) * rowBytes);
+    for (int i = 0; i < header_.height; ++i) rows.push_back(allRows_.data() + std::size_t(i) * rowBytes);
     guard_.run([&] { png_read_image(png_, rows.data()); });
   }
 
-  std::string_view left_;  // the bytes that libpng has not read yet
+  std::string_view unread_;  // the bytes that libpng has not read yet
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
   JumpGuard guard_;
   ImageHeader header_;
   bool interlaced_ = false;
-  std::vector<std::uint8_t> whole_;  // all rows of an interlaced image
-  int next_ = 0;                     // index of the next row
+  std::vector<std::uint8_t> allRows_;  // all rows of an interlaced image
+  int next_ = 0;                       // index of the next row
 };
 
 // Maximum number of scans of a progressive JPEG: encoders write about ten, but a small hostile file may contain very

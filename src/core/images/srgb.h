@@ -19,9 +19,10 @@ inline double linearOf(double srgb) {
 // Returns linearOf(i / 255) for each of the 256 values i of a byte.
 inline const std::array<float, 256>& linearOfBytes() {
   static const std::array<float, 256> table = [] {
-    std::array<float, 256> made{};
-    for (std::size_t i = 0; i < made.size(); ++i) made[i] = static_cast<float>(linearOf(static_cast<double>(i) / 255));
-    return made;
+    std::array<float, 256> values{};
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = static_cast<float>(linearOf(static_cast<double>(i) / 255));
+    return values;
   }();
   return table;
 }

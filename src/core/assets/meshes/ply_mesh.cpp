@@ -136,7 +136,7 @@ class PlyMeshReader {
           continue;
         }
         lists_[role].clear();
-        for (std::uint64_t left = body_.length(property); left > 0; --left) {
+        for (std::uint64_t remaining = body_.length(property); remaining > 0; --remaining) {
           lists_[role].push_back(body_.number(property));
         }
       }
@@ -221,15 +221,15 @@ class PlyMeshReader {
     for (Vec3d& vertex : vertices_) vertex = frame * vertex;
     read_.origin = origin();
     for (AssetPart& part : read_.parts) {
-      const auto place = [&](std::size_t i) { return static_cast<Vec3f>(vertices_[i] - read_.origin); };
+      const auto positionOf = [&](std::size_t i) { return static_cast<Vec3f>(vertices_[i] - read_.origin); };
       if (read_.parts.size() == 1 && part.uvs.empty()) {
-        for (std::size_t i = 0; i < vertices_.size(); ++i) part.positions.push_back(place(i));
+        for (std::size_t i = 0; i < vertices_.size(); ++i) part.positions.push_back(positionOf(i));
         part.uvs = std::move(uvs_);
       } else {
         const bool ofVertices = hasUvs_ && part.uvs.empty();
         for (Triangle& triangle : part.triangles) {
           for (std::uint32_t& corner : triangle) {
-            part.positions.push_back(place(corner));
+            part.positions.push_back(positionOf(corner));
             if (ofVertices) part.uvs.push_back(uvs_[corner]);
             corner = static_cast<std::uint32_t>(part.positions.size() - 1);
           }

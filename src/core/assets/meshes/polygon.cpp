@@ -46,44 +46,44 @@ std::vector<Point> flattened(const std::vector<Vec3d>& corners) {
 class EarCutter {
  public:
   EarCutter(const std::vector<Vec3d>& corners, std::vector<std::array<std::uint32_t, 3>>& triangles, double& tests)
-      : points_(flattened(corners)), left_(corners.size()), triangles_(triangles), tests_(tests) {
-    std::iota(left_.begin(), left_.end(), 0u);
+      : points_(flattened(corners)), uncut_(corners.size()), triangles_(triangles), tests_(tests) {
+    std::iota(uncut_.begin(), uncut_.end(), 0u);
   }
 
   // Returns false, with triangles missing, if there were more than `mostTests` comparisons.
   bool cut(double mostTests) {
     // The first ear is sought at corner 1: a convex polygon becomes the usual fan about corner 0. Corners between
     // collinear edges are cut off if no ear is left.
-    for (std::size_t at = 1, tried = 0; left_.size() > 3 && tried < 2 * left_.size();) {
+    for (std::size_t at = 1, tried = 0; uncut_.size() > 3 && tried < 2 * uncut_.size();) {
       if (tests_ > mostTests) return false;
-      if (!isDouble(at) && !isEar(at) && !(tried >= left_.size() && isFlat(at))) {
-        at = (at + 1) % left_.size();
+      if (!isDouble(at) && !isEar(at) && !(tried >= uncut_.size() && isFlat(at))) {
+        at = (at + 1) % uncut_.size();
         ++tried;
         continue;
       }
       add(at);
-      left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(at));
-      at %= left_.size();
+      uncut_.erase(uncut_.begin() + static_cast<std::ptrdiff_t>(at));
+      at %= uncut_.size();
       tried = 0;
     }
-    for (std::size_t i = 1; i + 1 < left_.size(); ++i) triangles_.push_back({left_[0], left_[i], left_[i + 1]});
+    for (std::size_t i = 1; i + 1 < uncut_.size(); ++i) triangles_.push_back({uncut_[0], uncut_[i], uncut_[i + 1]});
     return true;
   }
 
  private:
-  std::uint32_t before(std::size_t at) const { return left_[(at + left_.size() - 1) % left_.size()]; }
-  std::uint32_t behind(std::size_t at) const { return left_[(at + 1) % left_.size()]; }
+  std::uint32_t before(std::size_t at) const { return uncut_[(at + uncut_.size() - 1) % uncut_.size()]; }
+  std::uint32_t behind(std::size_t at) const { return uncut_[(at + 1) % uncut_.size()]; }
 
-  void add(std::size_t at) { triangles_.push_back({before(at), left_[at], behind(at)}); }
+  void add(std::size_t at) { triangles_.push_back({before(at), uncut_[at], behind(at)}); }
 
   bool isFlat(std::size_t at) const {
-    return areaOf(points_[before(at)], points_[left_[at]], points_[behind(at)]) == 0;
+    return areaOf(points_[before(at)], points_[uncut_[at]], points_[behind(at)]) == 0;
   }
 
   // True if the corner is in the same place as the corner before it or behind it, or if these two are in one place, so
   // that an edge leads to the corner and back.
   bool isDouble(std::size_t at) const {
-    const Point &a = points_[before(at)], &b = points_[left_[at]], &c = points_[behind(at)];
+    const Point &a = points_[before(at)], &b = points_[uncut_[at]], &c = points_[behind(at)];
     return a == b || b == c || a == c;
   }
 
@@ -97,13 +97,13 @@ class EarCutter {
   // at one of its corners, which a polygon that touches itself may pass several times.
   bool isEar(std::size_t at) {
     const Point& a = points_[before(at)];
-    const Point& b = points_[left_[at]];
+    const Point& b = points_[uncut_[at]];
     const Point& c = points_[behind(at)];
     if (!(areaOf(a, b, c) > 0)) return false;
-    for (std::size_t i = 0; i < left_.size(); ++i) {
+    for (std::size_t i = 0; i < uncut_.size(); ++i) {
       ++tests_;
-      if (left_[i] == before(at) || left_[i] == left_[at] || left_[i] == behind(at)) continue;
-      const Point& p = points_[left_[i]];
+      if (uncut_[i] == before(at) || uncut_[i] == uncut_[at] || uncut_[i] == behind(at)) continue;
+      const Point& p = points_[uncut_[i]];
       if (p == a || p == b || p == c) {
         if (p == a ? entersAt(i, c, a, b) : p == b ? entersAt(i, a, b, c) : entersAt(i, b, c, a)) return false;
       } else if (areaOf(a, b, p) >= 0 && areaOf(b, c, p) >= 0 && areaOf(c, a, p) >= 0) {
@@ -114,7 +114,7 @@ class EarCutter {
   }
 
   std::vector<Point> points_;
-  std::vector<std::uint32_t> left_;  // corners that have not been cut off, in order
+  std::vector<std::uint32_t> uncut_;  // corners that have not been cut off, in order
   std::vector<std::array<std::uint32_t, 3>>& triangles_;
   double& tests_;
 };

@@ -367,16 +367,16 @@ class SdfReader {
   // Returns the file that defines a model: `uri`, or the newest one in the folder `uri`.
   static std::filesystem::path definitionOf(const XmlNode& node, const std::filesystem::path& file,
                                             const std::string& uri) {
-    const XmlNode* const named = node.child("uri");
-    const XmlNode& place = named == nullptr ? node : *named;
-    std::filesystem::path found = findModel(place, file, uri);
+    const XmlNode* const uriNode = node.child("uri");
+    const XmlNode& naming = uriNode == nullptr ? node : *uriNode;
+    std::filesystem::path found = findModel(naming, file, uri);
     std::error_code ignored;
     if (std::filesystem::is_directory(found, ignored)) {
       found /= newestSdf(found);
       if (!std::filesystem::exists(found, ignored)) {
         throw MissingFileError(
-            place.where, uri,
-            fmt::format("<{}> names '{}', but no {} of this name exists", place.name, uri, found.string()));
+            naming.where, uri,
+            fmt::format("<{}> names '{}', but no {} of this name exists", naming.name, uri, found.string()));
       }
     }
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(found, ignored);

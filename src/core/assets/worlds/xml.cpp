@@ -120,18 +120,18 @@ void countMisplaced(const XmlNode& of, std::span<const ElementPlace> places, Lef
   std::vector<const ElementPlace*> taken;
   for (const XmlNode& child : of.children) {
     bool known = false;
-    const ElementPlace* place = nullptr;
+    const ElementPlace* allowed = nullptr;
     for (const ElementPlace& row : places) {
       if (!has(row.names, child.name)) continue;
       known = true;
-      if (has(row.parents, of.name)) place = &row;
+      if (has(row.parents, of.name)) allowed = &row;
     }
-    if (known && place == nullptr) leftOut.add(fmt::format("misplaced <{}> in <{}>", child.name, of.name));
-    if (place == nullptr || place->isMany) continue;
-    if (std::find(taken.begin(), taken.end(), place) != taken.end()) {
+    if (known && allowed == nullptr) leftOut.add(fmt::format("misplaced <{}> in <{}>", child.name, of.name));
+    if (allowed == nullptr || allowed->isMany) continue;
+    if (std::find(taken.begin(), taken.end(), allowed) != taken.end()) {
       leftOut.add(fmt::format("second <{}> in <{}>", child.name, of.name));
     }
-    taken.push_back(place);
+    taken.push_back(allowed);
   }
 }
 

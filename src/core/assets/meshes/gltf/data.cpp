@@ -71,9 +71,9 @@ std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index 
   const Image& i = model.images[image];
   const std::string label = labelOf(model, image);
   return images.load(std::to_string(image), label, onlyAlpha, [&]() -> std::shared_ptr<const Texture> {
-    const std::string place = model.file.string() + ": " + label;
-    if (i.view) return decodeTexture(data.view(*i.view), place);
-    if (i.uri.starts_with("data:")) return decodeTexture(data.embedded(i.uri, label), place);
+    const std::string imageName = model.file.string() + ": " + label;
+    if (i.view) return decodeTexture(data.view(*i.view), imageName);
+    if (i.uri.starts_with("data:")) return decodeTexture(data.embedded(i.uri, label), imageName);
     return nullptr;
   });
 }
@@ -165,11 +165,11 @@ std::string_view Data::buffer(Index index) const {
 }
 
 std::string_view Data::part(Index index, std::uint64_t offset, std::uint64_t length) const {
-  const std::string_view whole = buffer(index);
-  if (offset + length > whole.size()) {
-    model_.fail(fmt::format("is truncated: buffers[{}] has {} bytes", index, whole.size()));
+  const std::string_view bytes = buffer(index);
+  if (offset + length > bytes.size()) {
+    model_.fail(fmt::format("is truncated: buffers[{}] has {} bytes", index, bytes.size()));
   }
-  return whole.substr(offset, length);
+  return bytes.substr(offset, length);
 }
 
 std::string Data::decode(const Meshopt& m, const std::string& what) const {
@@ -204,16 +204,16 @@ std::vector<Number> Data::numbers(Index index, const std::string& what) const {
     }
   };
   if (a.view) {
-    const std::uint64_t own = model_.views[*a.view].stride;
-    const std::size_t stride = own > 0 ? own : size * a.width;
+    const std::uint64_t stated = model_.views[*a.view].stride;
+    const std::size_t stride = stated > 0 ? stated : size * a.width;
     for (std::size_t i = 0; i < a.count; ++i) take(bytes.data() + i * stride, i);
   }
   if (a.sparse) {
-    const std::string_view places = view(a.sparse->indicesView).substr(a.sparse->indicesOffset);
+    const std::string_view elements = view(a.sparse->indicesView).substr(a.sparse->indicesOffset);
     const std::string_view values = view(a.sparse->valuesView).substr(a.sparse->valuesOffset);
     for (std::size_t i = 0; i < a.sparse->count; ++i) {
       const auto element =
-          readNumber<std::uint32_t>(places.data() + i * a.sparse->indices.size, a.sparse->indices, false);
+          readNumber<std::uint32_t>(elements.data() + i * a.sparse->indices.size, a.sparse->indices, false);
       if (element >= a.count) {
         model_.fail(fmt::format("is not valid glTF: {} replaces the element {} of {}", what, element, a.count));
       }

@@ -114,19 +114,19 @@ class ModelReader : JsonReader {
   std::optional<TextureUse> textureUse(const Json& object, const char* key, const std::string& what) const {
     const auto found = object.find(key);
     if (found == object.end()) return std::nullopt;
-    const std::string place = what + "." + key;
-    const MaybeIndex image = imageOf(index(found->at("index"), list("textures").size(), place));
+    const std::string valueName = what + "." + key;
+    const MaybeIndex image = imageOf(index(found->at("index"), list("textures").size(), valueName));
     if (!image) return std::nullopt;
     TextureUse use;
     use.image = *image;
-    use.repeats = repeats(index(found->at("index"), list("textures").size(), place));
-    use.coordinates = static_cast<unsigned>(std::min<std::uint64_t>(length(*found, "texCoord", 0, place), 1000));
+    use.repeats = repeats(index(found->at("index"), list("textures").size(), valueName));
+    use.coordinates = static_cast<unsigned>(std::min<std::uint64_t>(length(*found, "texCoord", 0, valueName), 1000));
     if (const Json* transform = extensionOf(*found, "KHR_texture_transform")) {
-      numbers(*transform, "offset", place, use.offset);
-      numbers(*transform, "scale", place, use.scale);
+      numbers(*transform, "offset", valueName, use.offset);
+      numbers(*transform, "scale", valueName, use.scale);
       use.rotation = transform->value("rotation", 0.0);
-      use.coordinates =
-          static_cast<unsigned>(std::min<std::uint64_t>(length(*transform, "texCoord", use.coordinates, place), 1000));
+      use.coordinates = static_cast<unsigned>(
+          std::min<std::uint64_t>(length(*transform, "texCoord", use.coordinates, valueName), 1000));
     }
     return use;
   }
@@ -167,14 +167,14 @@ class ModelReader : JsonReader {
     const Json& primitives = j.at("primitives");
     if (!primitives.is_array()) fail(what + ".primitives is not a list");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const std::string place = fmt::format("{}.primitives[{}]", what, i);
-      const std::uint64_t mode = length(primitives[i], "mode", 4, place);
-      if (mode > 6) fail(place + " has an unknown mode");
+      const std::string valueName = fmt::format("{}.primitives[{}]", what, i);
+      const std::uint64_t mode = length(primitives[i], "mode", 4, valueName);
+      if (mode > 6) fail(valueName + " has an unknown mode");
       if (mode < 4) {
         m_.leftOut.add(mode == 0 ? "primitives of points" : "primitives of lines");
         continue;
       }
-      Primitive p = primitive(primitives[i], place);
+      Primitive p = primitive(primitives[i], valueName);
       p.mode = static_cast<Primitive::Mode>(mode);
       countUnread(p.attributes, "vertices");
       if (p.attributes.contains("POSITION")) {
@@ -245,13 +245,13 @@ class ModelReader : JsonReader {
     numbers(j, "scale", what, n.scale);
     if (const Json* visibility = extensionOf(j, "KHR_node_visibility")) n.visible = visibility->value("visible", true);
     if (const Json* instancing = extensionOf(j, "EXT_mesh_gpu_instancing")) {
-      const std::string place = what + ".EXT_mesh_gpu_instancing";
-      n.instances = attributes(instancing->at("attributes"), place);
+      const std::string valueName = what + ".EXT_mesh_gpu_instancing";
+      n.instances = attributes(instancing->at("attributes"), valueName);
       countUnread(*n.instances, "instances");
       const auto first = n.instances->begin();
       for (const auto& [name, accessor] : *n.instances) {
         if (m_.accessors[accessor].count != m_.accessors[first->second].count) {
-          fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", place,
+          fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", valueName,
                            m_.accessors[first->second].count, first->first, m_.accessors[accessor].count, name));
         }
       }

@@ -77,8 +77,8 @@ class StorageReader : JsonReader {
   Buffer buffer(const Json& j, const std::string& what) const {
     Buffer b;
     b.length = length(j, "byteLength", 0, what);
-    std::uint64_t present = m_.bin.size();
-    std::string place = "the GLB's binary chunk";
+    std::uint64_t available = m_.bin.size();
+    std::string source = "the GLB's binary chunk";
     if (j.contains("uri")) {
       b.uri = j["uri"].get<std::string>();
       if (b.uri.starts_with("data:")) {
@@ -86,8 +86,8 @@ class StorageReader : JsonReader {
         if (comma == std::string::npos || b.uri.find(";base64") > comma) fail(what + " is not base64 data");
         std::size_t end = b.uri.size();
         while (end > comma + 1 && b.uri[end - 1] == '=') --end;
-        present = (end - comma - 1) * 3 / 4;
-        place = "its data";
+        available = (end - comma - 1) * 3 / 4;
+        source = "its data";
       } else {
         b.uri = decodeUri(b.uri);
         const std::filesystem::path path = m_.file.parent_path() / b.uri;
@@ -97,12 +97,12 @@ class StorageReader : JsonReader {
           b.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", b.uri);
           return b;
         }
-        present = std::filesystem::file_size(path, error);
-        place = "'" + b.uri + "'";
+        available = std::filesystem::file_size(path, error);
+        source = "'" + b.uri + "'";
       }
     }
-    if (b.length > present) {
-      b.problem = fmt::format("{} has {} bytes, but {} has {}: is it truncated?", what, b.length, place, present);
+    if (b.length > available) {
+      b.problem = fmt::format("{} has {} bytes, but {} has {}: is it truncated?", what, b.length, source, available);
     }
     return b;
   }

@@ -155,8 +155,8 @@ class ObjReader {
       return;
     }
     Part& part = currentPart();
-    const auto place = [this](std::size_t i) { return vertices_[face_[i].vertex]; };
-    for (const auto& t : polygons_.divide(face_.size(), place)) {
+    const auto cornerPosition = [this](std::size_t i) { return vertices_[face_[i].vertex]; };
+    for (const auto& t : polygons_.divide(face_.size(), cornerPosition)) {
       part.triangles.push_back({face_[t[0]], face_[t[1]], face_[t[2]]});
     }
   }
@@ -178,14 +178,14 @@ class ObjReader {
 
   // The rest of the line is one name with spaces, or several names.
   void readLibraries() {
-    const std::string whole(statements_.rest());
-    if (whole.empty()) statements_.fail("names no file");
+    const std::string line(statements_.rest());
+    if (line.empty()) statements_.fail("names no file");
     std::error_code ignored;
-    if (statements_.words().size() == 1 || fs::exists(pathOf(whole), ignored)) return readLibrary(whole);
+    if (statements_.words().size() == 1 || fs::exists(pathOf(line), ignored)) return readLibrary(line);
     const std::vector<std::string_view> names = statements_.words();
     if (std::none_of(names.begin(), names.end(),
                      [&](std::string_view name) { return fs::exists(pathOf(std::string(name)), ignored); })) {
-      return readLibrary(whole);
+      return readLibrary(line);
     }
     for (const std::string_view name : names) readLibrary(std::string(name));
   }
