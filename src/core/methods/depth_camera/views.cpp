@@ -132,7 +132,7 @@ std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& 
 }
 
 void project(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
-             Projected what, ImagePositions positions) {
+             ProjectedAs what, ImagePositions positions) {
   alignas(64) double u[kBlock], v[kBlock], depth[kBlock], seenBy[kBlock];
   for (std::size_t i = 0; i < count; ++i) {
     u[i] = v[i] = depth[i] = 0;
@@ -140,7 +140,7 @@ void project(std::span<const CameraView> views, const double* x, const double* y
   }
   double number = 0;
   for (const CameraView& view : views) {
-    const Vec3d from = what == Projected::Points ? view.position : Vec3d{};
+    const Vec3d from = what == ProjectedAs::Points ? view.position : Vec3d{};
     const Vec3d right = view.right * view.fx;
     const Vec3d down = view.down * view.fy;
     const Vec3d forward = view.forward;

@@ -55,12 +55,12 @@ struct ImagePositions {
   std::uint8_t* view;  // kNoView: no image contains the point
 };
 
-enum class Projected { Points, Directions };
+enum class ProjectedAs { Points, Directions };
 
 // Finds for each of at most kBlock points or directions the image in which its depth is largest, among the images that
 // contain it.
 void project(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
-             Projected what, ImagePositions positions);
+             ProjectedAs what, ImagePositions positions);
 
 // Hits of a block of beams.
 struct ImageHits {
