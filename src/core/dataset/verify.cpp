@@ -29,10 +29,16 @@ namespace {
 // Checks one shard: its file, its members and its scans.
 class ShardCheck {
  public:
+  // `samples`: the shard's samples in the manifest; null: they are unknown, so that only the file is checked.
   ShardCheck(const fs::path& folder, const Manifest& manifest, std::uint32_t shard,
-             const std::vector<const SampleRecord*>& samples)
-      : manifest_(manifest), record_(manifest.shards[shard]), file_(folder / record_.file), samples_(samples.size()) {
-    for (const SampleRecord* sample : samples) {
+             const std::vector<const SampleRecord*>* samples)
+      : manifest_(manifest),
+        record_(manifest.shards[shard]),
+        file_(folder / record_.file),
+        described_(samples != nullptr),
+        samples_(described_ ? samples->size() : record_.samples) {
+    if (!described_) return;
+    for (const SampleRecord* sample : *samples) {
       for (const std::string& member : sample->members) {
         expected_.push_back(member);
         owner_.emplace(member, sample);
@@ -40,9 +46,7 @@ class ShardCheck {
     }
   }
 
-  // `described`: whether the shard's samples are known.
-  void run(bool described, Verification& result) {
-    if (!described) samples_ = record_.samples;
+  void run(Verification& result) {
     if (samples_ != record_.samples) {
       problem(fmt::format("its entry states {} samples, but the manifest lists {}", record_.samples, samples_));
     }
@@ -55,7 +59,7 @@ class ShardCheck {
       problem(fmt::format("has {} bytes, but the manifest says {}", bytes, record_.bytes));
     } else {
       checkBytes();
-      if (described) checkMembers();
+      if (described_) checkMembers();
     }
     result.samples += samples_;
     result.scans += scans_;
@@ -243,7 +247,8 @@ class ShardCheck {
   const Manifest& manifest_;
   const ShardRecord& record_;
   fs::path file_;
-  std::uint64_t samples_ = 0;
+  bool described_;
+  std::uint64_t samples_;
   std::vector<std::string> expected_;                 // names of the members, in order
   std::map<std::string, const SampleRecord*> owner_;  // sample of a member, by name of the member
   std::vector<std::string> problems_;
@@ -345,7 +350,7 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
   parallelFor(parts.size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const auto shard = static_cast<std::uint32_t>(i);
-      ShardCheck(folder, manifest, shard, samples[i]).run(!undescribed.contains(shard), parts[i]);
+      ShardCheck(folder, manifest, shard, undescribed.contains(shard) ? nullptr : &samples[i]).run(parts[i]);
       if (!progress) continue;
       const std::scoped_lock lock(mutex);
       progress(++done, parts.size());

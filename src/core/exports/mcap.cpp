@@ -57,15 +57,18 @@ std::string topicOf(const SensorRecord& sensor) {
   return "/" + name + "/points";
 }
 
-// Returns the metadata that tells rosbag2 how to publish a topic when it plays the file: reliably and, if
-// `forLatecomers` (for static transforms), also to subscribers that join later. The numbers are from ROS 2's middleware
-// interface (rmw/types.h); the durations mean infinity.
-McapMap publishing(bool forLatecomers) {
+// The subscribers that get a message of a topic: those of the moment, or (for static transforms) also later ones.
+enum class Subscribers { OfTheMoment, Later };
+
+// Returns the metadata that tells rosbag2 how to publish a topic when it plays the file: reliably, to these
+// subscribers. The numbers are from ROS 2's middleware interface (rmw/types.h); the durations mean infinity.
+McapMap publishing(Subscribers subscribers) {
+  const bool later = subscribers == Subscribers::Later;
   constexpr const char* kEndless = "{sec: 9223372036, nsec: 854775807}";
   return {{"offered_qos_profiles",
            fmt::format("- history: 1\n  depth: {}\n  reliability: 1\n  durability: {}\n  deadline: {}\n  lifespan: {}\n"
                        "  liveliness: 1\n  liveliness_lease_duration: {}\n  avoid_ros_namespace_conventions: false\n",
-                       forLatecomers ? 1 : 10, forLatecomers ? 1 : 2, kEndless, kEndless, kEndless)}};
+                       later ? 1 : 10, later ? 1 : 2, kEndless, kEndless, kEndless)}};
 }
 
 class Bag {
@@ -83,7 +86,7 @@ class Bag {
     for (const SemanticClass& c : plan.classes.target().classes) classes[std::to_string(c.id)] = c.name;
     file_.addMetadata("classes", classes);
     const std::uint16_t transforms = addSchema(transformsSchema());
-    mounts_ = addChannel(transforms, "/tf_static", true);
+    mounts_ = addChannel(transforms, "/tf_static", Subscribers::Later);
     poses_ = addChannel(transforms, "/tf");
     const std::uint16_t clouds = addSchema(pointCloudSchema());
     for (const SensorRecord* sensor : plan.sensors) clouds_.push_back(addChannel(clouds, topicOf(*sensor)));
@@ -113,8 +116,9 @@ class Bag {
  private:
   std::uint16_t addSchema(const RosSchema& schema) { return file_.addSchema(schema.name, "ros2msg", schema.text); }
 
-  std::uint16_t addChannel(std::uint16_t schema, const std::string& topic, bool forLatecomers = false) {
-    return file_.addChannel(schema, topic, "cdr", publishing(forLatecomers));
+  std::uint16_t addChannel(std::uint16_t schema, const std::string& topic,
+                           Subscribers subscribers = Subscribers::OfTheMoment) {
+    return file_.addChannel(schema, topic, "cdr", publishing(subscribers));
   }
 
   // Adds the mounts of the sensors at the time of the sequence's first scan. The first sample may have no scan of a
