@@ -104,10 +104,8 @@ class PlyMeshReader {
     imageUsed_.resize(images_.size());
   }
 
-  void readElement(const PlyElement& element) {
-    if (element.count == 0) return;
-    std::vector<Role> roles;
-    for (const PlyProperty& property : element.properties) roles.push_back(roleOf(element.name, property));
+  // Throws InputError for elements that cannot be read. `roles`: of the element's properties.
+  void checkElement(const PlyElement& element, const std::vector<Role>& roles) const {
     const auto has = [&](Role role) { return std::find(roles.begin(), roles.end(), role) != roles.end(); };
     const bool isVertex = element.name == "vertex";
     const bool isFace = element.name == "face";
@@ -121,9 +119,18 @@ class PlyMeshReader {
     if (isFace && !has(Role::Corners)) fail("its faces have no list vertex_indices: export it with that list");
     if (isFace && vertices_.empty()) fail("has no vertices before its faces: export it with vertices first");
     if (element.name == "tristrips") fail("has triangle strips, which are not supported: export it with faces");
+  }
+
+  void readElement(const PlyElement& element) {
+    if (element.count == 0) return;
+    std::vector<Role> roles;
+    for (const PlyProperty& property : element.properties) roles.push_back(roleOf(element.name, property));
+    checkElement(element, roles);
     countLeftOut(element, roles);
-    hasUvs_ = hasUvs_ || (isVertex && has(Role::U) && has(Role::V));
     if (element.properties.empty()) return;
+    const bool isVertex = element.name == "vertex";
+    const auto has = [&](Role role) { return std::find(roles.begin(), roles.end(), role) != roles.end(); };
+    hasUvs_ = hasUvs_ || (isVertex && has(Role::U) && has(Role::V));
     values_ = {};
     for (std::vector<double>& numbers : lists_) numbers.clear();
     for (std::uint64_t row = 0; row < element.count; ++row) {
@@ -141,7 +148,7 @@ class PlyMeshReader {
         }
       }
       if (isVertex) addVertex();
-      if (isFace) addFace();
+      if (element.name == "face") addFace();
     }
   }
 

@@ -51,6 +51,7 @@ std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut) {
       if (texture.empty() || hasBaseRole) texture = arguments.substr(0, end + 1);
       continue;
     }
+    // The textures of an object follow each other: the chosen one is written before the next line of another kind.
     if (!texture.empty()) ac3db += "texture " + texture + "\n";
     texture.clear();
     hasBaseRole = false;
