@@ -24,9 +24,9 @@ bool Playback::stepBy(std::ptrdiff_t steps) {
   return true;
 }
 
-std::shared_ptr<const ViewFrame> Playback::take(double now, bool wait) {
+std::shared_ptr<const ViewFrame> Playback::take(double now) {
   if (settled()) return nullptr;
-  auto loaded = wait ? loader_->wait(requested_) : loader_->frame(requested_);
+  auto loaded = loader_->frame(requested_);
   if (!loaded) return nullptr;
   const bool next = current_ && requested_ == *current_ + 1;
   const std::optional<double> time = loaded->scans.empty() ? std::nullopt : std::optional(loaded->scans.front().time);
@@ -35,6 +35,11 @@ std::shared_ptr<const ViewFrame> Playback::take(double now, bool wait) {
   current_ = requested_;
   shownAt_ = now;
   return loaded;
+}
+
+std::shared_ptr<const ViewFrame> Playback::waitAndTake(double now) {
+  if (!settled()) loader_->wait(requested_);
+  return take(now);
 }
 
 void Playback::togglePlaying(double now) {

@@ -25,9 +25,11 @@ class Playback {
   // the first and last frame. Returns false if the request does not change.
   bool stepBy(std::ptrdiff_t count);
 
-  // Makes the requested frame the current frame and returns it; returns null if it is the current frame already. If it
-  // is not loaded yet, waits if `wait` is true; otherwise returns null.
-  std::shared_ptr<const ViewFrame> take(double now, bool wait = false);
+  // Makes the requested frame the current frame and returns it; returns null if it is the current frame already or not
+  // loaded yet.
+  std::shared_ptr<const ViewFrame> take(double now);
+  // Does the same, but waits until the requested frame is loaded.
+  std::shared_ptr<const ViewFrame> waitAndTake(double now);
 
   // Stops playing if frames are played. Otherwise starts playing at the requested frame or, if that is the last frame,
   // at the first.

@@ -62,7 +62,7 @@ ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canv
 }
 
 void ViewSession::settle() {
-  if (auto loaded = playback_.take(context_.redraw.now(), true)) showFrame(std::move(loaded));
+  if (auto loaded = playback_.waitAndTake(context_.redraw.now())) showFrame(std::move(loaded));
   if (sceneView_.meshOn() && sceneView_.meshWanted) {
     auto loaded = playback_.loader().waitMesh(*sceneView_.meshWanted);
     if (loaded != sceneView_.mesh) takeMesh(std::move(loaded));

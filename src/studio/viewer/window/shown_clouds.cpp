@@ -160,45 +160,53 @@ void ShownClouds::recolor(std::size_t view) {
 }
 
 void ShownClouds::applyFilter() {
-  const ShownFilter& filter = context_.filter;
   for (std::size_t k = 0; k < list.size(); ++k) {
-    ShownCloud& cloud = list[k];
-    const Scan& scan = scanOf(cloud).scan;
-    const bool hiddenWhole = isHidden(cloud);
-    cloud.shown.clear();
-    cloud.visible = cloud.finite;
-    const bool all = filter.instances.empty() && !filter.closeUp && (filter.classes.showsAll() || scan[kLabel].empty());
-    if (!hiddenWhole && all) {
+    if (const auto indices = filtered(list[k])) {
+      context_.canvas.showOnly(cloudItem(k), *indices);
+    } else {
       context_.canvas.showAll(cloudItem(k));
-      continue;
     }
-    std::vector<std::uint8_t> classShown(std::size_t{UINT16_MAX} + 1);
-    for (std::size_t id = 0; id < classShown.size(); ++id) {
-      classShown[id] = filter.classes.shows(static_cast<std::uint16_t>(id)) ? 1 : 0;
-    }
-    cloud.shown.assign(scan.size(), 0);
-    cloud.visible = 0;
-    std::vector<std::uint32_t> indices;
-    for (std::size_t i = 0; i < scan.size() && !hiddenWhole; ++i) {
-      if (!scan[kLabel].empty() && classShown[scan[kLabel][i]] == 0) continue;
-      if (!filter.showsInstance(scan[kInstance].empty() ? 0 : scan[kInstance][i])) continue;
-      if (filter.closeUp && !filter.closeUp->holds(Vec3d(scan.position[i]))) continue;
-      cloud.shown[i] = 1;
-      indices.push_back(static_cast<std::uint32_t>(i));
-      if (isFinite(scan.position[i])) ++cloud.visible;
-    }
-    context_.canvas.showOnly(cloudItem(k), indices);
   }
   instanceProblem.clear();
-  for (const std::uint32_t id : filter.instances) {
-    const bool held = std::ranges::any_of(list, [&](const ShownCloud& cloud) {
+  for (const std::uint32_t id : context_.filter.instances) {
+    const auto hasInstance = [&](const ShownCloud& cloud) {
       const auto& instances = scanOf(cloud).scan[kInstance];
       return std::ranges::find(instances, id) != instances.end();
-    });
-    if (!held && !list.empty()) instanceProblem += fmt::format("instance {} has no points here. ", id);
+    };
+    if (!list.empty() && std::ranges::none_of(list, hasInstance)) {
+      instanceProblem += fmt::format("instance {} has no points here. ", id);
+    }
   }
   context_.changes.items = context_.changes.panels = context_.changes.hover = true;
   makeStrip();
+}
+
+// Sets the cloud's members that say which points the filter shows. Returns the indices of these points; nothing if all
+// points are shown.
+std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& cloud) const {
+  const ShownFilter& filter = context_.filter;
+  const Scan& scan = scanOf(cloud).scan;
+  cloud.shown.clear();
+  cloud.visible = cloud.finite;
+  const bool filtersClasses = !filter.classes.showsAll() && !scan[kLabel].empty();
+  if (!isHidden(cloud) && !filtersClasses && filter.instances.empty() && !filter.closeUp) return {};
+  std::vector<bool> classShown(std::size_t{UINT16_MAX} + 1);  // by class id
+  for (std::size_t id = 0; id < classShown.size(); ++id) {
+    classShown[id] = filter.classes.shows(static_cast<std::uint16_t>(id));
+  }
+  cloud.shown.assign(scan.size(), 0);
+  cloud.visible = 0;
+  std::vector<std::uint32_t> indices;
+  if (isHidden(cloud)) return indices;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!scan[kLabel].empty() && !classShown[scan[kLabel][i]]) continue;
+    if (!filter.showsInstance(scan[kInstance].empty() ? 0 : scan[kInstance][i])) continue;
+    if (filter.closeUp && !filter.closeUp->holds(Vec3d(scan.position[i]))) continue;
+    cloud.shown[i] = 1;
+    indices.push_back(static_cast<std::uint32_t>(i));
+    if (isFinite(scan.position[i])) ++cloud.visible;
+  }
+  return indices;
 }
 
 std::vector<std::size_t> ShownClouds::affectedViews() const {

@@ -71,6 +71,7 @@ struct ShownClouds {
 
  private:
   Coloring colored(std::size_t scan, std::size_t view);
+  std::optional<std::vector<std::uint32_t>> filtered(ShownCloud& cloud) const;
   std::optional<ScaleRange> scaleOf(std::size_t view);
   ColorContext contextOf(const ViewScan& scan) const;
   std::vector<std::size_t> affectedViews() const;

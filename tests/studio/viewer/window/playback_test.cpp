@@ -11,7 +11,7 @@ struct Player {
   }
   // Waits for the requested frame and returns its index.
   std::size_t wait(double now = 0) {
-    playback->take(now, true);
+    playback->waitAndTake(now);
     return *playback->current();
   }
 
@@ -49,7 +49,7 @@ TEST(Playback, TakesAFrameOnceItIsLoaded) {
   EXPECT_FALSE(player.playback->settled());
   EXPECT_EQ(player.playback->current(), 0u) << "the old frame stays until the new one is loaded";
   player.frames->setOpen(true);
-  const auto frame = player.playback->take(0, true);
+  const auto frame = player.playback->waitAndTake(0);
   ASSERT_NE(frame, nullptr);
   EXPECT_EQ(frame->key, "sample-102");
   EXPECT_EQ(player.playback->take(0), nullptr) << "each frame is given out once";
