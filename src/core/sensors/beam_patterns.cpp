@@ -37,6 +37,46 @@ std::uint32_t countOf(double number, const Location& where) {
   return static_cast<std::uint32_t>(number);
 }
 
+// Returns a row of the table. Without rings, the rows are the columns of one ring.
+Row rowOf(const TextTable& table, std::size_t i) {
+  const auto number = [&](const char* name, Range range) { return table.number(i, name, range); };
+  const auto origin = [&](const char* name) { return static_cast<float>(number(name, {-10, 10})); };
+  const Location& where = table.where(i);
+  const double elevation =
+      table.has("zenith_deg") ? 90 - number("zenith_deg", {0, 180}) : number("elevation_deg", {-90, 90});
+  return {radians(number("azimuth_deg", {-360, 360})),
+          radians(elevation),
+          table.time(i, {0, 100}),
+          {origin("origin_x_m"), origin("origin_y_m"), origin("origin_z_m")},
+          countOf(number("ring", {0, kMostRings - 1}), where),
+          table.has("ring") ? countOf(number("column", {0, kMostColumns - 1}), where) : static_cast<std::uint32_t>(i),
+          where};
+}
+
+// Returns the beams by ring and column. Throws InputError if two rows have the same ring and column.
+ListedBeams inOrder(const std::vector<Row>& rows, std::uint32_t columns) {
+  ListedBeams beams;
+  beams.azimuth.resize(rows.size());
+  beams.elevation.resize(rows.size());
+  beams.time.resize(rows.size());
+  beams.origin.resize(rows.size());
+  std::vector<bool> isSet(rows.size());
+  for (const Row& row : rows) {
+    const std::size_t beam = std::size_t{row.ring} * columns + row.column;
+    if (isSet[beam]) {
+      throw InputError(row.where, fmt::format("has ring {}, column {} of an earlier line: give each beam one line",
+                                              row.ring, row.column));
+    }
+    isSet[beam] = true;
+    beams.azimuth[beam] = row.azimuth;
+    beams.elevation[beam] = row.elevation;
+    beams.time[beam] = row.time;
+    beams.origin[beam] = row.origin;
+  }
+  if (std::ranges::all_of(beams.origin, [](const Vec3f& o) { return o == Vec3f{}; })) beams.origin.clear();
+  return beams;
+}
+
 }  // namespace
 
 ListedSensor readListedBeams(const std::filesystem::path& file) {
@@ -45,21 +85,9 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
   std::vector<Row> rows;
   ListedSensor sensor{1, 0, {}};
   for (std::size_t i = 0; i < table.size(); ++i) {
-    const auto number = [&](const char* name, Range range) { return table.number(i, name, range); };
-    const auto origin = [&](const char* name) { return static_cast<float>(number(name, {-10, 10})); };
-    const Location& where = table.where(i);
-    const double elevation =
-        table.has("zenith_deg") ? 90 - number("zenith_deg", {0, 180}) : number("elevation_deg", {-90, 90});
-    Row row{radians(number("azimuth_deg", {-360, 360})),
-            radians(elevation),
-            table.time(i, {0, 100}),
-            {origin("origin_x_m"), origin("origin_y_m"), origin("origin_z_m")},
-            countOf(number("ring", {0, kMostRings - 1}), where),
-            table.has("ring") ? countOf(number("column", {0, kMostColumns - 1}), where) : static_cast<std::uint32_t>(i),
-            where};
-    sensor.rings = std::max(sensor.rings, row.ring + 1);
-    sensor.columns = std::max(sensor.columns, row.column + 1);
-    rows.push_back(row);
+    rows.push_back(rowOf(table, i));
+    sensor.rings = std::max(sensor.rings, rows.back().ring + 1);
+    sensor.columns = std::max(sensor.columns, rows.back().column + 1);
   }
   const std::size_t beams = std::size_t{sensor.rings} * sensor.columns;
   if (rows.size() != beams || sensor.columns > kMostColumns) {
@@ -68,27 +96,8 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
                                  "file with the beams of several revolutions must be cut to those of one",
                                  rows.size(), sensor.rings, sensor.columns, kMostColumns));
   }
-  ListedBeams& all = sensor.beams;
-  all.azimuth.resize(beams);
-  all.elevation.resize(beams);
-  all.time.resize(beams);
-  all.origin.resize(beams);
-  std::vector<bool> known(beams);
-  for (const Row& row : rows) {
-    const std::size_t beam = std::size_t{row.ring} * sensor.columns + row.column;
-    if (known[beam]) {
-      throw InputError(row.where, fmt::format("has ring {}, column {} of an earlier line: give each beam one line",
-                                              row.ring, row.column));
-    }
-    known[beam] = true;
-    all.azimuth[beam] = row.azimuth;
-    all.elevation[beam] = row.elevation;
-    all.time[beam] = row.time;
-    all.origin[beam] = row.origin;
-  }
-  if (std::all_of(all.origin.begin(), all.origin.end(), [](const Vec3f& o) { return o == Vec3f{}; }))
-    all.origin.clear();
-  const std::vector<double> starts = all.columnStarts(sensor.columns);
+  sensor.beams = inOrder(rows, sensor.columns);
+  const std::vector<double> starts = sensor.beams.columnStarts(sensor.columns);
   for (std::uint32_t c = 1; c < sensor.columns; ++c) {
     if (starts[c] >= starts[c - 1]) continue;
     throw InputError({file.string()},

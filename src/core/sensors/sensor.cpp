@@ -224,11 +224,10 @@ Value resolveSensor(const Value& value) {
     const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
                                   [&](const auto& other) { return other.key == entry.key; });
     if (old != merged.entries.end()) {
-      const bool unit = entry.key == "source" && value.find("source") == nullptr;  // true if a calibration has added
-                                                                                   // the key `source`
-      const std::string before = unit ? old->value.text + "; " : "";
+      const bool fromCalibration = entry.key == "source" && value.find("source") == nullptr;
+      const std::string sourceOfPreset = fromCalibration ? old->value.text + "; " : "";
       old->value = entry.value;
-      old->value.text = before + old->value.text;
+      old->value.text = sourceOfPreset + old->value.text;
     } else {
       merged.entries.push_back(entry);
     }
@@ -305,20 +304,25 @@ void readListed(Fields& fields, BeamTable& table) {
   table.pattern = std::move(listed);
 }
 
-// Reads a sensor with the key `rosette` or `raster`.
-void readPattern(Fields& fields, const char* key, BeamTable& table) {
+// Refuses the keys of cones beside `rosette` or `raster`.
+void refuseKeysOfCones(Fields& fields, const char* key, const char* otherKey) {
   fields.refuse({"elevation_deg", "azimuth_offset_deg", "turns_while_firing", "field_deg", "sweep_ms",
                  "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
-                 "origin_up_m", "pattern", "calibration", key[1] == 'o' ? "raster" : "firing_time_us"},
+                 "origin_up_m", "pattern", "calibration", otherKey},
                 fmt::format("has no effect beside `{}`: leave it out", key));
+}
+
+void readRosetteBeams(Fields& fields, BeamTable& table) {
+  refuseKeysOfCones(fields, "rosette", "raster");
   clearCones(table);
-  const Value& value = fields.require(key);
-  if (key[1] == 'o') {
-    table.pattern = readRosette(value);
-    table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
-    return;
-  }
-  const RasterScan raster = readRasterScan(value);
+  table.pattern = readRosette(fields.require("rosette"));
+  table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
+}
+
+void readRasterBeams(Fields& fields, BeamTable& table) {
+  refuseKeysOfCones(fields, "raster", "firing_time_us");
+  clearCones(table);
+  const RasterScan raster = readRasterScan(fields.require("raster"));
   if (table.columns % raster.lines != 0 || table.columns == raster.lines) {
     throw InputError(fields.require("columns").where,
                      fmt::format("columns must be a multiple of the {} lines of the raster, such as {}", raster.lines,
@@ -398,8 +402,10 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   const std::string pattern = fields.choice("pattern", {"spinning", "flash"}, "spinning");
   if (fields.has("beams")) {
     readListed(fields, *table);
-  } else if (fields.has("rosette") || fields.has("raster")) {
-    readPattern(fields, fields.has("rosette") ? "rosette" : "raster", *table);
+  } else if (fields.has("rosette")) {
+    readRosetteBeams(fields, *table);
+  } else if (fields.has("raster")) {
+    readRasterBeams(fields, *table);
   } else {
     readCones(fields, value, *table);
     if (pattern == "flash") makeFlash(fields, *table);
