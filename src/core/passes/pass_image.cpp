@@ -106,9 +106,9 @@ void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice aske
       }
       forPlanes([&](auto plane) {
         auto& to = planes.*plane;
-        using Value = typename std::remove_reference_t<decltype(to)>::value_type;
+        using PlaneValue = typename std::remove_reference_t<decltype(to)>::value_type;
         if (to.empty()) return;
-        Value nothing{};
+        PlaneValue nothing{};
         if constexpr (std::is_same_v<decltype(plane), decltype(&PassPlanes::depth)>) {
           if (plane == &PassPlanes::depth) nothing = kNoDepth;
         }

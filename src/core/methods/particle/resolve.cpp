@@ -38,14 +38,6 @@ double rangeOf(const MarchJob& job, const HitRecords& records, std::size_t i) {
   return double{records.travelled[i]} * job.field().shape.voxel;
 }
 
-Vec3d originOf(const Rays& rays, int lane) {
-  return {rays.ox[lane], rays.oy[lane], rays.oz[lane]};
-}
-
-Vec3d directionOf(const Rays& rays, int lane) {
-  return {rays.dx[lane], rays.dy[lane], rays.dz[lane]};
-}
-
 // Lets the particles that hit a transparent point of a triangle continue behind it, again and again.
 void passTransparent(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, HitRecords& records) {
   const TriangleBlock& block = job.triangles();
@@ -63,7 +55,7 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, Particles
       if (tile != tileOfRays) setUpRays(job.shot, job.frame, tiles[tile], rays);
       tileOfRays = tile;
       const auto lane = static_cast<int>(i % kPacket);
-      const Vec3d point = originOf(rays, lane) + directionOf(rays, lane) * rangeOf(job, records, i);
+      const Vec3d point = rays.origin(lane) + rays.direction(lane) * rangeOf(job, records, i);
       const Vec2d at = barycentric({&block, nullptr, triangle}, point);
       if (!transparentAt(*job.sensorField.world, block, triangle, at.x, at.y)) continue;
       const float travelled = records.travelled[i];
@@ -141,7 +133,7 @@ UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>&
       std::uint32_t triangle = records.triangle[i];
       if (!lists) {
         counts.touching += range <= 0 ? 1 : 0;
-        triangle = triangleOrLayer(job, originOf(rays, lane), directionOf(rays, lane), range, triangle);
+        triangle = triangleOrLayer(job, rays.origin(lane), rays.direction(lane), range, triangle);
       }
       triangles[lane] = {&job.triangles(), nullptr, triangle};
       loadPlane(triangles[lane], static_cast<float>(range), planes, lane);

@@ -23,9 +23,7 @@ struct TileHits {
 
 float texturedReflectance(const TileHits& from, const CompactMaterial& material, int lane) {
   const HitTriangle& hit = from.triangles[lane];
-  const Rays& rays = from.rays;
-  const Vec3d point = Vec3d{rays.ox[lane], rays.oy[lane], rays.oz[lane]} +
-                      Vec3d{rays.dx[lane], rays.dy[lane], rays.dz[lane]} * from.planes.range[lane];
+  const Vec3d point = from.rays.origin(lane) + from.rays.direction(lane) * from.planes.range[lane];
   return material.texturedAt(
       textureCoordinates(hit.block->uvs, hit.block->corners[hit.index], barycentric(hit, point)));
 }

@@ -42,6 +42,9 @@ using Lane = double[kPacket];
 struct Rays {
   int count = 0;
   alignas(64) Lane ox, oy, oz, dx, dy, dz;
+
+  Vec3d origin(int lane) const { return {ox[lane], oy[lane], oz[lane]}; }
+  Vec3d direction(int lane) const { return {dx[lane], dy[lane], dz[lane]}; }
 };
 
 struct HitTriangle {
