@@ -24,7 +24,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{1} << 20;
+constexpr std::size_t kMostBlockBytes = std::size_t{1} << 20;
 
 std::string reason() {
   return std::strerror(errno);
@@ -53,7 +53,7 @@ void readBlocks(const std::filesystem::path& path, const std::function<void(std:
   struct stat status {};
   if (::fstat(file.number, &status) != 0) throw InputError({path.string()}, "cannot be read: " + reason());
   if (!S_ISREG(status.st_mode)) throw InputError({path.string()}, "is not a file");
-  std::vector<char> block(std::clamp<std::size_t>(static_cast<std::size_t>(status.st_size), 1, kBlock));
+  std::vector<char> block(std::clamp<std::size_t>(static_cast<std::size_t>(status.st_size), 1, kMostBlockBytes));
   for (;;) {
     const ssize_t n = ::read(file.number, block.data(), block.size());
     if (n == 0) return;
@@ -88,18 +88,18 @@ AtomicFile::AtomicFile(const std::filesystem::path& folder, std::filesystem::pat
   if (::stat(path_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
     throw Error(fmt::format("{}: cannot be written: it exists and is not a file", path_.string()));
   }
-  place_ = openFolderOf(folder, path_, "cannot be written");
+  folder_ = openFolderOf(folder, path_, "cannot be written");
   do {
     temporary_ = path_.filename().string() + temporarySuffix();
     constexpr int kHow = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
     constexpr mode_t kMode = 0644;
-    file_ = Descriptor(::openat(place_.number, temporary_.c_str(), kHow, kMode));
+    file_ = Descriptor(::openat(folder_.number, temporary_.c_str(), kHow, kMode));
   } while (!file_.open() && errno == EEXIST);
   if (!file_.open()) failBySystem(path_, "cannot be written");
 }
 
 AtomicFile::~AtomicFile() {
-  if (file_.open()) ::unlinkat(place_.number, temporary_.c_str(), 0);
+  if (file_.open()) ::unlinkat(folder_.number, temporary_.c_str(), 0);
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -120,7 +120,7 @@ void AtomicFile::flush() {
 
 void AtomicFile::commit() {
   flush();
-  if (::renameat(place_.number, temporary_.c_str(), place_.number, path_.filename().c_str()) != 0) {
+  if (::renameat(folder_.number, temporary_.c_str(), folder_.number, path_.filename().c_str()) != 0) {
     failBySystem(path_, "cannot be written");
   }
   file_.close();
@@ -135,8 +135,8 @@ void syncFolder(const std::filesystem::path& folder) {
 }
 
 void writeFile(const std::filesystem::path& path, std::string_view bytes) {
-  std::error_code untold;  // the file tells why it cannot be written
-  std::filesystem::create_directories(path.parent_path(), untold);
+  std::error_code ignored;  // writing the file then fails with the reason
+  std::filesystem::create_directories(path.parent_path(), ignored);
   writeFile(path.parent_path(), path, bytes);
 }
 

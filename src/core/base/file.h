@@ -70,7 +70,7 @@ class [[nodiscard]] AtomicFile {
  private:
   std::filesystem::path path_;
   std::string temporary_;  // name in the file's folder
-  Descriptor place_;       // the file's folder
+  Descriptor folder_;      // the file's folder
   Descriptor file_;
   std::size_t size_ = 0;
   bool flushed_ = false;

@@ -26,29 +26,26 @@ namespace scanmill {
 namespace {
 
 // Returns the text of a lock file: "process 4711 on node3 since 2026-01-31 12:00:00 UTC".
-std::string ownWords() {
+std::string ownLockText() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   return fmt::format("process {} on {} since {:%Y-%m-%d %H:%M:%S} UTC\n", ::getpid(), hostName(), fmt::gmtime(now));
 }
 
-std::string readWords(int descriptor) {
-  std::array<char, 512> words{};
-  const ssize_t size = ::pread(descriptor, words.data(), words.size(), 0);
-  std::string text(words.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+// Returns the first line of a lock file.
+std::string readLockText(int descriptor) {
+  std::array<char, 512> bytes{};
+  const ssize_t size = ::pread(descriptor, bytes.data(), bytes.size(), 0);
+  std::string text(bytes.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
   return text.substr(0, text.find('\n'));
 }
 
 // True if the process that the text of a lock file names may still run. A process on another host counts as running.
-bool mayBeHeld(const std::string& words) {
+bool mayBeHeld(const std::string& text) {
   const std::string process = "process ";
-  if (!words.starts_with(process)) return false;
-  const auto pid = static_cast<pid_t>(std::strtol(words.c_str() + process.size(), nullptr, 10));
-  if (words.find(" on " + hostName() + " since ") == std::string::npos) return true;
+  if (!text.starts_with(process)) return false;
+  const auto pid = static_cast<pid_t>(std::strtol(text.c_str() + process.size(), nullptr, 10));
+  if (text.find(" on " + hostName() + " since ") == std::string::npos) return true;
   return pid > 0 && pid != ::getpid() && (::kill(pid, 0) == 0 || errno == EPERM);
-}
-
-bool isSame(const struct stat& a, const struct stat& b) {
-  return a.st_ino == b.st_ino && a.st_dev == b.st_dev;
 }
 
 [[noreturn]] void refuseForeign(const std::filesystem::path& file, const char* what) {
@@ -76,9 +73,10 @@ std::unique_ptr<FolderLock> FolderLock::tryTake(const std::filesystem::path& fol
 // True if the lock file's path still leads to the file that this object has open. Opens no descriptor, since the
 // process may have none left.
 bool FolderLock::isStillThere() const {
-  struct stat own {};
+  struct stat opened {};
   struct stat named {};
-  return ::fstat(descriptor_, &own) == 0 && ::lstat(file_.c_str(), &named) == 0 && isSame(own, named);
+  return ::fstat(descriptor_, &opened) == 0 && ::lstat(file_.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+         opened.st_dev == named.st_dev;
 }
 
 // Removes the lock file, unless its path now leads to another file or through a link.
@@ -91,62 +89,65 @@ void FolderLock::remove() const {
   }
 }
 
+// Opens the lock file, and creates it if it is missing.
+void FolderLock::open() {
+  constexpr mode_t kMode = 0644;
+  // O_NONBLOCK: if the file is a named pipe, the call does not wait for another process; the pipe is refused below.
+  constexpr int kHow = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  const Descriptor inFolder = openFolderOf(folder_, file_, "cannot be made");
+  descriptor_ = ::openat(inFolder.number, file_.filename().c_str(), kHow, kMode);
+  struct stat status {};
+  if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
+    const int failure = errno;
+    release();
+    if (failure == ELOOP) refuseForeign(file_, "a link");
+    if (failure == EISDIR) refuseForeign(file_, "a folder");
+    errno = failure;
+    failBySystem(file_, "cannot be made");
+  }
+  if (S_ISREG(status.st_mode) && status.st_nlink <= 1) return;
+  release();
+  refuseForeign(file_, S_ISREG(status.st_mode) ? "a file that has another name, too" : "not a file");
+}
+
 bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind,
                       std::string& holder) {
   folder_ = folder;
   file_ = file;
   kind_ = kind;
-  const auto refuse = [&](const std::string& words) {
+  const auto refuse = [&](const std::string& text) {
     release();
-    holder = words.empty() ? "another process" : words;
+    holder = text.empty() ? "another process" : text;
     return false;
   };
-  while (true) {
-    constexpr int kMode = 0644;
-    const Descriptor place = openFolderOf(folder, file, "cannot be made");
-    // O_NONBLOCK: if the file is a named pipe, the call does not wait for another process; the pipe is refused below.
-    constexpr int kHow = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
-    descriptor_ = ::openat(place.number, file.filename().c_str(), kHow, kMode);
-    struct stat status {};
-    if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
-      const int reason = errno;
-      release();
-      if (reason == ELOOP) refuseForeign(file, "a link");
-      if (reason == EISDIR) refuseForeign(file, "a folder");
-      errno = reason;
-      failBySystem(file, "cannot be made");
-    }
-    if (!S_ISREG(status.st_mode) || status.st_nlink > 1) {
-      release();
-      refuseForeign(file, S_ISREG(status.st_mode) ? "a file that has another name, too" : "not a file");
-    }
+  for (open();; open()) {
     locked_ = ::flock(descriptor_, (kind == LockKind::Alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0;
-    if (!locked_) {
-      if (errno == EWOULDBLOCK) return refuse(readWords(descriptor_));
-      if (errno == EINTR) {
-        release();
-        continue;
-      }
-      if (const std::string words = readWords(descriptor_); mayBeHeld(words)) return refuse(words);
+    const int failure = locked_ ? 0 : errno;
+    if (failure == EWOULDBLOCK) return refuse(readLockText(descriptor_));
+    if (failure != 0 && failure != EINTR) {  // no locks on this file system: the file's text says who holds it
+      if (const std::string text = readLockText(descriptor_); mayBeHeld(text)) return refuse(text);
     }
-    if (isStillThere()) break;
-    release();  // the process that held the lock has just removed the file
+    if (failure != EINTR && isStillThere()) break;  // not there: the process that held the lock has just removed it
+    release();
   }
-  if (kind == LockKind::Shared && !locked_)
-    return true;  // writes no text, because another process would take the text for that of an exclusive lock
-  const std::string words = ownWords();
+  // A shared lock without flock() writes no text, because another process would take it for that of an exclusive lock.
+  if (kind == LockKind::Alone || locked_) writeLockText();
+  return true;
+}
+
+// Replaces the text of the lock file by that of this process.
+void FolderLock::writeLockText() {
+  const std::string text = ownLockText();
   ssize_t n = ::ftruncate(descriptor_, 0);
-  for (std::size_t done = 0; n >= 0 && done < words.size(); done += static_cast<std::size_t>(std::max<ssize_t>(n, 0))) {
-    n = ::pwrite(descriptor_, words.data() + done, words.size() - done, static_cast<off_t>(done));
+  for (std::size_t done = 0; n >= 0 && done < text.size(); done += static_cast<std::size_t>(std::max<ssize_t>(n, 0))) {
+    n = ::pwrite(descriptor_, text.data() + done, text.size() - done, static_cast<off_t>(done));
     if (n < 0 && errno == EINTR) n = 0;
   }
-  if (n < 0) {
-    const int reason = errno;
-    release();
-    errno = reason;
-    failBySystem(file, "cannot be written");
-  }
-  return true;
+  if (n >= 0) return;
+  const int failure = errno;
+  release();
+  errno = failure;
+  failBySystem(file_, "cannot be written");
 }
 
 bool FolderLock::makeAlone() {

@@ -47,6 +47,8 @@ class [[nodiscard]] FolderLock {
   FolderLock() = default;
   [[nodiscard]] bool take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind,
                           std::string& holder);
+  void open();
+  void writeLockText();
   bool isStillThere() const;
   void remove() const;
   void release();

@@ -17,16 +17,17 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kFiles = 100'000;
-constexpr double kCopies = 10'000'000;
-constexpr double kBytes = 2147483648.0;
-constexpr double kPixels = 2147483648.0;
-constexpr double kPerByte = 64;  // bytes, and pixels, for each byte of the files
-constexpr double kSeconds = 600;
+// Limits of what the files of one scene may cost, all of which the user's factor multiplies.
+constexpr double kMostFiles = 100'000;
+constexpr double kMostCopies = 10'000'000;
+constexpr double kMostBytes = 2147483648.0;
+constexpr double kMostPixels = 2147483648.0;
+constexpr double kMorePerByte = 64;  // further bytes, and pixels, for each byte of the files
+constexpr double kMostSeconds = 600;
 
 std::atomic<double> factor{1};
 
-thread_local FilesRead* latest = nullptr;
+thread_local FilesRead* innermost = nullptr;
 
 std::filesystem::path cleanPath(const std::filesystem::path& file) {
   return std::filesystem::absolute(file).lexically_normal();
@@ -39,9 +40,9 @@ struct InputBudget::Counts {
   double copies = 0;
   double bytes = 0;
   double pixels = 0;
-  double read = 0;  // size of all files (bytes), each counted once
-  std::set<std::pair<dev_t, ino_t>> known;
-  double began = threadSeconds();
+  double readBytes = 0;  // size of all files (bytes), each counted once
+  std::set<std::pair<dev_t, ino_t>> filesSeen;
+  double startSeconds = threadSeconds();
   std::uint32_t calls = 0;
 };
 
@@ -57,11 +58,11 @@ thread_local InputBudget::Counts* counts = nullptr;
                   exceeded));
 }
 
-// Adds to a sum and compares it with its limit, which `says` describes ("would decode more than {}").
+// Adds to a sum and compares it with its limit, which `describe` words ("would decode more than {}").
 template <class Text>
-void add(double& sum, double amount, double limit, const Location& where, const Text& says) {
+void add(double& sum, double amount, double limit, const Location& where, const Text& describe) {
   sum += amount;
-  if (sum > limit) refuse(where, says(limit));
+  if (sum > limit) refuse(where, describe(limit));
   chargeTime(where);
 }
 
@@ -69,19 +70,19 @@ void add(double& sum, double amount, double limit, const Location& where, const 
 
 InputBudget::InputBudget() {
   if (counts != nullptr) return;
-  own_ = std::make_unique<Counts>();
-  counts = own_.get();
+  started_ = std::make_unique<Counts>();
+  counts = started_.get();
 }
 
 InputBudget::~InputBudget() {
-  if (own_) counts = nullptr;
+  if (started_) counts = nullptr;
 }
 
 void chargeTime(const Location& where) {
   // Reading this clock is a system call.
   if (counts == nullptr || ++counts->calls % 256 != 0) return;
-  const double limit = kSeconds * factor;
-  if (threadSeconds() - counts->began > limit) {
+  const double limit = kMostSeconds * factor;
+  if (threadSeconds() - counts->startSeconds > limit) {
     refuse(where, fmt::format("the files of this scene take more than {} to read", shortTime(limit)));
   }
 }
@@ -91,16 +92,16 @@ void chargeFile(const std::filesystem::path& file) {
   if (counts == nullptr) return;
   struct stat status {};
   if (::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
-      counts->known.insert({status.st_dev, status.st_ino}).second) {
-    counts->read += static_cast<double>(status.st_size);
+      counts->filesSeen.insert({status.st_dev, status.st_ino}).second) {
+    counts->readBytes += static_cast<double>(status.st_size);
   }
-  add(counts->files, 1, kFiles * factor, {file.string()},
+  add(counts->files, 1, kMostFiles * factor, {file.string()},
       [](double limit) { return fmt::format("is one file too many: at most {:.0f} are opened for one scene", limit); });
 }
 
 void chargeCopies(std::uint64_t copies, const Location& where, double each) {
   if (counts == nullptr) return;
-  add(counts->copies, static_cast<double>(copies), kCopies * factor, where, [](double limit) {
+  add(counts->copies, static_cast<double>(copies), kMostCopies * factor, where, [](double limit) {
     return fmt::format("places more than {:.0f} meshes, nodes or models, with all copies", limit);
   });
   chargeBytes(each * static_cast<double>(copies), where);
@@ -115,32 +116,32 @@ void chargeBytes(double bytes, const Location& where) {
                                       shortBytes(bytes), shortBytes(allowed)));
   }
   if (counts == nullptr) return;
-  add(counts->bytes, bytes, (kBytes + kPerByte * counts->read) * factor, where, [](double limit) {
+  add(counts->bytes, bytes, (kMostBytes + kMorePerByte * counts->readBytes) * factor, where, [](double limit) {
     return fmt::format("holds, unpacked and with all copies, more than {}, the most for {} of files", shortBytes(limit),
-                       shortBytes(counts->read));
+                       shortBytes(counts->readBytes));
   });
 }
 
 void chargePixels(double pixels, const Location& where) {
   if (counts == nullptr) return;
-  add(counts->pixels, pixels, (kPixels + kPerByte * counts->read) * factor, where, [](double limit) {
+  add(counts->pixels, pixels, (kMostPixels + kMorePerByte * counts->readBytes) * factor, where, [](double limit) {
     return fmt::format("has images that bring the scene's to more than {} pixels, the most for {} of files",
-                       shortNumber(limit), shortBytes(counts->read));
+                       shortNumber(limit), shortBytes(counts->readBytes));
   });
 }
 
-InputLimitFactor::InputLimitFactor(double by) : before_(factor.exchange(by)) {}
+InputLimitFactor::InputLimitFactor(double multiplier) : previous_(factor.exchange(multiplier)) {}
 
 InputLimitFactor::~InputLimitFactor() {
-  factor = before_;
+  factor = previous_;
 }
 
-FilesRead::FilesRead() : outer_(latest) {
-  latest = this;
+FilesRead::FilesRead() : outer_(innermost) {
+  innermost = this;
 }
 
 FilesRead::~FilesRead() {
-  latest = outer_;
+  innermost = outer_;
 }
 
 std::map<std::filesystem::path, std::string> FilesRead::hashes() const {
@@ -155,11 +156,11 @@ std::map<std::filesystem::path, std::string> FilesRead::hashes() const {
 }
 
 void recordFile(const std::filesystem::path& file) {
-  if (latest != nullptr) latest->hashes_.try_emplace(cleanPath(file));
+  if (innermost != nullptr) innermost->hashes_.try_emplace(cleanPath(file));
 }
 
 void recordFile(const std::filesystem::path& file, std::string_view bytes) {
-  if (latest != nullptr) latest->hashes_[cleanPath(file)] = xxh3(bytes);
+  if (innermost != nullptr) innermost->hashes_[cleanPath(file)] = xxh3(bytes);
 }
 
 }  // namespace scanmill

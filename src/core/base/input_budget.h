@@ -31,7 +31,7 @@ class [[nodiscard]] InputBudget {
   struct Counts;
 
  private:
-  std::unique_ptr<Counts> own_;  // null if this object has joined another
+  std::unique_ptr<Counts> started_;  // null if this object has joined another
 };
 
 // Each of these throws an InputLimitError at `where` that names the limit if the sum is beyond it, or if the thread has
@@ -59,13 +59,13 @@ class InputLimitError : public InputError {
 // Multiplies all limits by a factor above 0 for as long as the object lives, in all threads.
 class [[nodiscard]] InputLimitFactor {
  public:
-  explicit InputLimitFactor(double factor);
+  explicit InputLimitFactor(double multiplier);
   ~InputLimitFactor();
   InputLimitFactor(const InputLimitFactor&) = delete;
   InputLimitFactor& operator=(const InputLimitFactor&) = delete;
 
  private:
-  double before_;
+  double previous_;
 };
 
 // While such an object lives on a thread, it collects the files that this thread reads. A second object on the thread

@@ -49,7 +49,7 @@ std::uint64_t addressSpaceLimit() {
   return ::getrlimit(RLIMIT_AS, &limit) == 0 ? limit.rlim_cur : std::numeric_limits<std::uint64_t>::max();
 }
 
-std::atomic<std::uint64_t> allowed{0};  // the limit that the user sets (bytes); 0: no limit
+std::atomic<std::uint64_t> userLimit{0};  // the limit that the user sets (bytes); 0: no limit
 
 std::uint64_t pageBytes() {
   return static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
@@ -60,14 +60,14 @@ std::uint64_t pageBytes() {
 std::uint64_t memoryLimitBytes() {
   static const std::uint64_t limit = std::min(
       {static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * pageBytes(), groupLimit(), addressSpaceLimit()});
-  const std::uint64_t own = allowed;
-  return own > 0 ? std::min(limit, own) : limit;
+  const std::uint64_t ofUser = userLimit;
+  return ofUser > 0 ? std::min(limit, ofUser) : limit;
 }
 
-MemoryLimit::MemoryLimit(std::uint64_t bytes) : before_(allowed.exchange(bytes)) {}
+MemoryLimit::MemoryLimit(std::uint64_t bytes) : previous_(userLimit.exchange(bytes)) {}
 
 MemoryLimit::~MemoryLimit() {
-  allowed = before_;
+  userLimit = previous_;
 }
 
 std::uint64_t residentBytes() {

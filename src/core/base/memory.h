@@ -18,7 +18,7 @@ class [[nodiscard]] MemoryLimit {
   MemoryLimit& operator=(const MemoryLimit&) = delete;
 
  private:
-  std::uint64_t before_;
+  std::uint64_t previous_;
 };
 
 // Returns how many bytes of the program's memory are resident now.

@@ -50,14 +50,14 @@ void failBySystem(const fs::path& path, std::string_view what) {
 }
 
 bool isWithin(const fs::path& path, const fs::path& folder) {
-  const auto plain = [](const fs::path& given) {
+  const auto resolved = [](const fs::path& given) {
     std::error_code failure;
-    const fs::path whole = fs::weakly_canonical(fs::absolute(given), failure);
+    const fs::path canonical = fs::weakly_canonical(fs::absolute(given), failure);
     if (failure) throw Error(fmt::format("{}: cannot be resolved: {}", given.string(), failure.message()));
-    return whole.has_filename() ? whole : whole.parent_path();
+    return canonical.has_filename() ? canonical : canonical.parent_path();
   };
-  const fs::path inner = plain(path);
-  const fs::path outer = plain(folder);
+  const fs::path inner = resolved(path);
+  const fs::path outer = resolved(folder);
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
@@ -72,18 +72,18 @@ bool makeFolders(const fs::path& folder, const fs::path& below) {
 }
 
 void moveFile(const fs::path& folder, const fs::path& from, const fs::path& to) {
-  const Descriptor old = openFolderOf(folder, from, "cannot be moved");
+  const Descriptor fromFolder = openFolderOf(folder, from, "cannot be moved");
   bool made = false;
-  const Descriptor place = openFolder(folder, to.parent_path(), from, "cannot be moved", &made);
-  if (::renameat(old.number, from.filename().c_str(), place.number, to.filename().c_str()) == 0) return;
+  const Descriptor toFolder = openFolder(folder, to.parent_path(), from, "cannot be moved", &made);
+  if (::renameat(fromFolder.number, from.filename().c_str(), toFolder.number, to.filename().c_str()) == 0) return;
   failBySystem(from, "cannot be moved to " + to.string());
 }
 
 void removeFile(const fs::path& folder, const fs::path& file) {
   std::error_code unreadable;
   if (!fs::exists(fs::symlink_status(file, unreadable))) return;
-  const Descriptor place = openFolderOf(folder, file, "cannot be removed");
-  if (::unlinkat(place.number, file.filename().c_str(), 0) != 0 && errno != ENOENT)
+  const Descriptor opened = openFolderOf(folder, file, "cannot be removed");
+  if (::unlinkat(opened.number, file.filename().c_str(), 0) != 0 && errno != ENOENT)
     failBySystem(file, "cannot be removed");
 }
 

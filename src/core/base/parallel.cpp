@@ -19,17 +19,17 @@ namespace {
 
 // True on a thread that runs the work of withWaiters(). The loops of that work are not isolated, so that threads that
 // wait for the work can take part in them.
-thread_local bool withOthers = false;
+thread_local bool workIsShared = false;
 
-class WithOthers {
+class ShareWork {
  public:
-  explicit WithOthers(bool now) : before_(std::exchange(withOthers, now)) {}
-  ~WithOthers() { withOthers = before_; }
-  WithOthers(const WithOthers&) = delete;
-  WithOthers& operator=(const WithOthers&) = delete;
+  explicit ShareWork(bool shared) : previous_(std::exchange(workIsShared, shared)) {}
+  ~ShareWork() { workIsShared = previous_; }
+  ShareWork(const ShareWork&) = delete;
+  ShareWork& operator=(const ShareWork&) = delete;
 
  private:
-  bool before_;
+  bool previous_;
 };
 
 }  // namespace
@@ -44,14 +44,14 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
   // TBB halves a range down to half its grain size. The loop therefore counts complete grains, so that each call of
   // body() gets at least one grain.
   const std::size_t grains = (count - 1) / grain + 1;
-  TaskOrder begun;
+  TaskOrder started;
   TaskOrder done;
-  const TaskOrder::Wait wait(begun, done);
+  const TaskOrder::Wait wait(started, done);
   StageTimer* const stage = StageTimer::current();
   const auto loop = [&] {
     const tbb::blocked_range<std::size_t> all(0, grains);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& r) SCANMILL_UNWATCHED {
-      const TaskOrder::Task turn(begun, done);
+      const TaskOrder::Task order(started, done);
       const StageTask task(stage);
       body(r.begin() * grain, r.end() == grains ? count : r.end() * grain);
     });
@@ -62,17 +62,17 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
 }
 
 void withWaiters(const std::function<void()>& work) {
-  const WithOthers yes(true);
+  const ShareWork share(true);
   work();
 }
 
 bool hasWaiters() {
-  return withOthers;
+  return workIsShared;
 }
 
 void isolated(const std::function<void()>& work) {
-  if (withOthers) {
-    const WithOthers no(false);  // loops within this work are isolated again
+  if (workIsShared) {
+    const ShareWork isolate(false);  // loops within this work are isolated again
     work();
   } else {
     tbb::this_task_arena::isolate(work);

@@ -27,8 +27,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxLine = std::size_t{16} << 20;
-constexpr double kSlice =
+constexpr std::size_t kMostLineBytes = std::size_t{16} << 20;
+constexpr double kLongestPoll =
     0.05;  // s, longest wait for a child's output before it is checked whether the child has ended
 
 std::string reason(int code) {
@@ -39,7 +39,7 @@ class Deadline {
  public:
   explicit Deadline(double seconds)
       : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
-  double left() const { return std::max(0.0, std::chrono::duration<double>(end_ - Clock::now()).count()); }
+  double remaining() const { return std::max(0.0, std::chrono::duration<double>(end_ - Clock::now()).count()); }
 
  private:
   Clock::time_point end_;
@@ -126,14 +126,14 @@ Process::Process(const std::vector<std::string>& command, const std::map<std::st
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw Error("no socket: " + reason(errno));
-  const Descriptor ours(ends[0]);
-  const Descriptor childs(ends[1]);
+  const Descriptor ownEnd(ends[0]);
+  const Descriptor childEnd(ends[1]);
   // The socket may have the number of one of our standard streams, if that is closed. What we print would go there.
-  socket_ = Descriptor(::fcntl(ours.number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
+  socket_ = Descriptor(::fcntl(ownEnd.number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   if (!socket_.open()) throw Error("no socket: " + reason(errno));
   SpawnActions actions;
-  ::posix_spawn_file_actions_adddup2(&actions.files, childs.number, STDIN_FILENO);
-  ::posix_spawn_file_actions_adddup2(&actions.files, childs.number, STDOUT_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions.files, childEnd.number, STDIN_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions.files, childEnd.number, STDOUT_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions.files, errors_.number, STDERR_FILENO);
   ::posix_spawn_file_actions_addclosefrom_np(&actions.files, STDERR_FILENO + 1);
   std::vector<std::string> words = command;
@@ -175,7 +175,7 @@ void Process::receive(double seconds) {
   if (ready < 0) throw Error(fmt::format("{}: cannot be waited for: {}", name_, reason(errno)));
   std::array<char, 1 << 16> block;
   const ssize_t n = ready > 0 ? ::recv(socket_.number, block.data(), block.size(), MSG_DONTWAIT) : 0;
-  if (n > 0 && output_.size() <= kMaxLine) output_.append(block.data(), static_cast<std::size_t>(n));
+  if (n > 0 && output_.size() <= kMostLineBytes) output_.append(block.data(), static_cast<std::size_t>(n));
   if (n < 0 && (errno == EINTR || errno == EAGAIN)) return;
   if (n <= 0 && (ready > 0 || ended)) socket_.close();
 }
@@ -198,18 +198,18 @@ std::optional<std::string> Process::readLine(double seconds) {
       output_.erase(0, newline == std::string::npos ? newline : newline + 1);
       return line;
     }
-    if (output_.size() > kMaxLine) throw Error(fmt::format("{}: a line of its output has no end", name_));
+    if (output_.size() > kMostLineBytes) throw Error(fmt::format("{}: a line of its output has no end", name_));
     if (!socket_.open()) return std::nullopt;
-    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: no answer within {} s", name_, seconds));
-    receive(std::min(deadline.left(), kSlice));
+    if (deadline.remaining() <= 0) throw TimeOut(fmt::format("{}: no answer within {} s", name_, seconds));
+    receive(std::min(deadline.remaining(), kLongestPoll));
   }
 }
 
 std::string Process::wait(double seconds) {
   const Deadline deadline(seconds);
   while (!reap(false)) {
-    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: did not end within {} s", name_, seconds));
-    receive(std::min(deadline.left(), kSlice));
+    if (deadline.remaining() <= 0) throw TimeOut(fmt::format("{}: did not end within {} s", name_, seconds));
+    receive(std::min(deadline.remaining(), kLongestPoll));
   }
   if (!WIFSIGNALED(status_)) return fmt::format("exit code {}", WEXITSTATUS(status_));
   const char* meaning = ::sigdescr_np(WTERMSIG(status_));

@@ -30,9 +30,9 @@ std::string shortBytes(double bytes) {
 
 std::string shortTime(double seconds) {
   if (seconds < 60) return fmt::format("{:.1f} s", seconds);
-  const auto whole = static_cast<long>(std::min(seconds, 1e12));
-  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
-  return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+  const auto wholeSeconds = static_cast<long>(std::min(seconds, 1e12));
+  if (wholeSeconds < 3600) return fmt::format("{} min {} s", wholeSeconds / 60, wholeSeconds % 60);
+  return fmt::format("{} h {} min", wholeSeconds / 3600, wholeSeconds / 60 % 60);
 }
 
 std::string shortLength(double metres) {
@@ -41,8 +41,8 @@ std::string shortLength(double metres) {
   return length < 1e6 ? fmt::format("{:.3g} km", metres / 1e3) : fmt::format("{:.0f} km", metres / 1e3);
 }
 
-std::string shortPosition(const Vec3d& place) {
-  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", place.x, place.y, place.z);
+std::string shortPosition(const Vec3d& point) {
+  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", point.x, point.y, point.z);
 }
 
 std::string extentText(const Box& box) {

@@ -40,7 +40,7 @@ std::string shortTime(double seconds);
 std::string shortLength(double metres);
 
 // Returns a position to the centimetre: "[1.00, -2.50, 0.12]".
-std::string shortPosition(const Vec3d& place);
+std::string shortPosition(const Vec3d& point);
 
 // Returns the edges of a box along x, y and z in m, such as "4.01 x 2.14 x 1.57 m", or "-" if the box is empty. Edges
 // have three significant digits; from 100 m on they are whole metres.

@@ -52,9 +52,9 @@ StageTimer::StageTimer(StageClock& clock, const char* stage, Kind kind)
     : clock_(clock), stage_(stage), kind_(kind), outer_(std::exchange(innermost, this)), start_(threadSeconds()) {}
 
 StageTimer::~StageTimer() {
-  const std::int64_t elsewhere = elsewhere_;
+  const std::int64_t elsewhere = otherThreads_;
   innermost = outer_;
-  if (outer_ != nullptr) outer_->elsewhere_ += elsewhere;
+  if (outer_ != nullptr) outer_->otherThreads_ += elsewhere;
   clock_.add(stage_,
              kind_ == Kind::Wall ? wall_.seconds() : threadSeconds() - start_ + 1e-9 * static_cast<double>(elsewhere));
 }
@@ -63,7 +63,7 @@ StageTimer* StageTimer::current() {
   return innermost;
 }
 
-StageTask::StageTask(StageTimer* timer) : timer_(timer == innermost ? nullptr : timer), before_(innermost) {
+StageTask::StageTask(StageTimer* timer) : timer_(timer == innermost ? nullptr : timer), previous_(innermost) {
   if (timer_ == nullptr) return;
   innermost = timer_;
   start_ = threadSeconds();
@@ -72,9 +72,9 @@ StageTask::StageTask(StageTimer* timer) : timer_(timer == innermost ? nullptr : 
 StageTask::~StageTask() {
   if (timer_ == nullptr) return;
   const std::int64_t taken = nanoseconds(threadSeconds() - start_);
-  innermost = before_;
-  timer_->elsewhere_ += taken;
-  if (before_ != nullptr) before_->elsewhere_ -= taken;
+  innermost = previous_;
+  timer_->otherThreads_ += taken;
+  if (previous_ != nullptr) previous_->otherThreads_ -= taken;
 }
 
 }  // namespace scanmill

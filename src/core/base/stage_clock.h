@@ -85,8 +85,8 @@ class [[nodiscard]] StageTimer {
   Kind kind_;
   StageTimer* outer_;
   WallTimer wall_;
-  double start_;                             // s, threadSeconds() at construction
-  std::atomic<std::int64_t> elsewhere_ = 0;  // ns, CPU time of tasks on other threads
+  double start_;                                // s, threadSeconds() at construction
+  std::atomic<std::int64_t> otherThreads_ = 0;  // ns, CPU time of tasks on other threads
 };
 
 // Adds the CPU time of the calling thread between construction and destruction to a timer of another thread, for
@@ -99,8 +99,9 @@ class [[nodiscard]] StageTask {
   StageTask& operator=(const StageTask&) = delete;
 
  private:
-  StageTimer* timer_;   // null: the task runs on the timer's own thread, or there is no timer
-  StageTimer* before_;  // the calling thread's innermost timer when the task began, which the task's time is no part of
+  StageTimer* timer_;  // null: the task runs on the timer's own thread, or there is no timer
+  StageTimer*
+      previous_;  // the calling thread's innermost timer when the task began, which the task's time is no part of
   double start_ = 0;
 };
 

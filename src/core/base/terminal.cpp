@@ -4,29 +4,31 @@ namespace scanmill {
 
 namespace {
 
-std::string made(std::string_view text, bool keepLines) {
-  std::string fit;
-  fit.reserve(text.size());
+enum class LineFeeds { Kept, Escaped };  // and tabs
+
+// Returns the text with escapes in place of bytes that are not UTF-8 and of characters that control a terminal.
+std::string escaped(std::string_view text, LineFeeds lineFeeds) {
+  std::string safe;
+  safe.reserve(text.size());
   for (std::size_t i = 0; i < text.size();) {
     const auto [c, length] = utf8At(text, i);
     if (c == '\n' || c == '\t' || c == '\r') {
-      const bool kept = keepLines && c != '\r';
-      if (kept) {
-        fit += static_cast<char>(c);
+      if (lineFeeds == LineFeeds::Kept && c != '\r') {
+        safe += static_cast<char>(c);
       } else {
-        fit += c == '\n' ? "\\n" : c == '\t' ? "\\t" : "\\r";
+        safe += c == '\n' ? "\\n" : c == '\t' ? "\\t" : "\\r";
       }
     } else if (c == kNoCharacter) {
-      fit += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[i]));
+      safe += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[i]));
     } else if (isUnseenControl(c)) {
-      fit += c < 0x100 ? fmt::format("\\x{:02x}", static_cast<unsigned>(c))
-                       : fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+      safe += c < 0x100 ? fmt::format("\\x{:02x}", static_cast<unsigned>(c))
+                        : fmt::format("\\u{:04x}", static_cast<unsigned>(c));
     } else {
-      fit += text.substr(i, length);
+      safe += text.substr(i, length);
     }
     i += length;
   }
-  return fit;
+  return safe;
 }
 
 }  // namespace
@@ -64,16 +66,16 @@ bool isUnseenControl(char32_t c) {
 }
 
 std::string forTerminal(std::string_view text) {
-  return made(text, true);
+  return escaped(text, LineFeeds::Kept);
 }
 
 std::string oneLine(std::string_view text) {
-  return made(text, false);
+  return escaped(text, LineFeeds::Escaped);
 }
 
 std::string indented(std::string_view text) {
   std::string lines;
-  for (const char c : made(text, true)) {
+  for (const char c : forTerminal(text)) {
     lines += c;
     if (c == '\n') lines += "  ";
   }
@@ -81,8 +83,8 @@ std::string indented(std::string_view text) {
 }
 
 void writeTo(std::FILE* stream, std::string_view text) {
-  const std::string fit = forTerminal(text);
-  std::fwrite(fit.data(), 1, fit.size(), stream);
+  const std::string safe = forTerminal(text);
+  std::fwrite(safe.data(), 1, safe.size(), stream);
 }
 
 }  // namespace scanmill
