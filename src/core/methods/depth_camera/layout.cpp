@@ -161,16 +161,17 @@ struct Spread {
 // A choice of cameras. Each direction belongs to one of the cameras.
 class Candidate {
  public:
-  // Beams with a slope of more than `steep` upwards or downwards belong to the camera that looks up or down.
-  Candidate(const Spread& spread, int sides, double steep, bool aimed) : sides_(sides), steep_(steep) {
-    const double part = spread.width / sides;
-    const double first = spread.width < 2 * kPi ? spread.first : -part / 2;  // in a full circle camera 0 looks forward
-    const double pitch = aimed ? -(std::atan(spread.lowest) + std::atan(spread.highest)) / 2 : 0;
+  // Beams with a slope of more than `steep` upwards or downwards belong to the camera that looks up or down. `pitch`:
+  // angle by which the side cameras look down (rad).
+  Candidate(const Spread& spread, int sides, double steep, double pitch) : sides_(sides), steep_(steep) {
+    const double sector = spread.width / sides;
+    const double first =
+        spread.width < 2 * kPi ? spread.first : -sector / 2;  // in a full circle camera 0 looks forward
     origin_ = squareAngle(first);
     for (int i = 0; i < sides; ++i) {
-      cameras_.push_back(facing(first + (i + 0.5) * part, pitch, ""));
+      cameras_.push_back(facing(first + (i + 0.5) * sector, pitch, ""));
       cameras_.back().name = fmt::format("side{}", i);
-      if (i > 0) bounds_.push_back(fromOrigin(squareAngle(first + i * part)));
+      if (i > 0) bounds_.push_back(fromOrigin(squareAngle(first + i * sector)));
     }
     cameras_.push_back(facing(0, -kPi / 2, "up"));
     cameras_.push_back(facing(0, kPi / 2, "down"));
@@ -220,6 +221,7 @@ std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t 
   const double focal = resolution / 2.0;
   const Spread spread(directions);
   const double steepest = std::max(std::abs(spread.lowest), std::abs(spread.highest));
+  const double pitchToMiddle = -(std::atan(spread.lowest) + std::atan(spread.highest)) / 2;
   std::optional<Candidate> best;
   double bestCost = INFINITY;
   for (const double limit : {90.0, 35.0, 45.0, 55.0, 65.0}) {
@@ -233,10 +235,10 @@ std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t 
         best = candidate;
       }
     };
-    if (limit == 90) consider(Candidate(spread, 1, steep, true));
-    for (int sides = 1; sides <= kMostSides; ++sides) consider(Candidate(spread, sides, steep, false));
+    if (limit == 90) consider(Candidate(spread, 1, steep, pitchToMiddle));
+    for (int sides = 1; sides <= kMostSides; ++sides) consider(Candidate(spread, sides, steep, 0));
   }
-  const Candidate& chosen = best ? *best : Candidate(spread, 4, 1, false);  // a cube covers all directions
+  const Candidate& chosen = best ? *best : Candidate(spread, 4, 1, 0);  // a cube covers all directions
   const std::vector<Window> windows = chosen.windows(directions);
   std::vector<Camera> cameras;
   for (std::size_t i = 0; i < windows.size(); ++i) {

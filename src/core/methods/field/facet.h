@@ -37,8 +37,8 @@ struct Facet {
     T pastLongest = 0;
     for (int i = 0; i < 3; ++i) {
       within[i] = along(edges[i].inward) + edges[i].inside;
-      const T way = along(edges[i].along);
-      const T excess = std::max(std::max(edges[i].before - way, way + edges[i].past), T(0));
+      const T position = along(edges[i].along);
+      const T excess = std::max(std::max(edges[i].before - position, position + edges[i].past), T(0));
       if (i == 0) pastLongest = excess;
       square[i] = within[i] * within[i] + excess * excess;
     }

@@ -328,11 +328,11 @@ void ExrReader::read(std::span<const ExrTarget> targets) const {
       const std::size_t first = firstBand * bandRows_;
       const std::size_t end = std::min<std::size_t>(endBand * bandRows_, height_);
       for (int part = 0; part < file.parts(); ++part) {
-        std::vector<ExrTarget> own;
-        std::copy_if(targets.begin(), targets.end(), std::back_inserter(own),
+        std::vector<ExrTarget> ofPart;
+        std::copy_if(targets.begin(), targets.end(), std::back_inserter(ofPart),
                      [&](const ExrTarget& target) { return target.channel->part == part; });
-        if (own.empty()) continue;
-        (isPlain(file.header(part)) ? copyRows : readRows)(file, part, own, first, end);
+        if (ofPart.empty()) continue;
+        (isPlain(file.header(part)) ? copyRows : readRows)(file, part, ofPart, first, end);
       }
     });
   });
