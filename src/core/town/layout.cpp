@@ -136,7 +136,7 @@ double Layout::potholeDepthAt(const Point2& p) const {
 // `inside`: m from the edge of the carriageway.
 double Layout::carriagewayHeight(double inside, const Point2& p) const {
   if (character.plain) return hillsAt(p);
-  constexpr double kCamber = 0.02;      // slope across the road: 2 %, the least of the German guidelines (RASt 06)
+  constexpr double kCamber = 0.02;      // slope across the road, an estimate
   constexpr double kCambered = 5;       // m from the road's edge to where the crown is level
   constexpr double kRuts = 0.012;       // m, amplitude of ruts about 7 m long
   constexpr double kWornSpots = 0.006;  // m, amplitude of worn spots about 1.7 m wide
@@ -198,7 +198,7 @@ double Layout::snowOn(const Beside& beside, const Point2& p) const {
   constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
   constexpr double kBank = 1.3;   // m, width of the banks
   const CrossSection& s = beside.section;
-  const double edge = beside.known ? beside.edge : 1e3;
+  const double edge = beside.known ? beside.edge : kFarFromRoads;
   const double outer = beside.known ? s.paved() : 0;
   const double verge = edge - (beside.known ? s.curb : 0);  // m, distance of the point beyond the curb
   const double cleared = smooth(outsidePatches(p) / 0.5);
