@@ -12,7 +12,7 @@ struct OnThreads {
   bool twoReturns = false;  // beams have two returns, one or none
 };
 
-const std::string kNoise =
+const std::string kRandomNoise =
     "effects=[intensity: {output: u8}, dropout: {probability: 0.1, threshold: 0.0005}, range_noise: {sigma_m: 0.02}, "
     "angular_jitter: {sigma_deg: 0.05}, shell: {scale_m: 0.01}, quantize: {step_m: 0.004}]";
 const std::string kWideBeams =
@@ -22,8 +22,8 @@ const std::string kWideBeams =
 const OnThreads kCases[] = {
     {"SensorsFormatsAndSplits",
      {"sensors=[" + kTop + ", {name: front, columns: 100, rate_hz: 10, elevation_deg: [2, 0, -4], range_m: [1, 25]}]",
-      "scenes.0.seeds=[1, 2, 3]", "splits={by: seed, train: [1], val: [2], test: [3]}", "motion=per_column", kNoise,
-      "output.formats=[pcd, draco: {max_error_mm: 2}, csv]"},
+      "scenes.0.seeds=[1, 2, 3]", "splits={by: seed, train: [1], val: [2], test: [3]}", "motion=per_column",
+      kRandomNoise, "output.formats=[pcd, draco: {max_error_mm: 2}, csv]"},
      true},
     {"ObjectsVoxelsAndMovement",
      {"motion={steps: per_column, deskew: true}", "output.objects=true",
@@ -40,10 +40,10 @@ const OnThreads kCases[] = {
      {"scenes.0.seeds=[1, 2, 3]", "sensors.0.mount.position.2={uniform: [1.2, 2.4]}", "vehicle=vehicle",
       "effects=[{range_noise: {sigma_m: {uniform: [0.01, 0.2], per: frame}}}]"}},
     {"SeveralReturns",
-     {kNoise, "scenes.0.moving=false", "output.formats=[pcd, draco: {max_error_mm: 2}, csv]"},
+     {kRandomNoise, "scenes.0.moving=false", "output.formats=[pcd, draco: {max_error_mm: 2}, csv]"},
      false,
      true},
-    {"SeveralReturnsOrganised", {kNoise, "scenes.0.moving=false", "output.layout=organised"}, false, true},
+    {"SeveralReturnsOrganised", {kRandomNoise, "scenes.0.moving=false", "output.layout=organised"}, false, true},
 };
 
 class Threads : public TwoReturnsYard, public testing::WithParamInterface<OnThreads> {
