@@ -11,16 +11,16 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kLeast = 1e-3;  // errors below this bound (m) get the same colour
-constexpr double kDecades = 3;   // from kLeast to the end of the colours
+constexpr double kLeastError = 1e-3;  // errors below this bound (m) get the same colour
+constexpr double kDecades = 3;        // from kLeastError to the end of the colours
 constexpr Rgb kFalseNegativeColor{255, 70, 70};
 constexpr Rgb kFalsePositiveColor{255, 255, 255};
-constexpr Rgb kLabelColor{255, 150, 220};
+constexpr Rgb kOtherLabelColor{255, 150, 220};
 
 Rgb errorColor(double error) {
   // Fraction of the colour map, at its dark end, that is not used, since its colours can hardly be seen.
   constexpr double kDarkest = 0.15;
-  return viridis(kDarkest + (1 - kDarkest) * std::log10(std::max(error, kLeast) / kLeast) / kDecades);
+  return viridis(kDarkest + (1 - kDarkest) * std::log10(std::max(error, kLeastError) / kLeastError) / kDecades);
 }
 
 }  // namespace
@@ -31,24 +31,18 @@ std::string drawErrors(const TrueShot& truth, const Hits& tested) {
   scan.rings = real.rings;
   scan.columns = real.columns;
   Coloring coloring;
-  std::uint64_t falseNegatives = 0;
-  std::uint64_t falsePositives = 0;
-  std::uint64_t label = 0;
-  const auto add = [&](std::size_t i, double range, const Rgb& color) {
-    scan.position.push_back(Vec3f(truth.shot.beams->originOf(i) + truth.shot.beams->direction[i] * range));
+  const auto add = [&](std::size_t beam, double range, const Rgb& color) {
+    scan.position.push_back(Vec3f(truth.shot.beams->originOf(beam) + truth.shot.beams->direction[beam] * range));
     coloring.colors.push_back(color);
   };
   for (std::size_t i = 0; i < real.size(); ++i) {
     if (!real.hit(i) && !tested.hit(i)) continue;
     if (!tested.hit(i)) {
       add(i, truth.truth.range[i], kFalseNegativeColor);
-      ++falseNegatives;
     } else if (!real.hit(i)) {
       add(i, double{tested.range[i]}, kFalsePositiveColor);
-      ++falsePositives;
     } else if (real.semantic[i] != tested.semantic[i] || real.instance[i] != tested.instance[i]) {
-      add(i, truth.truth.range[i], kLabelColor);
-      ++label;
+      add(i, truth.truth.range[i], kOtherLabelColor);
     } else {
       add(i, truth.truth.range[i], errorColor(std::abs(double{tested.range[i]} - truth.truth.range[i])));
     }
@@ -58,9 +52,11 @@ std::string drawErrors(const TrueShot& truth, const Hits& tested) {
        {std::pair{"1 mm or less", 1e-3}, {"1 cm", 1e-2}, {"10 cm", 0.1}, {"1 m or more", 1.0}}) {
     coloring.legend.entries.push_back({name, errorColor(error)});
   }
-  coloring.legend.entries.push_back({fmt::format("other label: {}", label), kLabelColor});
-  coloring.legend.entries.push_back({fmt::format("false negatives: {}", falseNegatives), kFalseNegativeColor});
-  coloring.legend.entries.push_back({fmt::format("false positives: {}", falsePositives), kFalsePositiveColor});
+  for (const auto& [name, color] : {std::pair{"other label", kOtherLabelColor},
+                                    {"false negatives", kFalseNegativeColor},
+                                    {"false positives", kFalsePositiveColor}}) {
+    coloring.legend.entries.push_back({fmt::format("{}: {}", name, std::ranges::count(coloring.colors, color)), color});
+  }
   const std::string title = fmt::format("{}, {}", truth.shot.sample, truth.shot.sensorName);
   return encodePng(drawScan(scan, coloring, 1200, 675, title, false));
 }

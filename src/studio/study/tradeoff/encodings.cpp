@@ -9,10 +9,10 @@ namespace scanmill {
 
 namespace {
 
-double leastSeconds(int repeats, const auto& work) {
-  double least = secondsOf(work);
-  for (int i = 1; i < repeats; ++i) least = std::min(least, secondsOf(work));
-  return least;
+double shortestSeconds(int repeats, const auto& work) {
+  double shortest = secondsOf(work);
+  for (int i = 1; i < repeats; ++i) shortest = std::min(shortest, secondsOf(work));
+  return shortest;
 }
 
 // Returns the largest distance (m) between corresponding points. Formats preserve the order of points.
@@ -42,15 +42,12 @@ EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Sc
   const Format& format = *encoding.choice.format;
   result.statedError = format.maxError();
   try {
-    double encode = 0;
-    double decode = 0;
-    double bytes = 0;
-    double points = 0;
+    double encodeSeconds = 0, decodeSeconds = 0, bytes = 0, points = 0;
     for (const Scan& scan : scans) {
       std::string text;
       Scan decoded;
-      encode += leastSeconds(repeats, [&] { text = format.encode(scan); });
-      decode += leastSeconds(repeats, [&] { decoded = format.decode(text, encoding.name); });
+      encodeSeconds += shortestSeconds(repeats, [&] { text = format.encode(scan); });
+      decodeSeconds += shortestSeconds(repeats, [&] { decoded = format.decode(text, encoding.name); });
       bytes += static_cast<double>(text.size());
       const Scan returns = withoutMisses(scan);  // all that a format decodes that cannot store misses
       points += static_cast<double>(returns.size());
@@ -58,8 +55,8 @@ EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Sc
       result.largestError = std::max(result.largestError, largestError(misses ? scan : returns, decoded));
     }
     if (points == 0) throw Error("the scans are empty");
-    result.encodePointsPerSecond = points / encode;
-    result.decodePointsPerSecond = points / decode;
+    result.encodePointsPerSecond = points / encodeSeconds;
+    result.decodePointsPerSecond = points / decodeSeconds;
     result.bytesPerPoint = bytes / points;
   } catch (const Error& error) {
     result.failure = error.what();
