@@ -41,6 +41,18 @@ Surface surfaceOf(SceneBuilder& builder, const ArraySurface& given) {
   return surface;
 }
 
+// Returns the velocity of a sensor (m/s) from each of its poses to the next, of the last pose that of the one before.
+// `duration`: s, in which the sensor takes all poses at equal intervals. Of one pose: nothing.
+std::vector<Vec3d> velocitiesOf(const std::vector<Pose>& poses, double duration) {
+  std::vector<Vec3d> velocities;
+  const double step = duration / static_cast<double>(poses.size());
+  for (std::size_t i = 0; i < poses.size() && poses.size() > 1; ++i) {
+    const std::size_t from = std::min(i, poses.size() - 2);
+    velocities.push_back((poses[from + 1].translation - poses[from].translation) * (1 / step));
+  }
+  return velocities;
+}
+
 }  // namespace
 
 void addParts(SceneBuilder& builder, const std::vector<ArrayPart>& parts) {
@@ -83,35 +95,36 @@ Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& f
   }
 }
 
-std::shared_ptr<const Placements> Simulator::place(const SimulatedShot& wanted) const {
+// Returns the indices of an object's instances: of those with this name, or else of all copies of the object.
+const std::vector<std::uint32_t>& Simulator::instancesOf(const std::string& name) const {
+  for (const auto* named : {&instances_, &copies_}) {
+    if (const auto found = named->find(name); found != named->end()) return found->second;
+  }
+  std::vector<std::string> names;
+  for (const auto& [known, indices] : instances_) names.push_back(known);
+  throw InputError(fmt::format("poses: the scene has no object '{}'{}", name, suggestion(name, names)));
+}
+
+std::shared_ptr<const Placements> Simulator::placementsOf(const SimulatedShot& wanted) const {
   if (wanted.objects.empty()) return nullptr;
   auto placed = std::make_shared<Placements>(wanted.time);
-  for (const ObjectPlace& object : wanted.objects) {
-    const std::vector<std::uint32_t>* own = nullptr;
-    for (const auto* named : {&copies_, &instances_}) {
-      if (const auto found = named->find(object.name); found != named->end()) own = &found->second;
+  for (const ObjectPose& object : wanted.objects) {
+    const std::vector<std::uint32_t>& instances = instancesOf(object.name);
+    Affine moved;  // takes the object from its pose in the scene to the given pose
+    if (object.worldFromObject) {
+      const Affine inScene = scene_.instances[instances.front()].worldFromMeshAt(wanted.time);
+      moved = *object.worldFromObject * inverse(rigidPartOf(inScene));
     }
-    if (own == nullptr) {
-      std::vector<std::string> names;
-      for (const auto& [name, indices] : instances_) names.push_back(name);
-      throw InputError(
-          fmt::format("poses: the scene has no object '{}'{}", object.name, suggestion(object.name, names)));
-    }
-    Affine moved;  // takes the object from its place in the scene to the given place
-    for (const std::uint32_t index : *own) {
-      const Affine before = scene_.instances[index].worldFromMeshAt(wanted.time);
-      if (index == own->front() && object.worldFromObject) {
-        moved = *object.worldFromObject * inverse(rigidPartOf(before));
+    for (const std::uint32_t index : instances) {
+      RigidMotion motion;
+      motion.hidden = !object.worldFromObject;
+      motion.worldFromMesh = moved * scene_.instances[index].worldFromMeshAt(wanted.time);
+      motion.turning = object.turning;
+      if (!motion.hidden) {
+        const Vec3d arm = motion.worldFromMesh.translation - object.worldFromObject->translation;
+        motion.velocity = object.velocity + cross(object.turning, arm);
       }
-      RigidMotion placement;
-      placement.hidden = !object.worldFromObject;
-      placement.worldFromMesh = moved * before;
-      placement.turning = object.turning;
-      if (!placement.hidden) {
-        const Vec3d arm = placement.worldFromMesh.translation - object.worldFromObject->translation;
-        placement.velocity = object.velocity + cross(object.turning, arm);
-      }
-      placed->set(index, placement);
+      placed->set(index, motion);
     }
   }
   return placed;
@@ -120,7 +133,7 @@ std::shared_ptr<const Placements> Simulator::place(const SimulatedShot& wanted) 
 std::vector<SimulatedScan> Simulator::scan(const SimulatedShot& wanted) const {
   std::vector<SimulatedScan> scans;
   const std::shared_ptr<const FrameSettings> settings = source_.settings(0, wanted.frame);
-  const std::shared_ptr<const Placements> placed = place(wanted);
+  const std::shared_ptr<const Placements> placed = placementsOf(wanted);
   for (Shot& shot : source_.frame(0, 0).shots) {
     shot.frame = wanted.frame;
     shot.time = wanted.time;
@@ -131,13 +144,7 @@ std::vector<SimulatedScan> Simulator::scan(const SimulatedShot& wanted) const {
     for (const Pose& worldFromVehicle : wanted.worldFromVehicle.at(shot.sensor)) {
       shot.worldFromSensor.push_back(worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor);
     }
-    const std::vector<Pose>& poses = shot.worldFromSensor;
-    const double step = shot.beams->columnPeriod() * shot.beams->columns / static_cast<double>(poses.size());
-    shot.sensorVelocity.assign(poses.size() > 1 ? poses.size() : 0, {});
-    for (std::size_t i = 0; i < shot.sensorVelocity.size(); ++i) {
-      const std::size_t from = std::min(i, poses.size() - 2);
-      shot.sensorVelocity[i] = (poses[from + 1].translation - poses[from].translation) * (1 / step);
-    }
+    shot.sensorVelocity = velocitiesOf(shot.worldFromSensor, shot.beams->columnPeriod() * shot.beams->columns);
     ShotBuffers buffers;
     StageClock clock({"trace", "effects"});
     runShot(setupOf(plan_, *settings, scene_, *method_, shot.sensor), shot, buffers, clock);

@@ -42,7 +42,7 @@ struct SimulatedScan {
 };
 
 // States where an object of the scene is at the start of a scan, and how it moves during the scan.
-struct ObjectPlace {
+struct ObjectPose {
   std::string name;
   std::optional<Affine> worldFromObject;  // without scale; none: the object is left out of the scan
   Vec3d velocity;                         // m/s, world axes
@@ -53,7 +53,7 @@ struct SimulatedShot {
   std::vector<std::vector<Pose>> worldFromVehicle;  // for each sensor, the poses at equal steps of its revolution
   double time = 0;                                  // s since the drive began, at the start of the revolution
   std::uint32_t frame = 0;                          // selects the noise
-  std::vector<ObjectPlace> objects;                 // the objects that are not where the scene places them
+  std::vector<ObjectPose> objects;                  // the objects that are not where the scene places them
   bool moving = false;                              // true: objects move during the revolution
 };
 
@@ -84,7 +84,8 @@ class Simulator {
   const Scene& scene() const { return scene_; }
 
  private:
-  std::shared_ptr<const Placements> place(const SimulatedShot& wanted) const;
+  std::shared_ptr<const Placements> placementsOf(const SimulatedShot& wanted) const;
+  const std::vector<std::uint32_t>& instancesOf(const std::string& name) const;
 
   Plan plan_;
   mutable ShotSource source_;  // its functions may be called from any thread

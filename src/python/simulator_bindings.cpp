@@ -53,19 +53,19 @@ ArrayPart partOf(const py::dict& given) {
 }
 
 // The objects with these names are placed: poses (n, 4, 4), velocities (n, 6), and whether they are left out (n,).
-std::vector<ObjectPlace> placesOf(const std::vector<std::string>& names, const Array<double>& matrices,
-                                  const Array<double>& velocities, const Array<bool>& hidden) {
+std::vector<ObjectPose> objectPosesOf(const std::vector<std::string>& names, const Array<double>& matrices,
+                                      const Array<double>& velocities, const Array<bool>& hidden) {
   const auto v = velocities.unchecked<2>();
   const auto h = hidden.unchecked<1>();
-  std::vector<ObjectPlace> places;
+  std::vector<ObjectPose> poses;
   for (py::ssize_t i = 0; i < static_cast<py::ssize_t>(names.size()); ++i) {
-    ObjectPlace& place = places.emplace_back();
-    place.name = names[static_cast<std::size_t>(i)];
-    if (!h(i)) place.worldFromObject = affineOf(matrices.data(i));
-    place.velocity = {v(i, 0), v(i, 1), v(i, 2)};
-    place.turning = {v(i, 3), v(i, 4), v(i, 5)};
+    ObjectPose& pose = poses.emplace_back();
+    pose.name = names[static_cast<std::size_t>(i)];
+    if (!h(i)) pose.worldFromObject = affineOf(matrices.data(i));
+    pose.velocity = {v(i, 0), v(i, 1), v(i, 2)};
+    pose.turning = {v(i, 3), v(i, 4), v(i, 5)};
   }
-  return places;
+  return poses;
 }
 
 // Poses are arrays (n, 7) of quaternions w, x, y, z and translations.
@@ -88,18 +88,18 @@ py::list simulate(const Simulator& simulator, const std::vector<Array<double>>& 
   wanted.time = time;
   wanted.frame = frame;
   wanted.moving = moving;
-  wanted.objects = placesOf(names, matrices, velocities, hidden);
+  wanted.objects = objectPosesOf(names, matrices, velocities, hidden);
   std::vector<SimulatedScan> scans;
   {
     const py::gil_scoped_release released;
     scans = simulator.scan(wanted);
   }
   py::list all;
-  for (SimulatedScan& own : scans) {
-    const bool empty = own.scan.size() == 0;
-    py::dict arrays = arraysOf(std::move(own.scan));
+  for (SimulatedScan& simulated : scans) {
+    const bool empty = simulated.scan.size() == 0;
+    py::dict arrays = arraysOf(std::move(simulated.scan));
     if (empty) addEmptyColumns(scanColumnNames(simulator.plan().columns()), arrays);
-    arrays["world_from_sensor"] = matricesOf(own.worldFromSensor);
+    arrays["world_from_sensor"] = matricesOf(simulated.worldFromSensor);
     all.append(std::move(arrays));
   }
   return all;
