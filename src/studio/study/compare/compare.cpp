@@ -254,7 +254,7 @@ SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
   const auto [realGroups, simulatedGroups] =
       result.byClass ? groupsByClass(result)
                      : std::pair(groupsByKind(result.real.patches), groupsByKind(result.simulated.patches));
-  if (result.real.knowsRings && result.simulated.knowsRings && result.real.rows != result.simulated.rows) {
+  if (result.sensorsDiffer()) {
     result.warnings.push_back(
         fmt::format("{} has {} rings, but {} has {}: the patches of different sensors differ already by their beams, "
                     "so compare scans of one sensor",

@@ -69,6 +69,8 @@ struct SetComparison {
   std::vector<KeyChange> advice;
   std::string assignment;  // argument of --set that applies all advice; empty: no advice
   std::string unadvised;   // the reason why there is no advice, as a sentence; empty if there is advice
+
+  bool sensorsDiffer() const { return real.knowsRings && simulated.knowsRings && real.rows != simulated.rows; }
 };
 
 // Compares two sets. The classes of one set are mapped to the other set's classes with the same name or alias. The

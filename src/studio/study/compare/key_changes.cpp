@@ -55,10 +55,14 @@ struct FigurePair {
   double ratio() const { return real / simulated; }
 };
 
+FigurePair shownPair(const ComparedFigure& f, double real, double simulated) {
+  return {real * f.factor, simulated * f.factor, f.title, f.unit};
+}
+
 std::optional<FigurePair> figureOfPatches(const SetComparison& comparison, std::string_view name) {
   for (const Separation& s : comparison.features) {
     const ComparedFigure& f = kPatchFeatures[s.feature];
-    if (f.name == name) return FigurePair{s.realValue * f.factor, s.simulatedValue * f.factor, f.title, f.unit};
+    if (f.name == name) return shownPair(f, s.realValue, s.simulatedValue);
   }
   return {};
 }
@@ -66,17 +70,14 @@ std::optional<FigurePair> figureOfPatches(const SetComparison& comparison, std::
 std::optional<FigurePair> figureOfSets(const SetComparison& comparison, std::string_view name) {
   for (std::size_t i = 0; i < kSetFigureCount; ++i) {
     const ComparedFigure& f = kSetFigures[i];
-    if (f.name != name) continue;
-    return FigurePair{comparison.real.figures[i] * f.factor, comparison.simulated.figures[i] * f.factor, f.title,
-                      f.unit};
+    if (f.name == name) return shownPair(f, comparison.real.figures[i], comparison.simulated.figures[i]);
   }
   return {};
 }
 
 // Returns the figure that describes the complete sets, which is corrected for chance; if there is none, the figure that
-// describes patches.
-// Returns nothing if both exist and suggest opposite changes, since something other than the key then causes the
-// difference.
+// describes patches. Returns nothing if both exist and suggest opposite changes, since something other than the key
+// then causes the difference.
 std::optional<FigurePair> figureFor(const SetComparison& comparison, const KeyInfluence& influence) {
   const std::optional<FigurePair> sets = figureOfSets(comparison, influence.figure);
   const std::optional<FigurePair> patches = figureOfPatches(comparison, influence.figure);
@@ -86,7 +87,7 @@ std::optional<FigurePair> figureFor(const SetComparison& comparison, const KeyIn
   return known(figure) ? figure : std::nullopt;
 }
 
-double rounded(double value) {
+double withTwoDigits(double value) {
   return std::stod(fmt::format("{:.2g}", value));
 }
 
@@ -98,7 +99,7 @@ auto effectNamed(const std::vector<Value>& effects, std::string_view name) {
 }  // namespace
 
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& own) {
-  constexpr double kAlike = 1.1;
+  constexpr double kNearlyEqual = 1.1;
   std::vector<KeyChange> advice;
   for (const KeyInfluence& influence : kKeyInfluences) {
     const auto item = effectNamed(own, influence.effect);
@@ -106,10 +107,10 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
     if (item == own.end() || !figure || std::max(figure->real, figure->simulated) < influence.least) continue;
     const std::optional<double> now = numberIn(readNamed(*item, "an effect").options, influence.key);
     const double ratio = figure->ratio();
-    if (!now || std::max(ratio, 1 / ratio) < kAlike) continue;
+    if (!now || std::max(ratio, 1 / ratio) < kNearlyEqual) continue;
     const double exact = *now * std::pow(ratio, influence.power);
     const double within = std::clamp(exact, influence.low, influence.high);
-    const double next = influence.integer ? std::round(within) : rounded(within);
+    const double next = influence.integer ? std::round(within) : withTwoDigits(within);
     if (next == *now) continue;
     advice.push_back({influence.effect, influence.key, figure->title, figure->real, figure->simulated, figure->unit,
                       *now, next, within != exact});
@@ -133,23 +134,21 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
 
 void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simulated, const std::string& sensor,
                    const std::filesystem::path& pipeline) {
-  const auto none = [&](std::string why) { comparison.unadvised = std::move(why); };
-  if (!pathExists(simulated / kManifestName)) return none("The second set is not the folder of a dataset.");
-  const bool unlike = comparison.real.knowsRings && comparison.simulated.knowsRings &&
-                      comparison.real.rows != comparison.simulated.rows;
-  if (unlike) return none("The sensors differ.");
+  const auto giveNone = [&](std::string why) { comparison.unadvised = std::move(why); };
+  if (!pathExists(simulated / kManifestName)) return giveNone("The second set is not the folder of a dataset.");
+  if (comparison.sensorsDiffer()) return giveNone("The sensors differ.");
   try {
     const Plan plan = planOfDataset(readManifest(simulated), simulated, pipeline);
     const Pipeline& read = plan.pipeline;
-    if (read.drawn != nullptr) return none("The second set's mounts or effects are random.");
+    if (read.drawn != nullptr) return giveNone("The second set's mounts or effects are random.");
     const auto named = std::ranges::find_if(read.sensors, [&](const MountedSensor& s) { return s.name == sensor; });
-    const MountedSensor& own = named == read.sensors.end() ? read.sensors.front() : *named;
-    comparison.advice = adviceFor(comparison, sensorEffectItems(read.effectItems, own));
+    const MountedSensor& compared = named == read.sensors.end() ? read.sensors.front() : *named;
+    comparison.advice = adviceFor(comparison, sensorEffectItems(read.effectItems, compared));
     if (comparison.advice.empty())
-      return none("No key of the second set's effects scales a figure that differs by a tenth or more.");
+      return giveNone("No key of the second set's effects scales a figure that differs by a tenth or more.");
     comparison.assignment = assignmentOf(comparison.advice, read.effectItems);
   } catch (const InputError& error) {
-    none(
+    giveNone(
         fmt::format("The second set's pipeline cannot be read: {}. If its files are elsewhere, name the pipeline with "
                     "--pipeline FILE.",
                     error.what()));
