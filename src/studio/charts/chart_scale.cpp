@@ -62,12 +62,12 @@ double ChartScale::at(double value) const {
 // Adds a margin to both ends of the axis, but not below a linear axis that starts at or above zero, and rounds the ends
 // of a logarithmic axis to 1, 2 or 5 times powers of ten.
 void ChartScale::widen(bool fromZero) {
-  constexpr double kMargin = 0.04;  // as a fraction of the axis
+  constexpr double kEndMargin = 0.04;  // as a fraction of the axis
   if (!(high_ > low_)) {
     const double half = log_ || low_ == 0 ? 1 : std::abs(low_) * 0.1;
     low_ -= half, high_ += half;
   }
-  const double margin = kMargin * (high_ - low_);
+  const double margin = kEndMargin * (high_ - low_);
   const bool positive = !log_ && low_ >= 0;
   if (!(fromZero && low_ == 0)) low_ -= margin;
   high_ += margin;

@@ -304,13 +304,13 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
       const double value = (first + k) * step;
       if (value > legend.high + kSlack * span) break;
       const double share = std::pow(std::clamp((value - low) / span, 0.0, 1.0), 1 / legend.power);
-      const auto isFar = [&](const ScaleTick& other) { return std::abs(other.share - share) >= kApart; };
+      const auto isFar = [&](const ScaleTick& other) { return std::abs(other.position - share) >= kApart; };
       if (std::ranges::all_of(ticks, isFar)) ticks.push_back({share, fmt::format("{:.10g}", value == 0 ? 0.0 : value)});
     }
     if (legend.power == 1 || (legend.integers && step <= 1)) break;
   }
   if (ticks.empty()) return {{0, fmt::format("{:.6g}", low)}, {1, fmt::format("{:.6g}", legend.high)}};
-  std::ranges::sort(ticks, {}, &ScaleTick::share);
+  std::ranges::sort(ticks, {}, &ScaleTick::position);
   return ticks;
 }
 

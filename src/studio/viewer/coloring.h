@@ -157,8 +157,8 @@ Legend classLegend(const std::map<std::uint32_t, ColorOfId>& present, const Onto
 Legend instanceLegend(std::map<std::uint32_t, ColorOfId> present);
 
 struct ScaleTick {
-  double share = 0;  // position on the bar, from 0 at its low end to 1 at its high end
-  std::string figure;
+  double position = 0;  // on the bar, from 0 at its low end to 1 at its high end
+  std::string text;
 };
 
 // Returns at most six ticks at multiples of 1, 2 or 5 times a power of ten; if the scale has no such value, at its

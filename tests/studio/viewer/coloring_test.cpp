@@ -250,7 +250,7 @@ bool isRound(double value) {
 
 std::vector<std::string> figuresOf(const Legend& legend) {
   std::vector<std::string> figures;
-  for (const ScaleTick& tick : scaleTicks(legend)) figures.push_back(tick.figure);
+  for (const ScaleTick& tick : scaleTicks(legend)) figures.push_back(tick.text);
   return figures;
 }
 
@@ -265,12 +265,12 @@ TEST(ScaleTicks, AreRoundAndStandWhereTheirValuesAre) {
         ASSERT_LE(ticks.size(), 6u);
         double last = -1;
         for (const ScaleTick& tick : ticks) {
-          const double value = std::strtod(tick.figure.c_str(), nullptr);
-          EXPECT_TRUE(isRound(value)) << tick.figure;
-          EXPECT_LE(tick.figure.size(), 9u) << tick.figure;
-          EXPECT_NEAR(legend.low + std::pow(tick.share, power) * size, value, 1e-6 * size);
-          EXPECT_GT(tick.share, last + 0.1);
-          last = tick.share;
+          const double value = std::strtod(tick.text.c_str(), nullptr);
+          EXPECT_TRUE(isRound(value)) << tick.text;
+          EXPECT_LE(tick.text.size(), 9u) << tick.text;
+          EXPECT_NEAR(legend.low + std::pow(tick.position, power) * size, value, 1e-6 * size);
+          EXPECT_GT(tick.position, last + 0.1);
+          last = tick.position;
         }
       }
     }

@@ -273,13 +273,13 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, PanelUse use) {
                                  {at.x + width * static_cast<float>(i + 1) / kSteps, at.y + high}, from, to, to, from);
   }
   float free = at.x;  // left end of the part of the bar below which no number has been written
-  for (const auto& [share, figure] : scaleTicks(legend)) {
-    const float x = at.x + width * static_cast<float>(share);
-    const float wide = sizeOf(figure).x;
+  for (const auto& [position, text] : scaleTicks(legend)) {
+    const float x = at.x + width * static_cast<float>(position);
+    const float wide = sizeOf(text).x;
     list.AddLine({x, at.y + high}, {x, at.y + high + 3}, ImGui::GetColorU32(ImGuiCol_Text));
     const float left = std::max(std::min(x - wide / 2, at.x + width - wide), at.x);
     if (left < free) continue;
-    list.AddText({left, at.y + high + 3}, ImGui::GetColorU32(ImGuiCol_Text), figure.c_str());
+    list.AddText({left, at.y + high + 3}, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
     free = left + wide + lineHeight() / 3;
   }
   ImGui::Dummy({1, high + lineHeight() + 4});
