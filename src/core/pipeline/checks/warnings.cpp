@@ -67,13 +67,13 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
 
 std::vector<std::string> damageWarnings(const Scene& scene) {
   std::vector<std::string> lines;
-  const auto tell = [&](std::uint64_t triangles, const char* why) {
+  const auto warnOf = [&](std::uint64_t triangles, const char* why) {
     if (triangles == 0) return;
-    lines.push_back(fmt::format("scene {}: {} triangle{} left out because of {}: is a file damaged?", scene.name,
-                                grouped(triangles), triangles == 1 ? " is" : "s are", why));
+    lines.push_back(fmt::format("scene {}: {} {} left out because of {}: is a file damaged?", scene.name,
+                                pluralOf(triangles, "triangle"), triangles == 1 ? "is" : "are", why));
   };
-  tell(scene.dropped.nonFinite, "corners that are NaN or infinite");
-  tell(scene.dropped.outOfRange, "corner indices that are out of range");
+  warnOf(scene.dropped.nonFinite, "corners that are NaN or infinite");
+  warnOf(scene.dropped.outOfRange, "corner indices that are out of range");
   return lines;
 }
 
@@ -188,7 +188,7 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   }
   for (const auto& [line, drives] : close) {
     const std::size_t others = drives.size() - 1;
-    const std::string more = others == 0 ? "" : fmt::format(" and {} more drive{}", others, others == 1 ? "" : "s");
+    const std::string more = others == 0 ? "" : " and " + pluralOf(others, "more drive");
     lines.push_back(fmt::format("frames of '{}'{} {}", *drives.begin(), more, line));
   }
   if (turning == 0 || straight < turning) return lines;
@@ -203,7 +203,7 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
   std::vector<std::string> lines;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     const MountedSensor& sensor = pipeline.sensors[s];
-    const auto tellAssumed = [&](const Effects& effects) {
+    const auto warnOfAssumed = [&](const Effects& effects) {
       bool weather = false;
       double nearRange = 0;  // m; 0: the power of no effect depends on the range
       for (const ChosenEffect& effect : effects) {
@@ -227,7 +227,7 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
             lines);
       }
     };
-    for (const Effects* effects : pipeline.effectCases(s)) tellAssumed(*effects);
+    for (const Effects* effects : pipeline.effectCases(s)) warnOfAssumed(*effects);
     const Value* const own = sensor.description.find("effects");
     const bool written = own != nullptr && own->where.file == pipeline.file.string();
     if (written && pipeline.drawn == nullptr && !takesSensorEffects(pipeline)) {

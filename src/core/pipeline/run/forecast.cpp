@@ -61,14 +61,18 @@ SceneFactors ofTown(const Value& town) {
   return {setup, 1, 0.97, 1.5, 1.2};
 }
 
+// Returns the keys of the town among a scene's objects; null if there is none.
+const Value* townIn(const Value& objects) {
+  for (const Value& object : objects.items) {
+    if (const Value* const town = object.find("town")) return town;
+  }
+  return nullptr;
+}
+
 SceneFactors factorsOf(const std::filesystem::path& file) {
   const Value root = readYaml(file);
-  const Value* const objects = root.find("objects");
-  if (objects == nullptr) return kOfFiles;
-  for (const Value& object : objects->items) {
-    if (const Value* const town = object.find("town")) return ofTown(*town);
-  }
-  return kOfFiles;
+  const Value* const town = townIn(root.valueOf("objects"));
+  return town == nullptr ? kOfFiles : ofTown(*town);
 }
 
 // Adds changes that leave `share` of the columns of each sensor that states a number of columns.
@@ -209,11 +213,9 @@ bool followsFromSeeds(const Pipeline& pipeline) {
   return std::any_of(files.begin(), files.end(), [](const std::filesystem::path& file) {
     const Value root = readYaml(file);
     std::vector<DrawnValue> draws;
-    const Value* const objects = root.find("objects");
-    if (objects == nullptr) return false;
-    withDraws(*objects, "objects", {}, draws);
-    return !draws.empty() || std::any_of(objects->items.begin(), objects->items.end(),
-                                         [](const Value& object) { return object.find("town") != nullptr; });
+    const Value& objects = root.valueOf("objects");
+    withDraws(objects, "objects", {}, draws);
+    return !draws.empty() || townIn(objects) != nullptr;
   });
 }
 
