@@ -51,11 +51,11 @@ Affine rigid(const std::array<double, 12>& m, const Location& where) {
 // Marks are poses at least 5 cm apart, so that a vehicle that stands still heads for its next mark.
 void headAlong(std::vector<StampedPose>& poses) {
   constexpr double kMoves = 0.05;  // m, least distance from a mark to the next mark
-  const auto placeOf = [&](std::size_t i) { return poses[i].pose.translation; };
+  const auto positionOf = [&](std::size_t i) { return poses[i].pose.translation; };
   std::vector<std::size_t> marks{0};  // indices of poses at least kMoves apart
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    const Vec3d way = placeOf(i) - placeOf(marks.back());
-    if (std::hypot(way.x, way.y) >= kMoves) marks.push_back(i);
+    const Vec3d step = positionOf(i) - positionOf(marks.back());
+    if (std::hypot(step.x, step.y) >= kMoves) marks.push_back(i);
   }
   if (marks.size() < 2) return;
   std::size_t mark = 0;  // index in `marks` of the last mark at or before the pose
@@ -63,9 +63,9 @@ void headAlong(std::vector<StampedPose>& poses) {
     if (mark + 1 < marks.size() && marks[mark + 1] <= i) ++mark;
     const std::size_t ahead = std::min(mark + 1, marks.size() - 1);
     const std::size_t from = (marks[mark] == i || ahead == mark) && mark > 0 ? mark - 1 : mark;
-    const Vec3d way = placeOf(marks[ahead]) - placeOf(marks[from]);
+    const Vec3d step = positionOf(marks[ahead]) - positionOf(marks[from]);
     poses[i].pose.rotation =
-        fromYawPitchRoll(std::atan2(way.y, way.x), -std::atan2(way.z, std::hypot(way.x, way.y)), 0);
+        fromYawPitchRoll(std::atan2(step.y, step.x), -std::atan2(step.z, std::hypot(step.x, step.y)), 0);
   }
 }
 
@@ -142,9 +142,11 @@ std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
   return poses;
 }
 
-std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
-  TextTable table(file);
-  // The ground truth of the EuRoC dataset, which may not say that its times are in ns.
+namespace {
+
+// Gives the columns of other programs the names of ours. The ground truth of the EuRoC dataset may not say that its
+// times are in ns.
+void renameColumns(TextTable& table) {
   if (table.has("p_rs_r_x")) {
     for (const auto& [theirs, ours] : {std::pair{"timestamp", "time_ns"},
                                        {"p_rs_r_x", "x"},
@@ -160,49 +162,70 @@ std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
   for (const char* unit : {"s", "ms", "us", "ns"}) {
     table.rename(fmt::format("timestamp_{}", unit), fmt::format("time_{}", unit).c_str());
   }
-  LeftOut leftOut;
-  for (const std::string& name : table.names()) leftOut.addKeyword(poseFormat(), name);
-  leftOut.warn(file.string());
+}
+
+constexpr std::array kQuaternion{"qw", "qx", "qy", "qz"};
+
+enum class Rotations { None, Quaternions, Angles };
+
+// Returns how a table states rotations. Throws InputError if a column is missing, or if two state the same.
+Rotations checkColumnsOfPoses(const TextTable& table) {
   if (table.timeName().empty()) {
     throw InputError(table.head(),
                      "the first line must name the columns time (s; or time_ms, time_us, time_ns), x, y, z and "
                      "optionally qw, qx, qy, qz or yaw, pitch, roll, but it has no time");
   }
   for (const char* name : {"x", "y", "z"}) table.require(name);
-  constexpr std::array kQuaternion{"qw", "qx", "qy", "qz"};
-  const bool quaternion = std::any_of(kQuaternion.begin(), kQuaternion.end(), [&](auto q) { return table.has(q); });
-  for (const char* name : kQuaternion) {
-    if (quaternion) table.require(name);
+  Rotations rotations = Rotations::None;
+  if (std::ranges::any_of(kQuaternion, [&](const char* name) { return table.has(name); })) {
+    rotations = Rotations::Quaternions;
+    for (const char* name : kQuaternion) table.require(name);
   }
-  bool headed = quaternion;
+  const bool quaternions = rotations == Rotations::Quaternions;
   for (const std::string angle : {"yaw", "pitch", "roll"}) {
-    const int columns = (table.has(angle) ? 1 : 0) + (table.has(angle + "_deg") ? 1 : 0) +
-                        (table.has(angle + "_rad") ? 1 : 0) + (quaternion ? 1 : 0);
-    headed = headed || columns > 0;
-    if (columns > 1) {
+    const int columns =
+        (table.has(angle) ? 1 : 0) + (table.has(angle + "_deg") ? 1 : 0) + (table.has(angle + "_rad") ? 1 : 0);
+    if (columns + (quaternions ? 1 : 0) > 1) {
       throw InputError(table.head(), fmt::format("the table states {} by two columns: leave out one of them", angle));
     }
+    if (columns > 0) rotations = Rotations::Angles;
   }
+  return rotations;
+}
+
+// Returns an angle of a row (rad). Throws InputError if the column without a unit holds more than a turn.
+double angleOf(const TextTable& table, std::size_t row, const std::string& name) {
+  constexpr double kTurn = 6.3;  // rad
+  const double value = table.number(row, name);
+  if (std::fabs(value) > kTurn) {
+    throw InputError(table.where(row),
+                     fmt::format("has the {0} {1:g}, which in radians is more than a turn: name the column {0}_deg, "
+                                 "or {0}_rad if radians are meant",
+                                 name, value));
+  }
+  return value + radians(table.number(row, name + "_deg")) + table.number(row, name + "_rad");
+}
+
+}  // namespace
+
+std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
+  TextTable table(file);
+  renameColumns(table);
+  LeftOut leftOut;
+  for (const std::string& name : table.names()) leftOut.addKeyword(poseFormat(), name);
+  leftOut.warn(file.string());
+  const Rotations rotations = checkColumnsOfPoses(table);
   std::vector<StampedPose> poses;
   for (std::size_t row = 0; row < table.size(); ++row) {
-    const auto number = [&](const std::string& name) { return table.number(row, name); };
-    const auto angle = [&](const std::string& name) {
-      const double value = number(name);
-      if (std::fabs(value) > 6.3) {
-        throw InputError(
-            table.where(row),
-            fmt::format("has the {0} {1:g}, which in radians is more than a turn: name the column {0}_deg, "
-                        "or {0}_rad if radians are meant",
-                        name, value));
-      }
-      return value + radians(number(name + "_deg")) + number(name + "_rad");
-    };
+    const auto number = [&](const char* name) { return table.number(row, name); };
+    const auto angle = [&](const char* name) { return angleOf(table, row, name); };
     const Quat rotation =
-        quaternion ? checkedRotation({number("qw"), number("qx"), number("qy"), number("qz")}, table.where(row))
-                   : fromYawPitchRoll(angle("yaw"), angle("pitch"), angle("roll"));
+        rotations == Rotations::Quaternions
+            ? checkedRotation({number("qw"), number("qx"), number("qy"), number("qz")}, table.where(row))
+            : fromYawPitchRoll(angle("yaw"), angle("pitch"), angle("roll"));
     poses.push_back({table.time(row), {rotation, {number("x"), number("y"), number("z")}}, table.where(row).line});
   }
-  if (!headed) headAlong(poses);
+  if (rotations == Rotations::None) headAlong(poses);
   return poses;
 }
 
@@ -213,7 +236,7 @@ constexpr std::string_view kScans = "LIDAR_TOP";  // part of the file names of s
 
 // Calls `take` for each row of a table. Each row is freed after the call, because the largest table has millions of
 // rows.
-void forEachRow(const std::filesystem::path& file, const std::function<void(const Json&)>& take) {
+void readTableOfNuScenes(const std::filesystem::path& file, const std::function<void(const Json&)>& take) {
   const std::string bytes = readFile(file);
   try {
     const Json rest = Json::parse(bytes, [&](int depth, Json::parse_event_t event, Json& row) {
@@ -235,7 +258,7 @@ std::vector<StampedPose> readNuScenesPoses(const std::filesystem::path& file, co
   const std::filesystem::path folder = file.parent_path();
   std::string token;
   std::vector<std::string> scenes;
-  forEachRow(folder / "scene.json", [&](const Json& row) {
+  readTableOfNuScenes(folder / "scene.json", [&](const Json& row) {
     scenes.push_back(row.at("name").get<std::string>());
     if (scenes.back() == scene) token = row.at("token").get<std::string>();
   });
@@ -244,18 +267,18 @@ std::vector<StampedPose> readNuScenesPoses(const std::filesystem::path& file, co
                      fmt::format("has no scene '{}'{}", scene, suggestion(scene, scenes)));
   }
   std::set<std::string> samples;
-  forEachRow(folder / "sample.json", [&](const Json& row) {
+  readTableOfNuScenes(folder / "sample.json", [&](const Json& row) {
     if (row.at("scene_token") == token) samples.insert(row.at("token").get<std::string>());
   });
   std::set<std::string> wanted;
-  forEachRow(folder / "sample_data.json", [&](const Json& row) {
+  readTableOfNuScenes(folder / "sample_data.json", [&](const Json& row) {
     if (row.at("filename").get_ref<const std::string&>().find(kScans) == std::string::npos) return;
     if (samples.contains(row.at("sample_token").get_ref<const std::string&>())) {
       wanted.insert(row.at("ego_pose_token").get<std::string>());
     }
   });
   std::vector<StampedPose> poses;
-  forEachRow(file, [&](const Json& row) {
+  readTableOfNuScenes(file, [&](const Json& row) {
     if (!wanted.contains(row.at("token").get_ref<const std::string&>())) return;
     const auto q = row.at("rotation").get<std::array<double, 4>>();
     const auto t = row.at("translation").get<std::array<double, 3>>();

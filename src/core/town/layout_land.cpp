@@ -54,9 +54,10 @@ std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, doub
 // Adds land beside a road, beyond the sidewalk. `width` and `depth`: size of the land along and across the road (m).
 // Returns false if another road or other land is in the way.
 bool Layout::addLand(Land land, const Road& road, int side, double along, double width, double depth) {
-  constexpr double kBend = 1.5;  // m between the sidewalk and the land
+  constexpr double kFromSidewalk = 1.5;  // m between the sidewalk and the land
+  constexpr double kIntoLand = 1;        // m of an entrance within the land
   const models::Spot middle =
-      besideRoad(road, along, side * (road.section.half + road.section.outer() + kBend + depth / 2));
+      besideRoad(road, along, side * (road.section.half + road.section.outer() + kFromSidewalk + depth / 2));
   const double yaw = middle.yaw + (side > 0 ? 0 : kPi);
   const Footprint place{middle.at, width / 2, depth / 2, yaw};
   for (const double u : models::steps(-1, 1.1, 0.25)) {
@@ -70,24 +71,26 @@ bool Layout::addLand(Land land, const Road& road, int side, double along, double
   taken_.add(place);
   areas.add({land, cornersOf(place), {}});
   // Adds the entrance of a parking lot.
-  const double front = depth / 2 - 1;
+  const double front = depth / 2 - kIntoLand;
   const Point2 inner{place.center.x + std::sin(yaw) * front, place.center.y - std::cos(yaw) * front};
-  const double way = kBend + 1.5 + road.section.outer();
-  if (land == Land::Lot) addStrip(inner, yaw, 3, way, GroundKind::Driveway);
+  constexpr double kLotEntrance = 3;  // m, half of the width
+  const double length = kFromSidewalk + 1.5 + road.section.outer();
+  if (land == Land::Lot) addStrip(inner, yaw, kLotEntrance, length, GroundKind::Driveway);
   if (land != Land::Park) return true;
   // Adds the entrance of a park and two paths that cross in it.
-  addStrip(inner, yaw, kPathHalf, way, GroundKind::Path);
+  addStrip(inner, yaw, kPathHalf, length, GroundKind::Path);
   patches.push_back({TurnedRectangle({place.center, kPathHalf, place.halfY - 1, yaw}), GroundKind::Path});
   patches.push_back({TurnedRectangle({place.center, place.halfX - 1, kPathHalf, yaw}), GroundKind::Path});
   return true;
 }
 
+// Tries to add parking lots, a park and a square at random positions beside the roads.
 void Layout::drawLand() {
   if (character.country) return;
   struct Wish {
     Land land;
     double chance;
-    double widthLow, widthHigh, depthLow, depthHigh;
+    double widthLow, widthHigh, depthLow, depthHigh;  // m
   };
   const double lots = character.commercial ? 1.0 : 0.6;
   const Wish wishes[] = {{Land::Lot, character.commercial ? 1.0 : 0.0, 40, 80, 30, 45},
