@@ -23,8 +23,8 @@ class SceneBuilder {
   const Ontology& ontology() const { return scene_.ontology; }
   const MaterialLibrary& library() const { return library_; }
   // Replaces the reflectance of each material of the library by one that follows from the scene's seed. Call it once,
-  // before anything is added: its natural logarithm is uniform between those of the least and the middle reflectance, or
-  // between those of the middle and the greatest one, with equal probabilities.
+  // before anything is added: its natural logarithm is uniform between those of the least and the middle reflectance,
+  // or between those of the middle and the greatest one, with equal probabilities.
   void drawReflectances();
 
   // Returns the index in Scene::materials of the library's material with this name, which is added at its first use.
