@@ -33,7 +33,7 @@ class ReflectanceVariation : public Effect {
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
     returns.gain.resize(returns.size(), 1.0f);
-    const PlacesOfHits hitPlaces(hits, shot, returns);
+    const PositionsOfHits positionsOfHits(hits, shot, returns);
     std::vector<SpatialField> fields;
     for (std::uint32_t k = 0; k < kMostVariations; ++k) {
       fields.emplace_back(shot.seed, Purpose::ReflectanceVariation, k);
@@ -43,7 +43,7 @@ class ReflectanceVariation : public Effect {
     const std::vector<Variation> none;
     for (const Material& m : materials) variationsOf.push_back(&m.variations);
     variationsOf.push_back(&none);
-    Places places;
+    Positions positions;
     Batch<const std::vector<Variation>*> variations;
     Batch<double> area;
     Batch<double> size;
@@ -62,7 +62,7 @@ class ReflectanceVariation : public Effect {
         most = std::max(most, variations[i]->size());
       }
       if (most == 0) continue;
-      hitPlaces.find(first, places);
+      positionsOfHits.find(first, positions);
       exponent.fill(0);
       for (std::size_t k = 0; k < most; ++k) {
         for (std::size_t i = 0; i < kBatch; ++i) {
@@ -71,7 +71,7 @@ class ReflectanceVariation : public Effect {
           contrast[i] = double{variation.contrast};
         }
         averageOverFootprint(area, size, contrast, exponent);
-        fields[k].add(places, size, contrast, exponent);
+        fields[k].add(positions, size, contrast, exponent);
       }
       multiply(exponent, count, returns.gain.data() + first);
     }

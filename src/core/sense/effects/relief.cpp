@@ -60,7 +60,7 @@ class March {
     while (running_ > 0) {
       heights.fill(0);
       for (std::uint32_t k = 0; k < kMostReliefs; ++k) {
-        if (levels_ > k) fields_[k].add(places_, cubesPerMetre_[k], height_[k], heights);
+        if (levels_ > k) fields_[k].add(positions_, cubesPerMetre_[k], height_[k], heights);
       }
       for (std::size_t slot = 0; slot < kBatch; ++slot) {
         if (hit_[slot] != nullptr) advance(slot, heights[slot]);
@@ -91,9 +91,9 @@ class March {
   void moveTo(std::size_t slot, double at) {
     const RoughHit& hit = *hit_[slot];
     at_[slot] = at;
-    places_.x[slot] = hit.point.x + at * hit.along.x;
-    places_.y[slot] = hit.point.y + at * hit.along.y;
-    places_.z[slot] = hit.point.z + at * hit.along.z;
+    positions_.x[slot] = hit.point.x + at * hit.along.x;
+    positions_.y[slot] = hit.point.y + at * hit.along.y;
+    positions_.z[slot] = hit.point.z + at * hit.along.z;
   }
 
   void advance(std::size_t slot, double height) {
@@ -135,7 +135,7 @@ class March {
   Batch<double> at_{};     // m, current position along the beam, counted from the mesh
   Batch<double> above_{};  // m, height of the beam over the height field at the last step above it
   Batch<double> below_{};  // m, height (negative) at the first step below the height field; 0: not found yet
-  Places places_{};
+  Positions positions_{};
   std::array<Batch<double>, kMostReliefs> height_{}, cubesPerMetre_{};
 };
 
@@ -147,11 +147,11 @@ class ReliefEffect : public Effect {
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
     constexpr std::size_t kTogether = 64 * kBatch;  // largest number of rows whose beams one March follows
-    const PlacesOfHits hitPlaces(hits, shot, returns);
+    const PositionsOfHits positionsOfHits(hits, shot, returns);
     std::vector<SpatialField> fields;
     for (std::uint32_t k = 0; k < kMostReliefs; ++k) fields.emplace_back(shot.seed, Purpose::Relief, k);
-    Places places;
-    Places along;
+    Positions positions;
+    Positions along;
     std::vector<RoughHit> rough;
     for (std::size_t start = 0; start < returns.size(); start += kTogether) {
       rough.clear();
@@ -161,10 +161,10 @@ class ReliefEffect : public Effect {
         for (std::size_t row = first; row < first + count; ++row)
           addIfRough(hits, shot, materials, returns, row, rough);
         if (rough.size() == before) continue;
-        hitPlaces.find(first, places, &along);
+        positionsOfHits.find(first, positions, &along);
         for (std::size_t k = before; k < rough.size(); ++k) {
           const std::size_t i = rough[k].row - first;
-          rough[k].point = {places.x[i], places.y[i], places.z[i]};
+          rough[k].point = {positions.x[i], positions.y[i], positions.z[i]};
           rough[k].along = {along.x[i], along.y[i], along.z[i]};
         }
       }

@@ -19,9 +19,9 @@ struct Cell {
 
 Cell cellOf(double at) {
   const double shifted = at + 0x1.8p52;  // rounds to the nearest integer, which is in the last bits
-  const double off = at - (shifted - 0x1.8p52);
-  const bool below = off < 0;
-  const double t = below ? off + 1 : off;
+  const double offset = at - (shifted - 0x1.8p52);
+  const bool below = offset < 0;
+  const double t = below ? offset + 1 : offset;
   const double upper = t * t * t * (t * (t * 6 - 15) + 10);
   return {static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(shifted)) - (below ? 1u : 0u), 1 - upper, upper};
 }
@@ -49,24 +49,24 @@ double standard(const std::array<std::uint64_t, 4>& words) {
 
 }  // namespace
 
-PlacesOfHits::PlacesOfHits(const Hits& hits, const Shot& shot, const Returns& returns)
+PositionsOfHits::PositionsOfHits(const Hits& hits, const Shot& shot, const Returns& returns)
     : hits_(hits), shot_(shot), returns_(returns) {
   for (const Pose& pose : shot.worldFromSensor) rotation_.push_back(toMatrix(pose.rotation));
   for (std::uint32_t column = 0; column < shot.beams->columns; ++column) stepOf_.push_back(shot.stepOf(column));
 }
 
-void PlacesOfHits::find(std::size_t first, Places& places, Places* along) const {
+void PositionsOfHits::find(std::size_t first, Positions& positions, Positions* along) const {
   const BeamTable& beams = *shot_.beams;
   const std::size_t count = std::min(kBatch, returns_.size() - first);
   for (std::size_t i = 0; i < kBatch; ++i) {
-    Vec3d place, direction;
+    Vec3d position, direction;
     const std::size_t row = first + i;
     if (i < count && returns_.returned(row) && returns_.hit(row) != kNoHit) {
       const std::uint32_t beam = returns_.beam(row);
       const std::size_t step = rotation_.size() == 1 ? 0 : stepOf_[beam % beams.columns];
       Vec3d local = beams.direction[beam] * double{hits_.range[returns_.hit(row)]};
       if (!beams.origin.empty()) local += Vec3d(beams.origin[beam]);
-      place = shot_.worldFromSensor[step].translation + rotation_[step] * local;
+      position = shot_.worldFromSensor[step].translation + rotation_[step] * local;
       if (along != nullptr) direction = rotation_[step] * beams.direction[beam];
     }
     if (along != nullptr) {
@@ -74,9 +74,9 @@ void PlacesOfHits::find(std::size_t first, Places& places, Places* along) const 
       along->y[i] = direction.y;
       along->z[i] = direction.z;
     }
-    places.x[i] = place.x;
-    places.y[i] = place.y;
-    places.z[i] = place.z;
+    positions.x[i] = position.x;
+    positions.y[i] = position.y;
+    positions.z[i] = position.z;
   }
 }
 
@@ -91,7 +91,7 @@ SpatialField::SpatialField(std::uint64_t seed, Purpose purpose, std::uint32_t nu
   std::fill_n(numbers_.begin(), kEntries, std::array(numbers_[kEntries]));
 }
 
-SCANMILL_BEST_INSTRUCTIONS void SpatialField::computeCorners(const Corners& cubes, std::size_t count) {
+SCANMILL_BEST_INSTRUCTIONS void SpatialField::computeCorners(const CubeIndices& cubes, std::size_t count) {
   for (std::uint32_t corner = 0; corner < 8; ++corner) {
     const std::uint32_t right = corner & 1;
     const std::uint32_t far = (corner >> 1) & 1;
@@ -103,38 +103,19 @@ SCANMILL_BEST_INSTRUCTIONS void SpatialField::computeCorners(const Corners& cube
   }
 }
 
-SCANMILL_BEST_INSTRUCTIONS void SpatialField::add(const Places& places, const Batch<double>& cubes,
-                                                  const Batch<double>& factor, Batch<double>& values) {
-  Places lower;
-  Places upper;
-  Corners cubesOfRows;
+void SpatialField::lookUp(const CubeIndices& cubes, CornerNumbers& numbers) {
   Batch<std::uint32_t> entryOf;
-  for (std::size_t i = 0; i < kBatch; ++i) {
-    const Cell x = cellOf(places.x[i] * cubes[i]);
-    const Cell y = cellOf(places.y[i] * cubes[i]);
-    const Cell z = cellOf(places.z[i] * cubes[i]);
-    lower.x[i] = x.lower;
-    lower.y[i] = y.lower;
-    lower.z[i] = z.lower;
-    upper.x[i] = x.upper;
-    upper.y[i] = y.upper;
-    upper.z[i] = z.upper;
-    cubesOfRows.x[i] = x.corner;
-    cubesOfRows.y[i] = y.corner;
-    cubesOfRows.z[i] = z.corner;
-    entryOf[i] = (x.corner + 32 * y.corner + 5 * z.corner) % kEntries;
-  }
-  // The numbers of new cubes are kept behind those of all entries until no row of the batch needs the numbers that they
-  // replace.
-  Corners added;
+  for (std::size_t i = 0; i < kBatch; ++i) entryOf[i] = (cubes.x[i] + 32 * cubes.y[i] + 5 * cubes.z[i]) % kEntries;
+  // The numbers of new cubes are first stored behind those of all entries, because rows of this batch may still need
+  // the numbers that they replace.
+  CubeIndices added;
   Batch<std::uint32_t> entryOfAdded;
-  std::array<Batch<double>, 8> numbers;
   std::size_t count = 0;
   for (std::size_t i = 0; i < kBatch; ++i) {
     Entry& entry = entries_[entryOf[i]];
-    const std::uint32_t x = cubesOfRows.x[i];
-    const std::uint32_t y = cubesOfRows.y[i];
-    const std::uint32_t z = cubesOfRows.z[i];
+    const std::uint32_t x = cubes.x[i];
+    const std::uint32_t y = cubes.y[i];
+    const std::uint32_t z = cubes.z[i];
     if (entry.x != x || entry.y != y || entry.z != z) {
       entry = {x, y, z, static_cast<std::uint32_t>(kEntries + count)};
       added.x[count] = x;
@@ -148,6 +129,33 @@ SCANMILL_BEST_INSTRUCTIONS void SpatialField::add(const Places& places, const Ba
   for (std::size_t i = 0; i < kBatch; ++i) {
     for (std::size_t corner = 0; corner < 8; ++corner) numbers[corner][i] = numbers_[entryOf[i]][corner];
   }
+  for (std::size_t i = 0; i < count; ++i) {
+    numbers_[entryOfAdded[i]] = numbers_[kEntries + i];
+    entries_[entryOfAdded[i]].row = entryOfAdded[i];
+  }
+}
+
+SCANMILL_BEST_INSTRUCTIONS void SpatialField::add(const Positions& positions, const Batch<double>& cubesPerMetre,
+                                                  const Batch<double>& factor, Batch<double>& values) {
+  CubeIndices cubes;
+  Positions lower;  // weights of the corners at the lower end of each axis
+  Positions upper;
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    const Cell x = cellOf(positions.x[i] * cubesPerMetre[i]);
+    const Cell y = cellOf(positions.y[i] * cubesPerMetre[i]);
+    const Cell z = cellOf(positions.z[i] * cubesPerMetre[i]);
+    lower.x[i] = x.lower;
+    lower.y[i] = y.lower;
+    lower.z[i] = z.lower;
+    upper.x[i] = x.upper;
+    upper.y[i] = y.upper;
+    upper.z[i] = z.upper;
+    cubes.x[i] = x.corner;
+    cubes.y[i] = y.corner;
+    cubes.z[i] = z.corner;
+  }
+  CornerNumbers numbers;
+  lookUp(cubes, numbers);
   for (std::size_t i = 0; i < kBatch; ++i) {
     const double x[] = {lower.x[i], upper.x[i]};
     const double y[] = {lower.y[i], upper.y[i]};
@@ -160,10 +168,6 @@ SCANMILL_BEST_INSTRUCTIONS void SpatialField::add(const Places& places, const Ba
       squares += weight * weight;
     }
     values[i] += factor[i] * sum / std::sqrt(squares);
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    numbers_[entryOfAdded[i]] = numbers_[kEntries + i];
-    entries_[entryOfAdded[i]].row = entryOfAdded[i];
   }
 }
 

@@ -15,7 +15,7 @@
 namespace scanmill {
 
 // The world positions of a batch of rows (m).
-struct Places {
+struct Positions {
   Batch<double> x;
   Batch<double> y;
   Batch<double> z;
@@ -23,12 +23,12 @@ struct Places {
 
 // Computes the noise-free positions of rows' hits, along their beams. A mirror image is placed where the sensor assumes
 // it, not at the surface.
-class PlacesOfHits {
+class PositionsOfHits {
  public:
-  PlacesOfHits(const Hits& hits, const Shot& shot, const Returns& returns);
+  PositionsOfHits(const Hits& hits, const Shot& shot, const Returns& returns);
   // Computes the positions of rows first, first + 1, ... `along`, if not null, gets the directions of the beams (unit
   // vectors in the world frame). A row that was removed or has no hit gets zero for both.
-  void find(std::size_t first, Places& places, Places* along = nullptr) const;
+  void find(std::size_t first, Positions& positions, Positions* along = nullptr) const;
 
  private:
   const Hits& hits_;
@@ -49,9 +49,10 @@ class SpatialField {
  public:
   // `number`: number of the field, below 4096.
   SpatialField(std::uint64_t seed, Purpose purpose, std::uint32_t number);
-  // Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes[i]`: number of the lattice's cubes per metre for
-  // row i of the batch.
-  void add(const Places& places, const Batch<double>& cubes, const Batch<double>& factor, Batch<double>& values);
+  // Adds factor[i] * field(positions[i] * cubesPerMetre[i]) to values[i]. `cubesPerMetre[i]`: number of the lattice's
+  // cubes per metre for row i of the batch.
+  void add(const Positions& positions, const Batch<double>& cubesPerMetre, const Batch<double>& factor,
+           Batch<double>& values);
 
  private:
   static constexpr std::uint32_t kEntries = 1024;
@@ -60,15 +61,20 @@ class SpatialField {
     std::uint32_t x, y, z;  // indices of the lower corner, modulo 2^32
     std::uint32_t row;      // index in numbers_
   };
-  struct Corners {
+  struct CubeIndices {  // indices of lower corners, modulo 2^32, by row of the batch
     Batch<std::uint32_t> x;
     Batch<std::uint32_t> y;
     Batch<std::uint32_t> z;
   };
 
+  using CornerNumbers = std::array<Batch<double>, 8>;  // by corner (see numbers_) and row of the batch
+
   // Computes the numbers at the corners of cubes, into the rows of numbers_ behind those of all entries. `cubes`: the
   // indices of their lower corners.
-  void computeCorners(const Corners& cubes, std::size_t count);
+  void computeCorners(const CubeIndices& cubes, std::size_t count);
+
+  // Sets `numbers` to the numbers at the corners of each row's cube, and adds cubes that the table lacks.
+  void lookUp(const CubeIndices& cubes, CornerNumbers& numbers);
 
   std::uint32_t tag_;
   std::array<std::uint32_t, 2> key_;

@@ -211,17 +211,17 @@ class WeatherEffect : public Effect {
 
   void wetGround(const Hits& hits, const Shot& shot, Returns& returns) const {
     const double film = quantileOfNormal(o_.wet);
-    const PlacesOfHits hitPlaces(hits, shot, returns);
+    const PositionsOfHits positionsOfHits(hits, shot, returns);
     SpatialField puddles(shot.seed, Purpose::WetGround, 0);
-    Places places;
+    Positions positions;
     Batch<double> cubes;
     Batch<double> one;
     cubes.fill(1 / kPuddleSize);
     one.fill(1);
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       Batch<double> field{};
-      hitPlaces.find(first, places);
-      puddles.add(places, cubes, one, field);
+      positionsOfHits.find(first, positions);
+      puddles.add(positions, cubes, one, field);
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t hit = returns.hit(first + i);
         if (!returns.returned(first + i) || hit == kNoHit || double{hits.normal[hit].z} < kWetCosine) continue;
