@@ -77,7 +77,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   Value take() { return std::move(root_); }
 
-  Location place(const YAML::Mark& mark) const {
+  Location locationOf(const YAML::Mark& mark) const {
     if (mark.is_null()) return {file_};
     return {file_, mark.line + 1, mark.column + 1};
   }
@@ -88,15 +88,15 @@ class TreeBuilder : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (documents_++ == 0) return;
     const bool marked = text_.substr(std::min(text_.size(), static_cast<std::size_t>(mark.pos))).starts_with("---");
-    throw InputError(place(mark), marked ? "a second YAML document begins here, but a file must have only one"
-                                         : "this does not belong to the lines above: check the indentation");
+    throw InputError(locationOf(mark), marked ? "a second YAML document begins here, but a file must have only one"
+                                              : "this does not belong to the lines above: check the indentation");
   }
   void OnDocumentEnd() override {}
 
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     refuseAsKey(mark, "is empty");
     Value value;
-    value.where = place(mark);
+    value.where = locationOf(mark);
     // If a key has no value, yaml-cpp gives its event the mark of the next token.
     if (!open_.empty() && open_.back().value.kind == Value::Kind::Map && open_.back().keyWhere.line != mark.line + 1) {
       value.where = open_.back().keyWhere;
@@ -108,7 +108,8 @@ class TreeBuilder : public YAML::EventHandler {
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     refuseAsKey(mark, "is an alias");
     const auto found = anchors_.find(anchor);
-    if (found == anchors_.end()) throw InputError(place(mark), "this alias refers to a node that contains the alias");
+    if (found == anchors_.end())
+      throw InputError(locationOf(mark), "this alias refers to a node that contains the alias");
     const Extent extent = extentOf(found->second);
     count(mark, extent);
     add(found->second, 0);
@@ -116,17 +117,17 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& text) override {
-    if (text.find('\0') != std::string::npos) throw InputError(place(mark), "a text has a NUL character");
+    if (text.find('\0') != std::string::npos) throw InputError(locationOf(mark), "a text has a NUL character");
     if (awaitsKey()) {
       if (text == "<<" && tag != "!") {
-        throw InputError(place(mark), "merge keys (<<) are not supported: write the keys out");
+        throw InputError(locationOf(mark), "merge keys (<<) are not supported: write the keys out");
       }
       openKey(mark, text);
       return;
     }
     Value value;
     value.kind = Value::Kind::Scalar;
-    value.where = place(mark);
+    value.where = locationOf(mark);
     value.quoted = checkTag(mark, tag);
     value.text = expandVariables(text, value.where);
     count(mark, {1, value.text.size(), 0});
@@ -159,7 +160,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void refuseAsKey(const YAML::Mark& mark, const char* what) const {
-    if (awaitsKey()) throw InputError(place(mark), fmt::format("a key must be text, but this key {}", what));
+    if (awaitsKey()) throw InputError(locationOf(mark), fmt::format("a key must be text, but this key {}", what));
   }
 
   // True if the tag says that a scalar is text, even if it looks like a number: scalars in quotes have the tag "!".
@@ -167,19 +168,19 @@ class TreeBuilder : public YAML::EventHandler {
   bool checkTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "tag:yaml.org,2002:map" || tag == "tag:yaml.org,2002:seq") return false;
     if (tag == "!" || tag == "tag:yaml.org,2002:str") return true;
-    throw InputError(place(mark), fmt::format("the tag {} is not supported: leave it out", quotedForMessage(tag)));
+    throw InputError(locationOf(mark), fmt::format("the tag {} is not supported: leave it out", quotedForMessage(tag)));
   }
 
   void openKey(const YAML::Mark& mark, const std::string& key) {
     Open& map = open_.back();
     const auto [first, added] = map.seen.try_emplace(key, mark.line + 1, mark.column + 1);
     if (!added) {
-      throw InputError(place(mark), fmt::format("duplicate key {} (first at {}:{})", quotedForMessage(key),
-                                                first->second.first, first->second.second));
+      throw InputError(locationOf(mark), fmt::format("duplicate key {} (first at {}:{})", quotedForMessage(key),
+                                                     first->second.first, first->second.second));
     }
     count(mark, {0, key.size(), 0});
     map.key = key;
-    map.keyWhere = place(mark);
+    map.keyWhere = locationOf(mark);
     map.hasKey = true;
   }
 
@@ -190,7 +191,7 @@ class TreeBuilder : public YAML::EventHandler {
     count(mark, {1, 0, 1});
     Open& node = open_.emplace_back();
     node.value.kind = kind;
-    node.value.where = place(mark);
+    node.value.where = locationOf(mark);
     node.anchor = anchor;
   }
 
@@ -207,13 +208,14 @@ class TreeBuilder : public YAML::EventHandler {
     nodes_ += extent.nodes;
     bytes_ += extent.bytes;
     if (open_.size() + extent.depth > kMaxDepth) {
-      throw InputError(place(mark), fmt::format("the file is nested more than {} levels deep", kMaxDepth));
+      throw InputError(locationOf(mark), fmt::format("the file is nested more than {} levels deep", kMaxDepth));
     }
     if (nodes_ > kMaxNodes) {
-      throw InputError(place(mark), fmt::format("the file has more than {} values, with aliases expanded", kMaxNodes));
+      throw InputError(locationOf(mark),
+                       fmt::format("the file has more than {} values, with aliases expanded", kMaxNodes));
     }
     if (bytes_ > kMaxTextBytes) {
-      throw InputError(place(mark),
+      throw InputError(locationOf(mark),
                        fmt::format("the file has more than {} bytes of text, with aliases expanded", kMaxTextBytes));
     }
   }
@@ -268,7 +270,7 @@ Value parseYaml(std::string_view text, const std::string& file) {
     throw;
   } catch (const YAML::Exception& e) {
     const bool unclosed = e.msg == YAML::ErrorMsg::END_OF_SEQ_FLOW || e.msg == YAML::ErrorMsg::END_OF_MAP_FLOW;
-    const Location where = unclosed ? builder.innermost() : builder.place(e.mark);
+    const Location where = unclosed ? builder.innermost() : builder.locationOf(e.mark);
     throw InputError(where, explain(e.msg));
   } catch (const std::bad_alloc&) {
     throw;

@@ -115,11 +115,11 @@ Instance& SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, s
 }
 
 void SceneBuilder::countRule(const RuleUse& more) {
-  const auto place = [](const RuleUse& use) { return std::tie(use.where.file, use.where.line, use.where.column); };
+  const auto key = [](const RuleUse& use) { return std::tie(use.where.file, use.where.line, use.where.column); };
   std::vector<RuleUse>& all = scene_.rules;
   const auto use = std::lower_bound(all.begin(), all.end(), more,
-                                    [&](const RuleUse& a, const RuleUse& b) { return place(a) < place(b); });
-  if (use == all.end() || place(*use) != place(more)) {
+                                    [&](const RuleUse& a, const RuleUse& b) { return key(a) < key(b); });
+  if (use == all.end() || key(*use) != key(more)) {
     all.insert(use, more);
     return;
   }

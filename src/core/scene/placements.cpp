@@ -8,15 +8,15 @@ namespace scanmill {
 
 Affine RigidMotion::at(double after) const {
   if (!moves()) return worldFromMesh;
-  Affine place = worldFromMesh;
+  Affine placed = worldFromMesh;
   const double rate = length(turning);
   if (rate > 0) {
     const double half = rate * after / 2;
     const Vec3d axis = turning * (std::sin(half) / rate);
-    place.linear = toMatrix(Quat{std::cos(half), axis.x, axis.y, axis.z}) * place.linear;
+    placed.linear = toMatrix(Quat{std::cos(half), axis.x, axis.y, axis.z}) * placed.linear;
   }
-  place.translation = place.translation + velocity * after;
-  return place;
+  placed.translation = placed.translation + velocity * after;
+  return placed;
 }
 
 const RigidMotion* Placements::find(std::uint32_t instance) const {

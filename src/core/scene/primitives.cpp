@@ -6,12 +6,15 @@
 namespace scanmill {
 namespace {
 
-// Appends vertices and triangles, given in the primitive's frame. If `place` mirrors, triangles are flipped, so that
-// their normals still point outwards.
+// Appends vertices and triangles, given in the primitive's frame. If `meshFromShape` mirrors, triangles are flipped, so
+// that their normals still point outwards.
 class Appender {
  public:
-  Appender(Mesh& mesh, std::uint16_t surface, const Affine& place)
-      : mesh_(mesh), surface_(surface), place_(place), mirrored_(determinant(place.linear) < 0) {}
+  Appender(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape)
+      : mesh_(mesh),
+        surface_(surface),
+        meshFromShape_(meshFromShape),
+        mirrored_(determinant(meshFromShape.linear) < 0) {}
   ~Appender() {
     if (!mesh_.uvs.empty()) mesh_.uvs.resize(mesh_.positions.size());
   }
@@ -19,7 +22,7 @@ class Appender {
   Appender& operator=(const Appender&) = delete;
 
   std::uint32_t vertex(const Vec3d& p) {
-    mesh_.positions.push_back(Vec3f(place_ * p));
+    mesh_.positions.push_back(Vec3f(meshFromShape_ * p));
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -34,7 +37,7 @@ class Appender {
  private:
   Mesh& mesh_;
   std::uint16_t surface_;
-  Affine place_;
+  Affine meshFromShape_;
   bool mirrored_;
 };
 
@@ -78,8 +81,8 @@ void appendRevolution(Appender& out, const std::vector<ProfilePoint>& profile, i
 
 }  // namespace
 
-void appendBox(Mesh& mesh, std::uint16_t surface, const Affine& place, const Vec3d& size) {
-  Appender out(mesh, surface, place);
+void appendBox(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, const Vec3d& size) {
+  Appender out(mesh, surface, meshFromShape);
   std::uint32_t v[8];
   for (int i = 0; i < 8; ++i) {
     v[i] = out.vertex({size.x * (i & 1 ? 0.5 : -0.5), size.y * (i & 2 ? 0.5 : -0.5), size.z * (i & 4 ? 0.5 : -0.5)});
@@ -92,13 +95,13 @@ void appendBox(Mesh& mesh, std::uint16_t surface, const Affine& place, const Vec
   out.quad(v[1], v[3], v[7], v[5]);  // x high
 }
 
-void appendSphere(Mesh& mesh, std::uint16_t surface, const Affine& place, double radius, int segments) {
-  appendCapsule(mesh, surface, place, radius, 0, segments);
+void appendSphere(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, double radius, int segments) {
+  appendCapsule(mesh, surface, meshFromShape, radius, 0, segments);
 }
 
-void appendCylinder(Mesh& mesh, std::uint16_t surface, const Affine& place, double bottomRadius, double topRadius,
-                    double height, int segments) {
-  Appender out(mesh, surface, place);
+void appendCylinder(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, double bottomRadius,
+                    double topRadius, double height, int segments) {
+  Appender out(mesh, surface, meshFromShape);
   std::vector<ProfilePoint> profile{{0, -height / 2}};
   if (bottomRadius > 0) profile.push_back({bottomRadius, -height / 2});
   if (topRadius > 0) profile.push_back({topRadius, height / 2});
@@ -106,8 +109,9 @@ void appendCylinder(Mesh& mesh, std::uint16_t surface, const Affine& place, doub
   appendRevolution(out, profile, segments);
 }
 
-void appendCapsule(Mesh& mesh, std::uint16_t surface, const Affine& place, double radius, double height, int segments) {
-  Appender out(mesh, surface, place);
+void appendCapsule(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, double radius, double height,
+                   int segments) {
+  Appender out(mesh, surface, meshFromShape);
   const int stacks = std::max(segments / 4, 1);  // number of stacks of each half sphere
   std::vector<ProfilePoint> profile{{0, -height / 2 - radius}};
   for (int i = 1; i <= stacks; ++i) {
@@ -122,8 +126,9 @@ void appendCapsule(Mesh& mesh, std::uint16_t surface, const Affine& place, doubl
   appendRevolution(out, profile, segments);
 }
 
-void appendPlane(Mesh& mesh, std::uint16_t surface, const Affine& place, double sizeX, double sizeY, int cells) {
-  Appender out(mesh, surface, place);
+void appendPlane(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, double sizeX, double sizeY,
+                 int cells) {
+  Appender out(mesh, surface, meshFromShape);
   const auto n = static_cast<std::uint32_t>(std::max(cells, 1));
   std::uint32_t first = 0;
   for (std::uint32_t j = 0; j <= n; ++j) {

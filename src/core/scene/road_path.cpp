@@ -41,11 +41,11 @@ class Road {
   }
 
   // Returns the distance (m) to the edge of the road in a direction (unit vector), at most kOpen.
-  double toEdge(const Vec3d& place, const Vec3d& direction) const {
+  double toEdge(const Vec3d& position, const Vec3d& direction) const {
     double far = 0;
-    double z = place.z;
+    double z = position.z;
     while (far < kOpen) {
-      const Vec3d next = place + direction * (far + kEdgeStep);
+      const Vec3d next = position + direction * (far + kEdgeStep);
       const std::optional<double> height = this->height(next.x, next.y, z);
       if (!height) break;
       z = *height;

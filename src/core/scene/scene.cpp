@@ -72,11 +72,11 @@ Box Scene::bounds() const {
   return box;
 }
 
-Box boxAround(const Affine& place, const Box& box) {
+Box boxAround(const Affine& transform, const Box& box) {
   Box all;
   for (const double z : {box.low.z, box.high.z}) {
     for (const double y : {box.low.y, box.high.y}) {
-      for (const double x : {box.low.x, box.high.x}) all.add(place * Vec3d{x, y, z});
+      for (const double x : {box.low.x, box.high.x}) all.add(transform * Vec3d{x, y, z});
     }
   }
   return all;

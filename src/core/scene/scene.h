@@ -166,7 +166,7 @@ inline std::uint32_t instanceId(const Instance& instance, const Surface& surface
 }
 
 // Returns an axis-aligned box around a transformed box.
-Box boxAround(const Affine& place, const Box& box);
+Box boxAround(const Affine& transform, const Box& box);
 
 // Freezes every object in its pose and shape at a time (s since the drive began).
 void standStill(Scene& scene, double time);

@@ -58,11 +58,11 @@ class SurfaceHeights {
   std::vector<Surface> at(double x, double y) const;
   // Returns the result of groundUnder() among the surfaces that satisfy `holds` and are at most 60 degrees steep.
   template <class Holds>
-  std::optional<Surface> under(const Vec3d& place, const Holds& holds) const {
+  std::optional<Surface> under(const Vec3d& position, const Holds& holds) const {
     for (const double beside : {0.0, kBesideSeam}) {
-      const std::vector<Surface> all = at(place.x + beside, place.y + beside);
+      const std::vector<Surface> all = at(position.x + beside, position.y + beside);
       const Surface* const found = groundUnder(
-          all, place.z, [](const Surface& s) { return s.height; },
+          all, position.z, [](const Surface& s) { return s.height; },
           [&](const Surface& s) { return s.slope <= kSteepestGround && holds(s); });
       if (found != nullptr) return *found;
     }

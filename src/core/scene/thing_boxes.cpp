@@ -220,7 +220,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
     things_.push_back(builder.thingOf(id, parts));
     const Pose worldFromThing = builder.worldFromThing(things_.back(), parts);
     for (Part& part : parts) builder.addShapes(worldFromThing, part);
-    places_.push_back({worldFromThing, std::move(parts)});
+    placed_.push_back({worldFromThing, std::move(parts)});
   }
 }
 
@@ -231,11 +231,11 @@ Pose ThingBoxes::motion(const Instance& instance, double time) const {
 }
 
 OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
-  const Place& place = places_[thing];
-  const Instance& main = scene_.instances[place.parts.front().instance];
-  const Pose worldFromThing = motion(main, time) * place.worldFromThing;
+  const Placed& placed = placed_[thing];
+  const Instance& main = scene_.instances[placed.parts.front().instance];
+  const Pose worldFromThing = motion(main, time) * placed.worldFromThing;
   Box box;
-  for (const Part& part : place.parts) {
+  for (const Part& part : placed.parts) {
     const Instance& instance = scene_.instances[part.instance];
     std::size_t shape = 0;
     if (instance.animation != nullptr) {
@@ -249,7 +249,7 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
       continue;
     }
     // This part moves differently from the first part, so the corners of its moved box are added.
-    const Pose thingFromStart = inverse(worldFromThing) * motion(instance, time) * place.worldFromThing;
+    const Pose thingFromStart = inverse(worldFromThing) * motion(instance, time) * placed.worldFromThing;
     for (const double x : {own.low.x, own.high.x}) {
       for (const double y : {own.low.y, own.high.y}) {
         for (const double z : {own.low.z, own.high.z}) box.add(thingFromStart * Vec3d{x, y, z});
@@ -261,12 +261,12 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
 
 Vec3d ThingBoxes::velocity(std::size_t thing, double time) const {
   constexpr double kStep = 0.005;  // s; the velocity is measured over this time before and after `time`
-  const Place& place = places_[thing];
-  const Instance& main = scene_.instances[place.parts.front().instance];
+  const Placed& placed = placed_[thing];
+  const Instance& main = scene_.instances[placed.parts.front().instance];
   if (main.movement == nullptr) return {};
-  const auto placeAt = [&](double when) { return (motion(main, when) * place.worldFromThing).translation; };
+  const auto positionAt = [&](double when) { return (motion(main, when) * placed.worldFromThing).translation; };
   const double from = std::max(time - kStep, 0.0);
-  return (placeAt(time + kStep) - placeAt(from)) * (1 / (time + kStep - from));
+  return (positionAt(time + kStep) - positionAt(from)) * (1 / (time + kStep - from));
 }
 
 }  // namespace scanmill

@@ -59,7 +59,7 @@ class ThingBoxes {
     std::uint32_t object = 0;    // see Surface::object
     std::vector<Box> ofShape{};  // m, in the thing's frame at time 0; one per mesh of an animation, else one
   };
-  struct Place {
+  struct Placed {
     Pose worldFromThing;      // pose at time 0
     std::vector<Part> parts;  // the thing has the axes of the first part
   };
@@ -70,7 +70,7 @@ class ThingBoxes {
 
   const Scene& scene_;
   std::vector<Thing> things_;
-  std::vector<Place> places_;
+  std::vector<Placed> placed_;
 };
 
 }  // namespace scanmill

@@ -32,15 +32,15 @@ struct VoxelGrid {
   // voxels, where rounding would scatter them over both layers. Therefore the grid is shifted down along each axis by
   // kLower times the edge of a voxel (0.1 mm for voxels of 0.2 m).
   static constexpr double kLower = 1.0 / 2048;
-  Vec3d inVoxels(const Vec3d& place) const {
-    const Vec3d p = (place - low) * (1 / size);
+  Vec3d inVoxels(const Vec3d& position) const {
+    const Vec3d p = (position - low) * (1 / size);
     return {p.x + kLower, p.y + kLower, p.z + kLower};
   }
 
   // Returns the index of the voxel that contains a point (m); nullopt outside of the grid or if the point is not
   // finite.
-  std::optional<std::size_t> at(const Vec3d& place) const {
-    const Vec3d p = inVoxels(place);
+  std::optional<std::size_t> at(const Vec3d& position) const {
+    const Vec3d p = inVoxels(position);
     const auto inside = [](double along, std::uint32_t count) { return along >= 0 && along < count; };
     if (!inside(p.x, counts[0]) || !inside(p.y, counts[1]) || !inside(p.z, counts[2])) return std::nullopt;
     return index(static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y), static_cast<std::uint32_t>(p.z));

@@ -30,9 +30,9 @@ bool meets(const Box& box, const VoxelRange& range) {
 // first, so that a scene far from the origin gets the same labels.
 Affine voxelsFromMesh(const VoxelGrid& grid, const Pose& worldFromGrid, const Affine& worldFromMesh) {
   const Mat3 gridFromWorld = transposed(toMatrix(worldFromGrid.rotation));
-  const Vec3d place = gridFromWorld * (worldFromMesh.translation - worldFromGrid.translation);
+  const Vec3d inGrid = gridFromWorld * (worldFromMesh.translation - worldFromGrid.translation);
   const double perMetre = 1 / grid.size;
-  return {Mat3::scale({perMetre, perMetre, perMetre}) * (gridFromWorld * worldFromMesh.linear), grid.inVoxels(place)};
+  return {Mat3::scale({perMetre, perMetre, perMetre}) * (gridFromWorld * worldFromMesh.linear), grid.inVoxels(inGrid)};
 }
 
 // The area of each class in each voxel of a slab. Most voxels have a single class and need no entry in the map.
@@ -145,13 +145,13 @@ SceneVoxels::Near SceneVoxels::nearOf(const VoxelGrid& grid, const Pose& worldFr
   for (const Instance& instance : scene_.instances) {
     const std::uint32_t m = instance.meshAt(time);
     if (bounds_[m].empty()) continue;
-    const Affine place = voxelsFromMesh(grid, worldFromGrid, instance.worldFromMeshAt(time));
-    if (!meets(boxAround(place, bounds_[m]), all)) continue;
+    const Affine fromMesh = voxelsFromMesh(grid, worldFromGrid, instance.worldFromMeshAt(time));
+    if (!meets(boxAround(fromMesh, bounds_[m]), all)) continue;
     const Mesh& mesh = scene_.meshes[m];
     const auto number = static_cast<std::uint32_t>(near.instances.size());
-    near.instances.push_back({mesh, place, classesOf(instance, mesh)});
+    near.instances.push_back({mesh, fromMesh, classesOf(instance, mesh)});
     for (std::size_t b = 0; b < blocks_[m].size(); ++b) {
-      const Box box = boxAround(place, blocks_[m][b]);
+      const Box box = boxAround(fromMesh, blocks_[m][b]);
       if (!meets(box, all)) continue;
       const std::size_t last = std::min((b + 1) * kBlock, mesh.triangles.size());
       near.blocks.push_back({number, static_cast<std::uint32_t>(b * kBlock), static_cast<std::uint32_t>(last), box});

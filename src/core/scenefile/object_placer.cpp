@@ -92,15 +92,16 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
   for (const PlacedMesh& m : meshes) {
     const Mesh& mesh = builder_.soFar().meshes[m.mesh];
     const Box box = mesh.bounds();
-    const auto add = [&](const Affine& place) {
-      if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // a corner of a tilted box can be lower than the mesh
-        for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (place * Vec3d(p)).z);
+    const auto add = [&](const Affine& worldFromMesh) {
+      if (worldFromMesh.linear.x.z != 0 ||
+          worldFromMesh.linear.y.z != 0) {  // a corner of a tilted box can be lower than the mesh
+        for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (worldFromMesh * Vec3d(p)).z);
         return;
       }
-      lowest = std::min(lowest, boxAround(place, box).low.z);
+      lowest = std::min(lowest, boxAround(worldFromMesh, box).low.z);
     };
     if (m.assetFromMesh.empty()) add(worldFromAsset);
-    for (const Affine& place : m.assetFromMesh) add(worldFromAsset * place);
+    for (const Affine& assetFromMesh : m.assetFromMesh) add(worldFromAsset * assetFromMesh);
   }
   return lowest;
 }

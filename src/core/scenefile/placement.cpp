@@ -57,9 +57,9 @@ void readCopies(const Value& value, Placement& placement) {
   if (const Value* at = f.find("at")) {
     placement.at.clear();
     for (const Value& item : readList(*at, "at")) {
-      Fields place(item, "copy");
-      placement.at.push_back(readCopy(place));
-      place.finish();
+      Fields fields(item, "copy");
+      placement.at.push_back(readCopy(fields));
+      fields.finish();
     }
   }
   if (const Value* grid = f.find("grid")) readGrid(*grid, placement);

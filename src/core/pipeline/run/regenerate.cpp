@@ -114,9 +114,9 @@ void regenerateShards(const fs::path& folder, Manifest manifest, const Plan& pla
     if (sha256(descriptions[file]) != stated.samplesSha256) failDifferent(file, manifest);
   }
   for (const std::uint64_t shard : shards) {
-    const fs::path place = folder / manifest.shards[shard].file;
-    moveFile(folder, made(shard), place);
-    syncFolder(place.parent_path());
+    const fs::path target = folder / manifest.shards[shard].file;
+    moveFile(folder, made(shard), target);
+    syncFolder(target.parent_path());
   }
   for (const auto& [file, text] : descriptions) writeFile(folder, folder / file, text);
 }

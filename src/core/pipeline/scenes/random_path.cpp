@@ -63,12 +63,12 @@ class FreeSurface {
   FreeSurface(const SceneProbe& probe, std::vector<std::uint16_t> classes)
       : probe_(probe), classes_(std::move(classes)) {}
 
-  // Returns the height of the surface at a place (m). Returns nothing if there is no surface of the given classes at
+  // Returns the height of the surface at a position (m). Returns nothing if there is no surface of the given classes at
   // most about 1.5 m above or below the place, or if something is less than kClear above the surface.
-  std::optional<double> height(const Vec3d& place) const {
+  std::optional<double> height(const Vec3d& position) const {
     const auto cell = [](double d) { return static_cast<std::int64_t>(std::floor(d / kCell)); };
-    const auto layer = static_cast<std::int64_t>(std::floor(place.z));
-    const std::tuple key{cell(place.x), cell(place.y), layer};
+    const auto layer = static_cast<std::int64_t>(std::floor(position.z));
+    const std::tuple key{cell(position.x), cell(position.y), layer};
     if (const auto known = known_.find(key); known != known_.end()) return known->second;
     const Vec3d middle{(static_cast<double>(std::get<0>(key)) + 0.5) * kCell,
                        (static_cast<double>(std::get<1>(key)) + 0.5) * kCell, static_cast<double>(layer) + 0.5};
@@ -331,14 +331,14 @@ class PathSearch {
   std::set<Spot> deadEnds_;     // spots from which the search found no path of the required length
 };
 
-// Returns the state at `place` with the heading in which a vehicle can drive straight on farthest. Returns nothing if
-// this distance is not longer than two arcs.
-std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& draws) {
+// Returns the state at `position` with the heading in which a vehicle can drive straight on farthest. Returns nothing
+// if this distance is not longer than two arcs.
+std::optional<State> startAt(const FreeSurface& surface, Vec3d position, Draws& draws) {
   std::optional<State> best;
   int farthest = 2 * static_cast<int>(kArcLength);
   const double first = draws.next() * 2 * kPi;
   for (int i = 0; i < 32; ++i) {
-    const State heading{place, first + i * kPi / 16};
+    const State heading{position, first + i * kPi / 16};
     std::optional<State> s =
         surface.room(heading) && surface.room(heading.on(-kHalfLength, 0)) ? std::optional(heading) : std::nullopt;
     int far = 0;  // distance driven so far (m)

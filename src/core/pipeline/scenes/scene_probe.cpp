@@ -103,20 +103,20 @@ bool SceneGround::isGround(const SceneProbe::Hit& hit) const {
   return own == nullptr || !own->thing;
 }
 
-std::optional<double> SceneGround::under(const Vec3d& place) const {
+std::optional<double> SceneGround::under(const Vec3d& position) const {
   if (bounds_.empty()) return std::nullopt;
   const double top = bounds_.high.z + 1;
-  const auto hits = probe_.all({{place.x, place.y, top}, kDown}, top - bounds_.low.z + 1);
+  const auto hits = probe_.all({{position.x, position.y, top}, kDown}, top - bounds_.low.z + 1);
   const SceneProbe::Hit* const found = groundUnder(
-      hits, place.z, [](const SceneProbe::Hit& hit) { return hit.position.z; },
+      hits, position.z, [](const SceneProbe::Hit& hit) { return hit.position.z; },
       [&](const SceneProbe::Hit& hit) { return isGround(hit); });
   return found == nullptr ? std::nullopt : std::optional(found->position.z);
 }
 
-std::optional<double> SceneGround::near(const Vec3d& place) const {
+std::optional<double> SceneGround::near(const Vec3d& position) const {
   std::optional<double> nearest;
-  for (const SceneProbe::Hit& hit : probe_.all({place - kDown * kNear, kDown}, 2 * kNear)) {
-    if (isGround(hit) && (!nearest || std::fabs(hit.position.z - place.z) < std::fabs(*nearest - place.z))) {
+  for (const SceneProbe::Hit& hit : probe_.all({position - kDown * kNear, kDown}, 2 * kNear)) {
+    if (isGround(hit) && (!nearest || std::fabs(hit.position.z - position.z) < std::fabs(*nearest - position.z))) {
       nearest = hit.position.z;
     }
   }

@@ -59,8 +59,8 @@ class SceneGround : public Ground {
   // `probe` must outlive this object.
   SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes);
 
-  std::optional<double> under(const Vec3d& place) const override;
-  std::optional<double> near(const Vec3d& place) const override;
+  std::optional<double> under(const Vec3d& position) const override;
+  std::optional<double> near(const Vec3d& position) const override;
 
  private:
   bool isGround(const SceneProbe::Hit& hit) const;
