@@ -100,12 +100,51 @@ void placeCars(Placer& placer) {
   }
 }
 
+constexpr double kBayWidth = 2.6, kBayDepth = 5,
+                 kAisle = 6.2;  // m, of bays on parking lots and between two rows of them
+
+// True if a point is on a parking lot, not at its edge, and not on a road through it.
+bool isOnLot(const Layout& l, const Point2& p) {
+  constexpr double kFromEdge = 1.2;  // m
+  const Beside b = l.besideAt(p);
+  return std::max(std::abs(p.x), std::abs(p.y)) < l.halfSide - 3 && l.areas.outsideHard(p) < -kFromEdge &&
+         l.areas.at(p) == Land::Lot && (!b.known || b.edge > b.section.outer() + kFromEdge);
+}
+
+// Paints the lines of a row of bays and parks cars in a part of them. `about`: the rectangle around the lot, with its x
+// axis along the row; `low`: m along its y axis, where the row begins. `facing`: 1 or -1, along this axis. `number`:
+// cars so far; it is advanced. Returns the number of lines.
+int placeRowOfBays(Placer& placer, models::Shape& s, models::SurfaceIndex paint, const Footprint& about, double low,
+                   int facing, double taken, Draw& draw, int& number) {
+  constexpr double kHalfLotLine = 0.06;  // m, half of a line's width
+  constexpr double kIntoBay = 0.8;       // m from a bay's ends to the points that must be on the lot
+  const Layout& l = placer.layout;
+  const auto paintLine = [&](double u) {
+    const auto corner = [&](double side, double v) { return l.onGround(about.at(u + side * kHalfLotLine, v), 0.01); };
+    s.quad(paint, corner(-1, low), corner(1, low), corner(1, low + kBayDepth), corner(-1, low + kBayDepth));
+  };
+  int lines = 0;
+  for (const double u : models::steps(-about.halfX + 0.8, about.halfX - kBayWidth - 0.4, kBayWidth)) {
+    const double middle = u + kBayWidth / 2;
+    Spot spot{about.at(middle, low + kBayDepth / 2), about.yaw + facing * kPi / 2, 1, 0};
+    const bool wanted = draw.chance(taken);
+    if (!isOnLot(l, spot.at) || !isOnLot(l, about.at(middle, low + kIntoBay)) ||
+        !isOnLot(l, about.at(middle, low + kBayDepth - kIntoBay))) {
+      continue;
+    }
+    paintLine(u);
+    paintLine(u + kBayWidth);
+    lines += 2;
+    if (!wanted) continue;
+    if (!draw.chance(0.7)) spot.yaw += kPi;
+    spot.yaw += draw.in(-0.04, 0.04);
+    if (placer.tryPark(anyCar(placer, draw), spot, fmt::format("car on a lot {}", number + 1))) ++number;
+  }
+  return lines;
+}
+
 // Places cars on parking lots: aisles with a row of bays at each side, and lines between the bays.
 void placeLots(Placer& placer) {
-  constexpr double kWide = 2.6;  // m, width of a bay
-  constexpr double kLong = 5;
-  constexpr double kAisle = 6.2;
-  constexpr double kLine = 0.06;  // m, half of a line's width
   const Layout& l = placer.layout;
   models::Shape s(placer.builder, "lots' markings");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
@@ -123,33 +162,10 @@ void placeLots(Placer& placer) {
       std::swap(about.halfX, about.halfY);
       about.yaw += kPi / 2;
     }
-    const auto onLot = [&](const Point2& p) {
-      const Beside b = l.besideAt(p);
-      return std::max(std::abs(p.x), std::abs(p.y)) < l.halfSide - 3 && l.areas.outsideHard(p) < -1.2 &&
-             l.areas.at(p) == Land::Lot && (!b.known || b.edge > b.section.outer() + 1.2);
-    };
-    const auto addLine = [&](double u, double low, double high) {
-      const auto corner = [&](double side, double v) { return l.onGround(about.at(u + side * kLine, v), 0.01); };
-      s.quad(paint, corner(-1, low), corner(1, low), corner(1, high), corner(-1, high));
-      ++lines;
-    };
     bool far = false;  // true for the second of the two rows at an aisle
-    for (double low = -about.halfY + 0.4; low + kLong < about.halfY - 0.2; far = !far) {
-      for (const double u : models::steps(-about.halfX + 0.8, about.halfX - kWide - 0.4, kWide)) {
-        const double middle = u + kWide / 2;
-        Spot spot{about.at(middle, low + kLong / 2), about.yaw + (far ? -1 : 1) * kPi / 2, 1, 0};
-        const bool wanted = draw.chance(taken);
-        if (!onLot(spot.at) || !onLot(about.at(middle, low + 0.8)) || !onLot(about.at(middle, low + kLong - 0.8))) {
-          continue;
-        }
-        addLine(u, low, low + kLong);
-        addLine(u + kWide, low, low + kLong);
-        if (!wanted) continue;
-        if (!draw.chance(0.7)) spot.yaw += kPi;
-        spot.yaw += draw.in(-0.04, 0.04);
-        if (placer.tryPark(anyCar(placer, draw), spot, fmt::format("car on a lot {}", number + 1))) ++number;
-      }
-      low += kLong + (far ? 0 : kAisle);
+    for (double low = -about.halfY + 0.4; low + kBayDepth < about.halfY - 0.2; far = !far) {
+      lines += placeRowOfBays(placer, s, paint, about, low, far ? -1 : 1, taken, draw, number);
+      low += kBayDepth + (far ? 0 : kAisle);
     }
   }
   if (lines > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "lots' markings");
