@@ -19,13 +19,13 @@ std::string_view passName(const ChannelRow& row) {
 PassChoice readPassList(const std::string& list) {
   PassChoice choice;
   if (list == "all") {
-    choice.channels = channelsThat(&ChannelRow::drawn);
+    choice.channels = channelsThat(&ChannelRow::rendered);
     choice.surfaceParameters = true;
     return choice;
   }
   std::vector<std::string> names{"all", "look"};
   for (const ChannelRow& row : kChannels) {
-    if (row.drawn) names.emplace_back(passName(row));
+    if (row.rendered) names.emplace_back(passName(row));
   }
   std::size_t first = 0;
   while (first <= list.size()) {
@@ -34,7 +34,7 @@ PassChoice readPassList(const std::string& list) {
     bool known = asked == "look";
     choice.surfaceParameters = choice.surfaceParameters || known;
     for (const ChannelRow& row : kChannels) {
-      if (!row.drawn || asked != passName(row)) continue;
+      if (!row.rendered || asked != passName(row)) continue;
       choice.channels |= row.channel;
       known = true;
     }

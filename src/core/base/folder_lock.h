@@ -41,7 +41,7 @@ class [[nodiscard]] FolderLock {
   // the file system has no locks.
   [[nodiscard]] bool makeAlone();
   // True if the lock keeps other processes out: false on a file system without locks.
-  bool isKept() const { return locked_; }
+  bool keepsOthersOut() const { return locked_; }
 
  private:
   FolderLock() = default;

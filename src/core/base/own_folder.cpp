@@ -17,10 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 
 // Opens the folder `below`, step by step from `folder`. Where this fails, what the caller wants, such as "a.txt: cannot
-// be written", is the beginning of the message. If `made` is given, creates the folders that are missing and sets it to
-// true if the last one is new.
+// be written", is the beginning of the message. If `isNew` is given, creates the folders that are missing and sets it
+// to true if the last one is new.
 Descriptor openFolder(const fs::path& folder, const fs::path& below, const fs::path& file, const char* what,
-                      bool* made = nullptr) {
+                      bool* isNew = nullptr) {
   constexpr int kHow = O_PATH | O_DIRECTORY | O_CLOEXEC;
   constexpr mode_t kMode = 0777;
   Descriptor at(::open(folder.empty() ? "." : folder.c_str(), kHow));
@@ -29,9 +29,9 @@ Descriptor openFolder(const fs::path& folder, const fs::path& below, const fs::p
   for (const fs::path& step : below.lexically_relative(folder)) {
     if (step == "." || step.empty()) continue;
     path /= step;
-    if (made != nullptr) {
-      *made = ::mkdirat(at.number, step.c_str(), kMode) == 0;
-      if (!*made && errno != EEXIST) failBySystem(file, what);
+    if (isNew != nullptr) {
+      *isNew = ::mkdirat(at.number, step.c_str(), kMode) == 0;
+      if (!*isNew && errno != EEXIST) failBySystem(file, what);
     }
     Descriptor next(::openat(at.number, step.c_str(), kHow | O_NOFOLLOW));
     if (!next.open() && (errno == ELOOP || errno == ENOTDIR)) {
@@ -66,15 +66,15 @@ Descriptor openFolderOf(const fs::path& folder, const fs::path& file, const char
 }
 
 bool makeFolders(const fs::path& folder, const fs::path& below) {
-  bool made = false;
-  static_cast<void>(openFolder(folder, below, below, "cannot be created", &made));
-  return made;
+  bool isNew = false;
+  static_cast<void>(openFolder(folder, below, below, "cannot be created", &isNew));
+  return isNew;
 }
 
 void moveFile(const fs::path& folder, const fs::path& from, const fs::path& to) {
   const Descriptor fromFolder = openFolderOf(folder, from, "cannot be moved");
-  bool made = false;
-  const Descriptor toFolder = openFolder(folder, to.parent_path(), from, "cannot be moved", &made);
+  bool isNew = false;
+  const Descriptor toFolder = openFolder(folder, to.parent_path(), from, "cannot be moved", &isNew);
   if (::renameat(fromFolder.number, from.filename().c_str(), toFolder.number, to.filename().c_str()) == 0) return;
   failBySystem(from, "cannot be moved to " + to.string());
 }

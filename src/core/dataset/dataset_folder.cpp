@@ -258,7 +258,7 @@ std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
 
 // Writes the plan, or checks that the plan of the dataset to continue is the same.
 void DatasetFolder::start(FolderUse use) {
-  const std::unique_ptr<FolderLock> lock = shared_ && lock_->isKept() ? lockStart() : nullptr;
+  const std::unique_ptr<FolderLock> lock = shared_ && lock_->keepsOthersOut() ? lockStart() : nullptr;
   const fs::path planFile = staging_ / kPlanName;
   if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {
     if (readFile(planFile) == toJson(plan_)) return;
@@ -314,7 +314,7 @@ std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
   std::string holder;
   // On a file system without locks several processes may write the same shard, which is harmless: they write the same
   // bytes.
-  return FolderLock::tryTake(folder_, file, lock_->isKept() ? LockKind::Alone : LockKind::Shared, holder);
+  return FolderLock::tryTake(folder_, file, lock_->keepsOthersOut() ? LockKind::Alone : LockKind::Shared, holder);
 }
 
 void DatasetFolder::storeRecord(const DatasetPart& part) {

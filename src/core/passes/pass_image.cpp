@@ -69,7 +69,7 @@ void ImageSource::require(PassChoice asked) const {
   for (const PassImage& image : images_) {
     const PassChoice available = image.planes.choice();
     for (const ChannelRow& row : kChannels) {
-      if (row.channel == Channel::Range || !row.drawn || !asked.channels.has(row.channel) ||
+      if (row.channel == Channel::Range || !row.rendered || !asked.channels.has(row.channel) ||
           available.channels.has(row.channel)) {
         continue;
       }

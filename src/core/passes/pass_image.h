@@ -94,7 +94,7 @@ static_assert(
     [] {
       Channels visited;
       forEachPass([&](const ChannelRow& row, auto, auto) { visited |= row.channel; });
-      return visited == channelsThat(&ChannelRow::drawn);
+      return visited == channelsThat(&ChannelRow::rendered);
     }(),
     "visit every channel that renderers render, which passes/resolver.cpp and pass_picture.cpp then fill and show");
 

@@ -54,8 +54,8 @@ struct ChannelRow {
   Channel channel;
   std::string_view name;  // name in messages and plans
   std::string_view exr;   // name in EXR files of hits; for a vector the name of its x component
-  bool drawn;             // true: renderers render it as an image
-  bool kept;              // true: `generate --keep-hits` stores it
+  bool rendered;          // true: renderers render it as an image
+  bool recorded;          // true: `generate --keep-hits` stores it
 };
 
 inline constexpr std::array<ChannelRow, 8> kChannels{{
@@ -77,10 +77,10 @@ constexpr const ChannelRow& rowOf(Channel channel) {
   return kChannels.front();
 }
 
-// Returns the channels whose row has the flag `says` set, for example channelsThat(&ChannelRow::drawn).
-constexpr Channels channelsThat(bool ChannelRow::*says) {
+// Returns the channels whose row has the flag `flag` set, for example channelsThat(&ChannelRow::rendered).
+constexpr Channels channelsThat(bool ChannelRow::*flag) {
   Channels channels;
-  for (const ChannelRow& row : kChannels) channels |= row.*says ? Channels(row.channel) : Channels();
+  for (const ChannelRow& row : kChannels) channels |= row.*flag ? Channels(row.channel) : Channels();
   return channels;
 }
 

@@ -52,11 +52,11 @@ const ReasonEntry* findReason(std::string_view name) {
 ReasonCounts countReasons(std::span<const std::uint8_t> reasonOfBeam) {
   std::array<std::uint64_t, 256> counts{};
   for (const std::uint8_t value : reasonOfBeam) ++counts[value];
-  ReasonCounts made;
+  ReasonCounts counted;
   for (std::size_t value = 0; value < counts.size(); ++value) {
-    if (counts[value] > 0) made[static_cast<std::uint8_t>(value)] = counts[value];
+    if (counts[value] > 0) counted[static_cast<std::uint8_t>(value)] = counts[value];
   }
-  return made;
+  return counted;
 }
 
 }  // namespace scanmill

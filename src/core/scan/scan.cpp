@@ -39,11 +39,11 @@ Scan withoutMisses(const Scan& scan) {
     if (isFinite(scan.position[i])) rows.push_back(static_cast<std::uint32_t>(i));
   }
   const auto gathered = [&]<class T>(const std::vector<T>& values) {
-    std::vector<T> kept;
-    if (values.empty()) return kept;
-    kept.reserve(rows.size());
-    for (const std::uint32_t row : rows) kept.push_back(values[row]);
-    return kept;
+    std::vector<T> selected;
+    if (values.empty()) return selected;
+    selected.reserve(rows.size());
+    for (const std::uint32_t row : rows) selected.push_back(values[row]);
+    return selected;
   };
   Scan dense;
   dense.rings = scan.rings;

@@ -39,40 +39,47 @@ DropSizes snowFlakes(double rate) {
 }
 
 Weather rainOf(double rate) {
-  Weather made;
-  made.drops = rainDrops(rate);
-  made.extinction = kLargeDrops * kPi / 4 * made.drops.squares() * kSquareMillimetre;
-  const double face = fresnel(1, kWaterIndex);
+  Weather rain;
+  rain.drops = rainDrops(rate);
+  rain.extinction = kLargeDrops * kPi / 4 * rain.drops.squares() * kSquareMillimetre;
+  const double reflectedOnce = fresnel(1, kWaterIndex);
   const double focus = kWaterIndex / (2 - kWaterIndex);
-  const double gain = face + (1 - face) * (1 - face) * face * focus * focus;
+  const double gain = reflectedOnce + (1 - reflectedOnce) * (1 - reflectedOnce) * reflectedOnce * focus * focus;
   // pi times the drop's echo per steradian, which is gain a^2 / 4 for the radius a = D / 2.
-  made.dropEcho = kPi * gain / 16 * kSquareMillimetre;
-  return made;
+  rain.dropEcho = kPi * gain / 16 * kSquareMillimetre;
+  return rain;
 }
 
 Weather snowOf(double rate) {
-  Weather made;
-  made.drops = snowFlakes(rate);
+  Weather snow;
+  snow.drops = snowFlakes(rate);
   const double width = power(1 / kFlakeDensity, 1.0 / 3);  // width of a flake, relative to the drop that it melts into
-  made.extinction = kLargeDrops * kPi / 4 * width * width * made.drops.squares() * kSquareMillimetre;
+  snow.extinction = kLargeDrops * kPi / 4 * width * width * snow.drops.squares() * kSquareMillimetre;
   // The echo is pi times the flake's extinction cross section over the lidar ratio, for D = 1. The cross section is
   // twice the area of a disc with the radius width * D / 2.
-  made.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;
-  return made;
+  snow.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;
+  return snow;
 }
 
+namespace {
+
+// Returns air in which droplets or dust float. The visibility (m) is the distance at which 5 % of the contrast are left
+// (Koschmieder).
+Weather hazeOf(double visibility, double lidarRatio) {
+  Weather haze;
+  haze.extinction = -naturalLog(0.05) / visibility;
+  haze.backscatter = haze.extinction / lidarRatio;
+  return haze;
+}
+
+}  // namespace
+
 Weather fogOf(double visibility) {
-  Weather made;
-  made.extinction = -naturalLog(0.05) / visibility;
-  made.backscatter = made.extinction / kFogLidarRatio;
-  return made;
+  return hazeOf(visibility, kFogLidarRatio);
 }
 
 Weather dustOf(double visibility) {
-  Weather made;
-  made.extinction = -naturalLog(0.05) / visibility;
-  made.backscatter = made.extinction / kDustLidarRatio;
-  return made;
+  return hazeOf(visibility, kDustLidarRatio);
 }
 
 double mistEcho(const Weather& weather, double length) {

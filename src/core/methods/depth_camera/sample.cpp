@@ -303,7 +303,7 @@ std::uint64_t samplePixels(PixelSource& source, const Pose& worldFromRig, const 
 
 PassChoice passesFor(Channels channels, const SampleOptions& options) {
   PassChoice choice;
-  choice.channels = (channels & channelsThat(&ChannelRow::drawn)) | Channel::Range;
+  choice.channels = (channels & channelsThat(&ChannelRow::rendered)) | Channel::Range;
   if (channels.has(Channel::Incidence) || options.sampling == Sampling::Plane) choice.channels |= Channel::Normal;
   return choice;
 }

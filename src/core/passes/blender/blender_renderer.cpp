@@ -46,7 +46,7 @@ class SeenSource : public PixelSource {
 
   const std::vector<Camera>& cameras() const override { return cameras_; }
 
-  PassChoice available() const override { return {channelsThat(&ChannelRow::drawn), true}; }
+  PassChoice available() const override { return {channelsThat(&ChannelRow::rendered), true}; }
 
   void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
     fetched_.resize(addresses.size());

@@ -14,7 +14,7 @@
 namespace scanmill {
 
 Channels recordedChannels() {
-  return channelsThat(&ChannelRow::kept);
+  return channelsThat(&ChannelRow::recorded);
 }
 
 void Recorder::open(const std::filesystem::path& folder, bool overwrite) {

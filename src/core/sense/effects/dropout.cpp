@@ -23,12 +23,12 @@ namespace {
 
 class DropOut : public Effect {
  public:
-  DropOut(float threshold, double probability, bool things, double rings)
-      : threshold_(threshold), probability_(probability), things_(things), rings_(rings) {}
+  DropOut(float threshold, double probability, bool instancesOnly, double rings)
+      : threshold_(threshold), probability_(probability), instancesOnly_(instancesOnly), rings_(rings) {}
 
   Channels reads() const override {
     const Channels hits = Channel::Range;
-    return things_ ? hits | Channels(Channel::Instance) : hits;
+    return instancesOnly_ ? hits | Channels(Channel::Instance) : hits;
   }
   bool needsIntensity() const override { return threshold_ > 0; }
 
@@ -88,7 +88,8 @@ class DropOut : public Effect {
       float* const range = returns.range.data() + first;
       drawWords(shot, Purpose::DropOut, returns, first, words);
       Batch<std::uint8_t> spared{};
-      for (std::size_t i = 0; things_ && i < count; ++i) spared[i] = returns.instanceOf(first + i, hits) == 0 ? 1 : 0;
+      for (std::size_t i = 0; instancesOnly_ && i < count; ++i)
+        spared[i] = returns.instanceOf(first + i, hits) == 0 ? 1 : 0;
       for (std::size_t i = 0; i < count; ++i) {
         const bool lost = (toDouble(words.a[i]) + 0.5) * 0x1p-32 < probability_ && spared[i] == 0;
         range[i] = lost ? kMiss : range[i];
@@ -98,7 +99,7 @@ class DropOut : public Effect {
 
   float threshold_;
   double probability_;
-  bool things_;
+  bool instancesOnly_;
   double rings_;
 };
 

@@ -37,11 +37,11 @@ class Speckle : public Effect {
       for (int drawn = 0; drawn < looks_; drawn += 4) {
         const auto purpose = static_cast<Purpose>(static_cast<int>(Purpose::Speckle) + drawn / 4);
         // A block has four words, and each word gives a factor. Factors beyond the number of looks are 1.
-        const int left = looks_ - drawn;
-        const double keep[] = {1, left > 1 ? 1.0 : 0.0, left > 2 ? 1.0 : 0.0, left > 3 ? 1.0 : 0.0};
+        const int remaining = looks_ - drawn;
+        const double isLook[] = {1, remaining > 1 ? 1.0 : 0.0, remaining > 2 ? 1.0 : 0.0, remaining > 3 ? 1.0 : 0.0};
         drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {
           double factor[4];
-          for (std::size_t k = 0; k < 4; ++k) factor[k] = 1 + keep[k] * ((toDouble(block[k]) + 0.5) * 0x1p-32 - 1);
+          for (std::size_t k = 0; k < 4; ++k) factor[k] = 1 + isLook[k] * ((toDouble(block[k]) + 0.5) * 0x1p-32 - 1);
           product[i] *= (factor[0] * factor[1]) * (factor[2] * factor[3]);
         });
       }
