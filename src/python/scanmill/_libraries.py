@@ -14,12 +14,12 @@ def load_missing():
             missing.append(folder / folder.name)
     # A library may need another one of them, so repeat until no further library can be loaded.
     while missing:
-        left = []
+        unloaded = []
         for library in missing:
             try:
                 ctypes.CDLL(str(library), ctypes.RTLD_GLOBAL)
             except OSError:
-                left.append(library)
-        if len(left) == len(missing):
+                unloaded.append(library)
+        if len(unloaded) == len(missing):
             return  # the extension reports missing libraries when it is imported
-        missing = left
+        missing = unloaded

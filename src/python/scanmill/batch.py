@@ -26,7 +26,7 @@ def pad_batch(arrays: Sequence[NDArray[Any]], fill: float = 0) -> tuple[NDArray[
     longest = max(len(a) for a in arrays)
     out = np.full((len(arrays), longest, *first.shape[1:]), fill, first.dtype)
     mask = np.zeros((len(arrays), longest), bool)
-    for row, own, a in zip(out, mask, arrays):
+    for row, filled, a in zip(out, mask, arrays):
         row[: len(a)] = a
-        own[: len(a)] = True
+        filled[: len(a)] = True
     return out, mask

@@ -51,17 +51,17 @@ class Dataset(Sequence["Sample"]):
     def __init__(self, store: Store, numbers: NDArray[np.int64] | None = None) -> None:
         """`numbers`: indices of samples in the store; None: all samples."""
         self.store = store
-        self._numbers = numbers
+        self._stored_indices = numbers
         self._column_starts: dict[str, NDArray[Any] | None] = {}
 
     @cached_property
     def keys(self) -> list[str]:
         """The keys of the samples, in their order."""
         keys = self.store.keys
-        return keys if self._numbers is None else [keys[i] for i in self._numbers]
+        return keys if self._stored_indices is None else [keys[i] for i in self._stored_indices]
 
     @cached_property
-    def _places(self) -> dict[str, int]:
+    def _index_of_key(self) -> dict[str, int]:
         return {key: i for i, key in enumerate(self.keys)}
 
     @property
@@ -71,7 +71,7 @@ class Dataset(Sequence["Sample"]):
     @property
     def whole(self) -> bool:
         """True if this object contains all samples of its path."""
-        return self._numbers is None
+        return self._stored_indices is None
 
     @cached_property
     def manifest(self) -> dict[str, Any] | None:
@@ -107,10 +107,10 @@ class Dataset(Sequence["Sample"]):
         splits: dict[str, list[str]] = {}
         if self.manifest is None:
             return splits
-        own = self._numbers
+        stored = self._stored_indices
         all_splits = self.store.splits
-        for place, key in enumerate(self.keys):
-            splits.setdefault(all_splits[place if own is None else own[place]], []).append(key)
+        for index, key in enumerate(self.keys):
+            splits.setdefault(all_splits[index if stored is None else stored[index]], []).append(key)
         return splits
 
     def split(self, name: str) -> Dataset:
@@ -129,10 +129,10 @@ class Dataset(Sequence["Sample"]):
 
     def select(self, which: Sequence[str | int]) -> Dataset:
         """Returns the samples with these keys or indices, in the given order."""
-        own = self._numbers
-        places = np.array([self._place(w) for w in which], np.int64)
-        selected = Dataset(self.store, places if own is None else own[places])
-        selected.keys = [self.keys[i] for i in places]
+        stored = self._stored_indices
+        indices = np.array([self._index_of(w) for w in which], np.int64)
+        selected = Dataset(self.store, indices if stored is None else stored[indices])
+        selected.keys = [self.keys[i] for i in indices]
         for name in ("manifest", "ontology", "sensors"):  # equal in the selection, so they need not be parsed again
             if name in self.__dict__:
                 selected.__dict__[name] = self.__dict__[name]
@@ -160,7 +160,7 @@ class Dataset(Sequence["Sample"]):
         return len(self.keys)
 
     def __contains__(self, key: object) -> bool:
-        return key in self._places
+        return key in self._index_of_key
 
     def __getitem__(self, which: Any) -> Any:
         """Returns the sample with this key or index (negative: counted from the end); a Dataset for a slice.
@@ -169,8 +169,8 @@ class Dataset(Sequence["Sample"]):
         """
         if isinstance(which, slice):
             return self.select(range(*which.indices(len(self))))
-        place = self._place(which)
-        return Sample(self, place, place if self._numbers is None else int(self._numbers[place]))
+        index = self._index_of(which)
+        return Sample(self, index, index if self._stored_indices is None else int(self._stored_indices[index]))
 
     def __iter__(self) -> Iterator[Sample]:
         return (self[i] for i in range(len(self)))
@@ -179,21 +179,21 @@ class Dataset(Sequence["Sample"]):
         return f"<Dataset {self.path}: {len(self)} samples>"
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"store": self.store, "numbers": self._numbers}
+        return {"store": self.store, "numbers": self._stored_indices}
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
         self.__init__(state["store"], state["numbers"])  # type: ignore[misc]
 
-    def _place(self, which: str | int) -> int:
+    def _index_of(self, which: str | int) -> int:
         if isinstance(which, str):
-            if which not in self._places:
+            if which not in self._index_of_key:
                 raise InputError(f"{self.path} has no sample '{which}'{advice(which, self.keys[:100])}")
-            return self._places[which]
+            return self._index_of_key[which]
         number = operator.index(which)
-        place = number + len(self) if number < 0 else number
-        if not 0 <= place < len(self):
+        index = number + len(self) if number < 0 else number
+        if not 0 <= index < len(self):
             raise IndexError(f"{self.path} has {len(self)} samples, but no sample number {number}")
-        return place
+        return index
 
     def _starts_of_columns(self, sensor: str) -> NDArray[Any] | None:
         """Returns when each column of a sensor fires, in s since the start of the revolution, (columns,); None if
@@ -352,7 +352,7 @@ class Sample:
                 f"the sample '{self.key}' has no scan of the sensor '{name}', which turns more slowly than frames follow "
                 f"each other: skip the sample (see Sample.has_scan()) or name another sensor ({', '.join(self.sensors)})"
             )
-        return next((own for own in self.sensors if own.lower() == name.lower()), name)
+        return next((sensor for sensor in self.sensors if sensor.lower() == name.lower()), name)
 
     def _record_of(self, sensor: str, method: str, revolution: int) -> dict[str, Any] | None:
         scans = [] if self.record is None else self.record["scans"]

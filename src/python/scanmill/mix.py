@@ -160,18 +160,18 @@ class PasteInstances:
         if not len(chosen):
             return dict(sample)
         pasted = _part(other, np.isin(other["instance"], ids[chosen]), chosen)
-        own = [(pasted["instance"] == ids[i]) & points_in_box(pasted["xyz"], boxes[i], MARGIN) for i in chosen]
-        pasted = _part(pasted, np.any(own, axis=0), ALL)
+        in_own_box = [(pasted["instance"] == ids[i]) & points_in_box(pasted["xyz"], boxes[i], MARGIN) for i in chosen]
+        pasted = _part(pasted, np.any(in_own_box, axis=0), ALL)
         inside = np.array([points_in_box(dense_xyz(sample), boxes[i]) for i in chosen])
         by_beam = self.hide and "ring" in sample and "column" in sample and sample.get("sensor") == other.get("sensor")
         if by_beam:
             pasted = _part(pasted, _visible(pasted, _part(sample, ~inside.any(axis=0), ALL)), ALL)
         seen = _counts(pasted) >= self.min_points
         pasted = _part(pasted, np.isin(pasted["instance"], pasted["box_instance"][seen]), seen)
-        kept = ~inside[seen].any(axis=0)
+        remaining = ~inside[seen].any(axis=0)
         if by_beam:
-            kept &= ~np.isin(_beams(sample), _beams(pasted))
-        return _joined(_part(sample, kept, ALL), pasted)
+            remaining &= ~np.isin(_beams(sample), _beams(pasted))
+        return _joined(_part(sample, remaining, ALL), pasted)
 
 
 def _ids(classes: Sequence[int]) -> list[int]:
@@ -260,12 +260,12 @@ def _beams(sample: Sample) -> NDArray[np.int64]:
 
 def _visible(sample: Sample, hiding: Sample) -> NDArray[np.bool_]:
     """Returns which points (N,) have no nearer or equally near point of the other sample in their beam."""
-    beams, place = np.unique(_beams(sample), return_inverse=True)
+    beams, beam_of_point = np.unique(_beams(sample), return_inverse=True)
     same = np.isin(_beams(hiding), beams)
     nearest = np.full(len(beams), np.inf)
     ranges = np.linalg.norm(hiding["xyz"][same], axis=1)
     np.minimum.at(nearest, np.searchsorted(beams, _beams(hiding)[same]), ranges)
-    return np.linalg.norm(sample["xyz"], axis=1) < nearest[place]
+    return np.linalg.norm(sample["xyz"], axis=1) < nearest[beam_of_point]
 
 
 def _overlap(boxes: NDArray[Any], others: NDArray[Any]) -> NDArray[np.bool_]:

@@ -153,10 +153,10 @@ def _reflectances(
         reflectance = np.broadcast_to(reflectance, count)
         _require("reflectance", (reflectance >= 0) & (reflectance <= 1), reflectance, "is not between 0 and 1")
     else:
-        own = values.get("color", colours if "material" not in values else None)
-        if own is None:
+        colours_of_part = values.get("color", colours if "material" not in values else None)
+        if colours_of_part is None:
             return np.full(count, -1, np.int64)
-        reflectance = _brightness(_numbers("color", own, None), triangles, vertices)
+        reflectance = _brightness(_numbers("color", colours_of_part, None), triangles, vertices)
     return np.round(np.asarray(reflectance) * STEPS_OF_REFLECTANCE).astype(np.int64)
 
 

@@ -78,8 +78,8 @@ class PassWriter:
             require_known("camera", camera, CAMERAS)
         if not depth:
             raise InputError("depth needs the image of at least one camera")
-        for camera, own in depth.items():
-            z = _depths(own, depth_unit, f"depth of '{camera}'")
+        for camera, given in depth.items():
+            z = _depths(given, depth_unit, f"depth of '{camera}'")
             if (z < 0).any():
                 raise InputError(f"depth of '{camera}' has {np.count_nonzero(z < 0)} negative values: depths are m in front of it")
             n = len(z)
@@ -132,15 +132,15 @@ def _depths(values: ArrayLike, unit: float | None, what: str) -> NDArray[np.floa
     image = np.asarray(values)
     if image.ndim != 2 or image.shape[0] != image.shape[1] or len(image) < 2 or image.dtype.kind not in "fui":
         raise InputError(f"{what} must be a square image of numbers (n, n), not {image.dtype} {image.shape}")
-    whole = image.dtype.kind != "f"
-    scale = (0.001 if whole else 1.0) if unit is None else unit
+    is_integer = image.dtype.kind != "f"
+    scale = (0.001 if is_integer else 1.0) if unit is None else unit
     if not (isinstance(scale, (int, float)) and scale > 0):
         raise InputError(f"depth_unit must be a number of m above 0, not {unit!r}")
     greatest = image.max(where=np.isfinite(image), initial=0)
-    saturated = (image == greatest) & (whole and greatest in (np.iinfo(image.dtype).max, 65535))
+    saturated = (image == greatest) & (is_integer and greatest in (np.iinfo(image.dtype).max, 65535))
     depths = np.where(saturated, np.inf, image * float(scale)).astype(np.float32)
     sky = np.count_nonzero(image == greatest)
-    if not whole and sky > 1 and abs(float(greatest) * scale - 65.535) < 1e-5:
+    if not is_integer and sky > 1 and abs(float(greatest) * scale - 65.535) < 1e-5:
         raise InputError(
             f"{what} has {sky} pixels at 65.535 m, the greatest number of millimetres in 16 bits: give the image of "
             "integers itself, or set pixels without a surface to infinity"
@@ -159,8 +159,8 @@ def _values(
     image = np.asarray(given[camera])
     if image.shape != shape:
         raise InputError(f"{what} of '{camera}' must have the shape {shape}, as its depth, not {image.shape}")
-    whole = np.issubdtype(kind, np.integer)
-    if whole and (image.dtype.kind not in "ui" or image.min() < 0 or image.max() > np.iinfo(kind).max):
+    is_integer = np.issubdtype(kind, np.integer)
+    if is_integer and (image.dtype.kind not in "ui" or image.min() < 0 or image.max() > np.iinfo(kind).max):
         raise InputError(f"{what} of '{camera}' must be whole numbers from 0 to {np.iinfo(kind).max}")
     return image.astype(kind)
 

@@ -217,8 +217,8 @@ class Scan:
             return transformed(matrices[column], self.xyz)
         if "time" not in self:
             raise InputError("the sensor moves: placing its points in the world needs the column `column` or `time`")
-        own = (self["time"].astype(np.float64) - starts[0]) / all_columns
-        return transformed(between(self.poses[0], self.poses[-1], own), self.xyz)
+        progress = (self["time"].astype(np.float64) - starts[0]) / all_columns
+        return transformed(between(self.poses[0], self.poses[-1], progress), self.xyz)
 
     def _with(self, arrays: Mapping[str, NDArray[Any]]) -> Scan:
         other = Scan.__new__(Scan)
