@@ -182,7 +182,7 @@ void invoke(uint i) { sums[i] += added * i; }
 )");
           ComputeBuffer buffer(device);
           std::vector<std::uint32_t> sums(100 * t, 5);
-          buffer.hold(std::span<const std::uint32_t>(sums));
+          buffer.upload(std::span<const std::uint32_t>(sums));
           const auto added = static_cast<std::uint32_t>(t);
           program.run(sums.size(), {&buffer}, std::as_bytes(std::span(&added, 1)));
           const auto got = copyOf<std::uint32_t>(device, buffer, sums.size());

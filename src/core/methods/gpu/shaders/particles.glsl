@@ -27,8 +27,8 @@ layout(std140, binding = 0) uniform Parameters {
 
 #include "rays.glsl"
 
-// Finds the ray of particle `i` of the slice. Returns false, and the ray of another particle, if the particle is surplus
-// (MarchJob).
+// Finds the ray of particle `i` of the slice. Returns false, and the ray of another particle, if the particle is
+// surplus (MarchJob).
 bool particleRay(uint i, out uint ray, out dvec3 o, out dvec3 d) {
   uint shot = (first + i) / shotParticles;
   uint particle = (first + i) % shotParticles;
