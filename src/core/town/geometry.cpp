@@ -11,6 +11,11 @@ double distance(const Point2& a, const Point2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
+std::vector<Point2> relativeTo(const Point2& origin, std::vector<Point2> points) {
+  for (Point2& p : points) p = {p.x - origin.x, p.y - origin.y};
+  return points;
+}
+
 Extent extentOf(const std::vector<Point2>& points) {
   Extent extent{points.front(), points.front()};
   for (const Point2& p : points) {

@@ -13,6 +13,8 @@ using Line = std::vector<Point2>;     // at least two points
 using Polygon = std::vector<Point2>;  // counter-clockwise; the first point is not repeated
 
 double distance(const Point2& a, const Point2& b);
+// Returns points relative to an origin.
+std::vector<Point2> relativeTo(const Point2& origin, std::vector<Point2> points);
 
 // The bounding box of points.
 struct Extent {

@@ -61,22 +61,6 @@ LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double 
   return made;
 }
 
-double laneStart(const Layout& l) {
-  return l.mainRoad().section.half + 7;
-}
-
-double stopLineOfSideRoad(const Layout& l) {
-  return laneStart(l) - 4;
-}
-
-double laneEnd(const Road& sideRoad) {
-  return sideRoad.length() - 6;
-}
-
-double turnStart(const Road& sideRoad) {
-  return sideRoad.section.half + 6;
-}
-
 EgoRoads egoRoads(const Layout& l) {
   constexpr double kLeast = 30;  // m, least length of the main road between two turns, or before the only turn
   EgoRoads ego;

@@ -39,12 +39,21 @@ struct LanePoints {
 // metres to the right of the centre line.
 LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double least);
 
-// Returns the distance along a side road (m) at which its lanes begin, which is the same for all side roads.
-double laneStart(const Layout& l);
-double stopLineOfSideRoad(const Layout& l);  // returns where vehicles that leave a side road stop (m along it)
-double laneEnd(const Road& sideRoad);        // m along the side road; its lanes end here
+// Distances along a side road (m) at which its lanes begin (the same for all side roads) and end, and at which vehicles
+// that leave the side road stop.
+inline double laneStart(const Layout& l) {
+  return l.mainRoad().section.half + 7;
+}
+inline double laneEnd(const Road& sideRoad) {
+  return sideRoad.length() - 6;
+}
+inline double stopLineOfSideRoad(const Layout& l) {
+  return laneStart(l) - 4;
+}
 // Returns the distance along the main road (m) between a side road's junction and the start of the turn into it.
-double turnStart(const Road& sideRoad);
+inline double turnStart(const Road& sideRoad) {
+  return sideRoad.section.half + 6;
+}
 
 // The side roads from which the ego vehicle comes (`from`) and into which it turns (`into`), both at the right of the
 // main road. No other vehicle drives on these side roads.

@@ -83,18 +83,13 @@ bool ridgeAlong(const std::array<Point2, 2>& ridge, const Footprint& about) {
 // Returns the block of a building or, if `part` is true, of a part of one. `middle` is the origin of its frame.
 models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, bool part) {
   constexpr double kShed = 2.6, kStorey = 2.9, kLowest = 2.3;  // m, usual heights of storeys, and the least height
-  const auto relative = [&](const Point2& p) { return Point2{p.x - middle.x, p.y - middle.y}; };
-  const auto ringOf = [&](const Polygon& ring) {
-    Polygon made;
-    for (const Point2& p : ring) made.push_back(relative(p));
-    return made;
-  };
   models::Block block;
   block.floors = b.shed ? 0 : floors;
   block.height = b.shed ? b.top.value_or(kShed * b.floors.value_or(1)) : b.top.value_or(0);
   block.base = b.base;
   if (b.ridge) {
-    block.ridge = {relative(b.ridge->front()), relative(b.ridge->back())};
+    const std::vector<Point2> ridge = relativeTo(middle, {b.ridge->front(), b.ridge->back()});
+    block.ridge = {ridge.front(), ridge.back()};
     block.height = b.eaves().value_or(b.shed ? block.height : 0);
     block.rise = b.top ? *b.top - block.height : b.rise;
   }
@@ -105,8 +100,8 @@ models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, bo
     block.floors = std::max(0, static_cast<int>(std::min(std::round(above), (walls - 0.8) / kLowest)));
   }
   block.shop = b.shop;
-  block.outline = ringOf(b.outline);
-  for (const Polygon& court : b.courts) block.courts.push_back(ringOf(court));
+  block.outline = relativeTo(middle, b.outline);
+  for (const Polygon& court : b.courts) block.courts.push_back(relativeTo(middle, court));
   return block;
 }
 

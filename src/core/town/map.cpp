@@ -181,7 +181,7 @@ class MapMaker {
       for (const OsmNode& n : nodes) line.push_back(plane_(n));
       if (line.size() < 2) continue;
       if (fencing) {
-        map_.barriers.push_back({*fencing, std::move(line), barrierHeight(tags)});
+        map_.barriers.push_back({*fencing, std::move(line), numbers_.read(tags, "height", metresOf, 0.1, 50)});
       } else {
         map_.paths.push_back({std::move(line), numbers_.read(tags, "width", metresOf, 0.3, 24)});
       }
@@ -248,8 +248,6 @@ class MapMaker {
       leaveOut(point.tags, OsmElement::Node);
     }
   }
-
-  std::optional<double> barrierHeight(const OsmTags& tags) { return numbers_.read(tags, "height", metresOf, 0.1, 50); }
 
   // Counts an element that is not built by its first tag that stands for a shape.
   void leaveOut(const OsmTags& tags, OsmElement element) {

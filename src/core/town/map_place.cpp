@@ -109,12 +109,7 @@ class Cutter {
 
  private:
   Point2 moved(const Point2& p) const { return {p.x - origin_.x, p.y - origin_.y}; }
-  std::vector<Point2> moved(const std::vector<Point2>& line) const {
-    std::vector<Point2> made;
-    made.reserve(line.size());
-    for (const Point2& p : line) made.push_back(moved(p));
-    return made;
-  }
+  std::vector<Point2> moved(const std::vector<Point2>& line) const { return relativeTo(origin_, line); }
   MapBuilding moved(MapBuilding building) const {
     building.outline = moved(building.outline);
     for (Polygon& court : building.courts) court = moved(court);

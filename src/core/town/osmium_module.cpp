@@ -77,8 +77,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     if (file.has_multiple_object_versions() || relations.header().has_multiple_object_versions()) {
       throw std::runtime_error(
           "it holds a history or changes of a map, not the map: `osmium time-filter` takes the map of one time out of "
-          "a "
-          "history, `osmium apply-changes` changes a map");
+          "a history, `osmium apply-changes` changes a map");
     }
     osmium::apply(relations, *this);
     relations.close();

@@ -104,11 +104,12 @@ constexpr double kBayWidth = 2.6, kBayDepth = 5,
                  kAisle = 6.2;  // m, of bays on parking lots and between two rows of them
 
 // True if a point is on a parking lot, not at its edge, and not on a road through it.
-bool isOnLot(const Layout& l, const Point2& p) {
+bool isOnLot(const Placer& placer, const Point2& p) {
   constexpr double kFromEdge = 1.2;  // m
-  const Beside b = l.besideAt(p);
-  return std::max(std::abs(p.x), std::abs(p.y)) < l.halfSide - 3 && l.areas.outsideHard(p) < -kFromEdge &&
-         l.areas.at(p) == Land::Lot && (!b.known || b.edge > b.section.outer() + kFromEdge);
+  const Areas& areas = placer.layout.areas;
+  const Beside b = placer.layout.besideAt(p);
+  return placer.isOnGround(p) && areas.outsideHard(p) < -kFromEdge && areas.at(p) == Land::Lot &&
+         (!b.known || b.edge > b.section.outer() + kFromEdge);
 }
 
 // Paints the lines of a row of bays and parks cars in a part of them. `about`: the rectangle around the lot, with its x
@@ -128,8 +129,8 @@ int placeRowOfBays(Placer& placer, models::Shape& s, models::SurfaceIndex paint,
     const double middle = u + kBayWidth / 2;
     Spot spot{about.at(middle, low + kBayDepth / 2), about.yaw + facing * kPi / 2, 1, 0};
     const bool wanted = draw.chance(taken);
-    if (!isOnLot(l, spot.at) || !isOnLot(l, about.at(middle, low + kIntoBay)) ||
-        !isOnLot(l, about.at(middle, low + kBayDepth - kIntoBay))) {
+    if (!isOnLot(placer, spot.at) || !isOnLot(placer, about.at(middle, low + kIntoBay)) ||
+        !isOnLot(placer, about.at(middle, low + kBayDepth - kIntoBay))) {
       continue;
     }
     paintLine(u);

@@ -217,9 +217,8 @@ void placeSidewalkCyclists(Placer& placer, int count) {
   for (int i = 0; i < count; ++i) {
     Draw draw(seed, Kind::SidewalkCyclist, static_cast<std::uint32_t>(i));
     const auto& [bicycle, rider] = riding[static_cast<std::size_t>(i) % riding.size()];
-    bool rides = false;
-    for (int attempt = 0; attempt < Placer::kTries && !rides; ++attempt) {
-      rides = placeCyclist(placer, draw, bicycle, rider, fmt::format("cyclist's bicycle on the sidewalk {}", i + 1));
+    for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
+      if (placeCyclist(placer, draw, bicycle, rider, fmt::format("cyclist's bicycle on the sidewalk {}", i + 1))) break;
     }
   }
 }

@@ -137,8 +137,13 @@ class Traffic {
     for (auto at = blocked(0, length, 0); at; at = *at > kNext ? blocked(0, *at - kNext, 0) : std::nullopt) {
       through.stops.push_back({paths_[route].at(0, *at) - 2});
     }
+    addLights(route, &Placer::Light::along);
+  }
+
+  // Adds the stop lines of the main road's lights to a route. `position`: where the route's vehicles stop.
+  void addLights(std::uint32_t route, double Placer::Light::*position) {
     for (const Placer::Light& light : placer_.lights) {
-      through.stops.push_back({paths_[route].at(0, light.along), light.kPeriod, light.kRed, light.offset});
+      routes_[route].stops.push_back({paths_[route].at(0, light.*position), light.kPeriod, light.kRed, light.offset});
     }
   }
 
@@ -152,10 +157,7 @@ class Traffic {
         const std::uint32_t number = kPassing + 2 * static_cast<std::uint32_t>(lane) + (along ? 1 : 0);
         const std::uint32_t route = add(lanePath, -lane * main_.section.laneWidth());
         routes_[route].legs = {{number, 0, routes_[route].length, 0}};
-        for (const Placer::Light& light : placer_.lights) {
-          const double at = along ? light.facing : light.along;
-          routes_[route].stops.push_back({paths_[route].at(0, at), light.kPeriod, light.kRed, light.offset});
-        }
+        addLights(route, along ? &Placer::Light::facing : &Placer::Light::along);
         Draw draw(l_.seed, Kind::PassingTraffic, number);
         drawAlong(draw, route, l_.character.traffic, -lane * main_.section.laneWidth());
       }
