@@ -113,7 +113,7 @@ class RingBias : public Effect {
   PerRing gain_;
 };
 
-PerRing readFigure(Fields& options, const char* spread, Range spreads, const char* list, Range values) {
+PerRing readPerRing(Fields& options, const char* spread, Range spreads, const char* list, Range values) {
   PerRing errors;
   if (const Value* given = options.find(list)) {
     if (options.has(spread)) {
@@ -129,9 +129,9 @@ PerRing readFigure(Fields& options, const char* spread, Range spreads, const cha
 }  // namespace
 
 std::unique_ptr<Effect> makeRingBias(Fields& options) {
-  PerRing range = readFigure(options, "range_sigma_m", {0, 1}, "range_m", {-10, 10});
-  PerRing elevation = readFigure(options, "elevation_sigma_deg", {0, 2}, "elevation_deg", {-10, 10});
-  PerRing gain = readFigure(options, "gain_sigma", {0, 3}, "gain", {0, 1000});
+  PerRing range = readPerRing(options, "range_sigma_m", {0, 1}, "range_m", {-10, 10});
+  PerRing elevation = readPerRing(options, "elevation_sigma_deg", {0, 2}, "elevation_deg", {-10, 10});
+  PerRing gain = readPerRing(options, "gain_sigma", {0, 3}, "gain", {0, 1000});
   options.finish();  // reports unknown keys first, since an unknown key may be a misspelt required key
   bool given = false;
   for (const char* key : {"range_sigma_m", "elevation_sigma_deg", "gain_sigma", "range_m", "elevation_deg", "gain"}) {

@@ -39,7 +39,7 @@ TEST(Relief, BeamsEndOnTheHeights) {
   const std::vector<double> found = shifts(world);
   std::size_t off = 0;
   for (std::size_t first = 0; first < found.size(); first += kBatch) {
-    Places places;
+    Positions positions;
     Batch<double> cubes;
     Batch<double> factor;
     Batch<double> height{};
@@ -47,11 +47,11 @@ TEST(Relief, BeamsEndOnTheHeights) {
     factor.fill(double{0.02f});
     for (std::size_t i = 0; i < kBatch; ++i) {
       const Vec3d p = world.shot.beams->direction[first + i] * (10 + found[first + i]);
-      places.x[i] = p.x;
-      places.y[i] = p.y;
-      places.z[i] = p.z;
+      positions.x[i] = p.x;
+      positions.y[i] = p.y;
+      positions.z[i] = p.z;
     }
-    SpatialField(world.shot.seed, Purpose::Relief, 0).add(places, cubes, factor, height);
+    SpatialField(world.shot.seed, Purpose::Relief, 0).add(positions, cubes, factor, height);
     for (std::size_t i = 0; i < kBatch; ++i) {
       const double beam = -found[first + i] * std::cos(radians(70));
       off += std::abs(beam - height[i]) > 0.006 ? 1u : 0u;

@@ -5,22 +5,22 @@
 namespace scanmill {
 namespace {
 
-// The field at as many places as wanted, in cubes of 1 m.
+// The field at as many positions as wanted, in cubes of 1 m.
 std::vector<double> fieldAt(const std::vector<Vec3d>& points, std::uint64_t seed = 1, std::uint32_t number = 0) {
   std::vector<double> values;
   SpatialField field(seed, Purpose::Test, number);
-  Places places{};
+  Positions positions{};
   Batch<double> ones;
   ones.fill(1);
   for (std::size_t first = 0; first < points.size(); first += kBatch) {
     const std::size_t count = std::min(kBatch, points.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
-      places.x[i] = points[first + i].x;
-      places.y[i] = points[first + i].y;
-      places.z[i] = points[first + i].z;
+      positions.x[i] = points[first + i].x;
+      positions.y[i] = points[first + i].y;
+      positions.z[i] = points[first + i].z;
     }
     Batch<double> value{};
-    field.add(places, ones, ones, value);
+    field.add(positions, ones, ones, value);
     values.insert(values.end(), value.begin(), value.begin() + static_cast<std::ptrdiff_t>(count));
   }
   return values;
@@ -84,12 +84,12 @@ TEST(SpatialNoise, LiesWhereTheHitsAre) {
   Returns returns;
   returns.start(world.hits);
   returns.remove(2);
-  Places places;
-  PlacesOfHits(world.hits, world.shot, returns).find(0, places);
-  EXPECT_NEAR(places.x[0], 108, 1e-12);
-  EXPECT_NEAR(places.y[1], 208, 1e-12);
-  EXPECT_NEAR(places.z[1], 3, 1e-12);
-  EXPECT_EQ(places.x[2], 0);
+  Positions positions;
+  PositionsOfHits(world.hits, world.shot, returns).find(0, positions);
+  EXPECT_NEAR(positions.x[0], 108, 1e-12);
+  EXPECT_NEAR(positions.y[1], 208, 1e-12);
+  EXPECT_NEAR(positions.z[1], 3, 1e-12);
+  EXPECT_EQ(positions.x[2], 0);
 }
 
 // The effects that such fields make, on a rough and mottled surface that beams meet at a slant.
@@ -103,7 +103,7 @@ World roughWorld() {
   return world;
 }
 
-// A quarter of a turn to the left, and the beams a quarter of a turn to the right: another frame, the same places.
+// A quarter of a turn to the left, and the beams a quarter of a turn to the right: another frame, the same positions.
 TEST(FieldsOfTheWorld, BelongToPlacesAndNotToBeams) {
   World world = roughWorld();
   World turned = world;
