@@ -23,13 +23,13 @@ struct AlphaTest {
 };
 
 struct BaseColor {
-  std::array<float, 3> factor{1, 1, 1};  // red, green, blue; linear
-  bool tints = false;                    // true: the factor multiplies the image
-  bool stated = true;                    // false: the file states no material, and this colour is a substitute
-  bool textured = false;                 // true: the material names an image, which may be absent
-  std::shared_ptr<const Texture> image;  // null: absent, or not loaded
-  bool colored = false;                  // true: the image has colours, not only alpha
-  AlphaTest alpha;
+  std::array<float, 3> factor{1, 1, 1};       // red, green, blue; linear
+  bool tints = false;                         // true: the factor multiplies the image
+  bool stated = true;                         // false: the file states no material, and this colour is a substitute
+  bool textured = false;                      // true: the material names an image, which may be absent
+  std::shared_ptr<const Texture> image = {};  // null: absent, or not loaded
+  bool colored = false;                       // true: the image has colours, not only alpha
+  AlphaTest alpha = {};
 };
 
 // The images that the materials of an asset name. Each image is searched for, decoded and measured only once, however

@@ -122,10 +122,8 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
                           : kind == ".stl" ? readStlMesh(file, options)
                                            : importByAssimp(file, kind, options);
   if (!imported.missing.empty()) {
-    warn(
-        fmt::format("{}: names '{}', which is missing: its materials have the default "
-                    "reflectance",
-                    file.string(), fmt::join(imported.missing, "', '")));
+    warn(fmt::format("{}: names '{}', which is missing: its materials have the default reflectance", file.string(),
+                     fmt::join(imported.missing, "', '")));
   }
   if (!imported.problems.empty()) {
     warn(fmt::format("{}: may be incomplete, since the importer reports: {}", file.string(),

@@ -2,8 +2,7 @@
 //
 //   element vertex     x y z; s t, u v or texture_u texture_v: texture coordinates
 //   element face       vertex_indices or vertex_index; texcoord: texture coordinates of its corners; texnumber: index
-//   of
-//                      its image
+//                      of its image
 //   comment TextureFile NAME    an image, as MeshLab writes it
 
 #include <fmt/format.h>

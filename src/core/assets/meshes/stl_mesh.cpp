@@ -102,7 +102,7 @@ class StlReader {
         inSolid = false;
       } else if (word == "facet" || word == "endfacet") {
         inFacet = word == "facet";
-        if (inFacet) restOfNormal();
+        for (int i = 0; inFacet && i < 4; ++i) nextWord();  // "normal" and its three numbers
       } else if (word == "vertex") {
         Vec3d corner;
         for (double* const value : {&corner.x, &corner.y, &corner.z}) {
@@ -120,11 +120,6 @@ class StlReader {
     }
     if (inFacet) fail("ends within a facet: is it truncated?");
     if (inSolid) imported_.problems.emplace_back("the last solid has no 'endsolid'");
-  }
-
-  // Skips "normal" and its three numbers.
-  void restOfNormal() {
-    for (int i = 0; i < 4; ++i) nextWord();
   }
 
   void addLoop(const std::vector<Vec3d>& loop) {

@@ -409,13 +409,11 @@ class CloudAsset {
     if (labelled) part.material = part.ownClass = nameOf(label);
     if (image_ != nullptr) part.texture = measured_ ? kPointIntensity : kPointColor;
     part.fileMaterial.name = part.material.empty() ? "points" : part.material;
-    BaseColor color;
-    color.stated = false;
-    color.image = image_;
-    color.colored = color.textured = image_ != nullptr;
     part.fileMaterial.source = fmt::format("mean of the {} in {}; each point has its own",
                                            measured_ ? "intensities" : "colours", file_.filename().string());
-    setColor(part.fileMaterial, std::move(color), file_, options_, images_);
+    const bool colored = image_ != nullptr;
+    setColor(part.fileMaterial, {.stated = false, .textured = colored, .image = image_, .colored = colored}, file_,
+             options_, images_);
     return part;
   }
 

@@ -292,13 +292,12 @@ class HeightAsset {
     part.node = "heights";
     part.material = !classes_ ? "heights" : number < 0 ? "no class" : fmt::format("{}", number);
     part.fileMaterial.name = part.material;
-    BaseColor color;
-    color.stated = false;
-    color.image = options_.textures ? image_ : nullptr;
-    color.colored = color.textured = color.image != nullptr;
+    const auto image = options_.textures ? image_ : nullptr;
+    const bool colored = image != nullptr;
     // The name tells callers that read without textures first that this part has one.
     if (image_ != nullptr) part.texture = wanted_.image.filename().string();
-    setColor(part.fileMaterial, std::move(color), file_, options_, images_);
+    setColor(part.fileMaterial, {.stated = false, .textured = colored, .image = image, .colored = colored}, file_,
+             options_, images_);
     asset_.parts.push_back(std::move(part));
     return found->second;
   }

@@ -24,15 +24,15 @@ namespace {
 constexpr int kDeepestModel = 24;        // largest depth of nested models
 constexpr double kBytesPerModel = 4096;  // memory of a model without parts
 
-struct PlacedModel;
-
 struct Model {
   std::string name;
   std::string nameInFile;  // name that the file of an included model gives it; empty: it is not included
   std::filesystem::path definition;
   std::vector<WorldPart> parts;  // in the model's frame
-  std::vector<PlacedModel> children;
-  std::shared_ptr<const SdfFrames> frames;
+  std::vector<Model> children;
+  std::shared_ptr<SdfFrames> frames;  // to which poses in the model may be relative
+  const XmlNode* node = nullptr;      // the <model> or <include>, while the model around it is read
+  Pose parentFromModel;
   SdfPose pose;                     // of its placement frame, as stated
   Pose placement;                   // pose of the placement frame in the model's frame
   std::optional<Pose> poseByState;  // pose in the parent's frame by the world's state
@@ -46,17 +46,12 @@ struct State {
   Pose worldFromModel;            // identity for the world
 };
 
-struct PlacedModel {
-  Pose pose;
-  Model model;
-};
-
 class SdfReader {
  public:
   WorldFile read(const std::filesystem::path& file) {
     const XmlNode root = readXml(file);
     if (root.name != "sdf" && root.name != "gazebo") root.fail("is not an SDF: its first element must be <sdf>");
-    std::vector<PlacedModel> models;
+    std::vector<Model> models;
     bool any = false, world = false;
     for (const XmlNode& child : root.children) {
       if (child.name == "world" && std::exchange(world, true)) {
@@ -70,22 +65,16 @@ class SdfReader {
       XmlNode alone;
       alone.where = child.where;
       alone.children = {child};
-      for (auto& placed : modelsOf(child.name == "world" ? child : alone, file, 0, {}).models) {
-        models.push_back(std::move(placed));
+      for (Model& model : modelsOf(child.name == "world" ? child : alone, file, 0, {}).children) {
+        models.push_back(std::move(model));
       }
     }
     if (!any) root.fail("has neither a world nor a model");
-    for (const auto& [pose, model] : models) addThings(toAffine(pose), model, model.name);
+    for (const Model& model : models) addThings(toAffine(model.parentFromModel), model, model.name);
     return std::move(world_);
   }
 
  private:
-  // The models of a world or a model, and the frames to which their poses may be relative.
-  struct Contents {
-    std::vector<PlacedModel> models;
-    std::shared_ptr<SdfFrames> frames;
-  };
-
   // Counts the elements of a file that are left out, those that the table does not know, and, outside of states, those
   // in wrong places.
   void survey(const XmlNode& of, bool inState = false) {
@@ -153,13 +142,10 @@ class SdfReader {
 
   // Returns the first state of a world, which is the one that Gazebo applies; null if there is none.
   const XmlNode* firstState(const XmlNode& world) {
-    const XmlNode* first = nullptr;
-    for (const XmlNode& child : world.children) {
-      if (child.name != "state") continue;
-      if (first != nullptr) world_.leftOut.add("states after the first");
-      if (first == nullptr) first = &child;
-    }
-    return first;
+    const auto count = std::count_if(world.children.begin(), world.children.end(),
+                                     [](const XmlNode& child) { return child.name == "state"; });
+    if (count > 1) world_.leftOut.add("states after the first", static_cast<std::uint64_t>(count - 1));
+    return world.child("state");
   }
 
   void countUnused(const XmlNode& state) {
@@ -171,17 +157,17 @@ class SdfReader {
         unused.size());
   }
 
-  // Reads a world, or a model with the models that are nested in it. `state`: that of the model; the state of a world
-  // is in `of`.
-  Contents modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth, State state) {
+  // Reads the frames of a world or a model and the models in it, and returns them as a model without parts. `state`:
+  // that of the model; the state of a world is in `of`.
+  Model modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth, State state) {
     if (depth > kDeepestModel) {
       of.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
     }
     chargeCopies(1, of.where, kBytesPerModel);
-    Contents contents{{}, std::make_shared<SdfFrames>()};
+    Model contents;
+    contents.frames = std::make_shared<SdfFrames>();
     contents.frames->isWorld = depth == 0;
     if (depth == 0) state.node = firstState(of);
-    std::vector<std::pair<const XmlNode*, Model>> found;
     for (const XmlNode& child : of.children) {
       if (child.name == "frame" || child.name == "link" || child.name == "joint") {
         contents.frames->add(child.attributeOr("name", child.name), frameOf(child));
@@ -191,16 +177,17 @@ class SdfReader {
                                        ? readModel(child, file, depth + 1, state, child.attributeOr("name", "model"))
                                        : readInclude(child, file, depth + 1, state);
       if (!model) continue;
+      model->node = &child;
       model->pose.pose = model->pose.pose * inverse(model->placement);
       model->merged = depth > 0 && isSdfTrue(child.attributeOr("merge", "false"));
-      addFramesOf(*model, child, *contents.frames);
-      if (!model->missing) found.emplace_back(&child, std::move(*model));
+      addFramesOf(*model, *contents.frames);
+      if (!model->missing) contents.children.push_back(std::move(*model));
     }
     if (depth == 0 && state.node != nullptr && world_.missing.empty()) countUnused(*state.node);
     // Poses may be relative to frames that stand behind them.
-    for (auto& [node, model] : found) {
-      const Pose pose = contents.frames->resolve(model.pose.relativeTo, *node) * model.pose.pose;
-      contents.models.push_back({model.poseByState.value_or(pose), std::move(model)});
+    for (Model& model : contents.children) {
+      const Pose pose = contents.frames->resolve(model.pose.relativeTo, *model.node) * model.pose.pose;
+      model.parentFromModel = model.poseByState.value_or(pose);
     }
     return contents;
   }
@@ -214,10 +201,10 @@ class SdfReader {
   }
 
   // Adds the frame of a model to those of the world or model around it; of a merged model also the frames inside.
-  static void addFramesOf(const Model& model, const XmlNode& node, SdfFrames& around) {
+  static void addFramesOf(const Model& model, SdfFrames& around) {
     // The frame of a merged model has the name that libsdformat gives it, which no link of the model has.
     const std::string name = model.merged ? "_merged__" + model.name + "__model__" : model.name;
-    const SdfFrames::Frame frame{&node, model.pose, model.frames};
+    const SdfFrames::Frame frame{model.node, model.pose, model.frames};
     around.add(name, frame);
     if (!model.merged) {
       if (!model.nameInFile.empty()) around.byName.try_emplace(model.nameInFile, frame);
@@ -243,9 +230,9 @@ class SdfReader {
       model.poseByState = inverse(around.worldFromModel) * state.worldFromModel;
       if (state.node->child("scale") != nullptr) scale = sizesOf(*state.node, "scale");
     }
-    Contents contents = modelsOf(node, file, depth, state);
+    Model contents = modelsOf(node, file, depth, state);
     model.frames = contents.frames;
-    for (PlacedModel& child : contents.models) addChild(std::move(child), model);
+    for (Model& child : contents.children) addChild(std::move(child), model);
     for (const XmlNode& link : node.children) {
       if (link.name != "link") continue;
       const std::string linkName = link.attributeOr("name", "link");
@@ -258,14 +245,15 @@ class SdfReader {
   }
 
   // Adds a nested model to a model; of a merged one its parts and the models nested in it.
-  static void addChild(PlacedModel child, Model& model) {
-    if (!child.model.merged) return model.children.push_back(std::move(child));
-    for (WorldPart& part : child.model.parts) {
-      part.thingFromPart = toAffine(child.pose) * part.thingFromPart;
+  static void addChild(Model child, Model& model) {
+    if (!child.merged) return model.children.push_back(std::move(child));
+    for (WorldPart& part : child.parts) {
+      part.thingFromPart = toAffine(child.parentFromModel) * part.thingFromPart;
       model.parts.push_back(std::move(part));
     }
-    for (PlacedModel& inner : child.model.children) {
-      model.children.push_back({child.pose * inner.pose, std::move(inner.model)});
+    for (Model& inner : child.children) {
+      inner.parentFromModel = child.parentFromModel * inner.parentFromModel;
+      model.children.push_back(std::move(inner));
     }
   }
 
@@ -318,12 +306,11 @@ class SdfReader {
 
   Model missingModel(const XmlNode& include, const std::string& name, const MissingFileError& error) {
     world_.missing.push_back(error);
-    auto frames = std::make_shared<SdfFrames>();
-    frames->inPlaceOfMissing = "";
     Model model;
     model.name = include.textOf("name", name);
     model.pose = readSdfPose(include);
-    model.frames = std::move(frames);
+    model.frames = std::make_shared<SdfFrames>();
+    model.frames->inPlaceOfMissing = "";
     model.missing = true;
     return model;
   }
@@ -396,9 +383,9 @@ class SdfReader {
   // models nested in it are: a single one has its name, several are called NAME/NESTED.
   void addThings(const Affine& worldFromModel, const Model& model, const std::string& name) {
     if (model.parts.empty()) {
-      for (const auto& [pose, child] : model.children) {
+      for (const Model& child : model.children) {
         const std::string childName = model.children.size() == 1 ? name : fmt::format("{}/{}", name, child.name);
-        addThings(worldFromModel * toAffine(pose), child, childName);
+        addThings(worldFromModel * toAffine(child.parentFromModel), child, childName);
       }
       return;
     }
@@ -414,8 +401,8 @@ class SdfReader {
       part.thingFromPart = thingFromModel * part.thingFromPart;
       parts.push_back(std::move(part));
     }
-    for (const auto& [pose, child] : model.children) {
-      collect(thingFromModel * toAffine(pose), prefix + child.name + "/", child, parts);
+    for (const Model& child : model.children) {
+      collect(thingFromModel * toAffine(child.parentFromModel), prefix + child.name + "/", child, parts);
     }
   }
 
@@ -460,8 +447,8 @@ const FormatSupport& sdfFormat() {
        {Unused, "emissive_map light_map blend use_terrain_paging convex_decomposition namespace"}},
       "The first world of a file and all models beside it, with models of other files. Poses relative to links, "
       "joints, models and frames, in radians, degrees or as quaternions; joints are at 0. Of a world's states the "
-      "first: poses and scales of visuals. Meshes, whose up axis in COLLADA counts for "
-      "nothing, as in Gazebo; solids; outlines, extruded from 0 to the height of the first, where an outline within "
+      "first: poses and scales of visuals. Meshes, whose up axis in COLLADA counts for nothing, as in Gazebo; solids; "
+      "outlines, extruded from 0 to the height of the first, where an outline within "
       "another is a hole; terrain from band 1 of an image, whose greatest value has the height of <size>, or from a "
       "georeferenced raster. Visuals with transparency 1 are not there for beams, which meet no <collision>. `diffuse` "
       "is taken as linear light, since SDF states no colour space",

@@ -193,9 +193,7 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
 }
 
 Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file) {
-  RasterRequest request;
-  request.georeferenced = false;
-  const Raster raster = readRaster(file, request);
+  const Raster raster = readRaster(file, {.within = std::nullopt, .georeferenced = false});
   const bool image = isImage(raster, file);
   if (raster.width < 2 || raster.height < 2) {
     shape.fail(fmt::format("names '{}', which has not two rows and two columns of samples", file.string()));

@@ -230,8 +230,8 @@ const FormatSupport& urdfFormat() {
        {Unused, "collision inertial axis calibration dynamics limit mimic safety_controller transmission contact"},
        {Unused, "gazebo sensor"}},
       "One thing, whose parts are named robot/link/visual; all joints are at 0, whatever their limits and those that "
-      "they mimic. Meshes, whose up axis in COLLADA "
-      "counts for nothing, as in ROS, and solids. A material replaces that of the mesh, except that a colour leaves "
+      "they mimic. Meshes, whose up axis in COLLADA counts for nothing, as in ROS, and solids. A material replaces "
+      "that of the mesh, except that a colour leaves "
       "the mesh's images; the first definition of a name holds for all; `rgba` is taken as linear light, since URDF "
       "states no colour space",
       "elements in a wrong place, and further ones where one may stand; invisible visuals (alpha 0); transparencies "

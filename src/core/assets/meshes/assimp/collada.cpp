@@ -221,16 +221,15 @@ const FormatSupport& colladaFormat() {
        {LeftOut, "spline", "splines"},
        {LeftOut, "brep", "solids by their borders (brep)"},
        {LeftOut, "convex_mesh", "convex meshes (convex_mesh)"}},
-      "Names, transforms and surfaces of nodes. The unit "
-      "multiplies the key `unit`; the axis holds unless the key `up` is given. Nodes with `visibility` 0 are left out "
+      "Names, transforms and surfaces of nodes. The unit multiplies the key `unit`; the axis holds unless the key `up` "
+      "is given. Nodes with `visibility` 0 are left out "
       "with all below them. Colours, images, their places and opacity; colours are taken as linear light, as Blender "
       "writes them: COLLADA states no colour space. Files with `skew`, `lookat`, `morph` or `instance_image` are "
       "refused",
       "axes and units of parts of the file (`asset` in libraries); references to other files; further sets of "
       "texture coordinates of one image; rotations of images (rotateUV); materials without a plain diffuse "
       "colour; numbers of `transparency` beside images; animations; colours of vertices; lines; points; joints of "
-      "skins "
-      "that no node has"};
+      "skins that no node has"};
   return format;
 }
 

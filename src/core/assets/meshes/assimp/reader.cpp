@@ -202,7 +202,7 @@ class Importer {
   };
 
   void walk(ImportedFile& read) {
-    std::vector<Placed> placed;  // in the order of the file, depth first
+    std::uint32_t index = 0;  // of the node in the order of the file, depth first
     std::vector<Placed> pending{{scene_->mRootNode, assetFromImported(read.up), {}}};
     while (!pending.empty()) {
       Placed item = std::move(pending.back());
@@ -213,10 +213,7 @@ class Importer {
       for (unsigned i = item.node->mNumChildren; i-- > 0;) {
         if (const aiNode* child = item.node->mChildren[i]) pending.push_back({child, item.assetFromNode, inherited});
       }
-      placed.push_back(std::move(item));
-    }
-    for (std::uint32_t index = 0; index < placed.size(); ++index) {
-      addNode(read, *placed[index].node, placed[index].name, index, placed[index].assetFromNode);
+      addNode(read, *item.node, item.name, index++, item.assetFromNode);
     }
   }
 

@@ -18,23 +18,12 @@ namespace scanmill::obj {
 namespace {
 
 // Options of images, and the greatest number of values that each takes.
-struct ImageOption {
-  std::string_view name;
+struct ImageOptions {
+  std::string_view names;  // with blanks around them
   int values;
 };
-constexpr std::array<ImageOption, 13> kImageOptions{{{"-blendu", 1},
-                                                     {"-blendv", 1},
-                                                     {"-boost", 1},
-                                                     {"-mm", 2},
-                                                     {"-o", 3},
-                                                     {"-s", 3},
-                                                     {"-t", 3},
-                                                     {"-texres", 1},
-                                                     {"-clamp", 1},
-                                                     {"-bm", 1},
-                                                     {"-imfchan", 1},
-                                                     {"-type", 1},
-                                                     {"-cc", 1}}};
+constexpr std::array<ImageOptions, 3> kImageOptions{
+    {{" -blendu -blendv -boost -texres -clamp -bm -imfchan -type -cc ", 1}, {" -mm ", 2}, {" -o -s -t ", 3}}};
 
 // Options with the values that they have by default.
 constexpr std::array<std::string_view, 6> kDefaults{"-blendu on", "-blendv on", "-clamp off",
@@ -118,7 +107,9 @@ class Library {
       std::string_view behind = rest;
       const std::string_view name = takeWord(behind);
       const auto option = std::find_if(kImageOptions.begin(), kImageOptions.end(),
-                                       [&](const ImageOption& each) { return each.name == name; });
+                                       [between = fmt::format(" {} ", name)](const ImageOptions& row) {
+                                         return row.names.find(between) != std::string_view::npos;
+                                       });
       if (option == kImageOptions.end()) break;
       rest = trimmed(behind);
       std::array<std::optional<double>, 3> values;

@@ -4,9 +4,8 @@
 // physically based keys Pr and Pm.
 //
 //   newmtl NAME
-//   Kd r [g b]                       base colour, linear; a single number is grey. A material with neither Kd nor
-//   map_Kd
-//                                    states no colour.
+//   Kd r [g b]                       base colour, linear; a single number is grey; with neither Kd nor map_Kd a
+//                                    material states no colour
 //   d [-halo] F, Tr F                opacity, or 1 - opacity
 //   Pr F, Pm F                       roughness, metallic
 //   map_Kd, map_d [options] FILE     image of the base colour, or of the opacity; the name may contain spaces
@@ -27,8 +26,7 @@
 namespace scanmill::obj {
 
 // The statements of OBJ files and of their material libraries, one after the other: a keyword, and the rest of its
-// line.
-// A line that ends with a backslash goes on in the next line. Lines that begin with # are comments.
+// line. A line that ends with a backslash goes on in the next line. Lines that begin with # are comments.
 class Statements {
  public:
   // `text` must outlive the object.

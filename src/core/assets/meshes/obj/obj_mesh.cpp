@@ -97,7 +97,8 @@ class ObjReader {
       group_ = key == "g" ? statements_.rest() : std::string_view();
       part_ = nullptr;
     } else if (key == "usemtl") {
-      useMaterial();
+      material_ = statements_.rest();
+      part_ = nullptr;
     } else if (key == "mtllib") {
       readLibraries();
     } else if (vertices_.empty() && objFormat().find(key) == nullptr && statements_.rest().empty()) {
@@ -171,22 +172,13 @@ class ObjReader {
     return *(part_ = &parts_[at->second]);
   }
 
-  void useMaterial() {
-    material_ = statements_.rest();
-    part_ = nullptr;
-  }
-
   // The rest of the line is one name with spaces, or several names.
   void readLibraries() {
     const std::string line(statements_.rest());
     if (line.empty()) statements_.fail("names no file");
-    std::error_code ignored;
-    if (statements_.words().size() == 1 || fs::exists(pathOf(line), ignored)) return readLibrary(line);
     const std::vector<std::string_view> names = statements_.words();
-    if (std::none_of(names.begin(), names.end(),
-                     [&](std::string_view name) { return fs::exists(pathOf(std::string(name)), ignored); })) {
-      return readLibrary(line);
-    }
+    const auto exists = [&](std::string_view name) { return pathExists(pathOf(std::string(name))); };
+    if (names.size() == 1 || exists(line) || std::none_of(names.begin(), names.end(), exists)) return readLibrary(line);
     for (const std::string_view name : names) readLibrary(std::string(name));
   }
 
