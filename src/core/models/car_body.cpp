@@ -244,16 +244,10 @@ void appendWheel(Shape& shape, std::string_view className, const Affine& place, 
   const Affine axle = place * Affine{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {}};
   const double w = width / 2;
   const double inner = radius * 0.64;
-  shape.revolve(rubber, axle,
-                {{inner, -w * 0.9},
-                 {radius * 0.93, -w},
-                 {radius, -w * 0.7},
-                 {radius, w * 0.7},
-                 {radius * 0.93, w},
-                 {inner, w * 0.9},
-                 {inner - 0.01, w * 0.7},
-                 {inner - 0.01, -w * 0.7}},
-                28, true);
+  const std::vector<Point2> tyre{{inner, -w * 0.9},       {radius * 0.93, -w},     {radius, -w * 0.7},
+                                 {radius, w * 0.7},       {radius * 0.93, w},      {inner, w * 0.9},
+                                 {inner - 0.01, w * 0.7}, {inner - 0.01, -w * 0.7}};
+  shape.revolve(rubber, axle, tyre, 28, true);
   shape.revolve(dark, axle, {{0, -w * 0.6}, {inner, -w * 0.6}, {inner, w * 0.2}, {0, w * 0.2}}, 20);
   shape.revolve(rim, axle, {{inner - 0.022, w * 0.25}, {inner, w * 0.4}, {inner, w * 0.82}, {inner - 0.022, w * 0.8}},
                 28, true);

@@ -27,20 +27,9 @@ void appendBench(Shape& s, Draw&) {
 
 void appendHydrant(Shape& s, Draw&) {
   const SurfaceIndex paint = s.surface("object", "painted_metal");
-  s.revolve(paint, {},
-            {{0.17, -kSunk},
-             {0.17, 0.05},
-             {0.12, 0.06},
-             {0.11, 0.5},
-             {0.15, 0.52},
-             {0.15, 0.57},
-             {0.11, 0.6},
-             {0.1, 0.67},
-             {0.05, 0.74},
-             {0.03, 0.75},
-             {0.03, 0.8},
-             {0, 0.8}},
-            16);
+  const std::vector<Point2> body{{0.17, -kSunk}, {0.17, 0.05}, {0.12, 0.06}, {0.11, 0.5},  {0.15, 0.52}, {0.15, 0.57},
+                                 {0.11, 0.6},    {0.1, 0.67},  {0.05, 0.74}, {0.03, 0.75}, {0.03, 0.8},  {0, 0.8}};
+  s.revolve(paint, {}, body, 16);
   for (const double side : {-1.0, 1.0}) {
     s.tube(paint, {0, side * 0.08, 0.42}, {0, side * 0.17, 0.42}, 0.05, 0.05, 10);
     s.tube(paint, {0, side * 0.16, 0.42}, {0, side * 0.2, 0.42}, 0.06, 0.04, 6);
@@ -203,16 +192,9 @@ void appendGuardRail(Shape& s, Draw& /*draw*/) {
 void appendBarrierPanel(Shape& s, Draw& /*draw*/) {
   const SurfaceIndex concrete = s.surface("fence", "concrete");
   const Affine across{{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {-kHalfPanel, 0, 0}};
-  s.prism(concrete, concrete, across,
-          {{-0.28, -0.1},
-           {0.28, -0.1},
-           {0.28, 0.12},
-           {0.14, 0.3},
-           {0.09, 0.85},
-           {-0.09, 0.85},
-           {-0.14, 0.3},
-           {-0.28, 0.12}},
-          2 * kHalfPanel);
+  const std::vector<Point2> profile{{-0.28, -0.1}, {0.28, -0.1},  {0.28, 0.12}, {0.14, 0.3},
+                                    {0.09, 0.85},  {-0.09, 0.85}, {-0.14, 0.3}, {-0.28, 0.12}};
+  s.prism(concrete, concrete, across, profile, 2 * kHalfPanel);
 }
 
 // The functions that append a piece of furniture, in the order of Furnishing.

@@ -69,6 +69,89 @@ void headAlong(std::vector<StampedPose>& poses) {
   }
 }
 
+// Gives the columns of other programs the names of ours. The ground truth of the EuRoC dataset may not say that its
+// times are in ns.
+void renameColumns(TextTable& table) {
+  if (table.has("p_rs_r_x")) {
+    for (const auto& [theirs, ours] : {std::pair{"timestamp", "time_ns"},
+                                       {"p_rs_r_x", "x"},
+                                       {"p_rs_r_y", "y"},
+                                       {"p_rs_r_z", "z"},
+                                       {"q_rs_w", "qw"},
+                                       {"q_rs_x", "qx"},
+                                       {"q_rs_y", "qy"},
+                                       {"q_rs_z", "qz"}}) {
+      table.rename(theirs, ours);
+    }
+  }
+  for (const char* unit : {"s", "ms", "us", "ns"}) {
+    table.rename(fmt::format("timestamp_{}", unit), fmt::format("time_{}", unit).c_str());
+  }
+}
+
+constexpr std::array kQuaternion{"qw", "qx", "qy", "qz"};
+
+enum class Rotations { None, Quaternions, Angles };
+
+// Returns how a table states rotations. Throws InputError if a column is missing, or if two state the same.
+Rotations checkColumnsOfPoses(const TextTable& table) {
+  if (table.timeName().empty()) {
+    throw InputError(table.head(),
+                     "the first line must name the columns time (s; or time_ms, time_us, time_ns), x, y, z and "
+                     "optionally qw, qx, qy, qz or yaw, pitch, roll, but it has no time");
+  }
+  for (const char* name : {"x", "y", "z"}) table.require(name);
+  Rotations rotations = Rotations::None;
+  if (std::ranges::any_of(kQuaternion, [&](const char* name) { return table.has(name); })) {
+    rotations = Rotations::Quaternions;
+    for (const char* name : kQuaternion) table.require(name);
+  }
+  const bool quaternions = rotations == Rotations::Quaternions;
+  for (const std::string angle : {"yaw", "pitch", "roll"}) {
+    const int columns =
+        (table.has(angle) ? 1 : 0) + (table.has(angle + "_deg") ? 1 : 0) + (table.has(angle + "_rad") ? 1 : 0);
+    if (columns + (quaternions ? 1 : 0) > 1) {
+      throw InputError(table.head(), fmt::format("the table states {} by two columns: leave out one of them", angle));
+    }
+    if (columns > 0) rotations = Rotations::Angles;
+  }
+  return rotations;
+}
+
+// Returns an angle of a row (rad). Throws InputError if the column without a unit holds more than a turn.
+double angleOf(const TextTable& table, std::size_t row, const std::string& name) {
+  constexpr double kTurn = 6.3;  // rad
+  const double value = table.number(row, name);
+  if (std::fabs(value) > kTurn) {
+    throw InputError(table.where(row),
+                     fmt::format("has the {0} {1:g}, which in radians is more than a turn: name the column {0}_deg, "
+                                 "or {0}_rad if radians are meant",
+                                 name, value));
+  }
+  return value + radians(table.number(row, name + "_deg")) + table.number(row, name + "_rad");
+}
+
+using Json = nlohmann::json;
+constexpr std::string_view kScans = "LIDAR_TOP";  // part of the file names of scans
+
+// Calls `take` for each row of a table. Each row is freed after the call, because the largest table has millions of
+// rows.
+void readTableOfNuScenes(const std::filesystem::path& file, const std::function<void(const Json&)>& take) {
+  const std::string bytes = readFile(file);
+  try {
+    const Json rest = Json::parse(bytes, [&](int depth, Json::parse_event_t event, Json& row) {
+      if (event != Json::parse_event_t::object_end || depth != 1) return true;
+      take(row);
+      return false;
+    });
+    if (!rest.is_array() || !rest.empty()) {
+      throw InputError({file.string()}, "is not a table of nuScenes: it must be a list of objects");
+    }
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError({file.string()}, fmt::format("is not a table of nuScenes: {}", reasonOf(e)));
+  }
+}
+
 }  // namespace
 
 const FormatSupport& poseFormat() {
@@ -142,72 +225,6 @@ std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
   return poses;
 }
 
-namespace {
-
-// Gives the columns of other programs the names of ours. The ground truth of the EuRoC dataset may not say that its
-// times are in ns.
-void renameColumns(TextTable& table) {
-  if (table.has("p_rs_r_x")) {
-    for (const auto& [theirs, ours] : {std::pair{"timestamp", "time_ns"},
-                                       {"p_rs_r_x", "x"},
-                                       {"p_rs_r_y", "y"},
-                                       {"p_rs_r_z", "z"},
-                                       {"q_rs_w", "qw"},
-                                       {"q_rs_x", "qx"},
-                                       {"q_rs_y", "qy"},
-                                       {"q_rs_z", "qz"}}) {
-      table.rename(theirs, ours);
-    }
-  }
-  for (const char* unit : {"s", "ms", "us", "ns"}) {
-    table.rename(fmt::format("timestamp_{}", unit), fmt::format("time_{}", unit).c_str());
-  }
-}
-
-constexpr std::array kQuaternion{"qw", "qx", "qy", "qz"};
-
-enum class Rotations { None, Quaternions, Angles };
-
-// Returns how a table states rotations. Throws InputError if a column is missing, or if two state the same.
-Rotations checkColumnsOfPoses(const TextTable& table) {
-  if (table.timeName().empty()) {
-    throw InputError(table.head(),
-                     "the first line must name the columns time (s; or time_ms, time_us, time_ns), x, y, z and "
-                     "optionally qw, qx, qy, qz or yaw, pitch, roll, but it has no time");
-  }
-  for (const char* name : {"x", "y", "z"}) table.require(name);
-  Rotations rotations = Rotations::None;
-  if (std::ranges::any_of(kQuaternion, [&](const char* name) { return table.has(name); })) {
-    rotations = Rotations::Quaternions;
-    for (const char* name : kQuaternion) table.require(name);
-  }
-  const bool quaternions = rotations == Rotations::Quaternions;
-  for (const std::string angle : {"yaw", "pitch", "roll"}) {
-    const int columns =
-        (table.has(angle) ? 1 : 0) + (table.has(angle + "_deg") ? 1 : 0) + (table.has(angle + "_rad") ? 1 : 0);
-    if (columns + (quaternions ? 1 : 0) > 1) {
-      throw InputError(table.head(), fmt::format("the table states {} by two columns: leave out one of them", angle));
-    }
-    if (columns > 0) rotations = Rotations::Angles;
-  }
-  return rotations;
-}
-
-// Returns an angle of a row (rad). Throws InputError if the column without a unit holds more than a turn.
-double angleOf(const TextTable& table, std::size_t row, const std::string& name) {
-  constexpr double kTurn = 6.3;  // rad
-  const double value = table.number(row, name);
-  if (std::fabs(value) > kTurn) {
-    throw InputError(table.where(row),
-                     fmt::format("has the {0} {1:g}, which in radians is more than a turn: name the column {0}_deg, "
-                                 "or {0}_rad if radians are meant",
-                                 name, value));
-  }
-  return value + radians(table.number(row, name + "_deg")) + table.number(row, name + "_rad");
-}
-
-}  // namespace
-
 std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
   TextTable table(file);
   renameColumns(table);
@@ -228,31 +245,6 @@ std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
   if (rotations == Rotations::None) headAlong(poses);
   return poses;
 }
-
-namespace {
-
-using Json = nlohmann::json;
-constexpr std::string_view kScans = "LIDAR_TOP";  // part of the file names of scans
-
-// Calls `take` for each row of a table. Each row is freed after the call, because the largest table has millions of
-// rows.
-void readTableOfNuScenes(const std::filesystem::path& file, const std::function<void(const Json&)>& take) {
-  const std::string bytes = readFile(file);
-  try {
-    const Json rest = Json::parse(bytes, [&](int depth, Json::parse_event_t event, Json& row) {
-      if (event != Json::parse_event_t::object_end || depth != 1) return true;
-      take(row);
-      return false;
-    });
-    if (!rest.is_array() || !rest.empty()) {
-      throw InputError({file.string()}, "is not a table of nuScenes: it must be a list of objects");
-    }
-  } catch (const nlohmann::json::exception& e) {
-    throw InputError({file.string()}, fmt::format("is not a table of nuScenes: {}", reasonOf(e)));
-  }
-}
-
-}  // namespace
 
 std::vector<StampedPose> readNuScenesPoses(const std::filesystem::path& file, const std::string& scene) {
   const std::filesystem::path folder = file.parent_path();

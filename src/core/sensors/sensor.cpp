@@ -178,10 +178,6 @@ void readBeamShape(Fields& fields, BeamTable& table) {
   table.pulse = fields.number("pulse_ns", {0, 1e4}, 0) * 1e-9;
 }
 
-}  // namespace
-
-namespace {
-
 // Throws InputError if the number of a calibration's lasers differs from the number of the preset's rings.
 void checkSameLasers(const Value& preset, const Value& own) {
   const Value* elevation = preset.find("elevation_deg");
@@ -202,74 +198,6 @@ const std::initializer_list<std::string_view> kSensorKeys = {
     "beams",           "elevation_deg",   "ring_order",    "range_m",     "firing_time_us", "azimuth_offset_deg",
     "origin_offset_m", "origin_height_m", "origin_left_m", "origin_up_m", "exit_width_mm",  "turns_while_firing",
     "divergence_mrad", "beam_shape",      "pulse_ns",      "effects"};
-
-}  // namespace
-
-Value resolveSensor(const Value& value) {
-  Fields fields(value, "sensor");
-  fields.also({"name", "preset", "mount"}).also(kSensorKeys).finish();
-  Value merged;
-  merged.kind = Value::Kind::Map;
-  merged.where = value.where;
-  if (fields.has("preset")) {
-    const Value file = readYaml(fields.resource("preset", "pipelines/sensors"));
-    if (file.kind == Value::Kind::Null) throw InputError(file.where, "the sensor preset is empty");
-    expectKind(file, FileKind::Sensor);
-    Fields(file, "sensor preset").also(kSensorKeys).finish();
-    merged.entries = withCalibration(file).entries;
-  }
-  checkSameLasers(merged, value);
-  for (const auto& entry : withCalibration(value, &merged).entries) {
-    if (entry.key == "name" || entry.key == "preset" || entry.key == "mount") continue;
-    const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
-                                  [&](const auto& other) { return other.key == entry.key; });
-    if (old != merged.entries.end()) {
-      const bool fromCalibration = entry.key == "source" && value.find("source") == nullptr;
-      const std::string sourceOfPreset = fromCalibration ? old->value.text + "; " : "";
-      old->value = entry.value;
-      old->value.text = sourceOfPreset + old->value.text;
-    } else {
-      merged.entries.push_back(entry);
-    }
-  }
-  return merged;
-}
-
-SensorSize sensorSize(const Value& description) {
-  const Value value = withCalibration(description);
-  Fields fields(value, "sensor");
-  if (fields.has("beams")) {
-    const ListedSensor listed = readListedBeams(fields.path("beams"));
-    return {listed.rings, listed.columns};
-  }
-  const Value& columnValue = fields.require("columns");
-  const double columns = readCount(columnValue, "columns");
-  const bool rosette = fields.has("rosette");
-  const bool cones = fields.has("elevation_deg") || !(rosette || fields.has("raster"));
-  const Value* ringValue = &fields.require(cones ? "elevation_deg" : rosette ? "rosette" : "raster");
-  double rings = 0;
-  if (!cones) {
-    rings = static_cast<double>(rosette ? readRosette(*ringValue).lasers() : readRasterScan(*ringValue).zones.size());
-  } else if (ringValue->kind == Value::Kind::Sequence) {
-    rings = static_cast<double>(ringValue->items.size());
-  } else if (ringValue->kind == Value::Kind::Map) {
-    ringValue = &Fields(*ringValue, "elevation_deg").require("rings");
-    rings = readCount(*ringValue, "rings");
-  } else {
-    throw InputError(ringValue->where,
-                     "elevation_deg must be a list of angles, one per ring, or {top: 15, bottom: -15, rings: 16}");
-  }
-  const bool ringsFit = rings >= 1 && rings <= kMaxRings;
-  if (!ringsFit || columns < 1 || columns > kMaxColumns) {
-    throw InputError(ringsFit ? columnValue.where : ringValue->where,
-                     fmt::format("rings x columns = {:.15g} x {:.15g} = {:.15g} beams per revolution, but a sensor has "
-                                 "1 to {} rings and 1 to {} columns",
-                                 rings, columns, rings * columns, kMaxRings, kMaxColumns));
-  }
-  return {static_cast<std::uint64_t>(rings), static_cast<std::uint64_t>(columns)};
-}
-
-namespace {
 
 // Sets a full circle, and fills the per-ring arrays with zeros, for patterns whose rings are not on cones.
 void clearCones(BeamTable& table) {
@@ -387,6 +315,70 @@ void makeFlash(Fields& fields, BeamTable& table) {
 }
 
 }  // namespace
+
+Value resolveSensor(const Value& value) {
+  Fields fields(value, "sensor");
+  fields.also({"name", "preset", "mount"}).also(kSensorKeys).finish();
+  Value merged;
+  merged.kind = Value::Kind::Map;
+  merged.where = value.where;
+  if (fields.has("preset")) {
+    const Value file = readYaml(fields.resource("preset", "pipelines/sensors"));
+    if (file.kind == Value::Kind::Null) throw InputError(file.where, "the sensor preset is empty");
+    expectKind(file, FileKind::Sensor);
+    Fields(file, "sensor preset").also(kSensorKeys).finish();
+    merged.entries = withCalibration(file).entries;
+  }
+  checkSameLasers(merged, value);
+  for (const auto& entry : withCalibration(value, &merged).entries) {
+    if (entry.key == "name" || entry.key == "preset" || entry.key == "mount") continue;
+    const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
+                                  [&](const auto& other) { return other.key == entry.key; });
+    if (old != merged.entries.end()) {
+      const bool fromCalibration = entry.key == "source" && value.find("source") == nullptr;
+      const std::string sourceOfPreset = fromCalibration ? old->value.text + "; " : "";
+      old->value = entry.value;
+      old->value.text = sourceOfPreset + old->value.text;
+    } else {
+      merged.entries.push_back(entry);
+    }
+  }
+  return merged;
+}
+
+SensorSize sensorSize(const Value& description) {
+  const Value value = withCalibration(description);
+  Fields fields(value, "sensor");
+  if (fields.has("beams")) {
+    const ListedSensor listed = readListedBeams(fields.path("beams"));
+    return {listed.rings, listed.columns};
+  }
+  const Value& columnValue = fields.require("columns");
+  const double columns = readCount(columnValue, "columns");
+  const bool rosette = fields.has("rosette");
+  const bool cones = fields.has("elevation_deg") || !(rosette || fields.has("raster"));
+  const Value* ringValue = &fields.require(cones ? "elevation_deg" : rosette ? "rosette" : "raster");
+  double rings = 0;
+  if (!cones) {
+    rings = static_cast<double>(rosette ? readRosette(*ringValue).lasers() : readRasterScan(*ringValue).zones.size());
+  } else if (ringValue->kind == Value::Kind::Sequence) {
+    rings = static_cast<double>(ringValue->items.size());
+  } else if (ringValue->kind == Value::Kind::Map) {
+    ringValue = &Fields(*ringValue, "elevation_deg").require("rings");
+    rings = readCount(*ringValue, "rings");
+  } else {
+    throw InputError(ringValue->where,
+                     "elevation_deg must be a list of angles, one per ring, or {top: 15, bottom: -15, rings: 16}");
+  }
+  const bool ringsFit = rings >= 1 && rings <= kMaxRings;
+  if (!ringsFit || columns < 1 || columns > kMaxColumns) {
+    throw InputError(ringsFit ? columnValue.where : ringValue->where,
+                     fmt::format("rings x columns = {:.15g} x {:.15g} = {:.15g} beams per revolution, but a sensor has "
+                                 "1 to {} rings and 1 to {} columns",
+                                 rings, columns, rings * columns, kMaxRings, kMaxColumns));
+  }
+  return {static_cast<std::uint64_t>(rings), static_cast<std::uint64_t>(columns)};
+}
 
 std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   const SensorSize size = sensorSize(description);

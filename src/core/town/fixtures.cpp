@@ -12,6 +12,7 @@
 namespace scanmill::town {
 namespace {
 
+using models::Fencing;
 using models::Furnishing;
 using models::Kind;
 using models::TrafficSign;
@@ -134,6 +135,25 @@ void placeFurniture(Placer& placer, const std::vector<Model>& furnishings) {
         });
 }
 
+constexpr double kRailPanel = 2;  // m, length of a panel
+
+// Places a row of panels from `from` to `to` (m along the main road), `lateral` metres to the left of its line. Panels
+// face to the left of the line if `facesLeft` is true. `up`: factor on their height.
+void placeRow(Placer& placer, const Model& panel, double from, double to, double lateral, bool facesLeft, double up,
+              const std::string& name) {
+  const Road& road = placer.layout.mainRoad();
+  int number = 0;
+  for (const double at : models::steps(from, to, kRailPanel)) {
+    const Spot spot = besideRoad(road, at + kRailPanel / 2, lateral);
+    const Point2 first = besideRoad(road, at, lateral).at;
+    const Point2 last = besideRoad(road, at + kRailPanel, lateral).at;
+    Affine place = models::at(placer.layout.onGround(spot.at, -0.03), spot.yaw + (facesLeft ? kPi : 0));
+    place.linear = place.linear * Mat3::scale({distance(first, last) / kRailPanel, 1, up});
+    placer.builder.place(panel.mesh, placer.worldFromTown * place, fmt::format("{} {}", name, ++number));
+    placer.occupancy.add({spot.at, kRailPanel / 2, 0.2, spot.yaw});
+  }
+}
+
 }  // namespace
 
 std::optional<TrafficSign> signAtMouth(const Layout& l, const Road& road) {
@@ -159,32 +179,6 @@ void placeFixtures(Placer& placer) {
 }
 
 // Places guard rails and noise barriers along motorways.
-
-namespace {
-
-using models::Fencing;
-
-constexpr double kRailPanel = 2;  // m, length of a panel
-
-// Places a row of panels from `from` to `to` (m along the main road), `lateral` metres to the left of its line. Panels
-// face to the left of the line if `facesLeft` is true. `up`: factor on their height.
-void placeRow(Placer& placer, const Model& panel, double from, double to, double lateral, bool facesLeft, double up,
-              const std::string& name) {
-  const Road& road = placer.layout.mainRoad();
-  int number = 0;
-  for (const double at : models::steps(from, to, kRailPanel)) {
-    const Spot spot = besideRoad(road, at + kRailPanel / 2, lateral);
-    const Point2 first = besideRoad(road, at, lateral).at;
-    const Point2 last = besideRoad(road, at + kRailPanel, lateral).at;
-    Affine place = models::at(placer.layout.onGround(spot.at, -0.03), spot.yaw + (facesLeft ? kPi : 0));
-    place.linear = place.linear * Mat3::scale({distance(first, last) / kRailPanel, 1, up});
-    placer.builder.place(panel.mesh, placer.worldFromTown * place, fmt::format("{} {}", name, ++number));
-    placer.occupancy.add({spot.at, kRailPanel / 2, 0.2, spot.yaw});
-  }
-}
-
-}  // namespace
-
 void placeRails(Placer& placer) {
   const Layout& l = placer.layout;
   const Road& road = l.mainRoad();

@@ -9,19 +9,6 @@ using models::smooth;
 constexpr double kFarFromRoads = 1e3;  // m, distance from a road's edge where no road is known
 constexpr double kSoftEdge = 1.5;  // m beyond pavements and hard areas to where the land is fully uneven and levelled
 
-// Returns how much of its height (0 to 1) a curb and pavement has at a point. It fades out far from roads, so that the
-// ground has no step where a road is too far to be known.
-double nearRoad(const Beside& beside) {
-  constexpr double kFadesFrom = 18, kFades = 15;  // m from the road's edge
-  return beside.known ? 1 - smooth((beside.edge - kFadesFrom) / kFades) : 0;
-}
-
-// Returns how much (m) the slope of the pavement towards the road lifts a point.
-double pavementSlope(const Beside& beside) {
-  constexpr double kCrossfall = 0.015;  // slope of pavements
-  return nearRoad(beside) * kCrossfall * std::clamp(beside.edge, 0.0, beside.known ? beside.section.outer() : 0);
-}
-
 }  // namespace
 
 Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
@@ -122,16 +109,6 @@ double Layout::lowering(const Beside& beside, const Point2& p) const {
   return std::max(factor, 0.25);
 }
 
-double Layout::potholeDepthAt(const Point2& p) const {
-  double depth = 0;
-  for (const std::uint32_t i : potholeCells_.at(p)) {
-    const Pothole& hole = potholes[i];
-    const double inwards = 1 - std::hypot(p.x - hole.center.x, p.y - hole.center.y) / hole.radius;
-    depth = std::max(depth, hole.depth * smooth(2 * inwards));
-  }
-  return depth;
-}
-
 // Returns the height (m) of a carriageway or parking lane: the hills with the road's crown, its ruts and its potholes.
 // `inside`: m from the edge of the carriageway.
 double Layout::carriagewayHeight(double inside, const Point2& p) const {
@@ -142,12 +119,13 @@ double Layout::carriagewayHeight(double inside, const Point2& p) const {
   constexpr double kWornSpots = 0.006;  // m, amplitude of worn spots about 1.7 m wide
   const double crown = kCamber * std::min(inside, kCambered);
   const double worn = kRuts * field(Field::Ruts, p, 7) + kWornSpots * field(Field::WornSpots, p, 1.7);
-  return hillsAt(p) + crown + worn - potholeDepthAt(p);
-}
-
-// Returns the height (m) of the curb above the carriageway.
-double Layout::curbHeight(const Beside& beside, const Point2& p) const {
-  return nearRoad(beside) * beside.section.step * lowering(beside, p);
+  double potholeDepth = 0;
+  for (const std::uint32_t i : potholeCells_.at(p)) {
+    const Pothole& hole = potholes[i];
+    const double inwards = 1 - std::hypot(p.x - hole.center.x, p.y - hole.center.y) / hole.radius;
+    potholeDepth = std::max(potholeDepth, hole.depth * smooth(2 * inwards));
+  }
+  return hillsAt(p) + crown + worn - potholeDepth;
 }
 
 // Returns the unevenness (m) of lawns and meadows. `edge`: m beyond the carriageway; `hard`: Areas::outsideHard().
@@ -178,16 +156,23 @@ double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) 
   const double edge = beside.known ? beside.edge : kFarFromRoads;
   if (kind == GroundKind::Road || kind == GroundKind::Parking) return carriagewayHeight(-edge, p);
   const double hard = areas.all().empty() ? Areas::kReach : areas.outsideHard(p);
-  double natural = hillsAt(p) + curbHeight(beside, p) + pavementSlope(beside) + rollingOfLand(beside, edge, hard, p) +
-                   bankHeight(beside, edge, hard, p);
+  const double outer = beside.known ? beside.section.outer() : 0;
+  // The height of curb and pavement fades out far from roads, so that the ground has no step where a road is too far to
+  // be known.
+  constexpr double kFadesFrom = 18, kFades = 15;  // m from the road's edge
+  constexpr double kCrossfall = 0.015;            // slope of pavements towards the road
+  const double near = beside.known ? 1 - smooth((edge - kFadesFrom) / kFades) : 0;
+  const double curb = near * beside.section.step * lowering(beside, p);
+  const double pavement = near * kCrossfall * std::clamp(edge, 0.0, outer);
+  double natural =
+      hillsAt(p) + curb + pavement + rollingOfLand(beside, edge, hard, p) + bankHeight(beside, edge, hard, p);
   if (kind == GroundKind::Water) {
     // Water is level except at its banks.
     constexpr double kBanks = 2;  // m, width of the banks of water
     const std::optional<std::uint32_t> area = areas.indexAt(p);
     if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
   }
-  const double beyondPavement = edge - (beside.known ? beside.section.outer() : 0);
-  return natural + smooth(beyondPavement / kSoftEdge) * levelling(p, natural) +
+  return natural + smooth((edge - outer) / kSoftEdge) * levelling(p, natural) +
          smooth(hard / kSoftEdge) * (grainOf(kind, beside, edge, p) + snowOn(beside, p));
 }
 

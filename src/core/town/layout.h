@@ -161,9 +161,7 @@ class Layout {
   GroundKind landAt(const Point2& p) const;
   // Parts of heightAt(), in m; layout.cpp describes them.
   double hillsAt(const Point2& p) const;
-  double potholeDepthAt(const Point2& p) const;
   double carriagewayHeight(double inside, const Point2& p) const;
-  double curbHeight(const Beside& beside, const Point2& p) const;
   double rollingOfLand(const Beside& beside, double edge, double hard, const Point2& p) const;
   double bankHeight(const Beside& beside, double edge, double hard, const Point2& p) const;
   double grainOf(GroundKind kind, const Beside& beside, double edge, const Point2& p) const;

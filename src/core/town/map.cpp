@@ -268,34 +268,6 @@ class MapMaker {
   std::vector<MapBuilding> parts_;
 };
 
-}  // namespace
-
-const FormatSupport& osmFormat() {
-  static const FormatSupport format{
-      "OpenStreetMap",
-      ".osm, .osm.gz, .osm.bz2, .osm.pbf, .o5m, .opl",
-      {},
-      "Nodes, ways and relations in this order, each by their ids. Roads, paths, buildings with their parts and roofs, "
-      "barriers, trees, woods, water, parks, lawns, squares and parking lots, with the tags that town.md names; "
-      "multipolygons, boundaries and relations of buildings; lengths in metres unless they have another unit",
-      "all else that has a shape, by its tag, such as highway=street_lamp; what is on bridges, in tunnels, indoors or "
-      "underground; surfaces of roads, looks and states of buildings, heights of nodes; buildings that are nodes; "
-      "buildings, roads and areas with missing nodes; pitched roofs over outlines that are no rectangles; areas of "
-      "hedges, walls and fences, whose outlines are built; heights and roofs of outer ways that differ from those of "
-      "their multipolygon; holes of multipolygons without tags; values that are no numbers"};
-  return format;
-}
-
-OsmNode degreesAt(const Map& map, const Point2& p) {
-  return TangentPlane(map.latitude, map.longitude, map.mirrored).degreesAt(p);
-}
-
-Map makeMap(const OsmExtract& extract, bool mirrored) {
-  return MapMaker(extract, mirrored).make();
-}
-
-namespace {
-
 // Throws InputError if a square of 100 m holds more than 10 km of roads: the ground beside a road takes a time that
 // grows with the roads near it, and car parks of five floors have about 3 km.
 void checkDensity(const Map& map) {
@@ -336,6 +308,30 @@ bool hasDeletions(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+const FormatSupport& osmFormat() {
+  static const FormatSupport format{
+      "OpenStreetMap",
+      ".osm, .osm.gz, .osm.bz2, .osm.pbf, .o5m, .opl",
+      {},
+      "Nodes, ways and relations in this order, each by their ids. Roads, paths, buildings with their parts and roofs, "
+      "barriers, trees, woods, water, parks, lawns, squares and parking lots, with the tags that town.md names; "
+      "multipolygons, boundaries and relations of buildings; lengths in metres unless they have another unit",
+      "all else that has a shape, by its tag, such as highway=street_lamp; what is on bridges, in tunnels, indoors or "
+      "underground; surfaces of roads, looks and states of buildings, heights of nodes; buildings that are nodes; "
+      "buildings, roads and areas with missing nodes; pitched roofs over outlines that are no rectangles; areas of "
+      "hedges, walls and fences, whose outlines are built; heights and roofs of outer ways that differ from those of "
+      "their multipolygon; holes of multipolygons without tags; values that are no numbers"};
+  return format;
+}
+
+OsmNode degreesAt(const Map& map, const Point2& p) {
+  return TangentPlane(map.latitude, map.longitude, map.mirrored).degreesAt(p);
+}
+
+Map makeMap(const OsmExtract& extract, bool mirrored) {
+  return MapMaker(extract, mirrored).make();
+}
 
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
   // Makes the path absolute: libosmium would download a name that begins like a URL.

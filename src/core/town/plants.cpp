@@ -149,6 +149,35 @@ void plantGarden(Placer& placer, const Plot& plot, int& number) {
   }
 }
 
+constexpr int kForms = 6;
+constexpr double kReach = 5;  // m; tufts are placed between the curb and this far beyond the sidewalk
+constexpr int kMost = 2500;
+
+// Builds a tuft of blades that bend outwards. No blade is higher than a random limit of 0.12 to 0.4 m.
+Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
+  Draw draw(seed, Kind::Tuft, static_cast<std::uint32_t>(form));
+  models::Shape s(builder, "tuft of grass");
+  const models::SurfaceIndex grass = s.surface("terrain", dry ? "grass_dry" : "grass");
+  const double height = draw.in(0.12, 0.4);
+  const double radius = draw.in(0.04, 0.14);
+  const int blades = 24 + draw.below(30);
+  for (int k = 0; k < blades; ++k) {
+    const double angle = draw.in(0, 2 * kPi);
+    const double out = radius * std::sqrt(draw.next());
+    const double high = height * draw.in(0.4, 1);
+    const double bend = high * draw.in(0.1, 0.7);
+    const double half = draw.in(0.002, 0.005);
+    const Vec3d outwards{std::cos(angle), std::sin(angle), 0};
+    const Vec3d aside{-std::sin(angle) * half, std::cos(angle) * half, 0};
+    const Vec3d foot = outwards * out + Vec3d{0, 0, -0.03};
+    const Vec3d middle = foot + outwards * (0.35 * bend) + Vec3d{0, 0, 0.65 * high};
+    const Vec3d tip = foot + outwards * bend + Vec3d{0, 0, high};
+    s.quad(grass, foot - aside, foot + aside, middle + aside, middle - aside);
+    s.triangle(grass, middle - aside, middle + aside, tip);
+  }
+  return s.finish();
+}
+
 }  // namespace
 
 void placeMapTrees(Placer& placer) {
@@ -260,42 +289,6 @@ void placeBushes(Placer& placer) {
 }
 
 // Places tufts of unmown grass on verges and along the roads.
-
-namespace {
-
-using models::Kind;
-
-constexpr int kForms = 6;
-constexpr double kReach = 5;  // m; tufts are placed between the curb and this far beyond the sidewalk
-constexpr int kMost = 2500;
-
-// Builds a tuft of blades that bend outwards. No blade is higher than a random limit of 0.12 to 0.4 m.
-Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
-  Draw draw(seed, Kind::Tuft, static_cast<std::uint32_t>(form));
-  models::Shape s(builder, "tuft of grass");
-  const models::SurfaceIndex grass = s.surface("terrain", dry ? "grass_dry" : "grass");
-  const double height = draw.in(0.12, 0.4);
-  const double radius = draw.in(0.04, 0.14);
-  const int blades = 24 + draw.below(30);
-  for (int k = 0; k < blades; ++k) {
-    const double angle = draw.in(0, 2 * kPi);
-    const double out = radius * std::sqrt(draw.next());
-    const double high = height * draw.in(0.4, 1);
-    const double bend = high * draw.in(0.1, 0.7);
-    const double half = draw.in(0.002, 0.005);
-    const Vec3d outwards{std::cos(angle), std::sin(angle), 0};
-    const Vec3d aside{-std::sin(angle) * half, std::cos(angle) * half, 0};
-    const Vec3d foot = outwards * out + Vec3d{0, 0, -0.03};
-    const Vec3d middle = foot + outwards * (0.35 * bend) + Vec3d{0, 0, 0.65 * high};
-    const Vec3d tip = foot + outwards * bend + Vec3d{0, 0, high};
-    s.quad(grass, foot - aside, foot + aside, middle + aside, middle - aside);
-    s.triangle(grass, middle - aside, middle + aside, tip);
-  }
-  return s.finish();
-}
-
-}  // namespace
-
 void placeGrass(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character;

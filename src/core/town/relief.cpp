@@ -20,22 +20,12 @@ std::uint64_t latticeOf(const FieldAddress& a) {
 // Returns the dot product of two vectors: the gradient at a corner of the lattice, one of sixteen unit vectors, and the
 // offset (dx, dy) from that corner.
 double sloped(std::uint64_t lattice, std::int64_t ix, std::int64_t iy, double dx, double dy) {
-  static constexpr double kGradients[16][2] = {{1, 0},
-                                               {0.92387953251128674, 0.38268343236508977},
-                                               {0.70710678118654752, 0.70710678118654752},
-                                               {0.38268343236508977, 0.92387953251128674},
-                                               {0, 1},
-                                               {-0.38268343236508977, 0.92387953251128674},
-                                               {-0.70710678118654752, 0.70710678118654752},
-                                               {-0.92387953251128674, 0.38268343236508977},
-                                               {-1, 0},
-                                               {-0.92387953251128674, -0.38268343236508977},
-                                               {-0.70710678118654752, -0.70710678118654752},
-                                               {-0.38268343236508977, -0.92387953251128674},
-                                               {0, -1},
-                                               {0.38268343236508977, -0.92387953251128674},
-                                               {0.70710678118654752, -0.70710678118654752},
-                                               {0.92387953251128674, -0.38268343236508977}};
+  // The sines and cosines of 22.5 and 45 degrees.
+  constexpr double kSin = 0.38268343236508977, kCos = 0.92387953251128674, kHalf = 0.70710678118654752;
+  static constexpr double kGradients[16][2] = {{1, 0},  {kCos, kSin},   {kHalf, kHalf},   {kSin, kCos},
+                                               {0, 1},  {-kSin, kCos},  {-kHalf, kHalf},  {-kCos, kSin},
+                                               {-1, 0}, {-kCos, -kSin}, {-kHalf, -kHalf}, {-kSin, -kCos},
+                                               {0, -1}, {kSin, -kCos},  {kHalf, -kHalf},  {kCos, -kSin}};
   const std::uint64_t key = lattice + 0x9E3779B97F4A7C15u * static_cast<std::uint64_t>(ix) +
                             0xD1B54A32D192ED03u * static_cast<std::uint64_t>(iy);
   const double* const g = kGradients[mixed(key) >> 60];
