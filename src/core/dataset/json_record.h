@@ -20,7 +20,6 @@
 #include <utility>
 #include <vector>
 
-#include "dataset/json_record.h"
 #include "dataset/json_text.h"
 #include "dataset/manifest.h"
 
@@ -140,11 +139,6 @@ class RecordKeys {
 };
 
 template <class T>
-constexpr bool kIsList = false;
-template <class T>
-constexpr bool kIsList<std::vector<T>> = true;
-
-template <class T>
 OrderedJson jsonOf(const T& value, const std::string& name, const RecordContext& context) {
   if constexpr (std::is_floating_point_v<T>) {
     return finite(double{value}, name);
@@ -156,7 +150,7 @@ OrderedJson jsonOf(const T& value, const std::string& name, const RecordContext&
     return jsonOf(*value, name, context);
   } else if constexpr (std::is_same_v<T, std::vector<double>>) {
     return finiteList(value, name);
-  } else if constexpr (kIsList<T>) {
+  } else if constexpr (requires(T list) { list.emplace_back(); }) {
     OrderedJson list = OrderedJson::array();
     for (const auto& item : value) list.push_back(jsonOf(item, fmt::format("{}/{}", name, list.size()), context));
     return list;
@@ -195,7 +189,7 @@ void readJson(const JsonNode& node, T& value, const RecordContext& context) {
     } else {
       value = std::move(*content);
     }
-  } else if constexpr (kIsList<T>) {
+  } else if constexpr (requires(T list) { list.emplace_back(); }) {
     value.clear();
     node.forEach([&](const JsonNode& item) { readJson(item, value.emplace_back(), context); });
   } else {

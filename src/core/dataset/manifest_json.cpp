@@ -132,10 +132,6 @@ OrderedJson sampleObject(const SampleRecord& sample) {
   return json;
 }
 
-bool describesInFiles(const Manifest& m) {
-  return std::ranges::any_of(m.shards, [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
-}
-
 void checkVersion(const JsonNode& root, const Json& json, const std::string& file) {
   const bool ours = json.is_object() && json.contains("schema_version") && json["schema_version"].is_number_integer() &&
                     json.contains("program") && json["program"].is_object() &&
@@ -157,7 +153,8 @@ std::string toJson(const Manifest& manifest) {
   // Samples are converted to text one by one: the JSON objects of all samples would take ten times as much memory as
   // their text.
   std::vector<std::string> samples;
-  if (!describesInFiles(manifest)) {
+  const auto isInFile = [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); };
+  if (std::ranges::none_of(manifest.shards, isInFile)) {
     samples.reserve(manifest.samples.size());
     for (const SampleRecord& sample : manifest.samples) samples.push_back(layOut(sampleEntry(sample, manifest), 2));
   }

@@ -72,19 +72,6 @@ DatasetPart parsePart(const std::string& text, const std::string& file) {
   return part;
 }
 
-namespace {
-
-// Clears the list of scenes of each item that is about all scenes of the dataset.
-void clearListsOfAllScenes(std::vector<ModelledItem>& items) {
-  std::vector<std::string> all;
-  for (const ModelledItem& item : items) appendNew(item.scenes, all);
-  for (ModelledItem& item : items) {
-    if (item.scenes.size() == all.size()) item.scenes.clear();
-  }
-}
-
-}  // namespace
-
 Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool anyFiles) {
   if (parts.empty()) throw Error("a dataset must have at least one shard");
   Manifest joined = parts.front().manifest;
@@ -124,7 +111,11 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool
   for (std::size_t i = 0; i < joined.samples.size(); ++i) {
     if (joined.samples[i].key.empty()) throw Error(fmt::format("sample {} of {} is in no shard", i, plan.samples));
   }
-  clearListsOfAllScenes(joined.modelled);
+  std::vector<std::string> scenes;
+  for (const ModelledItem& item : joined.modelled) appendNew(item.scenes, scenes);
+  for (ModelledItem& item : joined.modelled) {  // an item about all scenes lists none
+    if (item.scenes.size() == scenes.size()) item.scenes.clear();
+  }
   return joined;
 }
 

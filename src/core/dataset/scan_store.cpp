@@ -198,10 +198,6 @@ const Ontology* ScanStore::ontology() const {
   return ontology_ ? &*ontology_ : nullptr;
 }
 
-const std::vector<std::string>& ScanStore::membersOf(const Sample& sample) const {
-  return sample.members.empty() && sample.record != nullptr ? sample.record->members : sample.members;
-}
-
 StoredScan ScanStore::scanOfRecorded(std::size_t sample, const std::string& sensor) const {
   if (!sensor.empty() && lowerCase(sensor) != lowerCase(recorded_->sensor)) {
     throw InputError({path_.string()}, fmt::format("has no sensor '{}'{}", sensor,
@@ -215,7 +211,8 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
   if (recorded_) return {scanOfRecorded(sample, sensor)};
   const Sample& stored = samples_.at(sample);
   std::vector<StoredScan> all;
-  for (const std::string& member : membersOf(stored)) {
+  const bool manifestLists = stored.members.empty() && stored.record != nullptr;
+  for (const std::string& member : manifestLists ? stored.record->members : stored.members) {
     const MemberName name = partsOfMember(member);
     if (formatBySuffix(name.suffix) == nullptr) continue;
     const auto known = std::ranges::find_if(all, [&](const StoredScan& s) { return isIn(s, name); });
@@ -331,6 +328,36 @@ Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
   }
   if (!index.damage().empty()) throw InputError(fmt::format("{}; {}", index.damage(), failures));
   throw InputError({index.file().string()}, failures);
+}
+
+ScanSource findScan(const std::filesystem::path& path, const std::string& sample, const std::string& sensor) {
+  const ScanStore store(path);
+  if (store.single()) {
+    if (!sample.empty() || !sensor.empty()) {
+      throw InputError({path.string()},
+                       "is a single scan, so that --sample and --sensor have no effect: leave them out");
+    }
+    return {store.decode(0, {}), store.keys().front(), nullptr, {}};
+  }
+  std::size_t chosen = findKey(store.keys(), sample, path.string());
+  const bool first = sensor.empty() && store.manifest() != nullptr;
+  const std::string wanted = first ? store.manifest()->sensors.front().name : sensor;
+  if (sample.empty()) {  // the first sample may have no scan of a sensor that turns slowly
+    const auto isOfSensor = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(wanted); };
+    for (std::size_t i = chosen; i < store.keys().size() && !wanted.empty(); ++i) {
+      if (std::ranges::none_of(store.scans(i), isOfSensor)) continue;
+      chosen = i;
+      break;
+    }
+  }
+  const std::string& key = store.keys()[chosen];
+  const StoredScan stored = store.scans(chosen, wanted).front();
+  ScanSource source;
+  source.scan = store.decode(chosen, stored);
+  source.title = stored.sensor.empty() ? key : key + ", " + lowerCase(stored.sensor);
+  source.beams = store.beams(stored.sensor, stored.record == nullptr ? 0 : stored.record->time);
+  if (store.ontology() != nullptr) source.ontology = *store.ontology();
+  return source;
 }
 
 }  // namespace scanmill

@@ -95,7 +95,6 @@ class ScanStore {
   void openSingle();
   StoredScan scanOfRecorded(std::size_t sample, const std::string& sensor) const;
   void addSample(const std::string& key, Sample sample);
-  const std::vector<std::string>& membersOf(const Sample& sample) const;
   const ShardIndex& shard(std::size_t number) const;
 
   void requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const;

@@ -1,13 +1,18 @@
-#include "dataset/tar_reader.h"
-
 #include <archive.h>
 #include <archive_entry.h>
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <memory>
 #include <system_error>
+#include <utility>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "dataset/reader.h"
+#include "dataset/shard_index.h"
 #include "formats/format.h"
 
 namespace scanmill {
@@ -17,76 +22,97 @@ namespace {
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::uint64_t kEndBytes = 2 * kTarBlock;
 constexpr std::size_t kMostNameBytes = 4096;  // largest name of a member (bytes), the usual limit of paths
+// Numbers of bytes to read at a time: of members, and of headers alone (a header and a preceding pax header).
+constexpr std::size_t kBlockBytes = 1 << 20;
+constexpr std::size_t kHeaderBytes = 2048;
 
-}  // namespace
-
-TarReader::TarReader(const std::filesystem::path& file, std::size_t blockBytes)
-    : file_(file), tar_(archive_read_new()) {
-  std::error_code failure;
-  size_ = std::filesystem::file_size(file_, failure);
-  if (failure) throw InputError({file_.string()}, "cannot be read: " + failure.message());
-  archive_read_support_format_tar(tar_.get());
-  if (archive_read_open_filename(tar_.get(), file_.c_str(), blockBytes) != ARCHIVE_OK) fail("cannot be read as tar");
-}
-
-bool TarReader::next() {
-  archive_entry* entry = nullptr;
-  const int result = archive_read_next_header(tar_.get(), &entry);
-  if (result == ARCHIVE_EOF) {
-    checkEnd();
-    return false;
+// Reads a tar file from front to back, and skips the bytes of members that are not read. Throws an InputError with the
+// file and the offset if the file is truncated, is not a tar file, or contains anything but regular files.
+class TarReader {
+ public:
+  // `blockBytes`: number of bytes that are read from the disk at a time. It should be large if members are read, and
+  // small if only headers are read.
+  TarReader(const std::filesystem::path& file, std::size_t blockBytes) : file_(file), tar_(archive_read_new()) {
+    std::error_code failure;
+    size_ = std::filesystem::file_size(file_, failure);
+    if (failure) throw InputError({file_.string()}, "cannot be read: " + failure.message());
+    archive_read_support_format_tar(tar_.get());
+    if (archive_read_open_filename(tar_.get(), file_.c_str(), blockBytes) != ARCHIVE_OK) fail("cannot be read as tar");
   }
-  if (result < ARCHIVE_WARN) fail("is not a complete tar file");
-  const char* name = archive_entry_pathname(entry);
-  if (name == nullptr) fail("has a member whose name cannot be read");
-  name_ = name;
-  if (name_.size() > kMostNameBytes) {
-    fail(fmt::format("has a member whose name has {} bytes, but at most {} can be read", name_.size(), kMostNameBytes));
+
+  // Goes to the next member; returns false at the end of the archive.
+  [[nodiscard]] bool next() {
+    archive_entry* entry = nullptr;
+    const int result = archive_read_next_header(tar_.get(), &entry);
+    if (result == ARCHIVE_EOF) {
+      checkEnd();
+      return false;
+    }
+    if (result < ARCHIVE_WARN) fail("is not a complete tar file");
+    const char* name = archive_entry_pathname(entry);
+    if (name == nullptr) fail("has a member whose name cannot be read");
+    name_ = name;
+    if (name_.size() > kMostNameBytes) {
+      fail(fmt::format("has a member whose name has {} bytes, but at most {} can be read", name_.size(),
+                       kMostNameBytes));
+    }
+    if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_sparse_count(entry) > 0) {
+      fail(fmt::format("has a member '{}' that is not a plain file", name_));
+    }
+    begin_ = position();
+    memberBytes_ = static_cast<std::uint64_t>(archive_entry_size(entry));
+    if (memberBytes_ > size_ - begin_) {
+      fail(fmt::format("is truncated: member '{}' has {} bytes and the file ends after {}", name_, memberBytes_,
+                       size_ - begin_));
+    }
+    end_ = begin_ + (memberBytes_ + kTarBlock - 1) / kTarBlock * kTarBlock;
+    return true;
   }
-  if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_sparse_count(entry) > 0) {
-    fail(fmt::format("has a member '{}' that is not a plain file", name_));
+
+  // The following calls refer to the current member.
+  const std::string& name() const { return name_; }
+  std::uint64_t offset() const { return begin_; }  // position of the member's first byte in the file
+  std::uint64_t bytes() const { return memberBytes_; }
+  // Replaces `bytes` by the bytes of the member.
+  void readInto(std::string& bytes) {
+    bytes.resize(memberBytes_);
+    const la_ssize_t got = archive_read_data(tar_.get(), bytes.data(), bytes.size());
+    if (got < 0 || static_cast<std::uint64_t>(got) != memberBytes_) fail(fmt::format("is truncated in '{}'", name_));
   }
-  begin_ = position();
-  memberBytes_ = static_cast<std::uint64_t>(archive_entry_size(entry));
-  if (memberBytes_ > size_ - begin_) {
-    fail(fmt::format("is truncated: member '{}' has {} bytes and the file ends after {}", name_, memberBytes_,
-                     size_ - begin_));
+
+ private:
+  struct Free {
+    void operator()(archive* tar) const { archive_read_free(tar); }
+  };
+
+  std::uint64_t position() const { return static_cast<std::uint64_t>(archive_filter_bytes(tar_.get(), 0)); }
+
+  // Throws InputError if the end mark is missing. Libarchive accepts a file that ends between two members; only the end
+  // mark shows that the file is complete.
+  void checkEnd() const {
+    if (size_ >= end_ + kEndBytes) return;
+    throw InputError({file_.string()},
+                     fmt::format("is truncated: no end mark at offset {} (the file has {} bytes)", end_, size_));
   }
-  end_ = begin_ + (memberBytes_ + kTarBlock - 1) / kTarBlock * kTarBlock;
-  return true;
+
+  [[noreturn]] void fail(const std::string& what) const {
+    const char* reason = archive_error_string(tar_.get());
+    throw InputError({file_.string()},
+                     fmt::format("{} at offset {}{}{}", what, position(), reason ? ": " : "", reason ? reason : ""));
+  }
+
+  std::filesystem::path file_;
+  std::unique_ptr<archive, Free> tar_;
+  std::uint64_t size_ = 0;  // size of the file
+  std::uint64_t begin_ = 0;
+  std::uint64_t end_ = 0;  // end of the current member, with its padding
+  std::uint64_t memberBytes_ = 0;
+  std::string name_;
+};
+
+std::string errnoText(int error) {
+  return std::generic_category().message(error);
 }
-
-void TarReader::readInto(std::string& bytes) {
-  bytes.resize(memberBytes_);
-  const la_ssize_t got = archive_read_data(tar_.get(), bytes.data(), bytes.size());
-  if (got < 0 || static_cast<std::uint64_t>(got) != memberBytes_) fail(fmt::format("is truncated in '{}'", name_));
-}
-
-void TarReader::Free::operator()(archive* tar) const {
-  archive_read_free(tar);
-}
-
-std::uint64_t TarReader::position() const {
-  return static_cast<std::uint64_t>(archive_filter_bytes(tar_.get(), 0));
-}
-
-// Throws InputError if the end mark is missing. Libarchive accepts a file that ends between two members; only the end
-// mark shows that the file is complete.
-void TarReader::checkEnd() const {
-  if (size_ >= end_ + kEndBytes) return;
-  throw InputError({file_.string()},
-                   fmt::format("is truncated: no end mark at offset {} (the file has {} bytes)", end_, size_));
-}
-
-void TarReader::fail(const std::string& what) const {
-  const char* reason = archive_error_string(tar_.get());
-  throw InputError({file_.string()},
-                   fmt::format("{} at offset {}{}{}", what, position(), reason ? ": " : "", reason ? reason : ""));
-}
-
-namespace {
-
-constexpr std::size_t kBlockBytes = 1 << 20;  // bytes to read at a time
 
 }  // namespace
 
@@ -113,6 +139,42 @@ Scan decodeMember(const std::string& name, std::string_view bytes) {
   none.kind = Value::Kind::Map;
   Fields options(none, "format");
   return entry->make(options)->decode(bytes, name);
+}
+
+ShardIndex::ShardIndex(std::filesystem::path file) : file_(std::move(file)) {
+  TarReader tar(file_, kHeaderBytes);
+  try {
+    while (tar.next()) members_.push_back({tar.name(), tar.offset(), tar.bytes()});
+  } catch (const InputError& e) {
+    if (members_.empty()) throw;
+    damage_ = e.what();
+  }
+  byName_.reserve(members_.size());
+  for (std::size_t i = 0; i < members_.size(); ++i) byName_.emplace(members_[i].name, i);
+}
+
+const ShardMember* ShardIndex::find(std::string_view name) const {
+  const auto found = byName_.find(name);
+  return found == byName_.end() ? nullptr : &members_[found->second];
+}
+
+std::string ShardIndex::read(const ShardMember& member) const {
+  const Descriptor file(::open(file_.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.number < 0) throw InputError({file_.string()}, "cannot be read: " + errnoText(errno));
+  std::string bytes(member.bytes, '\0');
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got =
+        ::pread(file.number, bytes.data() + done, bytes.size() - done, static_cast<off_t>(member.offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw InputError({file_.string()}, fmt::format("cannot read '{}': {}", member.name, errnoText(errno)));
+    if (got == 0) {
+      throw InputError({file_.string()},
+                       fmt::format("is truncated in '{}': it was longer when it was opened", member.name));
+    }
+    done += static_cast<std::size_t>(got);
+  }
+  return bytes;
 }
 
 }  // namespace scanmill
