@@ -125,7 +125,6 @@ class Export {
   void chooseSensors() {
     const std::vector<SensorRecord>& all = plan_.manifest.sensors;
     std::vector<std::string> names;
-    names.reserve(all.size());
     for (const SensorRecord& sensor : all) names.push_back(sensor.name);
     for (const std::string& wanted : options_.sensors) {
       const auto found = std::ranges::find(names, wanted);

@@ -33,7 +33,6 @@
 #include "config/version.h"
 #include "dataset/world_positions.h"
 #include "exports/layout.h"
-#include "exports/scan_files.h"
 #include "formats/little_endian.h"
 #include "formats/readers.h"
 #include "scan/columns.h"

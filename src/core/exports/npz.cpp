@@ -25,7 +25,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "exports/scan_files.h"
+#include "exports/layout.h"
 #include "formats/little_endian.h"
 #include "formats/npy.h"
 

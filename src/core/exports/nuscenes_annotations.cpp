@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "exports/nuscenes_rows.h"
+#include "exports/nuscenes_names.h"
 
 namespace scanmill {
 

@@ -1,13 +1,16 @@
 #pragma once
 
-// Tokens, times and file names of the layout of nuScenes, which is described in nuscenes.cpp.
+// Tokens, times, file names and tables of the layout of nuScenes, which is described in nuscenes.cpp.
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 
+#include "base/file.h"
+#include "dataset/json_text.h"
 #include "exports/layout.h"
 
 namespace scanmill {
@@ -38,6 +41,62 @@ std::filesystem::path pointsFile(const ExportPlan& plan, std::size_t sequence, c
                                  std::size_t sensor, const ScanRecord& scan);
 std::filesystem::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
 std::filesystem::path panopticFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
+
+// Each table is a file with a JSON list, one row per line. The rows since the last flush() are in memory. All calls
+// except add() throw the errors of AtomicFile; only commit() gives the files their final names.
+class NuScenesRows {
+ public:
+  NuScenesRows(const ExportPlan& plan, const ExportFolder& folder) : plan_(plan), folder_(folder) {}
+
+  // Creates the file of a table, which readers need even without rows.
+  void open(const std::string& table) {
+    tables_.try_emplace(table, folder_.prepareFile(std::filesystem::path(kNuScenesVersion) / (table + ".json")));
+  }
+  bool has(const std::string& table) const { return tables_.contains(table); }
+  void add(const std::string& table, const OrderedJson& row) {
+    Table& to = tables_.at(table);
+    to.waiting += (to.rows++ == 0 ? "[\n" : ",\n") + scalarText(row);
+  }
+  void flush() {
+    for (auto& [name, table] : tables_) {
+      table.file.write(table.waiting);
+      table.waiting.clear();
+    }
+  }
+  void commit() {
+    flush();
+    for (auto& [name, table] : tables_) {
+      table.file.write(table.rows == 0 ? "[]\n" : "\n]\n");
+      table.file.commit();
+    }
+  }
+
+  // Returns the token of a row of a table.
+  std::string token(std::string_view table, std::string_view row) const { return nuScenesToken(plan_, table, row); }
+
+ private:
+  struct Table {
+    explicit Table(const std::filesystem::path& path) : file(path) {}
+    AtomicFile file;
+    std::string waiting;
+    std::size_t rows = 0;
+  };
+
+  const ExportPlan& plan_;
+  const ExportFolder& folder_;
+  std::map<std::string, Table> tables_;  // by name
+};
+
+inline OrderedJson listOf(const Vec3d& v, const std::string& what) {
+  return finiteList({v.x, v.y, v.z}, what);
+}
+
+inline OrderedJson listOf(const Quat& q, const std::string& what) {
+  return finiteList({q.w, q.x, q.y, q.z}, what);
+}
+
+// Adds the rows of sample_annotation and instance for the objects of a sequence. Returns the number of annotations.
+std::size_t addAnnotations(const ExportPlan& plan, const ReadObjects& read, std::size_t sequence, NuScenesRows& rows);
 
 // Writes all tables, splits.json and the map, and creates the folders that may stay empty. Returns the number of boxes.
 std::size_t writeNuScenesTables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder);

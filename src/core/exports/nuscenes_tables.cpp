@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "exports/nuscenes_rows.h"
+#include "exports/nuscenes_names.h"
 #include "images/images.h"
 
 namespace scanmill {

@@ -14,11 +14,10 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <string_view>
 #include <type_traits>
 
-#include "exports/scan_files.h"
+#include "exports/layout.h"
 #include "formats/little_endian.h"
 
 namespace scanmill {
@@ -71,40 +70,27 @@ std::string header(const ExportPlan& plan, const ExportSample& sample, const Exp
   return text + "end_header\n";
 }
 
-class Colors {
- public:
-  Colors(const ExportPlan& plan, const ExportScan& exportScan)
-      : classes_(plan.classes), exportScan_(exportScan), scan_(exportScan.scan) {
-    for (const SemanticClass& c : plan.classes.target().classes) ofClass_.emplace(c.id, c.color);
+// Returns the colour of a point's class; in a scan without classes a grey, by the intensity.
+Color colorOf(const ExportPlan& plan, const ExportScan& exportScan, std::size_t point) {
+  const Scan& scan = exportScan.scan;
+  if (!scan[kLabel].empty()) return plan.classes.classOf(scan[kLabel][point]).color;
+  std::uint8_t grey = kMiddleGrey;
+  if (!scan[kIntensity].empty()) {
+    const float intensity = unitIntensity(exportScan, point);
+    grey = intensity > 0 ? static_cast<std::uint8_t>(std::min(intensity, 1.0f) * 255 + 0.5f) : std::uint8_t{0};
   }
-
-  Color of(std::size_t point) const {
-    if (!scan_[kLabel].empty()) return ofClass_.at(classes_.of(scan_[kLabel][point]));
-    std::uint8_t grey = kMiddleGrey;
-    if (!scan_[kIntensity].empty()) {
-      const float intensity = unitIntensity(exportScan_, point);
-      grey = intensity > 0 ? static_cast<std::uint8_t>(std::min(intensity, 1.0f) * 255 + 0.5f) : std::uint8_t{0};
-    }
-    return {grey, grey, grey};
-  }
-
- private:
-  const ClassMap& classes_;
-  const ExportScan& exportScan_;
-  const Scan& scan_;
-  std::map<std::uint16_t, Color> ofClass_;
-};
+  return {grey, grey, grey};
+}
 
 std::string plyBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan) {
   const Scan& scan = exportScan.scan;
   const auto points = static_cast<std::size_t>(std::ranges::count_if(scan.position, isFinite<float>));
   std::string bytes = header(plan, sample, exportScan, points);
-  const Colors colors(plan, exportScan);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3f& p = scan.position[i];
     if (!isFinite(p)) continue;
     for (const float coordinate : {p.x, p.y, p.z}) putNumber(coordinate, bytes);
-    for (const std::uint8_t part : colors.of(i)) putNumber(part, bytes);
+    for (const std::uint8_t part : colorOf(plan, exportScan, i)) putNumber(part, bytes);
     visitTable(scan, [&](auto key, const auto& values) {
       if (!values.empty()) putNumber(exported(plan.classes, key, values[i]), bytes);
     });
