@@ -34,19 +34,14 @@ struct BeamGroup {
   PerBeam<std::size_t> echo;         // index in the list of echoes
   PerBeam<std::uint32_t> first;      // the beam's first ray; the others follow
   PerBeam<std::uint32_t> strongest;  // index of the ray with the most power, the first among equals
-  PerBeam<float> power;
-  PerBeam<float> range;
-  PerBeam<float> spread;
+  PerBeam<float> power, range, spread;
   std::array<PerBeam<float>, kMostGroupRays> ranges;  // by ray
   std::array<PerBeam<float>, kMostGroupRays> powers;
 };
 
 // Computes power, range, spread and the strongest ray of each beam. The operations are those of EchoFinder::echoOf().
 SCANMILL_BEST_INSTRUCTIONS void computeEchoes(BeamGroup& s) {
-  BeamGroup::PerBeam<double> total{};
-  BeamGroup::PerBeam<double> sum{};
-  BeamGroup::PerBeam<double> unweighted{};
-  BeamGroup::PerBeam<double> square{};
+  BeamGroup::PerBeam<double> total{}, sum{}, unweighted{}, square{};
   BeamGroup::PerBeam<float> most;
   most.fill(-1);
   s.strongest.fill(0);
@@ -148,8 +143,7 @@ class EchoFinder {
   bool addToGroup(std::uint32_t beam, std::uint32_t first, std::uint32_t end) {
     const std::uint32_t rays = end - first;
     if (rays < 2 || rays > kMostGroupRays || pulse_ == 0 || (group_.rays != 0 && rays != group_.rays)) return false;
-    float nearest = kMiss;
-    float farthest = 0;
+    float nearest = kMiss, farthest = 0;
     for (std::uint32_t ray = first; ray < end; ++ray) {
       nearest = std::min(nearest, hits_.range[ray]);
       farthest = std::max(farthest, hits_.range[ray]);
@@ -241,19 +235,15 @@ class EchoFinder {
       addEcho(beam, {rays_.data() + first, i - first});
       first = i;
     }
-    keepStrongest(before);
+    while (echoes_.size() - before > kMostReturns) {  // only the strongest are kept
+      echoes_.erase(std::min_element(echoes_.begin() + static_cast<std::ptrdiff_t>(before), echoes_.end(),
+                                     [](const Echo& a, const Echo& b) { return a.power < b.power; }));
+    }
   }
 
   void addEcho(std::uint32_t beam, std::span<const HitRay> rays) {
     echoes_.push_back(echoOf(beam, rays));
     setCause(echoes_.back());
-  }
-
-  void keepStrongest(std::size_t first) {
-    while (echoes_.size() - first > kMostReturns) {
-      echoes_.erase(std::min_element(echoes_.begin() + static_cast<std::ptrdiff_t>(first), echoes_.end(),
-                                     [](const Echo& a, const Echo& b) { return a.power < b.power; }));
-    }
   }
 
   // Returns the echo of some rays of a beam. The rays must be sorted by range, unless all of them are within one pulse
@@ -281,9 +271,7 @@ class EchoFinder {
   // equal weight.
   static PowerAndMean powerAndMean(std::span<const HitRay> rays) {
     const double first = rays.front().range;
-    double total = 0;
-    double sum = 0;
-    double unweighted = 0;
+    double total = 0, sum = 0, unweighted = 0;
     for (const HitRay& p : rays) {
       total += p.power;
       sum += p.power * (p.range - first);
@@ -295,10 +283,8 @@ class EchoFinder {
   // Returns the rays within the interval of one pulse length that has the most power.
   std::span<const HitRay> strongestInterval(std::span<const HitRay> rays) const {
     if (rays.back().range - rays.front().range <= pulse_) return rays;
-    std::size_t bestFirst = 0;
-    std::size_t bestEnd = 1;
-    double most = -1;
-    double power = 0;
+    std::size_t bestFirst = 0, bestEnd = 1;
+    double most = -1, power = 0;
     std::size_t end = 0;
     for (std::size_t first = 0; first < rays.size(); ++first) {
       while (end < rays.size() && rays[end].range - rays[first].range <= pulse_) power += rays[end++].power;

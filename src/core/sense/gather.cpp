@@ -64,8 +64,7 @@ class ReturnOrder {
 // The points of a tile: for each point its beam, its row in the table of returns, its hit, and its row in the scan. If
 // there is one row per beam, the first three are the same number.
 class TilePoints {
-  std::array<std::uint32_t, kTilePoints> rows_;
-  std::array<std::uint32_t, kTilePoints> hits_;
+  std::array<std::uint32_t, kTilePoints> rows_, hits_;
 
  public:
   explicit TilePoints(bool severalPerBeam)
@@ -74,10 +73,8 @@ class TilePoints {
   TilePoints& operator=(const TilePoints&) = delete;
 
   std::size_t count = 0;
-  std::array<std::uint32_t, kTilePoints> beam;
-  std::array<std::uint32_t, kTilePoints> scanRow;
-  std::array<std::uint16_t, kTilePoints> ring;
-  std::array<std::uint16_t, kTilePoints> column;
+  std::array<std::uint32_t, kTilePoints> beam, scanRow;
+  std::array<std::uint16_t, kTilePoints> ring, column;
   const std::uint32_t* row;
   const std::uint32_t* hit;
 
@@ -89,8 +86,7 @@ class TilePoints {
 
 // Neighbouring columns of beams and, for each, the row of the scan to which its next point is written.
 struct Strip {
-  std::uint32_t firstColumn;
-  std::uint32_t width;
+  std::uint32_t firstColumn, width;
   std::array<std::uint32_t, kTileColumns> next;
 };
 
@@ -265,9 +261,7 @@ class Gathering {
   // sensor's frame at the start of the revolution. Not inlined: within the loop over the tiles, the pointers used here
   // would not all stay in registers.
   [[gnu::noinline]] void computePositions(const Affine* toStart) {
-    std::array<double, kTilePoints> x;
-    std::array<double, kTilePoints> y;
-    std::array<double, kTilePoints> z;
+    std::array<double, kTilePoints> x, y, z;
     const std::size_t count = points_.count;
     const std::uint32_t* const beam = points_.beam.data();
     const std::uint32_t* const row = points_.row;

@@ -25,13 +25,6 @@ const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* nam
   return nullptr;
 }
 
-const Concept* firstKnown(std::initializer_list<const Concept*> candidates) {
-  for (const Concept* c : candidates) {
-    if (c != nullptr) return c;
-  }
-  return nullptr;
-}
-
 // Returns the concept with the most triangles. If this concept is a detail, such as wheels, and the asset also has
 // wholes, such as a car, returns the whole with the most triangles.
 const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>& parts) {
@@ -225,6 +218,123 @@ void measureObjects(const Asset& asset, const std::vector<const Concept*>& parts
   guess.longest = notInMetres.longest;
 }
 
+// Returns the object or ground to which a part belongs: what its node's name states or, unless this is an object, the
+// object that the file contains. Null: unknown.
+const Concept* ownerOf(const Concept* node, const Concept* file) {
+  const bool stated = node != nullptr && node->kind != ConceptKind::Detail;
+  if (stated && node->kind == ConceptKind::Whole) return node;
+  if (file != nullptr && file->kind == ConceptKind::Whole) return file;
+  return stated ? node : nullptr;
+}
+
+const Concept* guessPart(const Vocabulary& words, const AssetPart& part, const Concept* file) {
+  const Concept* node = words.conceptOf(part.node);
+  // A concept of ground without classes, such as that of the name "World", says nothing about the part's class.
+  if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
+  if (node != nullptr && node->kind == ConceptKind::Drop) return node;
+  const Concept* const material = words.conceptOf(part.material);
+  const Concept* const texture = words.conceptOf(textureStem(part));
+  const Concept* const owner = ownerOf(node, file);
+  for (const Concept* named : {material, texture, node}) {
+    if (const Concept* const detail = detailOf(words.concepts(), named, owner)) return detail;
+  }
+  // If a ground has several materials, a material's name may state a different ground, which is more exact.
+  if (owner != nullptr && owner->kind == ConceptKind::Ground) {
+    for (const Concept* finer : {material, texture}) {
+      if (finer != nullptr && finer->kind == ConceptKind::Ground) return finer;
+    }
+  }
+  for (const Concept* known : {owner, material, texture, node}) {
+    if (known != nullptr) return known;
+  }
+  return file;
+}
+
+bool isSized(const FrameGuess* guess) {
+  return guess->unitConcept != nullptr && guess->unitConcept->size && guess->longest > 0;
+}
+
+// Marks a stated unit as doubtful if the size of the file's concept is unusual.
+void doubtUnit(FrameGuess& guess) {
+  FrameGuess free = guess;
+  guessUnit(free);
+  if (free.whyUnit.empty()) return;
+  guess.doubtfulUnit = true;
+  guess.whyUnit = free.unit == 1 ? free.whyUnit
+                                 : fmt::format("{} of {:.4g} m is unusual; `unit: {:g}` would make it {:.3g} m",
+                                               nameOf(guess), guess.longest, free.unit, guess.longest * free.unit);
+}
+
+// Considers the files whose concepts have usual sizes. If there are at least `fewest`, and one unit gives usual sizes
+// to at least the fraction `most` of them, sets this unit for all files and returns true; files that it would make far
+// too large or small get a unit of their own. Otherwise returns false.
+bool guessSharedUnit(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
+  const auto sized = std::count_if(files.begin(), files.end(), isSized);
+  const auto fitting = [&](double unit) {
+    return std::count_if(files.begin(), files.end(),
+                         [&](const FrameGuess* f) { return isSized(f) && fits(*f, unit, 1); });
+  };
+  double shared = 1;
+  for (const double unit : kUnits) {
+    if (fitting(unit) > fitting(shared)) shared = unit;
+  }
+  if (sized < fewest || static_cast<double>(fitting(shared)) < most * static_cast<double>(sized)) return false;
+  for (FrameGuess* f : files) {
+    if (isSized(f) && !fits(*f, shared, kTolerance)) {
+      guessUnit(*f);
+      continue;
+    }
+    f->unit = shared;
+    f->doubtfulUnit = isSized(f) && !fits(*f, shared, 1);
+    if (isSized(f) && (shared != 1 || f->doubtfulUnit)) {
+      f->whyUnit = fmt::format("{}; most similar files have plausible sizes with this unit", sizeWith(*f, shared));
+    } else if (shared != 1) {
+      f->whyUnit = "as similar files";
+    }
+  }
+  return true;
+}
+
+// Returns the files that are tiles of one set: those with the most common footprint, if there are at least three.
+// Otherwise returns nothing.
+std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kAlike = 0.1;
+  const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
+  const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->readUp ? 1 : 2]; };
+  std::vector<FrameGuess*> most;
+  for (const FrameGuess* f : files) {
+    std::vector<FrameGuess*> same;
+    for (FrameGuess* other : files) {
+      const bool fit = alike(f->extent[0], other->extent[0]) && alike(depth(f), depth(other));
+      if (fit && f->extent[0] > 0) same.push_back(other);
+    }
+    if (same.size() > most.size()) most = std::move(same);
+  }
+  return most.size() < kFewest ? std::vector<FrameGuess*>{} : most;
+}
+
+// Gives files with a doubtful up axis the axis of most other files.
+void shareAxis(const std::vector<FrameGuess*>& all) {
+  std::map<char, std::size_t> axes;
+  for (const FrameGuess* f : all) {
+    if (!f->whyUp.empty() && !f->doubtfulUp) ++axes[f->up];
+  }
+  if (axes.empty()) return;
+  for (FrameGuess* f : all) {
+    if (!f->doubtfulUp) continue;
+    f->up = axes['y'] > axes['z'] ? 'y' : 'z';
+    f->whyUp = "as other files of the folder";
+    f->doubtfulUp = axes['y'] + axes['z'] < 2 || (axes['y'] > 0 && axes['z'] > 0);
+  }
+}
+
+void guessUnitOfEach(const std::vector<FrameGuess*>& files) {
+  for (FrameGuess* f : files) {
+    if (isSized(f)) guessUnit(*f);
+  }
+}
+
 }  // namespace
 
 std::vector<CountedPart> partsOf(const Asset& asset) {
@@ -305,39 +415,6 @@ const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset) {
   return isPlace(guessParts(words, asset, nullptr)) ? nullptr : words.conceptOf(folderName(asset.file));
 }
 
-namespace {
-
-// Returns the object or ground to which a part belongs: what its node's name states or, unless this is an object, the
-// object that the file contains. Null: unknown.
-const Concept* ownerOf(const Concept* node, const Concept* file) {
-  const bool stated = node != nullptr && node->kind != ConceptKind::Detail;
-  if (stated && node->kind == ConceptKind::Whole) return node;
-  if (file != nullptr && file->kind == ConceptKind::Whole) return file;
-  return stated ? node : nullptr;
-}
-
-const Concept* guessPart(const Vocabulary& words, const AssetPart& part, const Concept* file) {
-  const Concept* node = words.conceptOf(part.node);
-  // A concept of ground without classes, such as that of the name "World", says nothing about the part's class.
-  if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
-  if (node != nullptr && node->kind == ConceptKind::Drop) return node;
-  const Concept* const material = words.conceptOf(part.material);
-  const Concept* const texture = words.conceptOf(textureStem(part));
-  const Concept* const owner = ownerOf(node, file);
-  for (const Concept* named : {material, texture, node}) {
-    if (const Concept* const detail = detailOf(words.concepts(), named, owner)) return detail;
-  }
-  // If a ground has several materials, a material's name may state a different ground, which is more exact.
-  if (owner != nullptr && owner->kind == ConceptKind::Ground) {
-    for (const Concept* finer : {material, texture}) {
-      if (finer != nullptr && finer->kind == ConceptKind::Ground) return finer;
-    }
-  }
-  return firstKnown({owner, material, texture, node, file});
-}
-
-}  // namespace
-
 std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file) {
   std::vector<const Concept*> guesses;
   for (const auto& [part, copies] : partsOf(asset)) guesses.push_back(guessPart(words, *part, file));
@@ -360,99 +437,6 @@ FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& par
   if (guess.severalObjects) measureObjects(asset, parts, guess);
   return guess;
 }
-
-namespace {
-
-bool isSized(const FrameGuess* guess) {
-  return guess->unitConcept != nullptr && guess->unitConcept->size && guess->longest > 0;
-}
-
-// Marks a stated unit as doubtful if the size of the file's concept is unusual.
-void doubtUnit(FrameGuess& guess) {
-  FrameGuess free = guess;
-  guessUnit(free);
-  if (free.whyUnit.empty()) return;
-  guess.doubtfulUnit = true;
-  guess.whyUnit = free.unit == 1 ? free.whyUnit
-                                 : fmt::format("{} of {:.4g} m is unusual; `unit: {:g}` would make it {:.3g} m",
-                                               nameOf(guess), guess.longest, free.unit, guess.longest * free.unit);
-}
-
-// Considers the files whose concepts have usual sizes. If there are at least `fewest`, and one unit gives usual sizes
-// to at least the fraction `most` of them, sets this unit for all files and returns true; files that it would make far
-// too large or small get a unit of their own. Otherwise returns false.
-bool guessSharedUnit(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
-  const auto sized = std::count_if(files.begin(), files.end(), isSized);
-  const auto fitting = [&](double unit) {
-    return std::count_if(files.begin(), files.end(),
-                         [&](const FrameGuess* f) { return isSized(f) && fits(*f, unit, 1); });
-  };
-  double shared = 1;
-  for (const double unit : kUnits) {
-    if (fitting(unit) > fitting(shared)) shared = unit;
-  }
-  if (sized < fewest || static_cast<double>(fitting(shared)) < most * static_cast<double>(sized)) return false;
-  for (FrameGuess* f : files) {
-    if (isSized(f) && !fits(*f, shared, kTolerance)) {
-      guessUnit(*f);
-      continue;
-    }
-    f->unit = shared;
-    f->doubtfulUnit = isSized(f) && !fits(*f, shared, 1);
-    if (isSized(f) && (shared != 1 || f->doubtfulUnit)) {
-      f->whyUnit = fmt::format("{}; most similar files have plausible sizes with this unit", sizeWith(*f, shared));
-    } else if (shared != 1) {
-      f->whyUnit = "as similar files";
-    }
-  }
-  return true;
-}
-
-// Returns the files that are tiles of one set: those with the most common footprint, if there are at least three.
-// Otherwise returns nothing.
-std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
-  constexpr std::size_t kFewest = 3;
-  constexpr double kAlike = 0.1;
-  const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
-  const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->readUp ? 1 : 2]; };
-  std::vector<FrameGuess*> most;
-  for (const FrameGuess* f : files) {
-    std::vector<FrameGuess*> same;
-    for (FrameGuess* other : files) {
-      const bool fit = alike(f->extent[0], other->extent[0]) && alike(depth(f), depth(other));
-      if (fit && f->extent[0] > 0) same.push_back(other);
-    }
-    if (same.size() > most.size()) most = std::move(same);
-  }
-  return most.size() < kFewest ? std::vector<FrameGuess*>{} : most;
-}
-
-}  // namespace
-
-namespace {
-
-// Gives files with a doubtful up axis the axis of most other files.
-void shareAxis(const std::vector<FrameGuess*>& all) {
-  std::map<char, std::size_t> axes;
-  for (const FrameGuess* f : all) {
-    if (!f->whyUp.empty() && !f->doubtfulUp) ++axes[f->up];
-  }
-  if (axes.empty()) return;
-  for (FrameGuess* f : all) {
-    if (!f->doubtfulUp) continue;
-    f->up = axes['y'] > axes['z'] ? 'y' : 'z';
-    f->whyUp = "as other files of the folder";
-    f->doubtfulUp = axes['y'] + axes['z'] < 2 || (axes['y'] > 0 && axes['z'] > 0);
-  }
-}
-
-void guessUnitOfEach(const std::vector<FrameGuess*>& files) {
-  for (FrameGuess* f : files) {
-    if (isSized(f)) guessUnit(*f);
-  }
-}
-
-}  // namespace
 
 void guessUnitsTogether(const std::vector<FrameGuess*>& all) {
   shareAxis(all);

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -54,10 +53,7 @@ struct BeamOutcome {
 // is float, since seven digits are enough.
 struct GroupSum {
   GroupErrors counts;
-  std::vector<float> range;
-  std::vector<float> intensity;
-  std::vector<float> nearestTo;
-  std::vector<float> nearestFrom;
+  std::vector<float> range, intensity, nearestTo, nearestFrom;
 
   void add(const BeamOutcome& beam) {
     ++counts.beams;
@@ -168,8 +164,7 @@ class BeamErrorSum::Impl {
  private:
   // The beams of an object instance, and those of them whose tested hit is on it.
   struct InstanceBeams {
-    std::uint64_t beams = 0;
-    std::uint64_t found = 0;
+    std::uint64_t beams = 0, found = 0;
   };
 
   // Returns the outcome without intensity and distances to nearest points.

@@ -22,9 +22,7 @@ namespace scanmill {
 // falsePositives + unresolved. For nearestTo and nearestFrom, the nearest point may be that of any beam, also of
 // another group.
 struct GroupErrors {
-  std::uint64_t beams = 0;
-  std::uint64_t bothHit = 0;
-  std::uint64_t bothMiss = 0;
+  std::uint64_t beams = 0, bothHit = 0, bothMiss = 0;
   std::uint64_t falseNegatives = 0;  // beams that hit only in the truth
   std::uint64_t falsePositives = 0;  // beams that hit only with the tested method
   std::uint64_t unresolved = 0;      // beams that the tested method could not trace
@@ -115,8 +113,7 @@ std::vector<Box> objectBoxes(const Mesh& mesh);
 
 // The shortest and longest edge (m) of an object instance's bounding box, which is aligned with its mesh's axes.
 struct InstanceSize {
-  double smallest = 0;
-  double largest = 0;
+  double smallest = 0, largest = 0;
 };
 // Returns the sizes of a scene's object instances, indexed by instance id. They are 0 for the id 0 and for ids that do
 // not occur.

@@ -30,8 +30,7 @@ class ResidentGrowth {
     return static_cast<std::int64_t>(residentBytes());
   }
 
-  std::int64_t before_ = 0;
-  std::int64_t growth_ = 0;
+  std::int64_t before_ = 0, growth_ = 0;
 };
 
 void checkStop(const MeasureOptions& options) {

@@ -22,8 +22,7 @@ struct Cost {
   // Wall time of a scan (s): the median, minimum and maximum over all scans of a sensor. For several sensors, each
   // value is a mean that is weighted by the sensors' numbers of scans.
   double scanSeconds = 0;
-  double fastest = 0;
-  double slowest = 0;
+  double fastest = 0, slowest = 0;
   std::map<std::string, double> stages;  // time per scan (s), as the method reports it, summed over its threads
   std::uint64_t memoryBytes = 0;         // size of the memory that the method reports (bytes)
   std::uint64_t residentBytes = 0;       // growth of the process's resident memory; 0 if it did not grow

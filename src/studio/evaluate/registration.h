@@ -40,8 +40,7 @@ struct FitnessSpread {
   std::size_t count = 0;
   double mean = 0;
   double deviation = 0;  // sample standard deviation, with the divisor n - 1
-  double low = 0;
-  double high = 0;
+  double low = 0, high = 0;
 };
 // Returns the statistics of the given values; absent values are ignored.
 FitnessSpread fitnessSpread(std::span<const std::optional<double>> values);

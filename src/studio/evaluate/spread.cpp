@@ -6,8 +6,7 @@ Spread spreadOf(std::vector<double> values) {
   Spread s;
   s.count = values.size();
   if (values.empty()) return s;
-  double sum = 0;
-  double squares = 0;
+  double sum = 0, squares = 0;
   for (const double v : values) {
     sum += v;
     squares += v * v;

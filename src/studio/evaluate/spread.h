@@ -15,13 +15,7 @@ namespace scanmill {
 // such that at least p per cent of the errors do not exceed it.
 struct Spread {
   std::size_t count = 0;
-  double mean = 0;
-  double rms = 0;
-  double median = 0;
-  double p95 = 0;
-  double p99 = 0;
-  double p999 = 0;
-  double max = 0;
+  double mean = 0, rms = 0, median = 0, p95 = 0, p99 = 0, p999 = 0, max = 0;
   bool operator==(const Spread&) const = default;
 };
 

@@ -2,7 +2,6 @@
 
 // Formats figures for users.
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>

@@ -11,8 +11,7 @@ namespace scanmill {
 // The result of fitting design * coefficients = values. Columns of the design that are linear combinations of earlier
 // columns are not used; their coefficients are zero.
 struct LinearFit {
-  std::vector<double> coefficients;
-  std::vector<double> residuals;
+  std::vector<double> coefficients, residuals;
   // The leverage of each row: the derivative of the row's fitted value with respect to the row's value. The variance of
   // a residual is (1 - leverage) times the variance of the value.
   std::vector<double> leverages;

@@ -69,8 +69,7 @@ struct LegendEntry {
 
 // The values at the ends of a colour scale.
 struct ScaleRange {
-  double low = 0;
-  double high = 1;
+  double low = 0, high = 1;
   bool operator==(const ScaleRange&) const = default;
 };
 
@@ -84,8 +83,7 @@ struct Legend {
   std::string title{};  // quantity and unit, such as "range (m)"
   std::vector<LegendEntry> entries{};
   bool scale = false;
-  double low = 0;
-  double high = 0;
+  double low = 0, high = 0;
   double power = 1;           // the colour at position t of the map shows the value low + (high - low) * t^power
   bool integers = false;      // true: the values are integers
   bool held = false;          // true: the ends of the scale are chosen by the user, not computed from the values

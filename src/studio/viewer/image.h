@@ -14,8 +14,7 @@ using Rgb = std::array<std::uint8_t, 3>;  // sRGB
 
 // An RGB image, stored row by row from top to bottom.
 struct Image {
-  int width = 0;
-  int height = 0;
+  int width = 0, height = 0;
   std::vector<Rgb> pixels;
 
   Image() = default;

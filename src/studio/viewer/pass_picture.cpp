@@ -26,8 +26,7 @@ namespace {
 
 // The contents of an EXR file, either of a camera's render passes or of a sensor's hits.
 struct ExrImage {
-  int width = 0;
-  int height = 0;
+  int width = 0, height = 0;
   std::string size;       // size as text, such as "40 x 20 pixels, 90.0 x 53.1 degrees"
   bool ofSensor = false;  // true: the file has the hits of a sensor, whose ranges are stored as depths
   PassPlanes planes;

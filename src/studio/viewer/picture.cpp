@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <vector>
 
 #include "methods/method.h"
 #include "viewer/color_map.h"

@@ -27,8 +27,7 @@ struct BeamAzimuths {
 };
 
 struct GridSize {
-  std::size_t rings = 1;
-  std::size_t columns = 1;
+  std::size_t rings = 1, columns = 1;
 };
 
 // The pixels of beams in a range image that looks outward: the image is destaggered, mirrored if the sensor rotates

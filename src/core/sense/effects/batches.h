@@ -35,8 +35,7 @@ void forBatches(std::span<const float> range, Body body) {
 }
 
 struct RandomWords {
-  Batch<std::uint32_t> a;
-  Batch<std::uint32_t> b;
+  Batch<std::uint32_t> a, b;
 };
 
 // Returns the random words of a beam's row `number`.
@@ -93,8 +92,7 @@ const T* valuesOfBeams(const Returns& returns, const std::vector<T>& values, std
 // Two independent standard normal numbers, computed from two words: Box and Muller, "A note on the generation of random
 // normal deviates", 1958. Their largest absolute value is sqrt(-2 log(2^-33)) = 6.76.
 struct NormalPair {
-  double first;
-  double second;
+  double first, second;
 };
 
 inline NormalPair normalPair(std::uint32_t a, std::uint32_t b) {

@@ -63,8 +63,7 @@ class Blooming : public Effect {
  private:
   struct Source {
     std::uint32_t beam;
-    float range;
-    float echo;
+    float range, echo;
   };
 
   static float retroreflectanceOf(const Hits& hits, std::span<const Material> materials, std::uint32_t hit) {

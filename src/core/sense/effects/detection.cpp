@@ -56,13 +56,8 @@ struct DetectionOptions {
   float separation = 0;  // m, least distance between reported echoes
   bool sun = false;
   Vec3d towardsSun;  // unit vector, world axes
-  double sunNoise = 0;
-  double interference = 0;
+  double sunNoise = 0, interference = 0;
 };
-
-double tailOfNormal(double x) {
-  return 0.5 * std::erfc(x / std::sqrt(2.0));
-}
 
 class Detection : public Effect {
  public:
@@ -152,7 +147,8 @@ class Detection : public Effect {
   void addFalsePositives(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     const BeamTable& beams = *shot.beams;
     const double length = beams.maxRange - beams.minRange;
-    const double expected = length / pulseLength(beams.pulse) * tailOfNormal(o_.threshold);
+    const double aboveThreshold = 0.5 * std::erfc(o_.threshold / std::sqrt(2.0));
+    const double expected = length / pulseLength(beams.pulse) * aboveThreshold;
     const double probability = -std::expm1(-expected);
     Batch<std::uint32_t> firstWords;
     for (std::size_t first = 0; first < beams.size(); first += kBatch) {

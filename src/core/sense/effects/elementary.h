@@ -13,8 +13,7 @@
 namespace scanmill {
 
 struct SinCos {
-  double sin;
-  double cos;
+  double sin, cos;
 };
 
 // Returns sine and cosine of `a`, which must be from -pi / 4 to pi / 4 (rad). Taylor series to the 15th and 16th power;

@@ -79,8 +79,7 @@ struct IntensityOptions {
   float nearRange = 1;        // m, targets nearer than this have the power that they would have at this range
   bool inverseSquare = true;
   double attenuation = 0;  // 1/m, extinction coefficient of the air
-  float gain = 1;
-  float saturation = FLT_MAX;
+  float gain = 1, saturation = FLT_MAX;
   double gamma = 1;
   bool bytes = false;
   bool reflectivity = false;  // true: reports the power that a hit at the reference range would give in clear air
@@ -95,11 +94,7 @@ struct IntensityOptions {
 // How a material reflects light back along the beam: the diffuse reflectance is matt * reflectance, and F0 (reflectance
 // of facets at normal incidence) is glossy + metal * reflectance.
 struct Lobes {
-  float matt = 1;
-  float metal = 0;
-  float glossy = 0;
-  float alpha2 = 1;
-  float retro = 0;
+  float matt = 1, metal = 0, glossy = 0, alpha2 = 1, retro = 0;
   float even = 1;     // factor of cos t in the diffuse part; t: angle of incidence
   float grazing = 0;  // factor of sin^2 t in the diffuse part
 };

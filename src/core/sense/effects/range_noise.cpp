@@ -28,9 +28,7 @@ constexpr double kWidthOverSigma = 2.355;  // full width at half maximum of a Ga
 
 // Sigma rises by `slope` per metre, from `start` (m) on, for at most `length` (m).
 struct Ramp {
-  double start;
-  double length;
-  double slope;
+  double start, length, slope;
 };
 
 struct Sigma {
@@ -48,8 +46,7 @@ Sigma readTable(const Value& table) {
     throw InputError(table.where, std::string(what) + " must be a list of [range, sigma] pairs in metres");
   }
   Sigma sigma;
-  double lastRange = 0;
-  double lastSigma = 0;
+  double lastRange = 0, lastSigma = 0;
   for (const Value& row : table.items) {
     const std::vector<double> pair = readNumbers(row, what, {0, 1e5});
     if (pair.size() != 2) throw InputError(row.where, std::string(what) + ": each row is [range, sigma] in metres");

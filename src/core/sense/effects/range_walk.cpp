@@ -6,8 +6,6 @@
 // the range is reduced by per_decade_m log10(P / above), but not below the sensor's minimum range. Sensors correct most
 // of this error, and manufacturers do not publish the remaining error.
 
-#include <cmath>
-
 #include "sense/effects/elementary.h"
 #include "sense/effects/makers.h"
 
@@ -32,8 +30,7 @@ class RangeWalk : public Effect {
   }
 
  private:
-  double perDecade_;
-  double above_;
+  double perDecade_, above_;
 };
 
 }  // namespace

@@ -45,10 +45,7 @@ class ReflectanceVariation : public Effect {
     variationsOf.push_back(&none);
     Positions positions;
     Batch<const std::vector<Variation>*> variations;
-    Batch<double> area;
-    Batch<double> size;
-    Batch<double> contrast;
-    Batch<double> exponent;
+    Batch<double> area, size, contrast, exponent;
     for (std::size_t first = 0; first < returns.size(); first += kBatch) {
       const std::size_t count = std::min(kBatch, returns.size() - first);
       std::size_t most = 0;

@@ -127,9 +127,7 @@ class March {
   std::span<SpatialField> fields_;  // by entry of the relief
   std::span<const RoughHit> hits_;
   Returns& returns_;
-  std::size_t next_ = 0;
-  std::size_t running_ = 0;
-  std::size_t levels_ = 0;
+  std::size_t next_ = 0, running_ = 0, levels_ = 0;
   Batch<const RoughHit*> hit_{};
   Batch<int> step_{};      // the current step; after below_ is set, the last step above the height field
   Batch<double> at_{};     // m, current position along the beam, counted from the mesh

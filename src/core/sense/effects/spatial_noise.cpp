@@ -160,8 +160,7 @@ SCANMILL_BEST_INSTRUCTIONS void SpatialField::add(const Positions& positions, co
     const double x[] = {lower.x[i], upper.x[i]};
     const double y[] = {lower.y[i], upper.y[i]};
     const double z[] = {lower.z[i], upper.z[i]};
-    double sum = 0;
-    double squares = 0;
+    double sum = 0, squares = 0;
     for (std::size_t corner = 0; corner < 8; ++corner) {
       const double weight = x[corner & 1] * y[(corner >> 1) & 1] * z[corner >> 2];
       sum += weight * numbers[corner][i];

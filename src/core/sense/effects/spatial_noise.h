@@ -16,9 +16,7 @@ namespace scanmill {
 
 // The world positions of a batch of rows (m).
 struct Positions {
-  Batch<double> x;
-  Batch<double> y;
-  Batch<double> z;
+  Batch<double> x, y, z;
 };
 
 // Computes the noise-free positions of rows' hits, along their beams. A mirror image is placed where the sensor assumes
@@ -62,9 +60,7 @@ class SpatialField {
     std::uint32_t row;      // index in numbers_
   };
   struct CubeIndices {  // indices of lower corners, modulo 2^32, by row of the batch
-    Batch<std::uint32_t> x;
-    Batch<std::uint32_t> y;
-    Batch<std::uint32_t> z;
+    Batch<std::uint32_t> x, y, z;
   };
 
   using CornerNumbers = std::array<Batch<double>, 8>;  // by corner (see numbers_) and row of the batch

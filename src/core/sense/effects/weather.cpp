@@ -214,8 +214,7 @@ class WeatherEffect : public Effect {
     const PositionsOfHits positionsOfHits(hits, shot, returns);
     SpatialField puddles(shot.seed, Purpose::WetGround, 0);
     Positions positions;
-    Batch<double> cubes;
-    Batch<double> one;
+    Batch<double> cubes, one;
     cubes.fill(1 / kPuddleSize);
     one.fill(1);
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
@@ -234,8 +233,7 @@ class WeatherEffect : public Effect {
 
   // Returns the quantile of the standard normal distribution for the probability `share`, found by bisection.
   static double quantileOfNormal(double share) {
-    double low = -8;
-    double high = 8;
+    double low = -8, high = 8;
     for (int i = 0; i < 60; ++i) {
       const double middle = (low + high) / 2;
       (std::erfc(-middle / std::sqrt(2.0)) / 2 < share ? low : high) = middle;
@@ -321,8 +319,7 @@ class WeatherEffect : public Effect {
 
 // `amount`: the rate (mm/h of water) or the visibility (m). `wet`: fraction of the ground under standing water.
 struct Severity {
-  double amount;
-  double wet;
+  double amount, wet;
 };
 
 struct KindOfWeather {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/append_new.h"
-#include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"

@@ -87,10 +87,6 @@ std::optional<FigurePair> figureFor(const SetComparison& comparison, const KeyIn
   return known(figure) ? figure : std::nullopt;
 }
 
-double withTwoDigits(double value) {
-  return std::stod(fmt::format("{:.2g}", value));
-}
-
 // Returns the effect with this name in a list of effects; the end if the list does not have it.
 auto effectNamed(const std::vector<Value>& effects, std::string_view name) {
   return std::ranges::find_if(effects, [&](const Value& v) { return readNamed(v, "an effect").name == name; });
@@ -110,7 +106,7 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
     if (!now || std::max(ratio, 1 / ratio) < kNearlyEqual) continue;
     const double exact = *now * std::pow(ratio, influence.power);
     const double within = std::clamp(exact, influence.low, influence.high);
-    const double next = influence.integer ? std::round(within) : withTwoDigits(within);
+    const double next = influence.integer ? std::round(within) : std::stod(fmt::format("{:.2g}", within));
     if (next == *now) continue;
     advice.push_back({influence.effect, influence.key, figure->title, figure->real, figure->simulated, figure->unit,
                       *now, next, within != exact});

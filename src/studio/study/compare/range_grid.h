@@ -17,8 +17,7 @@ namespace scanmill {
 struct RangeGrid {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  std::uint32_t rows = 0;
-  std::uint32_t columns = 0;
+  std::uint32_t rows = 0, columns = 0;
   bool wraps = false;        // true: the last column is a neighbour of the first
   bool knowsRings = false;   // true: rows are the sensor's rings; false: rows are steps of elevation
   bool knowsMisses = false;  // true: an empty pixel is a beam without a return; false: it may be a gap between beams

@@ -37,8 +37,7 @@ double withoutStep(double deviation, double step) {
 double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
                       const std::function<double(const FlatPatches&)>& measure) {
   if (patches.size() < 2) return 0;
-  double sum = 0;
-  double squares = 0;
+  double sum = 0, squares = 0;
   FlatPatches drawn(patches.size());
   for (std::uint32_t round = 0; round < kResamples; ++round) {
     for (std::uint32_t i = 0; i < patches.size(); ++i) {
@@ -113,10 +112,6 @@ std::string whyLeftOut(const PatchGroup& band) {
   return {};
 }
 
-std::string rangeName(double low, double high) {
-  return std::isfinite(high) ? fmt::format("{:g}-{:g} m", low, high) : fmt::format("from {:g} m", low);
-}
-
 // Returns the bands of ranges that have patches.
 std::vector<PatchGroup> measureBands(const FlatPatches& patches, double step) {
   const std::vector<double> edges = rangeBandEdges();
@@ -125,8 +120,10 @@ std::vector<PatchGroup> measureBands(const FlatPatches& patches, double step) {
   std::vector<PatchGroup> bands;
   for (std::size_t b = 0; b < edges.size(); ++b) {
     if (perBand[b].empty()) continue;
-    const double high = b + 1 < edges.size() ? edges[b + 1] : INFINITY;
-    bands.push_back(measureBand(perBand[b], rangeName(edges[b], high), high, step, static_cast<std::uint32_t>(b)));
+    const bool last = b + 1 == edges.size();
+    const double high = last ? INFINITY : edges[b + 1];
+    const std::string name = last ? fmt::format("from {:g} m", edges[b]) : fmt::format("{:g}-{:g} m", edges[b], high);
+    bands.push_back(measureBand(perBand[b], name, high, step, static_cast<std::uint32_t>(b)));
     bands.back().leftOut = whyLeftOut(bands.back());
   }
   return bands;
@@ -143,8 +140,7 @@ struct FreeTerms {
 };
 
 LinearFit fitTerms(const std::vector<const PatchGroup*>& used, FreeTerms free) {
-  std::vector<double> design;
-  std::vector<double> values;
+  std::vector<double> design, values;
   for (const PatchGroup* band : used) {
     const double weight = weightOf(*band);
     design.insert(design.end(), {free.base ? weight : 0, free.growth ? weight * band->range : 0});

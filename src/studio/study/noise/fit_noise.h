@@ -18,8 +18,7 @@ namespace scanmill {
 
 // The fraction `lost` / `of`, with its standard error.
 struct MeasuredShare {
-  std::uint64_t lost = 0;
-  std::uint64_t of = 0;
+  std::uint64_t lost = 0, of = 0;
   double error = 0;
 
   double share() const { return of > 0 ? static_cast<double>(lost) / static_cast<double>(of) : 0; }
@@ -57,8 +56,7 @@ struct NoiseFit {
   double baseError = 0;
   double growth = 0;  // increase of sigma with range (m per m)
   double growthError = 0;
-  double chiSquare = 0;
-  double freedom = 0;
+  double chiSquare = 0, freedom = 0;
   double largestMisfit = 0;  // largest relative difference between a band's sigma and the fitted line
   bool linear = true;        // false: a line does not fit; sigma is given per band instead
   MeasuredShare dropOut;     // lost returns in the bands that the fit uses

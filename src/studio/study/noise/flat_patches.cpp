@@ -32,9 +32,7 @@ constexpr double kMostNoise = 2.3263478740;
 
 // One beam of a patch's window, with its position in the window and its measured range.
 struct Cell {
-  std::uint32_t row = 0;
-  std::uint32_t column = 0;
-  std::uint32_t beam = 0;
+  std::uint32_t row = 0, column = 0, beam = 0;
   bool tested = false;
   bool returned = false;
   double range = 0;  // measured range (m); NaN if the beam has no return
@@ -75,8 +73,7 @@ struct PlaneFit {
 // linear in the plane but weights points by incidence; then Gauss-Newton steps minimise the range differences
 // themselves.
 std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const Cell*>& cells) {
-  std::vector<double> design;
-  std::vector<double> values;
+  std::vector<double> design, values;
   for (const Cell* cell : cells) {
     const Vec3d p = beams.originOf(cell->beam) + beams.direction[cell->beam] * cell->range;
     design.insert(design.end(), {p.x / cell->range, p.y / cell->range, p.z / cell->range});

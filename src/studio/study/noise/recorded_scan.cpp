@@ -110,8 +110,7 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
 // Returns the rotation of the points about the z axis relative to their beams (rad). It is the circular mean of the
 // points' rotations, weighted by their distance from the axis.
 double startingYaw(const std::vector<BeamPoint>& points, const BeamTable& beams) {
-  double sine = 0;
-  double cosine = 0;
+  double sine = 0, cosine = 0;
   for (const BeamPoint& p : points) {
     const Vec3d& u = beams.direction[p.beam];
     sine += u.x * p.point.y - u.y * p.point.x;
@@ -140,8 +139,7 @@ Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) 
   constexpr int kRounds = 8;
   Pose scanFromSensor{fromYawPitchRoll(startingYaw(points, beams), 0, 0), {}};
   const std::size_t stride = std::max<std::size_t>(1, points.size() / kUsed);
-  std::vector<double> design;
-  std::vector<double> values;
+  std::vector<double> design, values;
   for (int round = 0; round < kRounds; ++round) {
     const Pose sensorFromScan = inverse(scanFromSensor);
     design.clear();
@@ -185,6 +183,57 @@ double halfBeamSpacing(const BeamTable& beams) {
   return least / 2;
 }
 
+constexpr double kSameRange = 2e-5;  // assumed error of ranges that are computed from float32 coordinates (m)
+
+// Returns a first estimate of the step (m), from the smallest gaps between sorted ranges; 0 if it cannot be told from
+// rounding errors.
+double smallestGap(const std::vector<double>& sorted) {
+  constexpr double kSmallest = 5e-4;  // smaller steps (m) cannot be distinguished from rounding errors
+  constexpr std::size_t kFewestGaps = 10;
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i] - sorted[i - 1] > 2 * kSameRange) gaps.push_back(sorted[i] - sorted[i - 1]);
+  }
+  if (gaps.size() < kFewestGaps) return 0;
+  std::ranges::sort(gaps);
+  const double gap = gaps[gaps.size() / 20];
+  return gap < kSmallest ? 0 : gap;
+}
+
+// Gaps between sorted ranges are only a few steps long. Longer distances determine the step more exactly.
+double refineStep(const std::vector<double>& sorted, double step) {
+  const double span = sorted.back() - sorted.front();
+  for (double reach = step; reach < span;) {
+    reach *= 4;
+    double product = 0, squares = 0;
+    for (const double r : sorted) {
+      const double distance = r - sorted.front();
+      if (distance > reach) break;
+      const double count = std::round(distance / step);
+      if (std::abs(distance - count * step) > step / 4) continue;
+      product += distance * count;
+      squares += count * count;
+    }
+    if (squares > 0) step = product / squares;
+  }
+  return step;
+}
+
+// Returns the number of ranges that are multiples of the step plus a constant. The constant is the circular mean of the
+// ranges modulo the step.
+std::ptrdiff_t countMultiples(const std::vector<double>& ranges, double step) {
+  double sine = 0, cosine = 0;
+  for (const double r : ranges) {
+    sine += std::sin(2 * kPi * r / step);
+    cosine += std::cos(2 * kPi * r / step);
+  }
+  const double phase = std::atan2(sine, cosine) / (2 * kPi);
+  return std::ranges::count_if(ranges, [&](double r) {
+    const double steps = r / step - phase;
+    return std::abs(steps - std::round(steps)) * step < 5 * kSameRange;
+  });
+}
+
 }  // namespace
 
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name) {
@@ -220,63 +269,6 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
   }
   return recorded;
 }
-
-namespace {
-
-constexpr double kSameRange = 2e-5;  // assumed error of ranges that are computed from float32 coordinates (m)
-
-// Returns a first estimate of the step (m), from the smallest gaps between sorted ranges; 0 if it cannot be told from
-// rounding errors.
-double smallestGap(const std::vector<double>& sorted) {
-  constexpr double kSmallest = 5e-4;  // smaller steps (m) cannot be distinguished from rounding errors
-  constexpr std::size_t kFewestGaps = 10;
-  std::vector<double> gaps;
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    if (sorted[i] - sorted[i - 1] > 2 * kSameRange) gaps.push_back(sorted[i] - sorted[i - 1]);
-  }
-  if (gaps.size() < kFewestGaps) return 0;
-  std::ranges::sort(gaps);
-  const double gap = gaps[gaps.size() / 20];
-  return gap < kSmallest ? 0 : gap;
-}
-
-// Gaps between sorted ranges are only a few steps long. Longer distances determine the step more exactly.
-double refineStep(const std::vector<double>& sorted, double step) {
-  const double span = sorted.back() - sorted.front();
-  for (double reach = step; reach < span;) {
-    reach *= 4;
-    double product = 0;
-    double squares = 0;
-    for (const double r : sorted) {
-      const double distance = r - sorted.front();
-      if (distance > reach) break;
-      const double count = std::round(distance / step);
-      if (std::abs(distance - count * step) > step / 4) continue;
-      product += distance * count;
-      squares += count * count;
-    }
-    if (squares > 0) step = product / squares;
-  }
-  return step;
-}
-
-// Returns the number of ranges that are multiples of the step plus a constant. The constant is the circular mean of the
-// ranges modulo the step.
-std::ptrdiff_t countMultiples(const std::vector<double>& ranges, double step) {
-  double sine = 0;
-  double cosine = 0;
-  for (const double r : ranges) {
-    sine += std::sin(2 * kPi * r / step);
-    cosine += std::cos(2 * kPi * r / step);
-  }
-  const double phase = std::atan2(sine, cosine) / (2 * kPi);
-  return std::ranges::count_if(ranges, [&](double r) {
-    const double steps = r / step - phase;
-    return std::abs(steps - std::round(steps)) * step < 5 * kSameRange;
-  });
-}
-
-}  // namespace
 
 double rangeStep(const std::vector<RecordedScan>& scans) {
   constexpr double kShare = 0.99;  // least fraction of the ranges that must be multiples of the step

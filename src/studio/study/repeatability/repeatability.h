@@ -18,8 +18,7 @@ namespace scanmill {
 // Numbers of points on the object in the scans from one pose with one noise level.
 struct PointCount {
   double mean = 0;
-  std::uint64_t least = 0;
-  std::uint64_t most = 0;
+  std::uint64_t least = 0, most = 0;
 };
 
 // The fitness of all ordered pairs of scans with different seeds, for one noise level of the source and one of the

@@ -29,8 +29,7 @@ using Rings = std::vector<std::vector<Point>>;
 
 // Returns the median of angles (rad) around their circular mean.
 double circularMedian(const std::vector<double>& angles) {
-  double x = 0;
-  double y = 0;
+  double x = 0, y = 0;
   for (const double a : angles) x += std::cos(a), y += std::sin(a);
   const double mean = std::atan2(y, x);
   std::vector<double> off;

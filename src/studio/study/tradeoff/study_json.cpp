@@ -1,7 +1,5 @@
 // Writes tradeoff.json. The function describe() of each struct names its keys.
 
-#include <fmt/core.h>
-
 #include <cmath>
 #include <concepts>
 #include <nlohmann/json.hpp>

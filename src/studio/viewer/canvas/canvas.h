@@ -36,10 +36,7 @@ using ImageId = std::uint32_t;             // chosen by the caller; may be equal
 using Rgba = std::array<std::uint8_t, 4>;  // sRGB with alpha, not premultiplied
 
 struct PixelRect {
-  int left = 0;
-  int top = 0;
-  int width = 0;
-  int height = 0;
+  int left = 0, top = 0, width = 0, height = 0;
 
   bool contains(int x, int y) const { return x >= left && y >= top && x < left + width && y < top + height; }
   bool operator==(const PixelRect&) const = default;

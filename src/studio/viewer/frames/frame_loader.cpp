@@ -69,8 +69,7 @@ struct FrameLoader::State {
   // other half is for frames that were shown before.
   std::optional<std::size_t> nextAhead() const {
     if (!wanted || step == 0) return std::nullopt;
-    std::uint64_t largest = 0;
-    std::uint64_t needed = 0;
+    std::uint64_t largest = 0, needed = 0;
     for (std::int64_t i = 0; i <= kMostAhead; ++i) {
       const std::int64_t at = static_cast<std::int64_t>(*wanted) + i * step;
       if (at < 0 || at >= static_cast<std::int64_t>(source->keys().size())) break;

@@ -23,8 +23,7 @@ namespace {
 // Returns a label for each file or folder: its name or, if two have the same name, its path in the folder that holds
 // all of them.
 std::vector<std::string> labelsOf(const std::vector<fs::path>& paths) {
-  std::vector<std::string> names;
-  std::vector<std::string> absolute;
+  std::vector<std::string> names, absolute;
   for (const fs::path& path : paths) {
     const fs::path clean = fs::absolute(path).lexically_normal();
     absolute.push_back((clean.has_filename() ? clean : clean.parent_path()).string());

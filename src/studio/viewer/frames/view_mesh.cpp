@@ -285,8 +285,7 @@ constexpr double kBoxSlack = 1e-6;
 // Returns the distance (m) at which a ray enters a box; 0 if it starts inside; infinity if it misses. Slab method of T.
 // Kay and J. Kajiya, "Ray tracing complex scenes", SIGGRAPH 1986.
 double entry(const Box& box, const Vec3d& origin, const Vec3d& direction) {
-  double enter = 0;
-  double leave = kNever;
+  double enter = 0, leave = kNever;
   for (double Vec3d::*const axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     const double low = box.low.*axis - kBoxSlack - origin.*axis;
     const double high = box.high.*axis + kBoxSlack - origin.*axis;

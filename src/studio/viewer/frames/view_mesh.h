@@ -18,10 +18,7 @@ namespace scanmill {
 // Properties of all triangles of a surface: indices in the lists `parts`, `materials`, `textures` and `rules` of
 // ViewMesh.
 struct ViewSurface {
-  std::uint32_t part = 0;
-  std::uint32_t material = 0;
-  std::uint32_t texture = 0;
-  std::uint32_t rule = 0;
+  std::uint32_t part = 0, material = 0, texture = 0, rule = 0;
   bool operator==(const ViewSurface&) const = default;
 };
 

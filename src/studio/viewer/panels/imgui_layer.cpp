@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -133,8 +132,7 @@ ImGuiLayer::ImGuiLayer(Canvas& canvas, double lineHeight)
   nameKeys(io);
   addFont(*io.Fonts, lineHeight);
   unsigned char* pixels = nullptr;
-  int width = 0;
-  int height = 0;
+  int width = 0, height = 0;
   io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
   std::vector<Rgba> atlas(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   std::memcpy(atlas.data(), pixels, atlas.size() * sizeof(Rgba));

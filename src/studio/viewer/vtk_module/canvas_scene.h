@@ -70,9 +70,7 @@ class OverlayPainter {
   std::map<ImageId, vtkNew<vtkTextureObject>> images_;
   Overlay overlay_;
   bool uploaded_ = false;  // true: the buffers contain the current overlay
-  unsigned vertexArray_ = 0;
-  unsigned vertices_ = 0;
-  unsigned corners_ = 0;
+  unsigned vertexArray_ = 0, vertices_ = 0, corners_ = 0;
 };
 
 // Holds the items, views and overlay of a canvas. Belongs to one OpenGL context, which must be current in all calls.
@@ -110,8 +108,7 @@ class CanvasScene {
   void remove(Item& item);
   void placeViews();
 
-  int width_;
-  int height_;
+  int width_, height_;
   vtkNew<GlWindow> window_;
   vtkNew<vtkRenderer> uncovered_;  // black background below all views
   std::array<vtkNew<ViewRenderer>, kCanvasViews> renderers_;

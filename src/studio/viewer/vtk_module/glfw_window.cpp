@@ -32,13 +32,11 @@ std::string& complaint() {
   return text;
 }
 
-void keepComplaint(int /*code*/, const char* text) {
-  if (complaint().empty()) complaint() = text;
-}
-
 void connect() {
   complaint().clear();
-  glfwSetErrorCallback(keepComplaint);
+  glfwSetErrorCallback([](int /*code*/, const char* text) {
+    if (complaint().empty()) complaint() = text;
+  });
   // Suppresses Mesa's warning that the X server has no graphics card, which Mesa does not need.
   ::setenv("EGL_LOG_LEVEL", "fatal", 0);
 #ifdef GLFW_PLATFORM
@@ -120,10 +118,7 @@ std::string utf8(unsigned codepoint) {
 struct GlfwWindow::State {
   GLFWwindow* window = nullptr;
   std::deque<CanvasEvent> events;
-  int width = 0;
-  int height = 0;
-  int x = 0;
-  int y = 0;
+  int width = 0, height = 0, x = 0, y = 0;
   bool shift = false;
   bool control = false;
   CanvasEvent lastPress;

@@ -132,8 +132,7 @@ std::string PanelContents::title() const {
 
 std::string PanelContents::summary() const {
   if (!context_.frame) return {};
-  std::uint64_t visible = 0;
-  std::uint64_t finite = 0;
+  std::uint64_t visible = 0, finite = 0;
   for (const ShownCloud& cloud : clouds_.list) {
     if (context_.options.layout == ViewLayout::Split && context_.frame->scans.size() == 1 && cloud.view > 0) continue;
     visible += cloud.visible;
@@ -258,8 +257,7 @@ void PanelContents::addMessages() {
     return;
   }
   for (std::size_t v = 0; v < panes.size(); ++v) {
-    std::uint64_t finite = 0;
-    std::uint64_t visible = 0;
+    std::uint64_t finite = 0, visible = 0;
     for (const ShownCloud& cloud : clouds_.list) {
       if (cloud.view != v) continue;
       finite += cloud.finite;

@@ -21,12 +21,6 @@ std::optional<PointKey> keyIn(const Scan& scan, std::size_t point) {
   return knowsBeams(scan) ? std::optional(keyOf(scan, point)) : std::nullopt;
 }
 
-// Returns the title without its unit, such as "range error" for "range error (m)"; the value is shown with its unit.
-std::string withoutUnit(const std::string& title) {
-  const std::size_t unit = title.rfind(" (");
-  return unit == std::string::npos || title.back() != ')' ? title : title.substr(0, unit);
-}
-
 std::string valueIn(const Rows& rows, const std::string& name) {
   const auto found = std::ranges::find(rows, name, &Rows::value_type::first);
   return found == rows.end() ? "" : found->second;
@@ -89,8 +83,12 @@ void addPosition(Rows& rows, const std::string& frame, const Vec3d& p) {
   }
 }
 
+// Returns the title of the errors without its unit, such as "range error" for "range error (m)"; the value is shown
+// with its unit.
 std::string errorRow(const ViewScan& viewed) {
-  return viewed.errorTitle.empty() ? "error" : withoutUnit(viewed.errorTitle);
+  const std::string& title = viewed.errorTitle;
+  if (title.empty()) return "error";
+  return title.ends_with(')') ? title.substr(0, title.rfind(" (")) : title;
 }
 
 }  // namespace

@@ -46,8 +46,7 @@ struct Candidate {
   bool beside = false;
   double nearness = 0;  // depth or, if the point is beside the pointer, distance from the pointer
   double other = 0;     // the other of depth and distance
-  std::size_t cloud = 0;
-  std::size_t point = 0;
+  std::size_t cloud = 0, point = 0;
   auto operator<=>(const Candidate&) const = default;
 };
 

@@ -26,8 +26,7 @@ struct PickCloud {
 };
 
 struct PointHit {
-  std::size_t cloud = 0;
-  std::size_t point = 0;
+  std::size_t cloud = 0, point = 0;
   double distance = 0;  // distance from the pointer (pixels)
 };
 
@@ -40,8 +39,7 @@ std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewC
 
 // The line of sight through a pixel, given by its start (m) and its unit direction in the canvas frame.
 struct SightLine {
-  Vec3d origin;
-  Vec3d direction;
+  Vec3d origin, direction;
 };
 SightLine sightLine(const ViewCamera& camera, double x, double y);
 

@@ -4,8 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <utility>
-#include <vector>
 
 #include "viewer/window/session.h"
 

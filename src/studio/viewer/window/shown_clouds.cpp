@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "viewer/panels/imgui_layer.h"
 #include "viewer/picture.h"

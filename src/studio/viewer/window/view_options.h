@@ -3,12 +3,10 @@
 // The user's choices for the viewer.
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "viewer/coloring.h"
