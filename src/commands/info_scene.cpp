@@ -17,7 +17,7 @@
 #include "config/text.h"
 #include "pipeline/checks/warnings.h"
 #include "scene/scene.h"
-#include "scenefile/part_traits.h"
+#include "scenefile/labelling.h"
 #include "scenefile/scene_file.h"
 
 namespace scanmill {

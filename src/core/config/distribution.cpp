@@ -84,9 +84,8 @@ Value scalar(const Value& distribution, std::string text) {
 // a list of items.
 std::vector<PlacedInteger> readSpan(const Value& list) {
   const std::vector<Value>& items = readList(list, "choice");
-  const bool spans = std::any_of(items.begin(), items.end(), [](const Value& item) {
-    return item.kind == Value::Kind::Scalar && !item.quoted && item.text == "...";
-  });
+  const bool spans = std::ranges::any_of(
+      items, [](const Value& item) { return item.kind == Value::Kind::Scalar && !item.quoted && item.text == "..."; });
   constexpr std::int64_t kMost = 1'000'000'000'000;
   return spans ? readIntegers(list, "choice", -kMost, kMost) : std::vector<PlacedInteger>{};
 }
@@ -108,8 +107,8 @@ std::vector<double> readWeights(Fields& fields) {
   const std::size_t items = std::max(readSpan(list).size(), list.items.size());
   std::vector<double> weights = readNumbers(*given, "weights");
   const bool good = weights.size() == items &&
-                    std::all_of(weights.begin(), weights.end(), [](double w) { return w >= 0 && w < 1e12; }) &&
-                    std::any_of(weights.begin(), weights.end(), [](double w) { return w > 0; });
+                    std::ranges::all_of(weights, [](double w) { return w >= 0 && w < 1e12; }) &&
+                    std::ranges::any_of(weights, [](double w) { return w > 0; });
   if (!good) {
     throw InputError(given->where, fmt::format("weights must be {} numbers of at least 0, one for each item of the "
                                                "choice and not all of them 0",
@@ -151,8 +150,7 @@ bool isStratified(Fields& fields) {
 Fields fieldsOf(const Value& value) {
   Fields fields(value, "distribution");
   fields.also({"uniform", "normal", "choice", "weights", "within", "per", "stratify"}).finish();
-  const auto kinds =
-      std::count_if(kKinds.begin(), kKinds.end(), [&](std::string_view kind) { return fields.has(kind); });
+  const auto kinds = std::ranges::count_if(kKinds, [&](std::string_view kind) { return fields.has(kind); });
   if (kinds != 1) throw InputError(value.where, "a distribution must be exactly one of uniform, normal and choice");
   if (!fields.has("normal")) fields.refuse({"within"}, "can only limit a normal distribution");
   if (!fields.has("choice")) fields.refuse({"weights"}, "can only be given to a choice");
@@ -184,7 +182,7 @@ Value endOf(const Value& value, std::size_t& number) {
   const std::vector<PlacedInteger> span = readSpan(list);
   if (!span.empty()) {
     const auto [low, high] =
-        std::minmax_element(span.begin(), span.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+        std::ranges::minmax_element(span, [](const auto& a, const auto& b) { return a.value < b.value; });
     return scalar(value, std::to_string(which % 2 == 0 ? low->value : high->value));
   }
   number = which / list.items.size();
@@ -267,8 +265,8 @@ const Value* findDistribution(const Value& value, bool (*is)(Fields&)) {
 }  // namespace
 
 bool isDistribution(const Value& value) {
-  return value.kind == Value::Kind::Map && std::any_of(value.entries.begin(), value.entries.end(), [](const auto& e) {
-           return std::find(kKinds.begin(), kKinds.end(), e.key) != kKinds.end();
+  return value.kind == Value::Kind::Map && std::ranges::any_of(value.entries, [](const auto& e) {
+           return std::ranges::find(kKinds, e.key) != kKinds.end();
          });
 }
 

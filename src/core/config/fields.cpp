@@ -20,7 +20,7 @@ bool Fields::has(std::string_view key) const {
 }
 
 const Value* Fields::find(std::string_view key) const {
-  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   const Value* value = value_.find(key);
   return value != nullptr && value->kind != Value::Kind::Null ? value : nullptr;
 }
@@ -30,7 +30,7 @@ const Value& Fields::require(std::string_view key) {
   if (const Value* empty = value_.find(key)) return *empty;
   std::vector<std::string> unread;
   for (const auto& [other, value] : value_.entries) {
-    if (std::find(known_.begin(), known_.end(), other) == known_.end()) unread.push_back(other);
+    if (std::ranges::find(known_, other) == known_.end()) unread.push_back(other);
   }
   const std::string typo = nearest(key, unread);
   if (!typo.empty()) refuseUnknown(typo, *value_.find(typo), suggestion(typo, {std::string(key)}));
@@ -70,7 +70,7 @@ std::string Fields::choice(std::string_view key, const std::vector<std::string>&
   const Value* value = find(key);
   if (value == nullptr) return std::string(fallback);
   std::string name = text(key);
-  if (std::find(names.begin(), names.end(), name) != names.end()) return name;
+  if (std::ranges::find(names, name) != names.end()) return name;
   throw InputError(value->where,
                    fmt::format("{}: {} may not be {}{}", what_, key, quotedForMessage(name), suggestion(name, names)));
 }
@@ -163,7 +163,7 @@ Pose Fields::pose() {
 
 Fields& Fields::also(std::initializer_list<std::string_view> keys) {
   for (const std::string_view key : keys) {
-    if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+    if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   }
   return *this;
 }
@@ -185,7 +185,7 @@ void Fields::refuse(std::initializer_list<std::string_view> keys, std::string_vi
 
 void Fields::finish() const {
   for (const auto& [key, value] : value_.entries) {
-    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+    if (std::ranges::find(known_, key) != known_.end()) continue;
     refuseUnknown(key, value, suggestion(key, known_));
   }
 }

@@ -18,7 +18,7 @@ bool staysPlain(const std::string& text) {
   const auto inner = [&](char c) { return word(c) || c == '-' || c == '+' || c == '/' || c == '%' || c == ' '; };
   const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
   return text.size() > sign && (word(text[sign]) || text[sign] == '/') && text.back() != ' ' &&
-         std::all_of(text.begin(), text.end(), inner);
+         std::ranges::all_of(text, inner);
 }
 
 // Returns the text in double quotes, with escapes for characters that nobody sees.

@@ -55,7 +55,7 @@ std::vector<std::string> yamlNames(const fs::path& folder, FileKind kind = FileK
   for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? "." : folder, unreadable)) {
     if (entry.path().extension() == kSuffix && mayBe(kind, entry.path())) names.push_back(entry.path().stem().string());
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 

@@ -51,7 +51,7 @@ std::string_view unitOf(std::string_view name) {
   static constexpr std::array<std::string_view, 9> kUnits{"s", "ms", "us", "ns", "m", "mm", "deg", "rad", "hz"};
   const std::size_t line = name.rfind('_');
   const std::string_view end = line == std::string_view::npos ? "" : name.substr(line + 1);
-  return std::find(kUnits.begin(), kUnits.end(), end) == kUnits.end() ? "" : end;
+  return std::ranges::find(kUnits, end) == kUnits.end() ? "" : end;
 }
 
 }  // namespace

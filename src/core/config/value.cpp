@@ -50,7 +50,7 @@ void setFolder(Value& value, const std::string& folder) {
 }  // namespace
 
 const Value* Value::find(std::string_view key) const {
-  const auto found = std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.key == key; });
+  const auto found = std::ranges::find_if(entries, [&](const auto& entry) { return entry.key == key; });
   return found == entries.end() ? nullptr : &found->value;
 }
 
@@ -79,7 +79,7 @@ void setValue(Value& root, std::string_view assignment) {
   const std::string_view path = assignment.substr(0, equals);
   const Location where{fmt::format("--set {}", path)};
   const std::vector<std::string> parts = split(path);
-  if (std::find(parts.begin(), parts.end(), "") != parts.end()) {
+  if (std::ranges::find(parts, "") != parts.end()) {
     throw InputError(where, "has an empty key: write key=value or key.key.0.key=value, such as --set seed=7");
   }
   if (parts.size() > kMaxPathLength) throw InputError(where, fmt::format("has more than {} keys", kMaxPathLength));
@@ -112,8 +112,7 @@ void setValue(Value& root, std::string_view assignment) {
       node = &node->items[index];
     } else {
       node->kind = Value::Kind::Map;
-      const auto found = std::find_if(node->entries.begin(), node->entries.end(),
-                                      [&](const auto& entry) { return entry.key == part; });
+      const auto found = std::ranges::find_if(node->entries, [&](const auto& entry) { return entry.key == part; });
       if (found != node->entries.end()) {
         node = &found->value;
       } else {

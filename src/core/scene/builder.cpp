@@ -25,8 +25,7 @@ SceneBuilder::SceneBuilder(std::string name, std::uint64_t seed, Ontology ontolo
   scene_.name = std::move(name);
   scene_.seed = seed;
   scene_.ontology = std::move(ontology);
-  const auto standard = std::find_if(library_.materials.begin(), library_.materials.end(),
-                                     [](const Material& m) { return m.name == "default"; });
+  const auto standard = std::ranges::find_if(library_.materials, [](const Material& m) { return m.name == "default"; });
   Material plain;
   plain.name = "default";
   scene_.materials.push_back(standard != library_.materials.end() ? *standard : plain);
@@ -70,8 +69,7 @@ Surface SceneBuilder::surface(std::string_view className, std::string_view mater
 std::uint32_t SceneBuilder::addMesh(Mesh mesh) {
   const bool fits = mesh.surfaceOf.size() == mesh.triangles.size() &&
                     (mesh.uvs.empty() || mesh.uvs.size() == mesh.positions.size()) &&
-                    std::all_of(mesh.surfaceOf.begin(), mesh.surfaceOf.end(),
-                                [&](std::uint16_t s) { return s < mesh.surfaces.size(); });
+                    std::ranges::all_of(mesh.surfaceOf, [&](std::uint16_t s) { return s < mesh.surfaces.size(); });
   if (!fits) throw Error(fmt::format("mesh '{}': surfaces or texture coordinates do not fit its triangles", mesh.name));
   scene_.dropped += clean(mesh);
   mesh.objects = 0;

@@ -65,7 +65,7 @@ Box Mesh::bounds() const {
 }
 
 bool canBeTraced(const Triangle& triangle, const std::vector<Vec3f>& positions, Dropped& dropped) {
-  if (std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t corner) { return corner >= positions.size(); })) {
+  if (std::ranges::any_of(triangle, [&](std::uint32_t corner) { return corner >= positions.size(); })) {
     ++dropped.outOfRange;
     return false;
   }

@@ -56,7 +56,7 @@ const SemanticClass* Ontology::find(std::string_view nameOrAlias) const {
     if (c.name == nameOrAlias) return &c;
   }
   for (const SemanticClass& c : classes) {
-    if (std::find(c.aliases.begin(), c.aliases.end(), nameOrAlias) != c.aliases.end()) return &c;
+    if (std::ranges::find(c.aliases, nameOrAlias) != c.aliases.end()) return &c;
   }
   return nullptr;
 }

@@ -57,17 +57,12 @@ void appendRevolution(Appender& out, const std::vector<ProfilePoint>& profile, i
   };
   std::vector<Ring> rings;
   for (const ProfilePoint& p : profile) {
-    if (!(p.radius > 0)) {
-      rings.push_back({out.vertex({0, 0, p.z}), true});
-      continue;
-    }
-    std::uint32_t first = 0;
-    for (std::uint32_t k = 0; k < n; ++k) {
+    const bool onAxis = !(p.radius > 0);
+    rings.push_back({out.vertex({onAxis ? 0 : p.radius, 0, p.z}), onAxis});
+    for (std::uint32_t k = 1; k < n && !onAxis; ++k) {
       const double angle = 2 * kPi * k / n;
-      const std::uint32_t v = out.vertex({p.radius * std::cos(angle), p.radius * std::sin(angle), p.z});
-      if (k == 0) first = v;
+      out.vertex({p.radius * std::cos(angle), p.radius * std::sin(angle), p.z});
     }
-    rings.push_back({first, false});
   }
   for (std::size_t i = 0; i + 1 < rings.size(); ++i) {
     const Ring& low = rings[i];
@@ -130,11 +125,10 @@ void appendPlane(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape,
                  int cells) {
   Appender out(mesh, surface, meshFromShape);
   const auto n = static_cast<std::uint32_t>(std::max(cells, 1));
-  std::uint32_t first = 0;
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (std::uint32_t j = 0; j <= n; ++j) {
     for (std::uint32_t i = 0; i <= n; ++i) {
-      const std::uint32_t v = out.vertex({sizeX * (double(i) / n - 0.5), sizeY * (double(j) / n - 0.5), 0});
-      if (i == 0 && j == 0) first = v;
+      out.vertex({sizeX * (double(i) / n - 0.5), sizeY * (double(j) / n - 0.5), 0});
     }
   }
   for (std::uint32_t j = 0; j < n; ++j) {

@@ -96,7 +96,7 @@ class Road {
     const std::vector<SurfaceHeights::Surface> all = heights_.at(x, y);
     for (auto s = all.rbegin(); s != all.rend(); ++s) {
       if (std::fabs(s->height - z) > kSteepest * far || s->slope > kSteepestGround || !isRoad(*s)) continue;
-      const bool covered = std::any_of(all.begin(), all.end(), [&](const SurfaceHeights::Surface& other) {
+      const bool covered = std::ranges::any_of(all, [&](const SurfaceHeights::Surface& other) {
         return other.height > s->height + kSame && other.height < s->height + kClear;
       });
       if (!covered) return s->height;
@@ -105,7 +105,7 @@ class Road {
   }
 
   bool isRoad(const SurfaceHeights::Surface& s) const {
-    return std::find(classes_.begin(), classes_.end(), s.semantic) != classes_.end();
+    return std::ranges::find(classes_, s.semantic) != classes_.end();
   }
 
   const SurfaceHeights& heights_;
@@ -197,7 +197,7 @@ class CellSearch {
       cell = nodes_.at(cell).before;
       path.push_back(nodes_.at(cell).position);
     }
-    std::reverse(path.begin(), path.end());
+    std::ranges::reverse(path);
     return path;
   }
 

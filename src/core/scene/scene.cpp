@@ -18,7 +18,7 @@ Affine Instance::worldFromMeshAt(double time) const {
 }
 
 bool Scene::moves() const {
-  return placeable || std::any_of(instances.begin(), instances.end(), [](const Instance& i) { return i.moves(); });
+  return placeable || std::ranges::any_of(instances, [](const Instance& i) { return i.moves(); });
 }
 
 void standStill(Scene& scene, double time) {

@@ -1,10 +1,9 @@
-#include "scene/surface_distance.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/error.h"
+#include "scene/surface_heights.h"
 #include "scene/triangles.h"
 
 namespace scanmill {

@@ -69,7 +69,7 @@ struct SurfaceHeights::Hierarchy {
       static_assert(sizeof(Item) == 12);
       void* const to = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(Item), values.size());
       if (to == nullptr) throw Error("Embree has no memory for the surfaces that objects stand on");
-      std::copy(values.begin(), values.end(), static_cast<Item*>(to));
+      std::ranges::copy(values, static_cast<Item*>(to));
     };
     copy(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions);
     copy(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles);
@@ -134,7 +134,7 @@ std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) cons
   if (hierarchy_->bounds.empty()) return surfaces;
   std::vector<Facet> found = hierarchy_->crossedAt(x, y);
   const auto key = [](const Facet& f) { return std::tuple(f.instance, f.triangle); };
-  std::sort(found.begin(), found.end(), [&](const Facet& a, const Facet& b) { return key(a) < key(b); });
+  std::ranges::sort(found, [&](const Facet& a, const Facet& b) { return key(a) < key(b); });
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (i > 0 && key(found[i]) == key(found[i - 1])) continue;
     const Mesh& mesh = scene_.meshes[scene_.instances[found[i].instance].mesh];
@@ -147,8 +147,7 @@ std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) cons
                         std::acos(std::min(std::fabs(normal.z) / length(normal), 1.0)), semantic,
                         own != nullptr && own->thing});
   }
-  std::stable_sort(surfaces.begin(), surfaces.end(),
-                   [](const Surface& p, const Surface& q) { return p.height > q.height; });
+  std::ranges::stable_sort(surfaces, [](const Surface& p, const Surface& q) { return p.height > q.height; });
   return surfaces;
 }
 

@@ -143,8 +143,8 @@ class ThingBoxes::Builder {
       }
     }
     for (auto& [id, parts] : partsOf) {
-      std::stable_sort(parts.begin(), parts.end(),
-                       [&](const Part& a, const Part& b) { return shareOf(a).triangles > shareOf(b).triangles; });
+      std::ranges::stable_sort(
+          parts, [&](const Part& a, const Part& b) { return shareOf(a).triangles > shareOf(b).triangles; });
     }
     return partsOf;
   }
@@ -162,9 +162,8 @@ class ThingBoxes::Builder {
       for (const auto& [semantic, count] : shareOf(part).ofClass) ofClass[semantic] += count;
       nodes.insert(shareOf(part).nodes.begin(), shareOf(part).nodes.end());
     }
-    thing.semantic = std::max_element(ofClass.begin(), ofClass.end(), [](const auto& a, const auto& b) {
-                       return a.second < b.second;
-                     })->first;
+    thing.semantic =
+        std::ranges::max_element(ofClass, [](const auto& a, const auto& b) { return a.second < b.second; })->first;
     thing.parts.assign(nodes.begin(), nodes.end());
     return thing;
   }
@@ -240,7 +239,7 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
     std::size_t shape = 0;
     if (instance.animation != nullptr) {
       const auto& meshes = instance.animation->meshes;
-      shape = static_cast<std::size_t>(std::find(meshes.begin(), meshes.end(), instance.meshAt(time)) - meshes.begin());
+      shape = static_cast<std::size_t>(std::ranges::find(meshes, instance.meshAt(time)) - meshes.begin());
     }
     const Box& own = part.ofShape[shape];
     if (own.empty()) continue;

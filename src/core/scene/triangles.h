@@ -49,7 +49,7 @@ void forEachTriangleOf(const Scene& scene, const std::vector<std::uint16_t>& cla
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
-      if (std::find(classes.begin(), classes.end(), semantic) == classes.end()) continue;
+      if (std::ranges::find(classes, semantic) == classes.end()) continue;
       use(i, t, cornersOf(instance, mesh, t));
     }
   }

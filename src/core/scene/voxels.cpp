@@ -54,7 +54,7 @@ class ClassAreas {
   // Returns the class with the largest area in each voxel.
   const std::vector<std::uint16_t>& decide() {
     std::vector<std::pair<std::uint64_t, double>> sorted(others_.begin(), others_.end());
-    std::sort(sorted.begin(), sorted.end());
+    std::ranges::sort(sorted);
     for (auto other = sorted.begin(); other != sorted.end();) {
       const std::size_t voxel = other->first >> 16;
       std::map<std::uint16_t, double> areas{{class_[voxel], area_[voxel]}};
@@ -194,7 +194,7 @@ VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid
         }
       }
       const std::vector<std::uint16_t>& decided = areas.decide();
-      std::copy(decided.begin(), decided.end(), labels.label.begin() + static_cast<std::ptrdiff_t>(first));
+      std::ranges::copy(decided, labels.label.begin() + static_cast<std::ptrdiff_t>(first));
       for (std::size_t i = 0; i < decided.size(); ++i) {
         if (decided[i] == 0 && !areas.empty(i)) unlabeled[slab].push_back(static_cast<std::uint32_t>(first + i));
       }

@@ -24,8 +24,7 @@ void drop(Mesh& mesh, const std::function<bool(const Surface&)>& goes) {
 }
 
 bool hasObject(const Mesh& mesh, std::uint32_t object) {
-  return std::any_of(mesh.surfaceOf.begin(), mesh.surfaceOf.end(),
-                     [&](std::uint16_t s) { return mesh.surfaces[s].object == object; });
+  return std::ranges::any_of(mesh.surfaceOf, [&](std::uint16_t s) { return mesh.surfaces[s].object == object; });
 }
 
 // Takes a thing out of the scene; returns false if the scene does not have it. Every instance with a part of the thing
@@ -62,7 +61,7 @@ bool takeOutThing(Scene& scene, std::uint32_t id, UnreducedScene& unreduced) {
 bool isEmpty(const Scene& scene, const Instance& instance) {
   const auto empty = [&](std::uint32_t mesh) { return scene.meshes[mesh].triangles.empty(); };
   if (instance.animation == nullptr) return empty(instance.mesh);
-  return std::all_of(instance.animation->meshes.begin(), instance.animation->meshes.end(), empty);
+  return std::ranges::all_of(instance.animation->meshes, empty);
 }
 
 // Returns true if an instance belongs to the object or copy called `name`. Copies of an object are called NAME#1,

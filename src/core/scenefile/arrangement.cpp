@@ -1,5 +1,3 @@
-#include "scenefile/arrangement.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +9,8 @@
 #include "base/path.h"
 #include "base/random.h"
 #include "config/waypoints.h"
-#include "scene/surface_distance.h"
+#include "scene/surface_heights.h"
+#include "scenefile/object_placer.h"
 
 namespace scanmill {
 namespace {
@@ -147,8 +146,8 @@ std::optional<Vec3d> onSurface(const Arrangement::Scatter& s, const SurfaceHeigh
   const std::vector<SurfaceHeights::Surface> surfaces = heights.at(p.x, p.y);
   for (const SurfaceHeights::Surface& surface : surfaces) {
     if (!s.covered && surface.height < surfaces.front().height - kOverhead) break;
-    const bool fits = std::find(s.classes.begin(), s.classes.end(), surface.semantic) != s.classes.end() &&
-                      surface.slope <= s.slope && (s.within || std::fabs(surface.height - p.z) < kSame);
+    const bool fits = std::ranges::find(s.classes, surface.semantic) != s.classes.end() && surface.slope <= s.slope &&
+                      (s.within || std::fabs(surface.height - p.z) < kSame);
     if (fits) return Vec3d{p.x, p.y, surface.height};
   }
   return std::nullopt;
@@ -305,8 +304,7 @@ std::vector<Arrangement::Copy> Arrangement::standing(std::vector<Copy> copies, c
                                                      const std::function<double(const Copy&)>& lowest) const {
   const std::vector<std::uint16_t>& classes = standOn_->classes;
   const auto carries = [&](const SurfaceHeights::Surface& surface) {
-    return classes.empty() ? !surface.thing
-                           : std::find(classes.begin(), classes.end(), surface.semantic) != classes.end();
+    return classes.empty() ? !surface.thing : std::ranges::find(classes, surface.semantic) != classes.end();
   };
   std::vector<Copy> standing;
   std::optional<Vec3d> first;  // position of the first copy that has no surface to stand on

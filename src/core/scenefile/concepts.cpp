@@ -25,7 +25,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kFolded{
 
 bool isPlural(std::string_view ending) {
   static constexpr std::array<std::string_view, 6> kEndings{"", "s", "es", "e", "n", "en"};
-  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+  return std::ranges::find(kEndings, ending) != kEndings.end();
 }
 
 struct Match {
@@ -61,7 +61,7 @@ std::vector<Concept> withDetails(const std::vector<Concept>& concepts) {
       continue;
     }
     for (const Concept& whole : concepts) {
-      if (std::find(c.of.begin(), c.of.end(), whole.name) == c.of.end()) continue;
+      if (std::ranges::find(c.of, whole.name) == c.of.end()) continue;
       all.push_back(c);
       all.back().name = whole.name + " " + c.name;
       all.back().classes = whole.classes;
@@ -114,8 +114,8 @@ std::string foldedName(std::string_view name) {
     lower = false;
   };
   for (std::size_t i = 0; i < name.size();) {
-    const auto folded = std::find_if(kFolded.begin(), kFolded.end(),
-                                     [&](const auto& pair) { return name.substr(i).starts_with(pair.first); });
+    const auto folded =
+        std::ranges::find_if(kFolded, [&](const auto& pair) { return name.substr(i).starts_with(pair.first); });
     if (folded != kFolded.end()) {
       out += folded->second;
       i += folded->first.size();
@@ -155,14 +155,14 @@ std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std
   std::istringstream stream(foldedName(name));
   const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
   const auto isWord = [&](const Concept& c, const std::string& text) {
-    return std::find(c.words.begin(), c.words.end(), text) != c.words.end();
+    return std::ranges::find(c.words, text) != c.words.end();
   };
   std::vector<const Concept*> found;
   for (std::size_t i = 0; i < words.size(); ++i) {
     // Two successive words may be one entry: a "street lamp" is neither a street nor a lamp.
     if (i + 1 < words.size()) {
       const std::string both = words[i] + " " + words[i + 1];
-      const auto c = std::find_if(concepts.begin(), concepts.end(), [&](const Concept& k) { return isWord(k, both); });
+      const auto c = std::ranges::find_if(concepts, [&](const Concept& k) { return isWord(k, both); });
       if (c != concepts.end()) {
         found.push_back(&*c);
         ++i;
@@ -178,7 +178,7 @@ const SemanticClass& requireClass(const Ontology& ontology, const std::string& n
   const std::filesystem::path file = resourceFolder() / "labels/words.yaml";
   if (ontology.find(name) == nullptr && std::filesystem::exists(file)) {
     for (const Concept& c : readConcepts(file)) {
-      const bool meant = std::find(c.words.begin(), c.words.end(), foldedName(name)) != c.words.end();
+      const bool meant = std::ranges::find(c.words, foldedName(name)) != c.words.end();
       const SemanticClass* const known = meant ? classOf(c, ontology) : nullptr;
       if (known == nullptr) continue;
       throw InputError(

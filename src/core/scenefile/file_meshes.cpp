@@ -1,5 +1,3 @@
-#include "scenefile/file_meshes.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include "formats/cloud_file.h"
 #include "rasters/raster.h"
 #include "scene/ontology.h"
+#include "scenefile/file_objects.h"
 #include "scenefile/placement.h"
 #include "scenefile/rules.h"
 
@@ -84,7 +83,7 @@ void readSurveyOptions(Fields& object, const std::filesystem::path& file, AssetO
 FileMeshes::Known& FileMeshes::knownOf(const LabelledFile& from) {
   // The path is not that behind symbolic links: two links to a file may have different textures beside them.
   std::list<Known>& all = known_[std::filesystem::absolute(from.file).lexically_normal()];
-  const auto found = std::find_if(all.begin(), all.end(), [&](const Known& known) {
+  const auto found = std::ranges::find_if(all, [&](const Known& known) {
     return known.from.asset == from.asset && known.from.labelling == from.labelling;
   });
   return found != all.end() ? *found : all.emplace_back(Known{from, {}, {}, nullptr});
@@ -158,9 +157,7 @@ Asset FileMeshes::load(const LabelledFile& from, const Location& where) const {
   const std::filesystem::path& file = from.file;
   const AssetOptions& options = from.asset;
   try {
-    const auto any = [&](const auto& is) {
-      return std::any_of(from.labelling.rules.begin(), from.labelling.rules.end(), is);
-    };
+    const auto any = [&](const auto& is) { return std::ranges::any_of(from.labelling.rules, is); };
     if (any([](const Rule& rule) { return !rule.colors.empty(); })) {
       AssetOptions colored = options;
       colored.textures = true;

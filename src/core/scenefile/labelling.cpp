@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/short_text.h"
 #include "scene/triangles.h"
-#include "scenefile/part_traits.h"
 
 namespace scanmill {
 namespace {
@@ -122,7 +121,7 @@ void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& fra
                 std::vector<LabelledPart>& out) {
   const std::vector<std::size_t> named = rulesFor(part, labelling);
   const auto rule = [&](std::size_t r) -> const Rule& { return labelling.rules[r]; };
-  if (std::none_of(named.begin(), named.end(), [&](std::size_t r) { return rule(r).byTriangle(); })) {
+  if (std::ranges::none_of(named, [&](std::size_t r) { return rule(r).byTriangle(); })) {
     LabelledPart undivided;
     for (const std::size_t r : named) {
       counts.matched[r] += part.triangles.size();
@@ -133,7 +132,7 @@ void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& fra
     return;
   }
   const PartTraits traits(part, frame,
-                          std::any_of(named.begin(), named.end(), [&](std::size_t r) { return rule(r).size; }));
+                          std::ranges::any_of(named, [&](std::size_t r) { return rule(r).size.has_value(); }));
   std::map<std::pair<const Rule*, const Rule*>, std::vector<std::size_t>> groups;
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
     const TriangleTraits own = traits.at(t);
@@ -222,7 +221,7 @@ std::vector<LabelledPart> dividedThings(std::vector<LabelledPart> parts, const T
   const std::vector<std::vector<std::uint32_t>> numbers = numberThings(bounds, ofThings);
   std::uint32_t things = 0;
   for (const std::vector<std::uint32_t>& own : numbers) {
-    if (!own.empty()) things = std::max(things, *std::max_element(own.begin(), own.end()));
+    if (!own.empty()) things = std::max(things, *std::ranges::max_element(own));
   }
   if (bounds.by == ThingBounds::By::Part && things > kMostSurfaces) {
     throw InputError(bounds.where,
@@ -325,9 +324,9 @@ bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labell
     }
     return true;
   };
-  return std::any_of(asset.parts.begin(), asset.parts.end(), shows) ||
-         std::any_of(asset.instanced.begin(), asset.instanced.end(), [&](const InstancedParts& instanced) {
-           return std::any_of(instanced.parts.begin(), instanced.parts.end(), shows);
+  return std::ranges::any_of(asset.parts, shows) ||
+         std::ranges::any_of(asset.instanced, [&](const InstancedParts& instanced) {
+           return std::ranges::any_of(instanced.parts, shows);
          });
 }
 
@@ -335,8 +334,7 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
                                  const Location& where) {
   // Rules by box, height, slope or size test positions in the asset's frame, so all instances must first be turned into
   // parts in that frame.
-  if (std::any_of(labelling.rules.begin(), labelling.rules.end(),
-                  [](const Rule& r) { return r.box || r.height || r.slope || r.size; })) {
+  if (std::ranges::any_of(labelling.rules, [](const Rule& r) { return r.box || r.height || r.slope || r.size; })) {
     flatten(asset);  // flatten() ignores Asset::origin: assets with an origin have no instances
   }
   Dropped dropped = asset.dropped;

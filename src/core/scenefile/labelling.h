@@ -1,17 +1,53 @@
 #pragma once
 
-// Turns an asset into meshes of a scene. Rules give its parts their classes, materials and object numbers.
+// Turns an asset into meshes of a scene. Rules give its parts their classes and materials; the key `instances` of an
+// object divides its triangles into things (object instances).
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "assets/asset.h"
+#include "config/fields.h"
 #include "scene/builder.h"
 #include "scenefile/rules.h"
-#include "scenefile/things.h"
 
 namespace scanmill {
+
+struct ThingBounds {
+  enum class By { Object, Node, Part, Name };
+  By by = By::Object;
+  std::string pattern;  // only for By::Name: a regular expression between slashes; all nodes with the same match are
+                        // one thing
+  Location where;
+  bool byClass = false;  // true: triangles of different classes are different things (point clouds)
+
+  // Compares all but the place in the file.
+  bool operator==(const ThingBounds& o) const { return by == o.by && pattern == o.pattern && byClass == o.byClass; }
+};
+
+// Reads `instances: object | node | part | /regular expression/`. Throws InputError with the place.
+ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback);
+
+// An asset part whose triangles all have the same thing class.
+struct ThingTriangles {
+  const AssetPart* part = nullptr;
+  std::uint16_t semantic = 0;
+};
+
+// Returns, by part and triangle, the number of the triangle's thing, from 1. Things are numbered in the order of their
+// nodes, or, with Part, of their triangles.
+//
+//   Object  All triangles are one thing.
+//   Node    Each node is one thing; nodes are numbered by AssetPart::nodeIndex.
+//   Name    All nodes with the same match are one thing. The match is the text of the regular expression's first group,
+//           or the complete match if the expression has no group. Each node without a match is one thing.
+//   Part    Triangles of one class are grouped into things by thingsOf().
+//
+// With ThingBounds::byClass each class of a node or of a match has things of its own.
+std::vector<std::vector<std::uint32_t>> numberThings(const ThingBounds& bounds,
+                                                     const std::vector<ThingTriangles>& triangles);
 
 struct Labelling {
   std::vector<Rule> rules;  // the first rule that matches decides
@@ -39,5 +75,28 @@ struct PlacedMesh {
 // `where` for an asset of which no triangle remains.
 [[nodiscard]] std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling,
                                                const Location& where);
+
+// The frame in which the positions of an asset's parts are given.
+struct PartFrame {
+  Vec3d origin;       // m, origin of this frame in the asset's frame
+  double lowest = 0;  // m, least z of the points of all parts, in this frame
+};
+
+class PartTraits {
+ public:
+  // Keeps a reference to `part`. Only if `withSizes` is true, computes the sizes of connected parts, which is slow; see
+  // connect().
+  PartTraits(const AssetPart& part, const PartFrame& frame, bool withSizes);
+
+  TriangleTraits at(std::size_t triangle) const;
+
+ private:
+  Rgb colorAt(const Triangle& triangle) const;
+
+  const AssetPart& part_;
+  PartFrame frame_;
+  std::vector<double> sizes_;  // m, by triangle: the longest edge of the box around its connected part; empty without
+                               // `withSizes`
+};
 
 }  // namespace scanmill

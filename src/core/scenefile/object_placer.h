@@ -1,7 +1,9 @@
 #pragma once
 
-// Puts the copies of an object into a scene.
+// Puts the copies of an object into a scene: also those that are not listed one by one, but scattered over surfaces or
+// along a path, varied at random, and set on the ground.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -10,14 +12,93 @@
 #include <string>
 #include <vector>
 
+#include "base/vec.h"
 #include "config/fields.h"
 #include "scene/builder.h"
+#include "scene/ontology.h"
+#include "scene/road_path.h"
 #include "scene/surface_heights.h"
-#include "scenefile/arrangement.h"
 #include "scenefile/labelling.h"
 #include "scenefile/placement.h"
+#include "scenefile/rules.h"
 
 namespace scanmill {
+
+// Each scattered place, and each place along the path, gets all copies of the object's placement. A scattered place has
+// a random yaw; a place along the path has the heading of the path. `vary` turns a copy about the vertical axis through
+// the copy's own position. Random numbers depend only on the scene's seed and the object's name (or its `thing`).
+// docs/keys.md lists the keys.
+class Arrangement {
+ public:
+  // What the keys of an object say; each struct is one key.
+  struct Distance {
+    std::uint16_t semantic = 0;
+    double least = 0, most = 0;  // m, as seen from above; `most` is infinite if only the least distance is given
+    Location where;
+  };
+  struct Scatter {
+    std::vector<std::uint16_t> classes;
+    std::vector<Distance> distances;
+    std::optional<std::uint64_t> count;
+    double density = 0;                           // places per m^2, as seen from above
+    double spacing = 0;                           // m, least distance between places, as seen from above
+    double slope = 0;                             // rad, largest slope of a surface that gets copies
+    std::optional<std::array<double, 4>> within;  // m, least x and y, then the greatest
+    bool covered = false;
+    Location where;
+  };
+  struct Along {
+    std::vector<Vec3d> waypoints;  // empty if there is a `trip`
+    std::optional<RoadTrip> trip;
+    double every = 0, left = 0;  // m, distance between places along the path; m, offset to the left of the path
+    Location where;
+  };
+  struct Vary {
+    Range yaw{0, 0}, scale{1, 1};  // ranges of a copy's random yaw (rad) and scale
+    double position = 0;           // m, largest horizontal displacement of a copy
+    double presence = 1;
+  };
+  struct StandOn {
+    std::vector<std::uint16_t> classes;  // classes to stand on; empty: all classes that are not thing classes
+    Location where;
+  };
+
+  // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
+  Arrangement(Fields& object, const Ontology& ontology);
+
+  bool random() const { return scatter_ || vary_; }
+  // Returns the materials from which each copy gets one at random; if empty, every copy keeps the object's material.
+  const std::vector<std::string>& materials() const { return materials_; }
+  bool needsSurfaces() const { return scatter_ || standOn_ || (along_ && along_->trip); }
+
+  struct Copy {
+    Affine worldFromMesh;
+    std::size_t variant = 0;  // index of the copy's file and material, below `variants`
+    std::size_t number = 1;   // counts all copies from 1, including those that are left out
+  };
+
+  // Returns the copies, in this order: all places, from which `vary` moves some and leaves some out; then those are set
+  // on the surfaces of `stand_on`, or left out where there is none. Each has a random index below `variants`.
+  // `heights`: the surfaces of `scene`, which has the objects listed before this one; required if needsSurfaces().
+  // `lowest` returns the height of a copy's lowest point (m). Throws InputError if the scene has no surface of the
+  // required classes, or too little room.
+  std::vector<Copy> places(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
+                           std::uint64_t seed, std::uint32_t object, std::size_t variants,
+                           const std::function<double(const Copy&)>& lowest) const;
+
+ private:
+  std::vector<Pose> scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
+                              std::uint32_t object) const;
+  std::vector<Pose> alongPath(const Scene& scene, const SurfaceHeights* heights) const;
+  std::vector<Copy> standing(std::vector<Copy> copies, const SurfaceHeights& heights, std::uint64_t seed,
+                             const std::function<double(const Copy&)>& lowest) const;
+
+  std::optional<Scatter> scatter_;
+  std::optional<Along> along_;
+  std::optional<Vary> vary_;
+  std::vector<std::string> materials_;
+  std::optional<StandOn> standOn_;
+};
 
 // How the copies of an object are placed, and how they move.
 struct Copies {

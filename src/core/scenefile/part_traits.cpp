@@ -1,5 +1,3 @@
-#include "scenefile/part_traits.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,25 +5,17 @@
 #include "images/srgb.h"
 #include "scene/texture.h"
 #include "scenefile/connected_parts.h"
+#include "scenefile/labelling.h"
 
 namespace scanmill {
-namespace {
-
-std::vector<double> sizesOf(const AssetPart& part) {
-  const ConnectedParts connected = connect({&part});
-  std::vector<double> sizes;
-  sizes.reserve(part.triangles.size());
-  for (const std::uint32_t number : connected.of.front()) {
-    const Vec3d size = connected.boxes[number].high - connected.boxes[number].low;
-    sizes.push_back(std::max({size.x, size.y, size.z}));
-  }
-  return sizes;
-}
-
-}  // namespace
 
 PartTraits::PartTraits(const AssetPart& part, const PartFrame& frame, bool withSizes) : part_(part), frame_(frame) {
-  if (withSizes) sizes_ = sizesOf(part);
+  if (!withSizes) return;
+  const ConnectedParts connected = connect({&part});
+  for (const std::uint32_t number : connected.of.front()) {
+    const Vec3d size = connected.boxes[number].high - connected.boxes[number].low;
+    sizes_.push_back(std::max({size.x, size.y, size.z}));
+  }
 }
 
 Rgb PartTraits::colorAt(const Triangle& triangle) const {

@@ -63,7 +63,7 @@ void readCopies(const Value& value, Placement& placement) {
     }
   }
   if (const Value* grid = f.find("grid")) readGrid(*grid, placement);
-  f.also({"scatter", "along"}).finish();  // arrangement.h describes these
+  f.also({"scatter", "along"}).finish();  // object_placer.h describes these
   const auto& n = placement.gridCount;
   const double total = double(n[0]) * double(n[1]) * double(n[2]) * double(placement.at.size());
   if (total > double(Placement::mostCopies())) {

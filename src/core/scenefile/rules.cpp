@@ -147,7 +147,7 @@ std::optional<Box> readBox(const Value* value) {
     for (const Value& corner : value->items) corners.push_back(readNumbers(corner, "box", kLengths));
   }
   const auto isCorner = [](const std::vector<double>& c) { return c.size() == 3; };
-  if (corners.size() != 2 || !std::all_of(corners.begin(), corners.end(), isCorner)) {
+  if (corners.size() != 2 || !std::ranges::all_of(corners, isCorner)) {
     throw InputError(value->where, "box must be two corners, such as [[0, 0, 0], [9, 9, 3]]");
   }
   const auto point = [&](std::size_t i) { return Vec3d{corners[i][0], corners[i][1], corners[i][2]}; };
@@ -287,7 +287,7 @@ bool matchesNames(const Rule& rule, const Names& names) {
     if (rule.texture.empty()) return true;
     if (isRegex(rule.texture) || rule.texture.find('/') != std::string::npos) {
       std::string path(names.texture);
-      std::replace(path.begin(), path.end(), '\\', '/');
+      std::ranges::replace(path, '\\', '/');
       return matches(rule.texture, path, rule.where);
     }
     return matches(rule.texture, textureName(names.texture), rule.where);
@@ -303,7 +303,7 @@ bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {
     }
     return true;
   };
-  return (rule.colors.empty() || std::any_of(rule.colors.begin(), rule.colors.end(), isNear)) &&
+  return (rule.colors.empty() || std::ranges::any_of(rule.colors, isNear)) &&
          (!rule.box || isInside(*rule.box, traits.middle)) && (!rule.height || rule.height->contains(traits.height)) &&
          (!rule.slope || rule.slope->contains(traits.slope)) && (!rule.size || rule.size->contains(traits.size));
 }

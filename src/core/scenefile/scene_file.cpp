@@ -27,7 +27,7 @@ namespace {
 std::string kindOf(const Fields& f) {
   const std::vector<std::string> kinds{"file", "primitive", "town"};
   std::vector<std::string> found;
-  std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(found), [&](const auto& kind) { return f.has(kind); });
+  std::ranges::copy_if(kinds, std::back_inserter(found), [&](const auto& kind) { return f.has(kind); });
   if (found.size() == 1) return found.front();
   if (f.has("street")) {
     throw InputError(f.where(), "the key street is no longer known: write `town: {district: street}`");

@@ -1,5 +1,3 @@
-#include "scenefile/things.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 
 #include "base/error.h"
 #include "scenefile/connected_parts.h"
+#include "scenefile/labelling.h"
 #include "scenefile/rules.h"
 
 namespace scanmill {
@@ -31,7 +30,7 @@ Numbers byKeys(const std::vector<ThingTriangles>& triangles, bool byClass, const
   }
   std::vector<std::pair<std::uint32_t, Key>> order;
   for (const auto& [key, node] : lowest) order.emplace_back(node, key);
-  std::sort(order.begin(), order.end());
+  std::ranges::sort(order);
   std::map<Key, std::uint32_t> numbers;
   for (const auto& [node, key] : order) numbers.emplace(key, static_cast<std::uint32_t>(numbers.size() + 1));
   Numbers found;
@@ -60,7 +59,7 @@ Numbers byConnection(const std::vector<ThingTriangles>& triangles) {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       for (const std::uint32_t number : connected.of[p]) found[places[p]].push_back(before + things[number] + 1);
     }
-    if (!things.empty()) before += *std::max_element(things.begin(), things.end()) + 1;
+    if (!things.empty()) before += *std::ranges::max_element(things) + 1;
   }
   return found;
 }
@@ -96,7 +95,7 @@ Numbers numberThings(const ThingBounds& bounds, const std::vector<ThingTriangles
     case ThingBounds::By::Part:
       return byConnection(triangles);
     case ThingBounds::By::Name:
-      if (std::none_of(triangles.begin(), triangles.end(), [&](const ThingTriangles& t) {
+      if (std::ranges::none_of(triangles, [&](const ThingTriangles& t) {
             return matchedText(bounds.pattern, t.part->node, bounds.where).has_value();
           })) {
         warn(

@@ -1,11 +1,10 @@
-#include "scenefile/arrangement.h"
-
 #include <fmt/format.h>
 
 #include <map>
 #include <set>
 
 #include "scene/scene.h"
+#include "scenefile/object_placer.h"
 #include "scenefile/scene_file.h"
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"

@@ -1,9 +1,8 @@
-#include "scenefile/file_meshes.h"
-
 #include <set>
 
 #include "images/images.h"
 #include "scene/scene.h"
+#include "scenefile/file_objects.h"
 #include "scenefile/scene_file.h"
 #include "tests/core/assets/meshes/gltf/gltf_builder.h"
 #include "tests/support/labels.h"

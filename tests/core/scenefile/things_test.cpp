@@ -1,9 +1,8 @@
-#include "scenefile/things.h"
-
 #include <map>
 #include <set>
 
 #include "scenefile/connected_parts.h"
+#include "scenefile/labelling.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

@@ -50,8 +50,8 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
   const double interval = sequence.trajectory->interval();
   const double period = pipeline.periods.longest;
   if (interval >= period * (1 - 1e-6)) return {};
-  const auto slowest = std::find_if(pipeline.sensors.begin(), pipeline.sensors.end(),
-                                    [&](const MountedSensor& sensor) { return sensor.period == period; });
+  const auto slowest =
+      std::ranges::find_if(pipeline.sensors, [&](const MountedSensor& sensor) { return sensor.period == period; });
   const std::string both =
       fmt::format("are {:g} s apart, but a revolution of '{}' takes {:g} s", interval, slowest->name, period);
   if (sequence.turnsWithoutBreak(pipeline.periods)) {
@@ -88,8 +88,8 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     if (box.empty() || reported.contains(instance.mesh)) continue;
     const double extent = largestExtent(box, instance.worldFromMesh.linear);
-    const bool isThing = mesh.objects == 1 && std::all_of(mesh.surfaces.begin(), mesh.surfaces.end(),
-                                                          [](const Surface& s) { return s.object != 0; });
+    const bool isThing =
+        mesh.objects == 1 && std::ranges::all_of(mesh.surfaces, [](const Surface& s) { return s.object != 0; });
     if ((isThing ? kUsualOfThings : kUsual).contains(extent)) continue;
     reported.insert(instance.mesh);
     lines.push_back(

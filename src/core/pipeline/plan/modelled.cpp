@@ -20,21 +20,10 @@ namespace scanmill {
 
 namespace {
 
-// Returns the names of the effects that the pipeline removes, as with `speckle: none`.
-std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
-  std::vector<std::string> names;
-  for (const Value& item : pipeline.effectItems) {
-    const NamedOptions named = readNamed(item, "an effect");
-    if (named.options.kind == Value::Kind::Scalar && named.options.text == "none") names.push_back(named.name);
-  }
-  return names;
-}
-
 // Adds an item for each effect: separately for each sensor if the pipeline uses the effects of the sensors' files,
 // otherwise once for all sensors.
 void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
   const bool own = takesSensorEffects(pipeline);
-  const std::vector<std::string> leftOut = leftOutOf(pipeline);
   for (std::size_t s = 0; s < (own ? pipeline.sensors.size() : 1); ++s) {
     const std::string sensor = own ? pipeline.sensors[s].name : "";
     const Effects& effects = *pipeline.sensors[s].effects;
@@ -49,8 +38,10 @@ void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
       }
       items.push_back({topic, std::string(effect.entry->summary), false, sensor, effect.options});
     }
-    for (const std::string& name : leftOut) {
-      items.push_back({"effect " + name, "the pipeline removes it", true, sensor});
+    for (const Value& item : pipeline.effectItems) {
+      const NamedOptions named = readNamed(item, "an effect");
+      if (named.options.kind != Value::Kind::Scalar || named.options.text != "none") continue;
+      items.push_back({"effect " + named.name, "the pipeline removes it", true, sensor});
     }
   }
   for (const MountedSensor& sensor : pipeline.sensors) {
@@ -126,7 +117,7 @@ std::vector<LightFollowing> followingsOf(const Pipeline& pipeline) {
     each.push_back({pipeline.sensors[s].name, pipeline.lightPaths(s) != nullptr});
   }
   const bool first = each.front().follows;
-  if (std::all_of(each.begin(), each.end(), [&](const LightFollowing& one) { return one.follows == first; })) {
+  if (std::ranges::all_of(each, [&](const LightFollowing& one) { return one.follows == first; })) {
     return {{"", first}};
   }
   return each;

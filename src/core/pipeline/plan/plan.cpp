@@ -28,9 +28,8 @@ const MethodEntry* methodOf(const Pipeline& pipeline) {
 // True if rays of a sensor continue through glass or off mirrors in any sequence.
 bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
   const std::vector<const Effects*> cases = pipeline.effectCases(sensor);
-  return pipeline.recording == nullptr && std::any_of(cases.begin(), cases.end(), [](const Effects* effects) {
-           return lightPaths(*effects) != nullptr;
-         });
+  return pipeline.recording == nullptr &&
+         std::ranges::any_of(cases, [](const Effects* effects) { return lightPaths(*effects) != nullptr; });
 }
 
 // Throws InputError if rays must continue at surfaces at which those of the method end.
@@ -75,8 +74,7 @@ bool tellsMovingClasses(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr || !pipeline.output.layout.columns.has(kLabel)) return false;
   const Ontology ontology = pipeline.ontology.empty() ? readSceneOntology(pipeline.sequences.front().sceneFile)
                                                       : readOntology(pipeline.ontology);
-  return std::any_of(ontology.classes.begin(), ontology.classes.end(),
-                     [](const SemanticClass& c) { return c.movingOf.has_value(); });
+  return std::ranges::any_of(ontology.classes, [](const SemanticClass& c) { return c.movingOf.has_value(); });
 }
 
 // Throws InputError if the output needs what recordings lack: boxes or motions of objects, or geometry that no beam

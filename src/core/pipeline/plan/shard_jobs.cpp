@@ -78,7 +78,7 @@ void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
                                             .purpose = Purpose::Shuffle});
     return std::tuple(random[0], random[1], sample.number);
   };
-  std::sort(samples.begin(), samples.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  std::ranges::sort(samples, [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
 }
 
 }  // namespace
@@ -120,8 +120,7 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
   std::uint64_t number = 0;
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
     const Sequence& sequence = pipeline.sequences[s];
-    auto split =
-        std::find_if(splits.begin(), splits.end(), [&](const auto& known) { return known.first == sequence.split; });
+    auto split = std::ranges::find_if(splits, [&](const auto& known) { return known.first == sequence.split; });
     if (split == splits.end()) split = splits.emplace(splits.end(), sequence.split, std::vector<SampleAddress>{});
     for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) split->second.push_back({s, frame, number++});
   }
@@ -140,8 +139,7 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
       ShardJob job{shardName(name, i), name, {}};
       job.samples.assign(samples.begin() + static_cast<std::ptrdiff_t>(first),
                          samples.begin() + static_cast<std::ptrdiff_t>(last));
-      std::sort(job.samples.begin(), job.samples.end(),
-                [](const auto& a, const auto& b) { return a.number < b.number; });
+      std::ranges::sort(job.samples, [](const auto& a, const auto& b) { return a.number < b.number; });
       jobs.push_back(std::move(job));
     }
   }

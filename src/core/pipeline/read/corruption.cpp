@@ -61,7 +61,7 @@ Value withCorruption(const Value& effects, const Value& corruption) {
   }
   for (const Value& item : file.find(severity)->items) {
     const NamedOptions change = readNamed(item, "an effect");
-    const auto own = std::find_if(list.items.begin(), list.items.end(), [&](const Value& other) {
+    const auto own = std::ranges::find_if(list.items, [&](const Value& other) {
       return !isDistribution(other) && readNamed(other, "an effect").name == change.name;
     });
     if (own == list.items.end()) {
@@ -80,7 +80,7 @@ std::vector<std::string> corruptionNames() {
   for (const auto& entry : std::filesystem::directory_iterator(resourceFolder() / kFolder)) {
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 

@@ -15,8 +15,8 @@ namespace scanmill {
 namespace {
 
 Value* effectsIn(Value& description) {
-  const auto entry = std::find_if(description.entries.begin(), description.entries.end(),
-                                  [](const Value::Entry& e) { return e.key == "effects"; });
+  const auto entry =
+      std::ranges::find_if(description.entries, [](const Value::Entry& e) { return e.key == "effects"; });
   return entry == description.entries.end() ? nullptr : &entry->value;
 }
 
@@ -34,9 +34,8 @@ void forEachDistribution(const Value& value, const std::string& key,
 }  // namespace
 
 bool DrawnSensors::draws(const Written& written) {
-  return holdsDistribution(written.effects) ||
-         std::any_of(written.mounts.begin(), written.mounts.end(), holdsDistribution) ||
-         std::any_of(written.descriptions.begin(), written.descriptions.end(), [](const Value& description) {
+  return holdsDistribution(written.effects) || std::ranges::any_of(written.mounts, holdsDistribution) ||
+         std::ranges::any_of(written.descriptions, [](const Value& description) {
            const Value* effects = description.find("effects");
            return effects != nullptr && holdsDistribution(*effects);
          });

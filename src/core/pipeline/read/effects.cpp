@@ -65,7 +65,7 @@ void addEffects(const std::vector<Value>& items, const EffectClasses* classes, s
   for (const Value& item : items) {
     NamedOptions named = readNamed(item, "an effect");
     const EffectEntry& entry = requireEffect(named.name, named.where);
-    const auto other = std::find_if(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &entry; });
+    const auto other = std::ranges::find_if(made, [&](const MadeEffect& m) { return m.entry == &entry; });
     if (other != made.end()) {
       throw InputError(named.where, fmt::format("the effect '{}' is listed twice, here and at {}:{}: both would use "
                                                 "the same random numbers; leave one out",
@@ -84,9 +84,8 @@ void addEffects(const std::vector<Value>& items, const EffectClasses* classes, s
 // strongest echo is reported.
 void addDetection(std::vector<MadeEffect>& made) {
   const EffectEntry* const detection = &requireEffect("detection", {});
-  const auto several =
-      std::find_if(made.begin(), made.end(), [](const MadeEffect& m) { return m->mostReturns(1) > 1; });
-  const bool named = std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == detection; });
+  const auto several = std::ranges::find_if(made, [](const MadeEffect& m) { return m->mostReturns(1) > 1; });
+  const bool named = std::ranges::any_of(made, [&](const MadeEffect& m) { return m.entry == detection; });
   if (several == made.end() || named) return;
   const Value none;
   Fields options(none, "effect detection");
@@ -97,12 +96,12 @@ void addDetection(std::vector<MadeEffect>& made) {
 // needs another effect that is missing.
 Effects inOrder(std::vector<MadeEffect> made) {
   addDetection(made);
-  std::stable_sort(made.begin(), made.end(),
-                   [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
+  std::ranges::stable_sort(made,
+                           [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
   Effects ordered;
   bool intensity = false;
   bool snr = false;
-  const bool lit = std::any_of(made.begin(), made.end(), [](const MadeEffect& m) { return m->setsIntensity(); });
+  const bool lit = std::ranges::any_of(made, [](const MadeEffect& m) { return m->setsIntensity(); });
   for (MadeEffect& m : made) {
     if (m->setsGain() && !lit) {
       throw InputError(m.where, fmt::format("the effect '{0}' changes the power, but no effect uses the power: add the "
@@ -161,7 +160,7 @@ Effects makeEffects(const std::vector<Value>& items, const EffectClasses& classe
 }  // namespace
 
 std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const MountedSensor& sensor) {
-  const auto word = std::find_if(items.begin(), items.end(), meansSensor);
+  const auto word = std::ranges::find_if(items, meansSensor);
   if (word == items.end()) return items;
   const Value* own = sensor.description.find("effects");
   if (own == nullptr) {
@@ -184,9 +183,8 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
     if (!changed.insert(change.name).second) {
       throw InputError(change.where, fmt::format("the effect '{}' is listed twice beside `sensor`", change.name));
     }
-    const auto old = std::find_if(expanded.begin(), expanded.end(), [&](const Value& effect) {
-      return readNamed(effect, "an effect").name == change.name;
-    });
+    const auto old = std::ranges::find_if(
+        expanded, [&](const Value& effect) { return readNamed(effect, "an effect").name == change.name; });
     if (old == expanded.end()) {
       if (!meansNone(change)) expanded.push_back(item);
     } else if (meansNone(change)) {
@@ -209,8 +207,7 @@ Value withKeysOf(const NamedOptions& own, const NamedOptions& change) {
   options.where = change.options.where;
   if (options.kind == Value::Kind::Null) options.kind = change.options.kind;
   for (const Value::Entry& entry : change.options.entries) {
-    const auto old = std::find_if(options.entries.begin(), options.entries.end(),
-                                  [&](const Value::Entry& e) { return e.key == entry.key; });
+    const auto old = std::ranges::find_if(options.entries, [&](const Value::Entry& e) { return e.key == entry.key; });
     if (old != options.entries.end()) {
       old->value = entry.value;
     } else {
@@ -261,7 +258,7 @@ Value writtenEffects(const Value& root) {
 }
 
 bool takesSensorEffects(const Pipeline& pipeline) {
-  return std::any_of(pipeline.effectItems.begin(), pipeline.effectItems.end(), meansSensor);
+  return std::ranges::any_of(pipeline.effectItems, meansSensor);
 }
 
 void readEffects(const Value& written, Pipeline& pipeline) {

@@ -79,7 +79,7 @@ std::string readSensorName(Fields& fields, const std::string& fallback, const st
                                                "digits, '-' and '_', such as '{}'",
                                                keyPart(name)));
   }
-  if (std::any_of(others.begin(), others.end(), [&](const MountedSensor& other) { return other.name == name; })) {
+  if (std::ranges::any_of(others, [&](const MountedSensor& other) { return other.name == name; })) {
     throw InputError(fields.where(), fmt::format("two sensors are named '{}'", name));
   }
   return name;
@@ -163,9 +163,8 @@ void readPeriods(Pipeline& pipeline) {
   for (MountedSensor& sensor : pipeline.sensors) {
     sensor.period = 1.0 / Fields(sensor.description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
   }
-  const auto [shortest, longest] =
-      std::minmax_element(pipeline.sensors.begin(), pipeline.sensors.end(),
-                          [](const MountedSensor& a, const MountedSensor& b) { return a.period < b.period; });
+  const auto [shortest, longest] = std::ranges::minmax_element(
+      pipeline.sensors, [](const MountedSensor& a, const MountedSensor& b) { return a.period < b.period; });
   pipeline.periods = {shortest->period, longest->period};
 }
 
@@ -301,8 +300,8 @@ double Pipeline::rays() const {
 }
 
 bool Pipeline::oneRevolution() const {
-  return std::all_of(sensors.begin(), sensors.end(), [&](const MountedSensor& sensor) {
-    return std::all_of(sequences.begin(), sequences.end(), [&](const Sequence& sequence) {
+  return std::ranges::all_of(sensors, [&](const MountedSensor& sensor) {
+    return std::ranges::all_of(sequences, [&](const Sequence& sequence) {
       return sequence.mostRevolutions(sensor.period, periods) == 1 &&
              sequence.totalRevolutions(sensor.period, periods) == sequence.frames;
     });

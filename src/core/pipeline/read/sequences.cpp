@@ -1,5 +1,3 @@
-#include "pipeline/read/sequences.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -13,6 +11,7 @@
 #include "base/error.h"
 #include "base/terminal.h"
 #include "config/waypoints.h"
+#include "pipeline/read/pipeline.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
 #include "sensors/trajectory.h"
@@ -86,9 +85,9 @@ bool sameItems(const std::vector<Value>& a, const std::vector<Value>& b) {
 
 std::vector<Value> readWithout(const Value* value) {
   if (value == nullptr || value->kind == Value::Kind::Null) return {};
-  const bool words = value->kind == Value::Kind::Sequence &&
-                     std::all_of(value->items.begin(), value->items.end(),
-                                 [](const Value& item) { return item.kind == Value::Kind::Scalar; });
+  const bool words = value->kind == Value::Kind::Sequence && std::ranges::all_of(value->items, [](const Value& item) {
+                       return item.kind == Value::Kind::Scalar;
+                     });
   if (!words) {
     throw InputError(value->where,
                      "without must be a list of classes, names of objects and instance ids, such as "

@@ -44,21 +44,12 @@ struct SceneFactors {
   double byteSpread;
 };
 
-// The spreads for asset files are wide, since the contents of the files are unknown before they are loaded.
-constexpr SceneFactors kOfFiles{0.3, 0.42, 0.8, 2.5, 2};
-
 double numberOr(const Value& map, std::string_view key, double otherwise) {
   const Value* const value = map.find(key);
   if (value == nullptr || value->kind != Value::Kind::Scalar) return otherwise;
   double number = otherwise;
   std::from_chars(value->text.data(), value->text.data() + value->text.size(), number);
   return number;
-}
-
-SceneFactors ofTown(const Value& town) {
-  constexpr double kUsualLength = 300;  // length of a town whose file states none (m)
-  const double setup = 0.4 + 0.28 * numberOr(town, "length", kUsualLength) / 100;
-  return {setup, 1, 0.97, 1.5, 1.2};
 }
 
 // Returns the keys of the town among a scene's objects; null if there is none.
@@ -72,7 +63,11 @@ const Value* townIn(const Value& objects) {
 SceneFactors factorsOf(const std::filesystem::path& file) {
   const Value root = readYaml(file);
   const Value* const town = townIn(root.valueOf("objects"));
-  return town == nullptr ? kOfFiles : ofTown(*town);
+  // The spreads for asset files are wide, since the contents of the files are unknown before they are loaded.
+  if (town == nullptr) return {0.3, 0.42, 0.8, 2.5, 2};
+  constexpr double kUsualLength = 300;  // length of a town whose file states none (m)
+  const double setup = 0.4 + 0.28 * numberOr(*town, "length", kUsualLength) / 100;
+  return {setup, 1, 0.97, 1.5, 1.2};
 }
 
 // Adds changes that leave `share` of the columns of each sensor that states a number of columns.
@@ -97,12 +92,10 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsC
   // either.
   const MethodEntry* const method = pipeline.method.entry;
   const bool moving = (method == nullptr || method->can.moving) &&
-                      std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
-                                  [](const Sequence& sequence) { return sequence.moving; });
+                      std::ranges::any_of(pipeline.sequences, [](const Sequence& sequence) { return sequence.moving; });
   // If all mounts are on the ground, the poses of the pipeline's drives must contain the sensors' height.
-  const bool low = std::all_of(pipeline.sensors.begin(), pipeline.sensors.end(), [](const MountedSensor& sensor) {
-    return sensor.vehicleFromSensor.translation.z < kLowMount;
-  });
+  const bool low = std::ranges::all_of(
+      pipeline.sensors, [](const MountedSensor& sensor) { return sensor.vehicleFromSensor.translation.z < kLowMount; });
   std::vector<std::string> changes{
       fmt::format("scenes=[{{scene: {}, seeds: [1], moving: {}}}]", flowText(town), moving),
       fmt::format("trajectories=[{{name: forecast, along: lane, speed: 8, every_m: 10, frames: {}{}}}]", threadCount(),
@@ -210,7 +203,7 @@ SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread) {
 bool followsFromSeeds(const Pipeline& pipeline) {
   std::set<std::filesystem::path> files;
   for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
-  return std::any_of(files.begin(), files.end(), [](const std::filesystem::path& file) {
+  return std::ranges::any_of(files, [](const std::filesystem::path& file) {
     const Value root = readYaml(file);
     std::vector<DrawnValue> draws;
     const Value& objects = root.valueOf("objects");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <unordered_map>
 #include <utility>
 
@@ -138,27 +137,15 @@ void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hi
   }
 }
 
-ObjectRecord ObjectList::recordOf(std::size_t thing) const {
-  const Thing& own = objects_.boxes().things()[thing];
-  ObjectRecord record;
-  record.id = own.id;
-  record.semantic = own.semantic;
-  record.name = own.name;
-  std::copy_if(own.parts.begin(), own.parts.end(), std::back_inserter(record.parts),
-               [](const std::string& part) { return !part.empty(); });
-  record.moves = own.moves;
-  record.worldFromBox = boxes_[thing].worldFromBox;
-  record.size = boxes_[thing].size;
-  record.headingKnown = own.headingKnown;
-  record.velocity = objects_.boxes().velocity(thing, time_);
-  record.views = views_[thing];
-  return record;
-}
-
 SampleObjects ObjectList::finish() const {
   SampleObjects reached{key_, time_, {}};
   for (std::size_t i = 0; i < views_.size(); ++i) {
-    if (!views_[i].empty()) reached.objects.push_back(recordOf(i));
+    if (views_[i].empty()) continue;
+    const Thing& own = objects_.boxes().things()[i];
+    std::vector<std::string> parts = own.parts;
+    std::erase(parts, "");
+    reached.objects.push_back({own.id, own.semantic, own.name, std::move(parts), own.moves, boxes_[i].worldFromBox,
+                               boxes_[i].size, own.headingKnown, objects_.boxes().velocity(i, time_), views_[i]});
   }
   return reached;
 }

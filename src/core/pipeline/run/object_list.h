@@ -64,8 +64,6 @@ class ObjectList {
   [[nodiscard]] SampleObjects finish() const;
 
  private:
-  ObjectRecord recordOf(std::size_t thing) const;
-
   const SceneObjects& objects_;
   std::string key_;
   double time_;

@@ -84,8 +84,8 @@ Recording Recorder::describe() const {
   const std::vector<Sequence>& all = plan_.pipeline.sequences;
   std::vector<std::size_t> scenes;  // for each scene, the index of its first sequence
   for (const auto& [number, entered] : entered_) {
-    const auto known = std::find_if(scenes.begin(), scenes.end(),
-                                    [&, own = number](std::size_t first) { return all[own].sameScene(all[first]); });
+    const auto known =
+        std::ranges::find_if(scenes, [&, own = number](std::size_t first) { return all[own].sameScene(all[first]); });
     recording.sequences.push_back(entered.record);
     recording.sequences.back().materials = static_cast<std::uint32_t>(known - scenes.begin());
     if (known == scenes.end()) {

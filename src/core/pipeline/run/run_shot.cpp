@@ -6,10 +6,6 @@
 
 namespace scanmill {
 
-ShotSetup setupOf(const ShotSource& source, const Scene& scene, const Method& method, std::size_t sensor) {
-  return setupOf(source.plan(), source.settings(), scene, method, sensor);
-}
-
 ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
                   std::size_t sensor) {
   const SensorSetting& own = settings.sensors[sensor];

@@ -27,8 +27,7 @@ struct ShotSetup {
 };
 
 // Returns the setup of a sensor for a frame. `sensor`: index in Pipeline::sensors. `settings`: the frame's settings,
-// which must outlive the setup; the overload without them uses ShotSource::settings().
-ShotSetup setupOf(const ShotSource& source, const Scene& scene, const Method& method, std::size_t sensor);
+// which must outlive the setup.
 ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
                   std::size_t sensor);
 

@@ -20,7 +20,7 @@ namespace {
 std::vector<DrawnValue> allDraws(const Scene& scene, const FrameSettings& settings) {
   std::vector<DrawnValue> draws = scene.draws;
   draws.insert(draws.end(), settings.draws.begin(), settings.draws.end());
-  std::sort(draws.begin(), draws.end(), [](const DrawnValue& a, const DrawnValue& b) { return a.key < b.key; });
+  std::ranges::sort(draws, [](const DrawnValue& a, const DrawnValue& b) { return a.key < b.key; });
   return draws;
 }
 
@@ -30,7 +30,7 @@ std::uint64_t unresolvedBeams(const Hits& hits) {
   if (hits.beamOfRay.empty()) return hits.unresolved.size();
   std::vector<std::uint32_t> beams;
   for (const std::uint32_t ray : hits.unresolved) beams.push_back(hits.beamOfRay[ray]);
-  std::sort(beams.begin(), beams.end());
+  std::ranges::sort(beams);
   return static_cast<std::uint64_t>(std::unique(beams.begin(), beams.end()) - beams.begin());
 }
 
@@ -54,7 +54,7 @@ void countPoints(const Scan& scan, ScanRecord& record) {
   for (std::size_t c = 0; c < perClass.size(); ++c) {
     if (perClass[c] > 0) record.pointsPerClass[static_cast<std::uint16_t>(c)] = perClass[c];
   }
-  std::sort(instances.begin(), instances.end());
+  std::ranges::sort(instances);
   record.instances = static_cast<std::uint32_t>(std::unique(instances.begin(), instances.end()) - instances.begin());
 }
 

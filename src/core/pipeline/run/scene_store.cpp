@@ -1,5 +1,3 @@
-#include "pipeline/run/scene_store.h"
-
 #include <tbb/collaborative_call_once.h>
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include "base/parallel.h"
 #include "base/tsan_order.h"
 #include "pipeline/checks/warnings.h"
+#include "pipeline/run/sample_maker.h"
 
 namespace scanmill {
 
@@ -44,8 +43,7 @@ SceneStore::SceneStore(ShotSource& source, std::function<void(const Sequence&)> 
       clock_({"setup"}) {
   const std::vector<Sequence>& all = plan_.pipeline.sequences;
   for (const Sequence& sequence : all) {
-    const auto first =
-        std::find_if(all.begin(), all.end(), [&](const auto& other) { return other.sameScene(sequence); });
+    const auto first = std::ranges::find_if(all, [&](const auto& other) { return other.sameScene(sequence); });
     sceneOf_.push_back(static_cast<std::size_t>(first - all.begin()));
   }
 }
@@ -54,7 +52,7 @@ SceneStore::~SceneStore() = default;
 
 // True if one more scene fits into memory in addition to the scenes in use.
 bool SceneStore::fitsOneMore() const {
-  const auto used = std::count_if(slots_.begin(), slots_.end(), [](const auto& s) { return s.second.use_count() > 1; });
+  const auto used = std::ranges::count_if(slots_, [](const auto& s) { return s.second.use_count() > 1; });
   if (used == 0) return true;
   // No size is known: the first scene is still being loaded.
   if (largest_ == 0) return kSmallShare * residentBytes() < memoryLimitBytes();
@@ -187,8 +185,8 @@ std::vector<std::string> SceneStore::warnings() const {
   std::set<std::string> known;
   for (const SceneWarnings& reported : reported_) {
     for (const auto& more : {reported.ofScene, reported.ofPath, reported.account.warningTexts()}) {
-      std::copy_if(more.begin(), more.end(), std::back_inserter(lines),
-                   [&](const std::string& line) { return known.insert(line).second; });
+      std::ranges::copy_if(more, std::back_inserter(lines),
+                           [&](const std::string& line) { return known.insert(line).second; });
     }
   }
   return lines;

@@ -85,7 +85,7 @@ std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const
     const bool blocked = !hits.pathOfRay.empty() && hits.pathOfRay[axis] == RayPath::EgoVehicle;
     if (hits.hit(axis)) {
       lengths[beam] = hits.range[axis];
-    } else if (!blocked && !std::binary_search(hits.unresolved.begin(), hits.unresolved.end(), axis)) {
+    } else if (!blocked && !std::ranges::binary_search(hits.unresolved, axis)) {
       lengths[beam] = shot.beams->maxRange;
     }
   }

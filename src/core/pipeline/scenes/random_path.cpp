@@ -1,5 +1,3 @@
-#include "pipeline/scenes/random_path.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -12,6 +10,7 @@
 #include <tuple>
 
 #include "base/random.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "scene/triangles.h"
 
 namespace scanmill {
@@ -98,7 +97,7 @@ class FreeSurface {
       }
     }
     const auto hits = probe_.first(rays, reach);
-    return std::none_of(hits.begin(), hits.end(), [](const auto& hit) { return hit.has_value(); });
+    return std::ranges::none_of(hits, [](const auto& hit) { return hit.has_value(); });
   }
 
   // Returns the state one metre further along an arc; nothing if a vehicle has no room there, or if an obstacle is
@@ -123,7 +122,7 @@ class FreeSurface {
   std::optional<double> look(const Vec3d& middle) const {
     const double high = 0.5 + kAboveOrBelow;
     const auto below = probe_.first({middle + Vec3d{0, 0, high}, {0, 0, -1}}, 2 * high);
-    if (!below || std::find(classes_.begin(), classes_.end(), below->semantic) == classes_.end()) return std::nullopt;
+    if (!below || std::ranges::find(classes_, below->semantic) == classes_.end()) return std::nullopt;
     // The downward ray has already tested the space below its start; the upward ray tests the space above.
     const double over = below->position.z + kClear - (middle.z + high);
     if (over > 0 && probe_.first({middle + Vec3d{0, 0, high}, {0, 0, 1}}, over)) return std::nullopt;
@@ -262,7 +261,7 @@ class PathSearch {
       const double curvature = k / (4 * kTightest);
       if (const std::optional<Arc> arc = arcOf(at, curvature, wished)) node.arcs.push_back(*arc);
     }
-    std::stable_sort(node.arcs.begin(), node.arcs.end(), [](const Arc& a, const Arc& b) { return a.cost < b.cost; });
+    std::ranges::stable_sort(node.arcs, [](const Arc& a, const Arc& b) { return a.cost < b.cost; });
     return node;
   }
 

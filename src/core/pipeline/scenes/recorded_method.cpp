@@ -21,8 +21,8 @@ void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hi
   if (hits.material.empty() || !hits.roughness.empty()) return;
   const std::size_t table = recording.sequences[shot.scene].materials;
   const std::size_t known = recording.materials[table].size();
-  const std::uint16_t last = *std::max_element(hits.material.begin(), hits.material.end());
-  const bool hit = std::any_of(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; });
+  const std::uint16_t last = *std::ranges::max_element(hits.material);
+  const bool hit = std::ranges::any_of(hits.range, [](float r) { return r < kMiss; });
   if (last < known || !hit) return;
   throw InputError({(recording.folder / "recording.json").string()},
                    fmt::format("/materials/{}: has {} materials, but {} of '{}' has the material index {}: list all "

@@ -98,7 +98,7 @@ SceneGround::SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> cla
 
 bool SceneGround::isGround(const SceneProbe::Hit& hit) const {
   if (std::fabs(hit.normal.z) < kSteepestGroundCosine) return false;
-  if (!classes_.empty()) return std::find(classes_.begin(), classes_.end(), hit.semantic) != classes_.end();
+  if (!classes_.empty()) return std::ranges::find(classes_, hit.semantic) != classes_.end();
   const SemanticClass* const own = probe_.scene().ontology.find(hit.semantic);
   return own == nullptr || !own->thing;
 }

@@ -1,16 +1,19 @@
 #pragma once
 
 // Traces single rays in a scene before it is scanned, to find paths and for checks, and finds the ground on which
-// vehicles can stand.
+// vehicles can stand and random paths that they can drive.
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/vec.h"
 #include "methods/method.h"
 #include "scene/scene.h"
 #include "sensors/ground_profile.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 
@@ -69,5 +72,14 @@ class SceneGround : public Ground {
   std::vector<std::uint16_t> classes_;
   Box bounds_;
 };
+
+// Returns the points of a random path on surfaces of the classes in `random` (world frame, m). The points are about 4 m
+// apart, and the path has the length that `random` asks for, rounded up to arcs of 4 m. The path has room for a vehicle
+// 2 m wide and 2.5 m high, and its bends mostly have a radius of more than 5 m. It depends on the seed and the drive's
+// name. On roads it is 2 m from the edge on the side that `random` names, or in the middle if the road is narrower than
+// 4 m. In open places it goes left, right or straight on at random, and prefers places that it has not passed yet.
+// Throws InputError if the scene has no such surface or no path of this length.
+std::vector<Vec3d> findRandomPath(const SceneProbe& probe, const RandomPath& random, std::uint64_t seed,
+                                  const std::string& name);
 
 }  // namespace scanmill

@@ -11,7 +11,6 @@
 #include "base/path.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/scenes/ego_vehicle.h"
-#include "pipeline/scenes/random_path.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "scene/surface_heights.h"
 #include "scenefile/scene_file.h"

@@ -205,7 +205,7 @@ class StudyRun {
     for (const TrueShot& t : truth_) {
       if (scans.size() == kEncodedScans) break;
       tracer->trace(t.shot, plan_.channels, hits);
-      const ShotSetup setup = setupOf(source_, scene_, *tracer, t.shot.sensor);
+      const ShotSetup setup = setupOf(plan_, source_.settings(), scene_, *tracer, t.shot.sensor);
       // The first call is not timed: it allocates the buffers that later calls reuse.
       senseShot(setup, t.shot, hits, returns, scan);
       effects += secondsOf([&] { senseShot(setup, t.shot, hits, returns, scan); });

@@ -1,7 +1,6 @@
-#include "pipeline/scenes/random_path.h"
-
 #include "base/path.h"
 #include "drive_world.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {
