@@ -27,16 +27,13 @@ namespace {
 // dataset.
 constexpr double kRaysWorthAForecast = 1e7;
 
-std::string warningsText() {
-  return warningCount() == 0 ? std::string() : "; " + pluralOf(warningCount(), "warning");
-}
-
 // Returns what is in the folder, such as "2 shards (1 of them existed already), 3.0 MiB, in out/street; 1 warning".
 std::string shardsText(std::uint64_t shards, const GenerateSummary& s, const std::filesystem::path& folder) {
   const std::string resumed =
       s.resumedShards == 0 ? std::string() : fmt::format(" ({} of them existed already)", s.resumedShards);
+  const std::string warnings = warningCount() == 0 ? std::string() : "; " + pluralOf(warningCount(), "warning");
   return fmt::format("{}{}, {}, in {}{}", pluralOf(shards, "shard"), resumed, shortBytes(static_cast<double>(s.bytes)),
-                     folder.string(), warningsText());
+                     folder.string(), warnings);
 }
 
 // Prints one line: what the dataset consists of or, if it is not complete yet, which command completes it.
@@ -147,15 +144,6 @@ GenerateOptions folderOptions(const Arguments& parsed, const std::filesystem::pa
   return options;
 }
 
-// Returns true if the folder already has the complete dataset, made of the files as they are now.
-bool isAlreadyMade(const Plan& plan, const std::vector<ShardJob>& jobs, const GenerateOptions& options) {
-  const std::optional<Manifest> manifest = wholeDatasetOf(datasetPlan(plan, jobs), options.folder);
-  if (manifest && !options.anyFiles) {
-    requireUnchangedFiles(manifest->files, plan.pipeline.file.parent_path(), options.folder);
-  }
-  return manifest.has_value();
-}
-
 // Measures what samples cost, and prints the time and size that the dataset will take. Returns nothing if they cannot
 // be measured.
 std::optional<Forecast> printForecastOf(const Arguments& parsed, const Plan& plan) {
@@ -181,7 +169,9 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   }
   if (!options.keepHits.empty()) plan.requireOneRay();
   // A complete dataset is not an error, so that scripts can always pass --resume.
-  if (options.resume && isAlreadyMade(plan, jobs, options)) {
+  const auto made = options.resume ? wholeDatasetOf(datasetPlan(plan, jobs), folder) : std::nullopt;
+  if (made) {
+    if (!options.anyFiles) requireUnchangedFiles(made->files, plan.pipeline.file.parent_path(), folder);
     printText("{}: is complete: there is nothing to resume\n", folder.string());
     return;
   }

@@ -140,17 +140,15 @@ class SceneCheck {
       }
     }
     if (method == nullptr) return;
-    for (const ModelledItem& item : modelledOf(plan_, sequence, scene, *method)) addModelled(item);
+    // Scenes differ in the texts of the items about a feature: the first scene's counts.
+    for (const ModelledItem& item : modelledOf(plan_, sequence, scene, *method)) {
+      const auto isSame = [&](const ModelledItem& known) {
+        return known.topic == item.topic && known.leftOut == item.leftOut && known.sensor == item.sensor;
+      };
+      if (std::ranges::none_of(modelled_, isSame)) modelled_.push_back(item);
+    }
     plan_.checkMemory(method->memoryBytes(), name);
     mostBytes_ = std::max(mostBytes_, method->memoryBytes());
-  }
-
-  // Adds an item unless one about the same feature is known: scenes differ in the items' texts, and the first counts.
-  void addModelled(const ModelledItem& item) {
-    const auto isSame = [&](const ModelledItem& known) {
-      return known.topic == item.topic && known.leftOut == item.leftOut && known.sensor == item.sensor;
-    };
-    if (std::ranges::none_of(modelled_, isSame)) modelled_.push_back(item);
   }
 
   ShotSource& source_;
@@ -162,8 +160,6 @@ class SceneCheck {
   std::set<std::string> warningsOfAllSeeds_;          // each is printed once
   std::uint64_t notLoaded_ = 0;                       // number of scenes
 };
-
-constexpr std::size_t kMostSequences = 40;  // the greatest number of sequences to list
 
 void printSensors(const Plan& plan) {
   Rows rows{{"sensor", "model", "rings", "columns", "beams", "revolutions/s", "range m"}};
@@ -177,6 +173,7 @@ void printSensors(const Plan& plan) {
 }
 
 void printSequences(const Pipeline& pipeline) {
+  constexpr std::size_t kMostSequences = 40;
   Rows rows{{"sequence", "frames", "split"}};
   for (const Sequence& s : pipeline.sequences) {
     if (rows.size() > kMostSequences) break;

@@ -2,17 +2,25 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/view_options.h"
+#include "config/fields.h"
+#include "config/resources.h"
 #include "config/text.h"
 #include "dataset/recording.h"
 #include "dataset/scan_store.h"
+#include "viewer/coloring.h"
 #include "viewer/frames/frame_source.h"
 #include "viewer/picture.h"
 #include "viewer/window/scene_view.h"
@@ -25,6 +33,71 @@ namespace {
 constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"};
 constexpr int kTickMs = 15;
 constexpr double kFarthestPlace = 1e5;  // largest coordinate (sensor's frame) and largest radius of a close-up (m)
+
+// Reads kCount numbers with a separator between them, such as "8,-3.5,-1". Returns nothing for any other text.
+template <class T, std::size_t kCount>
+std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char separator = ',') {
+  std::array<T, kCount> values{};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const auto read = std::from_chars(at, end, values[i]);
+    const bool followed = i + 1 < kCount ? read.ptr != end && *read.ptr == separator : read.ptr == end;
+    if (read.ec != std::errc() || !followed) return {};
+    at = read.ptr + 1;
+  }
+  return values;
+}
+
+// The size of --size WxH (pixels).
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+};
+
+// Reads the value of --color: one of colorNames(), or the name of a column of a recorded file that the table of columns
+// lacks. Throws InputError for a word that is empty or seems to be a misspelt entry of colorNames().
+ColorBy readColor(const std::string& word) {
+  for (const Column& column : kColumns) {
+    if (column.name == word) return ColorBy(column);  // a column's name always means this column
+  }
+  const std::vector<std::string>& names = colorNames();
+  const bool known = std::ranges::find(names, word) != names.end();
+  const std::string meant = nearest(word, names);
+  if (word.empty() || (!known && !meant.empty())) {
+    throw InputError(fmt::format("--color is one of {}, or a column of a recorded file, not '{}'{}",
+                                 fmt::join(names, ", "), word,
+                                 meant.empty() ? "" : fmt::format(" (did you mean '{}'?)", meant)));
+  }
+  return ColorBy(word);
+}
+
+// Returns the index of a word in `names`. Throws an InputError that names the option if `names` does not contain the
+// word.
+std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == word) return i;
+  }
+  throw InputError(fmt::format("--{} is one of {}, not '{}'", option, fmt::join(names, ", "), word));
+}
+
+PictureSize readPictureSize(const std::string& text) {
+  const auto sides = readNumbers<int, 2>(text, 'x');
+  const auto fits = [](int side) { return side >= kLeastPictureSide && side <= kMostPictureSide; };
+  if (sides && std::ranges::all_of(*sides, fits) && (*sides)[0] * (*sides)[1] <= kMostPicturePixels) {
+    return {(*sides)[0], (*sides)[1]};
+  }
+  throw InputError(
+      fmt::format("--size is WIDTHxHEIGHT in pixels, {} to {} each and {} million in all, such as 1600x900, "
+                  "not '{}'",
+                  kLeastPictureSide, kMostPictureSide, kMostPicturePixels / 1000000, text));
+}
+
+// Returns the file that --ontology names, by a path or a name of `scanmill list ontologies`; empty if not given.
+std::filesystem::path ontologyOption(const Arguments& parsed) {
+  const std::string given = parsed.text("ontology");
+  return given.empty() ? std::filesystem::path() : namedResource(given, "labels");
+}
 
 // Outputs that replace the window, and their options. Without a screenshot or a pick, a window is opened.
 struct Outputs {
@@ -332,7 +405,7 @@ int runView(const std::vector<std::string>& arguments) {
                                               : PictureSize{1280, 800};
   const Outputs outputs = readOutputs(parsed, size);
   const ViewOptions view = readViewOptions(parsed, outputs.window());
-  if (isExr(input.path) || recordingIn(input.path)) {
+  if (input.path.extension() == ".exr" || recordingIn(input.path)) {
     drawImage(input.path, parsed, size, outputs.screenshot);
     return 0;
   }
