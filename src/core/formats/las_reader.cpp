@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
-#include "base/earth.h"
 #include "base/error.h"
 #include "base/text_scan.h"
 #include "config/text.h"
+#include "formats/little_endian.h"
 #include "formats/readers.h"
 #include "formats/text_rows.h"
 #include "rasters/raster.h"
@@ -91,9 +90,7 @@ class LasReader {
 
   template <class T>
   T at(std::uint64_t offset) const {
-    T value;
-    std::memcpy(&value, bytes_.data() + offset, sizeof(value));
-    return value;
+    return numberAt<T>(bytes_, offset);
   }
 
   // Returns the position of a point (m), whose record begins at this byte.
@@ -298,13 +295,6 @@ class LasReader {
     cloud_.leftOut.add("bytes of each point that nothing describes", recordBytes_ - firstByte);
   }
 
-  template <class T>
-  T describedNumber(std::size_t at) const {
-    T value;
-    std::memcpy(&value, described_.data() + at, sizeof(value));
-    return value;
-  }
-
   // Keeps the extra bytes at `firstByte` of each record, whose description begins described_.
   template <class T>
   void keepExtra(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t firstByte,
@@ -313,12 +303,13 @@ class LasReader {
     keep<T>(records, name, firstByte);
     auto& values = std::get<std::vector<T>>(cloud_.scan.foreign.back().values);
     if ((options & kHasNone) != 0 && columnIndex(columnMeant(name)) < kColumnCount) {
-      const T none = std::is_same_v<T, float> ? static_cast<T>(describedNumber<double>(40)) : describedNumber<T>(40);
+      const T none =
+          std::is_same_v<T, float> ? static_cast<T>(numberAt<double>(described_, 40)) : numberAt<T>(described_, 40);
       std::replace(values.begin(), values.end(), none, T{});
     }
     if ((options & (kHasScale | kHasOffset)) == 0) return;
-    const double scale = (options & kHasScale) != 0 ? describedNumber<double>(112) : 1;
-    const double offset = (options & kHasOffset) != 0 ? describedNumber<double>(136) : 0;
+    const double scale = (options & kHasScale) != 0 ? numberAt<double>(described_, 112) : 1;
+    const double offset = (options & kHasOffset) != 0 ? numberAt<double>(described_, 136) : 0;
     std::vector<double> scaled(values.size());
     std::transform(values.begin(), values.end(), scaled.begin(),
                    [&](T value) { return static_cast<double>(value) * scale + offset; });

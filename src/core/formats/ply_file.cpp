@@ -1,6 +1,5 @@
 #include "formats/ply_file.h"
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <cstddef>

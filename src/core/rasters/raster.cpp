@@ -200,18 +200,6 @@ void tellLeftOut(const std::filesystem::path& file, const RasterHeader& header, 
   leftOut.warn(file.string());
 }
 
-// Returns all of the file's raster, without values.
-Raster wholeGrid(const std::filesystem::path& file, const RasterHeader& header) {
-  const auto& t = header.transform;
-  const double determinant = t[1] * t[5] - t[2] * t[4];
-  if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(t[0] + t[3])) {
-    fail(file, "has a geotransform that is none");
-  }
-  const CoordinateSystem& system = header.system;
-  return {header.width,      header.height,       {}, t, system.geographic, system.perUnit,
-          system.definition, header.georeferenced};
-}
-
 // A rectangle of the file's samples.
 struct Window {
   int column = 0, row = 0;  // of its first sample
@@ -219,7 +207,7 @@ struct Window {
 };
 
 // Returns the samples whose centres lie in the bounds or, if `partly` is true, those that cover a part of the bounds.
-Window windowIn(const Raster& grid, const RasterBounds& bounds, bool partly) {
+Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, bool partly) {
   double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
   for (const double x : {bounds[0], bounds[2]}) {
     for (const double y : {bounds[1], bounds[3]}) {
@@ -230,19 +218,21 @@ Window windowIn(const Raster& grid, const RasterBounds& bounds, bool partly) {
       bottom = std::max(bottom, row);
     }
   }
-  const auto first = [&](double edge, int count) {
-    return static_cast<int>(std::clamp(partly ? std::floor(edge) : std::round(edge), 0.0, double(count)));
-  };
-  const auto end = [&](double edge, int count) {
-    return static_cast<int>(std::clamp(partly ? std::ceil(edge) : std::round(edge), 0.0, double(count)));
-  };
-  const int column = first(left, grid.width), row = first(top, grid.height);
-  return {column, row, end(right, grid.width) - column, end(bottom, grid.height) - row};
+  const auto within = [](double edge, int count) { return static_cast<int>(std::clamp(edge, 0.0, double(count))); };
+  const int column = within(partly ? std::floor(left) : std::round(left), grid.width);
+  const int row = within(partly ? std::floor(top) : std::round(top), grid.height);
+  return {column, row, within(partly ? std::ceil(right) : std::round(right), grid.width) - column,
+          within(partly ? std::ceil(bottom) : std::round(bottom), grid.height) - row};
 }
 
 // Returns the samples that the request asks for, without the last columns and rows that do not fill a square of `every`
 // x `every` samples. Throws InputError if there are none, or too many squares.
-Window windowOf(const std::filesystem::path& file, const Raster& grid, const RasterRequest& request) {
+Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const RasterRequest& request) {
+  const auto& t = grid.transform;
+  const double determinant = t[1] * t[5] - t[2] * t[4];
+  if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(t[0] + t[3])) {
+    fail(file, "has a geotransform that is none");
+  }
   Window window{0, 0, grid.width, grid.height};
   if (request.within) window = windowIn(grid, *request.within, request.use != RasterUse::Heights);
   if (window.width <= 0 || window.height <= 0) {
@@ -265,8 +255,8 @@ Window windowOf(const std::filesystem::path& file, const Raster& grid, const Ras
 
 // Returns the grid of a window whose squares of `every` x `every` samples are one sample each; a window that is
 // narrower or lower than a square has rectangles instead.
-Raster reducedGrid(const Raster& file, const Window& window, int every) {
-  Raster grid = file;
+Raster reducedGrid(const RasterGrid& file, const Window& window, int every) {
+  Raster grid{file, {}};
   grid.width = std::max(window.width / every, 1);
   grid.height = std::max(window.height / every, 1);
   const double columnsEach = double(window.width) / grid.width, rowsEach = double(window.height) / grid.height;
@@ -318,13 +308,13 @@ bool readMeans(RasterReader& reader, int band, double marker, const Window& wind
 
 }  // namespace
 
-std::array<double, 2> Raster::centreOf(int column, int row) const {
+std::array<double, 2> RasterGrid::centreOf(int column, int row) const {
   const double c = column + 0.5;
   const double r = row + 0.5;
   return {transform[0] + c * transform[1] + r * transform[2], transform[3] + c * transform[4] + r * transform[5]};
 }
 
-std::array<double, 2> Raster::columnAndRow(double x, double y) const {
+std::array<double, 2> RasterGrid::columnAndRow(double x, double y) const {
   const double det = transform[1] * transform[5] - transform[2] * transform[4];
   const double dx = x - transform[0];
   const double dy = y - transform[3];
@@ -371,9 +361,8 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   const double factor = heights ? metresPerHeight(file, header) : 1;
   if (heights && request.georeferenced) warnOfDoubtfulHeights(file, header.system, band);
   tellLeftOut(file, header, request.use);
-  const Raster grid = wholeGrid(file, header);
-  const Window window = windowOf(file, grid, request);
-  Raster raster = reducedGrid(grid, window, request.every);
+  const Window window = windowOf(file, header, request);
+  Raster raster = reducedGrid(header, window, request.every);
   try {
     if (readMeans(*reader, request.band, band.marker, window, factor, raster) && heights) {
       warn(
@@ -400,7 +389,7 @@ CoordinateSystem coordinateSystem(const GeoKeys& keys, double x, double y) {
 }
 
 bool sameReference(const Raster& a, const Raster& b) {
-  return moduleOf<RastersModule>().same(a.reference, b.reference);
+  return moduleOf<RastersModule>().same(a.system.definition, b.system.definition);
 }
 
 double shiftBetween(const std::string& reference, const std::string& other, double x, double y) {

@@ -48,19 +48,24 @@ const FormatSupport& rasterFormat();
 // A rectangle in a raster's coordinates: least x and y, greatest x and y.
 using RasterBounds = std::array<double, 4>;
 
-struct Raster {
-  int width = 0, height = 0;
-  std::vector<float> values;        // row by row; NaN for a sample without a value
-  std::array<double, 6> transform;  // GDAL's geotransform; column and row are 0 at the raster's outer edges
-  bool geographic = false;          // true: x and y are longitude and latitude
-  double perUnit = 1;               // metres per unit of x and y; degrees if geographic
-  std::string reference;            // definition of the coordinate system (WKT); empty: unknown
-  bool georeferenced = true;        // false: the file has no geotransform, x and y count columns and rows
+// The places of the samples of a raster.
+struct RasterGrid {
+  int width = 0, height = 0;   // numbers of columns and rows; the first row is usually the northernmost
+  bool georeferenced = false;  // false: the file has no geotransform, x and y count columns and rows
+  // GDAL's geotransform: x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; (c, r) = (0, 0) is the outer corner of the first
+  // sample.
+  std::array<double, 6> transform{0, 1, 0, 0, 0, 1};
+  CoordinateSystem system;  // its stretch is that at the middle of the file's raster
 
   // Returns x and y of the centre of a sample.
   std::array<double, 2> centreOf(int column, int row) const;
   // Returns the column and row of the point (x, y), with fractions; 0 is the raster's outer edge.
   std::array<double, 2> columnAndRow(double x, double y) const;
+};
+
+struct Raster : RasterGrid {
+  std::vector<float> values;  // row by row; NaN for a sample without a value
+
   // Returns the value of the sample that contains the point (x, y); NaN outside of the raster.
   float valueAt(double x, double y) const;
   // Returns the least and the greatest value; infinity and -infinity if no sample has a value.
@@ -89,7 +94,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
 bool sameReference(const Raster& a, const Raster& b);
 
 // Returns the distance (m) between the points that x and y (m) are in two projected coordinate systems
-// (Raster::reference); 0 if it is not known, or if GDAL cannot be loaded.
+// (CoordinateSystem::definition); 0 if it is not known, or if GDAL cannot be loaded.
 double shiftBetween(const std::string& reference, const std::string& other, double x, double y);
 
 // Returns the numbers of the bands that hold red, green and blue: those that the file calls so, else the first three,

@@ -21,17 +21,11 @@ struct RasterBand {
   bool inverted = false;  // true: 0 is white
 };
 
-struct RasterHeader {
-  int width = 0;   // number of columns
-  int height = 0;  // number of rows; the first row is usually the northernmost
+struct RasterHeader : RasterGrid {
   std::vector<RasterBand> bands;
-  int others = 0;                                     // number of further rasters in the file
-  bool georeferenced = false;                         // true if the file states a geotransform
-  std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; (c, r) = (0, 0)
-                                                      // is the outer corner of the first sample
-  CoordinateSystem system;                            // its stretch is that at the raster's middle
-  std::vector<std::string> files;                     // the raster's own file and those beside it of which it consists
-  std::string driver;                                 // GDAL's name of the format
+  int others = 0;                  // number of further rasters in the file
+  std::vector<std::string> files;  // the raster's own file and those beside it of which it consists
+  std::string driver;              // GDAL's name of the format
 };
 
 // A raster that is open for reading.

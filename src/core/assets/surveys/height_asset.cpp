@@ -68,14 +68,14 @@ class HeightAsset {
   }
 
   Vec3d onEarth(double x, double y, double z) const {
-    return earthCentred(radians(x * heights_.perUnit), radians(y * heights_.perUnit), z);
+    return earthCentred(radians(x * heights_.system.perUnit), radians(y * heights_.system.perUnit), z);
   }
 
   // Sets the asset's origin and coordinate system; of a raster in degrees, the plane at its middle.
   void placeOnEarth() {
     const auto [x, y] = heights_.centreOf(heights_.width / 2, heights_.height / 2);
     const double unit = options_.metresPerUnit;
-    if (heights_.geographic) {
+    if (heights_.system.geographic) {
       // If the number of samples is even, the middle lies between two of them.
       const auto [x2, y2] = heights_.centreOf((heights_.width - 1) / 2, (heights_.height - 1) / 2);
       localFromEarth_ = eastNorthUp(onEarth((x + x2) / 2, (y + y2) / 2, 0));
@@ -83,8 +83,8 @@ class HeightAsset {
       asset_.system = fmt::format("[{}, {}]", (x + x2) / 2, (y + y2) / 2);
       return;
     }
-    if (unit == 1) asset_.system = heights_.reference;
-    asset_.origin = {std::floor(x * heights_.perUnit) * unit, std::floor(y * heights_.perUnit) * unit, 0};
+    if (unit == 1) asset_.system = heights_.system.definition;
+    asset_.origin = {std::floor(x * heights_.system.perUnit) * unit, std::floor(y * heights_.system.perUnit) * unit, 0};
   }
 
   // Throws InputError if heights or latitudes cannot be on the earth, or if a raster without a coordinate system seems
@@ -104,17 +104,17 @@ class HeightAsset {
     const auto [x2, y2] = heights_.centreOf(heights_.width - 1, heights_.height - 1);
     constexpr double kPole = 90 + 1e-6;  // degrees
     const double north = std::max(std::fabs(y), std::fabs(y2));
-    if (heights_.geographic && north * heights_.perUnit > kPole) {
+    if (heights_.system.geographic && north * heights_.system.perUnit > kPole) {
       fail(
           fmt::format("is in degrees, as its coordinate system says, but has the latitude {:.9g}: state "
                       "the system of its coordinates by gdal_edit.py -a_srs",
-                      north * heights_.perUnit));
+                      north * heights_.system.perUnit));
     }
-    if (heights_.geographic || options_.metresPerUnit != 1) return;
+    if (heights_.system.geographic || options_.metresPerUnit != 1) return;
     if (std::max(std::fabs(x), std::fabs(x2)) > 360 || std::max(std::fabs(y), std::fabs(y2)) > 90) return;
     const double extent = std::hypot(x2 - x, y2 - y);
     if (!(high - low > kSteepest * extent)) return;
-    if (!heights_.reference.empty()) {
+    if (!heights_.system.definition.empty()) {
       warn(
           fmt::format("{}: rises by {:.4g} m within {:.4g} units of its coordinate system: if its coordinates are "
                       "degrees, say so by 'gdal_edit.py -a_srs EPSG:4326'",
@@ -139,8 +139,8 @@ class HeightAsset {
     const auto [x, y] = heights_.centreOf(column, row);
     const double z = double{heights_.values[indexOf(column, row)]};
     const double unit = options_.metresPerUnit;
-    if (heights_.geographic) return localFromEarth_ * onEarth(x, y, z) * unit;
-    return Vec3d{x * heights_.perUnit, y * heights_.perUnit, z} * unit - asset_.origin;
+    if (heights_.system.geographic) return localFromEarth_ * onEarth(x, y, z) * unit;
+    return Vec3d{x * heights_.system.perUnit, y * heights_.system.perUnit, z} * unit - asset_.origin;
   }
 
   void requireSameSystem(const Raster& other, const std::filesystem::path& name) const {

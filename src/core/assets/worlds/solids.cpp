@@ -105,10 +105,10 @@ bool isImage(const Raster& raster, const std::filesystem::path& file) {
 Vec3d sizeOf(const XmlNode& shape, const Raster& raster, bool image, double low, double high) {
   if (shape.child("size") != nullptr) return sizesOf(shape, "size");
   if (image) return {1, 1, 1};
-  if (raster.geographic) shape.fail("has no <size>, which a raster in degrees needs");
+  if (raster.system.geographic) shape.fail("has no <size>, which a raster in degrees needs");
   const auto& t = raster.transform;
-  return {raster.width * std::hypot(t[1], t[4]) * raster.perUnit,
-          raster.height * std::hypot(t[2], t[5]) * raster.perUnit, high - low};
+  return {raster.width * std::hypot(t[1], t[4]) * raster.system.perUnit,
+          raster.height * std::hypot(t[2], t[5]) * raster.system.perUnit, high - low};
 }
 
 }  // namespace

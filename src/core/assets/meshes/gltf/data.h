@@ -51,7 +51,6 @@ class Data {
 
 struct DracoMesh {
   struct Values {
-    std::size_t width = 0;
     bool normalized = false;     // true: integers were converted to the interval 0 to 1, or -1 to 1
     std::vector<float> numbers;  // vertex by vertex
   };

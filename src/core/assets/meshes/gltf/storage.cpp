@@ -1,7 +1,6 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
-#include <cstring>
 #include <string_view>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include "assets/meshes/references.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "formats/little_endian.h"
 
 namespace scanmill::gltf {
 namespace {
@@ -21,12 +21,6 @@ constexpr std::size_t kTileHeader = 28;           // size of a tile's header (by
 // Offsets in the header of the sizes (bytes) of a tile's tables.
 constexpr std::size_t kFeaturesAt = 12, kBinaryFeaturesAt = 16, kBatchesAt = 20, kBinaryBatchesAt = 24;
 
-std::uint32_t readWord(std::string_view bytes, std::size_t at) {
-  std::uint32_t word = 0;
-  std::memcpy(&word, bytes.data() + at, sizeof word);
-  return word;
-}
-
 // Returns the glTF in a tile of 3D Tiles 1.0. A tile consists of a header, a feature table (JSON, then binary), a batch
 // table (JSON, then binary) and the glTF. Sets `center` of the container if the feature table has RTC_CENTER, as a list
 // or as an offset into the table's binary part, and `batchTable`.
@@ -34,11 +28,11 @@ std::string glbOfTile(const std::string& tile, Container& container) {
   if (tile.size() < kTileHeader) throw Error("is truncated within the header of the tile");
   std::size_t begin = kTileHeader;
   for (const std::size_t at : {kFeaturesAt, kBinaryFeaturesAt, kBatchesAt, kBinaryBatchesAt})
-    begin += readWord(tile, at);
+    begin += numberAt<std::uint32_t>(tile, at);
   if (begin > tile.size()) throw Error("is damaged: the tables of the tile are longer than the file");
   constexpr std::size_t kEmptyTable = 8;  // size of "{}" with padding
-  container.batchTable = readWord(tile, kBatchesAt) > kEmptyTable;
-  const std::size_t features = readWord(tile, kFeaturesAt);
+  container.batchTable = numberAt<std::uint32_t>(tile, kBatchesAt) > kEmptyTable;
+  const std::size_t features = numberAt<std::uint32_t>(tile, kFeaturesAt);
   if (features > 0) {
     const auto json = nlohmann::json::parse(tile.substr(kTileHeader, features));
     if (const auto found = json.find("RTC_CENTER"); found != json.end()) {
@@ -47,11 +41,10 @@ std::string glbOfTile(const std::string& tile, Container& container) {
         c = found->get<std::array<double, 3>>();
       } else {
         const auto offset = found->at("byteOffset").get<std::size_t>();
-        const std::size_t binary = readWord(tile, kBinaryFeaturesAt);
+        const std::size_t binary = numberAt<std::uint32_t>(tile, kBinaryFeaturesAt);
         if (offset > binary || binary - offset < 12)
           throw Error("is damaged: RTC_CENTER lies outside the feature table");
-        std::array<float, 3> f{};
-        std::memcpy(f.data(), tile.data() + kTileHeader + features + offset, sizeof f);
+        const auto f = numberAt<std::array<float, 3>>(tile, kTileHeader + features + offset);
         std::copy(f.begin(), f.end(), c.begin());
       }
       container.center = Vec3d{c[0], c[1], c[2]};
@@ -240,7 +233,7 @@ Container readContainer(const std::filesystem::path& file, const std::filesystem
   if (bytes.starts_with("\x1F\x8B")) {
     fail("is compressed by gzip: unpack it, with 'gunzip < FILE > UNPACKED', and all other files of the tileset alike");
   }
-  if (bytes.size() >= 4 && readWord(bytes, 0) == kTileMagic) {
+  if (bytes.size() >= 4 && numberAt<std::uint32_t>(bytes, 0) == kTileMagic) {
     try {
       bytes = glbOfTile(bytes, container);
     } catch (const nlohmann::json::exception& e) {
@@ -249,17 +242,17 @@ Container readContainer(const std::filesystem::path& file, const std::filesystem
       fail(e.what());
     }
   }
-  if (bytes.size() < 4 || readWord(bytes, 0) != kMagic) {
+  if (bytes.size() < 4 || numberAt<std::uint32_t>(bytes, 0) != kMagic) {
     container.json = std::move(bytes);
     return container;
   }
   if (bytes.size() < 20) fail("is truncated within the GLB header");
-  if (readWord(bytes, 4) != 2) fail("is glTF 1.0, which is obsolete: export it as glTF 2.0");
-  const std::size_t total = readWord(bytes, 8);
+  if (numberAt<std::uint32_t>(bytes, 4) != 2) fail("is glTF 1.0, which is obsolete: export it as glTF 2.0");
+  const std::size_t total = numberAt<std::uint32_t>(bytes, 8);
   if (total > bytes.size()) fail(fmt::format("is truncated: has {} of {} bytes", bytes.size(), total));
   for (std::size_t at = 12; at + 8 <= total;) {
-    const std::size_t size = readWord(bytes, at);
-    const std::uint32_t kind = readWord(bytes, at + 4);
+    const std::size_t size = numberAt<std::uint32_t>(bytes, at);
+    const std::uint32_t kind = numberAt<std::uint32_t>(bytes, at + 4);
     if (size > total - at - 8) fail("is damaged: a GLB chunk is longer than the file");
     if (kind == kJsonChunk && container.json.empty()) container.json = bytes.substr(at + 8, size);
     if (kind == kBinChunk && container.bin.empty()) container.bin = bytes.substr(at + 8, size);
