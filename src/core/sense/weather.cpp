@@ -20,6 +20,15 @@ double power(double base, double exponent) {
   return exponential(exponent * naturalLog(base));
 }
 
+// Returns air in which droplets or dust float. The visibility (m) is the distance at which 5 % of the contrast are left
+// (Koschmieder).
+Weather hazeOf(double visibility, double lidarRatio) {
+  Weather haze;
+  haze.extinction = -naturalLog(0.05) / visibility;
+  haze.backscatter = haze.extinction / lidarRatio;
+  return haze;
+}
+
 }  // namespace
 
 double DropSizes::above(double diameter) const {
@@ -60,19 +69,6 @@ Weather snowOf(double rate) {
   snow.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;
   return snow;
 }
-
-namespace {
-
-// Returns air in which droplets or dust float. The visibility (m) is the distance at which 5 % of the contrast are left
-// (Koschmieder).
-Weather hazeOf(double visibility, double lidarRatio) {
-  Weather haze;
-  haze.extinction = -naturalLog(0.05) / visibility;
-  haze.backscatter = haze.extinction / lidarRatio;
-  return haze;
-}
-
-}  // namespace
 
 Weather fogOf(double visibility) {
   return hazeOf(visibility, kFogLidarRatio);

@@ -36,8 +36,7 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
     if (parts[i] != nullptr && parts[i]->kind == ConceptKind::Whole) ofWholes[parts[i]] += count;
   }
   const auto mostOf = [](const auto& counts) {
-    return std::max_element(counts.begin(), counts.end(),
-                            [](const auto& a, const auto& b) { return a.second < b.second; });
+    return std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; });
   };
   if (triangles.empty()) return nullptr;
   const Concept* const most = mostOf(triangles)->first;
@@ -271,8 +270,7 @@ void doubtUnit(FrameGuess& guess) {
 bool guessSharedUnit(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
   const auto sized = std::count_if(files.begin(), files.end(), isSized);
   const auto fitting = [&](double unit) {
-    return std::count_if(files.begin(), files.end(),
-                         [&](const FrameGuess* f) { return isSized(f) && fits(*f, unit, 1); });
+    return std::ranges::count_if(files, [&](const FrameGuess* f) { return isSized(f) && fits(*f, unit, 1); });
   };
   double shared = 1;
   for (const double unit : kUnits) {

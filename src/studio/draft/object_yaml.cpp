@@ -64,8 +64,7 @@ bool matchesPart(const Patterns& patterns, const GuessedPart& part) {
 
 // True if all parts that the patterns match have the concept `wanted`.
 bool isConsistent(const Patterns& patterns, const std::vector<GuessedPart>& parts, const Concept* wanted) {
-  return std::all_of(parts.begin(), parts.end(),
-                     [&](const GuessedPart& k) { return k.shows == wanted || !matchesPart(patterns, k); });
+  return std::ranges::all_of(parts, [&](const auto& k) { return k.shows == wanted || !matchesPart(patterns, k); });
 }
 
 // Returns a pattern for all nodes of the model in a world to which the part belongs; empty patterns if nodes of the

@@ -34,7 +34,8 @@ struct CloseUp {
 // A pinhole or orthographic camera. Points are in the sensor frame or the canvas frame (m): x forward, y left, z up.
 struct ViewCamera {
   bool orthographic = false;
-  Vec3d eye, right{0, -1, 0}, down{0, 0, -1}, forward{1, 0, 0};
+  Vec3d eye;
+  Vec3d right{0, -1, 0}, down{0, 0, -1}, forward{1, 0, 0};
   double focal = 1;    // focal length (pixels); for orthographic cameras, pixels per metre
   double centerX = 0;  // position of the optical axis in the picture (pixels)
   double centerY = 0;

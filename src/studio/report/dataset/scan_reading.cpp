@@ -41,6 +41,23 @@ Scan readScan(const ScanStore& store, const ScanIndex& index) {
   throw InputError(fmt::format("the scan of {}, {} is missing", sample.key, record.sensor));
 }
 
+// Returns a random number for a seed and a sample, from the Philox generator with the seed as key and the sample in the
+// counter. The counter's last word states the purpose of a random number, so the result is independent of the program's
+// other random numbers.
+std::uint64_t randomNumber(std::uint64_t seed, std::size_t sample) {
+  constexpr std::uint32_t kPictures = 0xFFFF0000u;
+  const RandomBlock block = philox4x32(
+      {static_cast<std::uint32_t>(sample), static_cast<std::uint32_t>(std::uint64_t{sample} >> 32), 0, kPictures},
+      {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+  return std::uint64_t{block[0]} << 32 | block[1];
+}
+
+// The samples of a split that have points and are not in damaged shards.
+struct SplitSamples {
+  std::string split;
+  std::vector<std::pair<std::uint64_t, std::size_t>> drawn;  // pairs of random number and index of the sample
+};
+
 }  // namespace
 
 std::vector<std::string> shardFaults(const fs::path& folder, const Manifest& manifest, bool hashed) {
@@ -92,27 +109,6 @@ std::vector<std::string> readScans(const ScanStore& store, const std::vector<Sca
   appendNew(problems, different);
   return different;
 }
-
-namespace {
-
-// Returns a random number for a seed and a sample, from the Philox generator with the seed as key and the sample in the
-// counter. The counter's last word states the purpose of a random number, so the result is independent of the program's
-// other random numbers.
-std::uint64_t randomNumber(std::uint64_t seed, std::size_t sample) {
-  constexpr std::uint32_t kPictures = 0xFFFF0000u;
-  const RandomBlock block = philox4x32(
-      {static_cast<std::uint32_t>(sample), static_cast<std::uint32_t>(std::uint64_t{sample} >> 32), 0, kPictures},
-      {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
-  return std::uint64_t{block[0]} << 32 | block[1];
-}
-
-// The samples of a split that have points and are not in damaged shards.
-struct SplitSamples {
-  std::string split;
-  std::vector<std::pair<std::uint64_t, std::size_t>> drawn;  // pairs of random number and index of the sample
-};
-
-}  // namespace
 
 std::vector<ScanIndex> spreadScans(const Manifest& manifest, std::size_t most) {
   std::vector<ScanIndex> all;

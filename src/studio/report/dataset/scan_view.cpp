@@ -151,21 +151,6 @@ class ViewData {
   OrderedJson json_;
 };
 
-}  // namespace
-
-std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontology) {
-  if (scans.empty()) return "";
-  constexpr int kMapColors = 64;
-  OrderedJson data;
-  for (int i = 0; i < kMapColors; ++i) data["viridis"].push_back(viridis(static_cast<double>(i) / (kMapColors - 1)));
-  data["background"] = kBackground;
-  data["none"] = kNoValue;
-  for (const ViewedScan& viewed : scans) data["scans"].push_back(ViewData(viewed, ontology).make());
-  return scriptJson(data.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
-}
-
-namespace {
-
 // An instance or a class with at most this number of points is kept complete if possible.
 constexpr std::size_t kFewPoints = 1000;
 
@@ -206,6 +191,17 @@ double factorFor(std::vector<double> weights, double kept) {
 }
 
 }  // namespace
+
+std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontology) {
+  if (scans.empty()) return "";
+  constexpr int kMapColors = 64;
+  OrderedJson data;
+  for (int i = 0; i < kMapColors; ++i) data["viridis"].push_back(viridis(static_cast<double>(i) / (kMapColors - 1)));
+  data["background"] = kBackground;
+  data["none"] = kNoValue;
+  for (const ViewedScan& viewed : scans) data["scans"].push_back(ViewData(viewed, ontology).make());
+  return scriptJson(data.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
+}
 
 std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
   std::vector<std::size_t> finite;

@@ -23,7 +23,7 @@ std::string trimmed(const std::string& text) {
 }
 
 // Returns the four parts of a line, which are separated by " | "; missing parts are empty.
-std::vector<std::string> gridRects(const std::string& line) {
+std::vector<std::string> cellParts(const std::string& line) {
   std::vector<std::string> parts;
   for (std::size_t at = 0; at != std::string::npos;) {
     const std::size_t end = line.find(" | ", at);
@@ -74,7 +74,7 @@ std::string tableTemplate(const std::string& text) {
       addToRows("{{/" + repeated + "}}");
       group.clear();
     } else {
-      std::vector<std::string> parts = gridRects(line);
+      std::vector<std::string> parts = cellParts(line);
       const bool words = parts[0].starts_with("< ");
       const std::string kind = words ? " class=\"words\"" : "";
       heads +=

@@ -337,8 +337,7 @@ std::vector<std::size_t> samplesWith(const ScanStore& store, const std::string& 
 }  // namespace
 
 std::size_t comparedBandOf(double range) {
-  return static_cast<std::size_t>(std::upper_bound(kRangeBands.begin(), kRangeBands.end(), range) -
-                                  kRangeBands.begin());
+  return static_cast<std::size_t>(std::ranges::upper_bound(kRangeBands, range) - kRangeBands.begin());
 }
 
 std::string comparedBandName(std::size_t band) {

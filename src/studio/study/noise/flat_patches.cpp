@@ -228,42 +228,6 @@ std::vector<FlatPatch> choose(const std::vector<FlatPatch>& candidates, const st
   return chosen;
 }
 
-}  // namespace
-
-BeamImage::BeamImage(const BeamTable& beams) : columns_(beams.columns), wraps_(beams.fullTurn()) {
-  ring_.resize(beams.rings);
-  std::iota(ring_.begin(), ring_.end(), 0u);
-  std::ranges::stable_sort(ring_,
-                           [&](std::uint32_t a, std::uint32_t b) { return beams.elevation[a] > beams.elevation[b]; });
-  const double step = beams.columns > 1 ? beams.azimuth(1) - beams.azimuth(0) : 2 * kPi;
-  shift_.reserve(ring_.size());
-  for (const std::uint32_t ring : ring_) {
-    shift_.push_back(static_cast<std::int64_t>(std::llround(beams.azimuthOffset[ring] / step)));
-  }
-}
-
-std::uint32_t BeamImage::starts(std::uint32_t width) const {
-  if (columns_ < width) return 0;
-  return wraps_ ? columns_ : columns_ - width + 1;
-}
-
-std::optional<std::uint32_t> BeamImage::beam(std::uint32_t row, std::uint32_t column) const {
-  std::int64_t at = static_cast<std::int64_t>(column) - shift_[row];
-  const std::int64_t turn = columns_;
-  if (wraps_) {
-    at = ((at % turn) + turn) % turn;
-  } else if (at < 0 || at >= turn) {
-    return {};
-  }
-  return ring_[row] * columns_ + static_cast<std::uint32_t>(at);
-}
-
-double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& plane) {
-  return (1 - dot(plane, beams.originOf(beam))) / dot(plane, beams.direction[beam]);
-}
-
-namespace {
-
 // Fits the measured half, if it has enough returns.
 void addMeasuredHalf(const BeamTable& beams, const std::vector<const Cell*>& measured, FlatPatch& patch) {
   constexpr double kLeastFree = 0.1;  // least 1 - leverage; other returns determine a coefficient almost alone
@@ -314,6 +278,38 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
 }
 
 }  // namespace
+
+BeamImage::BeamImage(const BeamTable& beams) : columns_(beams.columns), wraps_(beams.fullTurn()) {
+  ring_.resize(beams.rings);
+  std::iota(ring_.begin(), ring_.end(), 0u);
+  std::ranges::stable_sort(ring_,
+                           [&](std::uint32_t a, std::uint32_t b) { return beams.elevation[a] > beams.elevation[b]; });
+  const double step = beams.columns > 1 ? beams.azimuth(1) - beams.azimuth(0) : 2 * kPi;
+  shift_.reserve(ring_.size());
+  for (const std::uint32_t ring : ring_) {
+    shift_.push_back(static_cast<std::int64_t>(std::llround(beams.azimuthOffset[ring] / step)));
+  }
+}
+
+std::uint32_t BeamImage::starts(std::uint32_t width) const {
+  if (columns_ < width) return 0;
+  return wraps_ ? columns_ : columns_ - width + 1;
+}
+
+std::optional<std::uint32_t> BeamImage::beam(std::uint32_t row, std::uint32_t column) const {
+  std::int64_t at = static_cast<std::int64_t>(column) - shift_[row];
+  const std::int64_t turn = columns_;
+  if (wraps_) {
+    at = ((at % turn) + turn) % turn;
+  } else if (at < 0 || at >= turn) {
+    return {};
+  }
+  return ring_[row] * columns_ + static_cast<std::uint32_t>(at);
+}
+
+double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& plane) {
+  return (1 - dot(plane, beams.originOf(beam))) / dot(plane, beams.direction[beam]);
+}
 
 std::vector<double> rangeBandEdges() {
   return {0, 2.5, 5, 7.5, 10, 12.5, 15, 20, 25, 30, 40, 50, 70, 100, 150, 220};

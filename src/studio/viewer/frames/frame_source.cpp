@@ -46,6 +46,14 @@ class SceneFrames : public FrameSource {
   std::optional<Ontology> ontology_;
 };
 
+std::optional<fs::path> fileOf(const std::string& saved, const fs::path& datasetFolder) {
+  for (const fs::path& folder : pipelineFolders(datasetFolder)) {
+    const fs::path file = fileOfSavedPath(saved, folder);
+    if (isFile(file)) return file;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
@@ -76,18 +84,6 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
 std::size_t findFrame(const FrameSource& source, const std::string& wanted) {
   return findKey(source.keys(), wanted, source.title());
 }
-
-namespace {
-
-std::optional<fs::path> fileOf(const std::string& saved, const fs::path& datasetFolder) {
-  for (const fs::path& folder : pipelineFolders(datasetFolder)) {
-    const fs::path file = fileOfSavedPath(saved, folder);
-    if (isFile(file)) return file;
-  }
-  return std::nullopt;
-}
-
-}  // namespace
 
 std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const fs::path& datasetFolder, double time,
                                    std::string& why) {

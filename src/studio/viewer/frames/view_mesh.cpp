@@ -229,6 +229,47 @@ void removeDistantMovers(Scene& scene, double time) {
   });
 }
 
+constexpr double kNever = std::numeric_limits<double>::infinity();
+// Length (m) by which boxes are enlarged, so that rounding errors cannot cause rays to miss flat boxes.
+constexpr double kBoxSlack = 1e-6;
+
+// Returns the distance (m) at which a ray enters a box; 0 if it starts inside; infinity if it misses. Slab method of T.
+// Kay and J. Kajiya, "Ray tracing complex scenes", SIGGRAPH 1986.
+double entry(const Box& box, const Vec3d& origin, const Vec3d& direction) {
+  double enter = 0, leave = kNever;
+  for (double Vec3d::*const axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    const double low = box.low.*axis - kBoxSlack - origin.*axis;
+    const double high = box.high.*axis + kBoxSlack - origin.*axis;
+    if (direction.*axis == 0) {
+      if (low > 0 || high < 0) return kNever;
+      continue;
+    }
+    const auto [near, far] = std::minmax({low / direction.*axis, high / direction.*axis});
+    enter = std::max(enter, near);
+    leave = std::min(leave, far);
+  }
+  return enter <= leave ? enter : kNever;
+}
+
+// Returns the distance (m) at which a ray hits a triangle from either side; infinity if it misses. T. Moeller and B.
+// Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
+double distanceTo(const Vec3f* corners, const Vec3d& origin, const Vec3d& direction) {
+  const Vec3d a(corners[0]);
+  const Vec3d ab = Vec3d(corners[1]) - a;
+  const Vec3d ac = Vec3d(corners[2]) - a;
+  const Vec3d p = cross(direction, ac);
+  const double det = dot(ab, p);
+  if (det == 0) return kNever;
+  const Vec3d fromA = origin - a;
+  const double u = dot(fromA, p) / det;
+  if (!(u >= 0 && u <= 1)) return kNever;
+  const Vec3d q = cross(fromA, ab);
+  const double v = dot(direction, q) / det;
+  if (!(v >= 0 && u + v <= 1)) return kNever;
+  const double t = dot(ac, q) / det;
+  return t >= 0 ? t : kNever;
+}
+
 }  // namespace
 
 ViewMesh makeViewMesh(const Scene& scene) {
@@ -275,51 +316,6 @@ ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, dou
     return none;
   }
 }
-
-namespace {
-
-constexpr double kNever = std::numeric_limits<double>::infinity();
-// Length (m) by which boxes are enlarged, so that rounding errors cannot cause rays to miss flat boxes.
-constexpr double kBoxSlack = 1e-6;
-
-// Returns the distance (m) at which a ray enters a box; 0 if it starts inside; infinity if it misses. Slab method of T.
-// Kay and J. Kajiya, "Ray tracing complex scenes", SIGGRAPH 1986.
-double entry(const Box& box, const Vec3d& origin, const Vec3d& direction) {
-  double enter = 0, leave = kNever;
-  for (double Vec3d::*const axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
-    const double low = box.low.*axis - kBoxSlack - origin.*axis;
-    const double high = box.high.*axis + kBoxSlack - origin.*axis;
-    if (direction.*axis == 0) {
-      if (low > 0 || high < 0) return kNever;
-      continue;
-    }
-    const auto [near, far] = std::minmax({low / direction.*axis, high / direction.*axis});
-    enter = std::max(enter, near);
-    leave = std::min(leave, far);
-  }
-  return enter <= leave ? enter : kNever;
-}
-
-// Returns the distance (m) at which a ray hits a triangle from either side; infinity if it misses. T. Moeller and B.
-// Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
-double distanceTo(const Vec3f* corners, const Vec3d& origin, const Vec3d& direction) {
-  const Vec3d a(corners[0]);
-  const Vec3d ab = Vec3d(corners[1]) - a;
-  const Vec3d ac = Vec3d(corners[2]) - a;
-  const Vec3d p = cross(direction, ac);
-  const double det = dot(ab, p);
-  if (det == 0) return kNever;
-  const Vec3d fromA = origin - a;
-  const double u = dot(fromA, p) / det;
-  if (!(u >= 0 && u <= 1)) return kNever;
-  const Vec3d q = cross(fromA, ab);
-  const double v = dot(direction, q) / det;
-  if (!(v >= 0 && u + v <= 1)) return kNever;
-  const double t = dot(ac, q) / det;
-  return t >= 0 ? t : kNever;
-}
-
-}  // namespace
 
 std::optional<MeshHit> pickTriangle(const ViewMesh& mesh, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d along = normalized(direction);

@@ -25,6 +25,37 @@ void checkSize(int width, int height) {
   }
 }
 
+constexpr const char* kVertex = R"(//VTK::System::Dec
+in vec2 pixel;
+in vec2 place;
+in vec4 color;
+uniform vec2 canvasSize;
+out vec2 imagePlace;
+out vec4 tint;
+
+void main() {
+  imagePlace = place;
+  tint = color;
+  gl_Position = vec4(2.0 * pixel.x / canvasSize.x - 1.0, 1.0 - 2.0 * pixel.y / canvasSize.y, 0.0, 1.0);
+}
+)";
+
+constexpr const char* kFragment = R"(//VTK::System::Dec
+//VTK::Output::Dec
+in vec2 imagePlace;
+in vec4 tint;
+uniform sampler2D image;
+
+void main() {
+  gl_FragData[0] = tint * texture(image, imagePlace);
+}
+)";
+
+const void* offsetPointer(std::size_t bytes) {
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): an offset that OpenGL takes as a pointer
+  return reinterpret_cast<const void*>(bytes);
+}
+
 }  // namespace
 
 CanvasScene::CanvasScene(int width, int height) : width_(width), height_(height) {
@@ -201,41 +232,6 @@ void CanvasScene::showPicture() {
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   state->PopFramebufferBindings();
 }
-
-namespace {
-
-constexpr const char* kVertex = R"(//VTK::System::Dec
-in vec2 pixel;
-in vec2 place;
-in vec4 color;
-uniform vec2 canvasSize;
-out vec2 imagePlace;
-out vec4 tint;
-
-void main() {
-  imagePlace = place;
-  tint = color;
-  gl_Position = vec4(2.0 * pixel.x / canvasSize.x - 1.0, 1.0 - 2.0 * pixel.y / canvasSize.y, 0.0, 1.0);
-}
-)";
-
-constexpr const char* kFragment = R"(//VTK::System::Dec
-//VTK::Output::Dec
-in vec2 imagePlace;
-in vec4 tint;
-uniform sampler2D image;
-
-void main() {
-  gl_FragData[0] = tint * texture(image, imagePlace);
-}
-)";
-
-const void* offsetPointer(std::size_t bytes) {
-  // NOLINTNEXTLINE(performance-no-int-to-ptr): an offset that OpenGL takes as a pointer
-  return reinterpret_cast<const void*>(bytes);
-}
-
-}  // namespace
 
 void OverlayPainter::setImage(vtkOpenGLRenderWindow* window, ImageId image, int width, int height,
                               std::span<const Rgba> pixels) {

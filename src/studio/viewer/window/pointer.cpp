@@ -11,6 +11,26 @@ namespace {
 
 constexpr Rgb kMeasureColor{255, 240, 90};
 
+constexpr double kReach = 8;  // largest distance of a picked point from the pointer (pixels)
+
+// Returns the points of a point's beam, the nearest first; nothing if no beam of the scan can have several points.
+std::vector<Vec3f> returnsOf(const ViewScan& viewed, std::size_t point) {
+  const Scan& scan = viewed.scan;
+  if (!knowsBeams(scan) || (scan.organised ? scan.planes < 2 : scan[kReturn].empty())) return {};
+  const PointKey own = keyOf(scan, point);
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const PointKey key = keyOf(scan, i);
+    if (key.ring == own.ring && key.column == own.column && isFinite(scan.position[i])) {
+      all.push_back(i);
+    }
+  }
+  std::ranges::sort(all, {}, [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
+  std::vector<Vec3f> places;
+  for (const std::size_t i : all) places.push_back(viewed.drawnPositions()[i]);
+  return places;
+}
+
 }  // namespace
 
 Pointer::Pointer(SessionContext& context, const ShownClouds& clouds, SceneView& sceneView)
@@ -117,12 +137,6 @@ void Pointer::placeMeasure() {
   sceneView_.setLines(kMeasureItem, line, 2);
   context_.changes.items = context_.changes.panels = true;
 }
-
-namespace {
-
-constexpr double kReach = 8;  // largest distance of a picked point from the pointer (pixels)
-
-}  // namespace
 
 std::optional<std::size_t> Pointer::viewAt(int px, int py) const {
   for (std::size_t v = 0; v < context_.redraw.views().size(); ++v) {
@@ -253,28 +267,6 @@ const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t
   }
   return lastSummary_->second;
 }
-
-namespace {
-
-// Returns the points of a point's beam, the nearest first; nothing if no beam of the scan can have several points.
-std::vector<Vec3f> returnsOf(const ViewScan& viewed, std::size_t point) {
-  const Scan& scan = viewed.scan;
-  if (!knowsBeams(scan) || (scan.organised ? scan.planes < 2 : scan[kReturn].empty())) return {};
-  const PointKey own = keyOf(scan, point);
-  std::vector<std::size_t> all;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const PointKey key = keyOf(scan, i);
-    if (key.ring == own.ring && key.column == own.column && isFinite(scan.position[i])) {
-      all.push_back(i);
-    }
-  }
-  std::ranges::sort(all, {}, [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
-  std::vector<Vec3f> places;
-  for (const std::size_t i : all) places.push_back(viewed.drawnPositions()[i]);
-  return places;
-}
-
-}  // namespace
 
 // Outlines the instance under the pointer: draws its points again in white, larger and slightly farther away.
 void Pointer::highlightInstance() {

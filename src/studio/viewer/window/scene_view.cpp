@@ -10,6 +10,23 @@ namespace {
 constexpr Rgb kRingColor{120, 130, 150};
 constexpr Rgb kTrackColor{255, 214, 64};
 
+// Returns the corners of the boxes of parts that are in the box, or its own corners if there are hardly any.
+std::vector<Vec3d> pointsIn(const ViewMesh& mesh, const Box& box) {
+  std::vector<Vec3d> points;
+  const auto addCorners = [&](const Box& of) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d p{corner & 1 ? of.high.x : of.low.x, corner & 2 ? of.high.y : of.low.y,
+                    corner & 4 ? of.high.z : of.low.z};
+      Box grown = box;
+      grown.add(p);
+      if (grown.low == box.low && grown.high == box.high) points.push_back(p);
+    }
+  };
+  for (const Box& part : mesh.partBoxes) addCorners(part);
+  if (points.size() < 8) addCorners(box);
+  return points;
+}
+
 }  // namespace
 
 SceneView::SceneView(SessionContext& context, ShownClouds& clouds)
@@ -144,27 +161,6 @@ double SceneView::pointSize() const {
   if (context_.options.pointSize > 0) return context_.options.pointSize;
   return std::max(2.0, std::round(context_.canvas.height() / 450.0));
 }
-
-namespace {
-
-// Returns the corners of the boxes of parts that are in the box, or its own corners if there are hardly any.
-std::vector<Vec3d> pointsIn(const ViewMesh& mesh, const Box& box) {
-  std::vector<Vec3d> points;
-  const auto addCorners = [&](const Box& of) {
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3d p{corner & 1 ? of.high.x : of.low.x, corner & 2 ? of.high.y : of.low.y,
-                    corner & 4 ? of.high.z : of.low.z};
-      Box grown = box;
-      grown.add(p);
-      if (grown.low == box.low && grown.high == box.high) points.push_back(p);
-    }
-  };
-  for (const Box& part : mesh.partBoxes) addCorners(part);
-  if (points.size() < 8) addCorners(box);
-  return points;
-}
-
-}  // namespace
 
 OrbitCamera SceneView::preset(View view) const {
   OrbitCamera chosen = presetCamera(view);
