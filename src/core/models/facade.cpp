@@ -110,15 +110,13 @@ class FacadeMaker {
 }  // namespace
 
 FacadeLook facadeLook(Shape& shape, const char* wall, const char* casing) {
-  FacadeLook look;
-  look.wall = shape.surface("building", wall);
-  look.trim = shape.surface("building", "concrete");
-  look.wood = shape.surface("building", "wood");
-  look.metal = shape.surface("building", "painted_metal");
-  look.tile = shape.surface("building", "roof_tile");
-  look.glass = shape.surface("window", "glass");
-  look.casing = shape.surface("window", casing);
-  return look;
+  return {.wall = shape.surface("building", wall),
+          .trim = shape.surface("building", "concrete"),
+          .wood = shape.surface("building", "wood"),
+          .metal = shape.surface("building", "painted_metal"),
+          .tile = shape.surface("building", "roof_tile"),
+          .glass = shape.surface("window", "glass"),
+          .casing = shape.surface("window", casing)};
 }
 
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,

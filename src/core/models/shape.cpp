@@ -31,11 +31,7 @@ Vec3d Draw::direction() {
 
 std::vector<double> steps(double from, double to, double step) {
   std::vector<double> values;
-  double value = from;
-  while (value < to) {
-    values.push_back(value);
-    value += step;
-  }
+  for (double value = from; value < to; value += step) values.push_back(value);
   return values;
 }
 

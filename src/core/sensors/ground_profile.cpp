@@ -109,7 +109,6 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
   std::vector<double> driven(positions_.size(), 0.0);  // m driven up to each position
   std::optional<double> last;
   double lastAt = 0;  // m driven up to the latest sample that has ground
-  std::size_t bare = 0;
   Vec3d before = poseOnPath(0).translation;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     const Pose pose = poseOnPath(positions_[i]);
@@ -126,8 +125,6 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
     if (found[i]) {
       last = found[i]->height;
       lastAt = driven[i];
-    } else {
-      ++bare;
     }
   }
   if (!last) {
@@ -136,6 +133,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
                                  "info` of the scene prints its bounds (`start` moves recorded poses){}",
                                  shortPosition(poseOnPath(0).translation), options.wheels ? kWheelAdvice : ""));
   }
+  const auto bare = std::count(found.begin(), found.end(), std::nullopt);
   bare_ = static_cast<double>(bare) / static_cast<double>(positions_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
   // of the first sample with ground.

@@ -30,8 +30,10 @@ std::array<double, N> numbersOf(std::string_view text, const Location& where, co
   return numbers;
 }
 
-// Returns the transform whose matrix has `m` as its first three rows. Throws InputError if the transform is not rigid.
-Affine rigid(const std::array<double, 12>& m, const Location& where) {
+// Returns the transform whose matrix has the 12 numbers of a text as its first three rows. Throws InputError if the
+// transform is not rigid.
+Affine rigid(std::string_view text, const Location& where) {
+  const auto m = numbersOf<12>(text, where, "a matrix of 3 rows and 4 columns");
   const Affine affine{{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}}, {m[3], m[7], m[11]}};
   const Mat3 product = transposed(affine.linear) * affine.linear;
   double off = std::fabs(determinant(affine.linear) - 1);
@@ -72,17 +74,11 @@ void headAlong(std::vector<StampedPose>& poses) {
 // Gives the columns of other programs the names of ours. The ground truth of the EuRoC dataset may not say that its
 // times are in ns.
 void renameColumns(TextTable& table) {
+  constexpr std::pair<const char*, const char*> kEuroc[] = {
+      {"timestamp", "time_ns"}, {"p_rs_r_x", "x"}, {"p_rs_r_y", "y"}, {"p_rs_r_z", "z"},
+      {"q_rs_w", "qw"},         {"q_rs_x", "qx"},  {"q_rs_y", "qy"},  {"q_rs_z", "qz"}};
   if (table.has("p_rs_r_x")) {
-    for (const auto& [theirs, ours] : {std::pair{"timestamp", "time_ns"},
-                                       {"p_rs_r_x", "x"},
-                                       {"p_rs_r_y", "y"},
-                                       {"p_rs_r_z", "z"},
-                                       {"q_rs_w", "qw"},
-                                       {"q_rs_x", "qx"},
-                                       {"q_rs_y", "qy"},
-                                       {"q_rs_z", "qz"}}) {
-      table.rename(theirs, ours);
-    }
+    for (const auto& [theirs, ours] : kEuroc) table.rename(theirs, ours);
   }
   for (const char* unit : {"s", "ms", "us", "ns"}) {
     table.rename(fmt::format("timestamp_{}", unit), fmt::format("time_{}", unit).c_str());
@@ -184,9 +180,7 @@ Quat checkedRotation(const Quat& q, const Location& where) {
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
   std::vector<Affine> poses;
-  for (const TextLine& line : linesOf(bytes, file)) {
-    poses.push_back(rigid(numbersOf<12>(line.text, line.where, "a matrix of 3 rows and 4 columns"), line.where));
-  }
+  for (const TextLine& line : linesOf(bytes, file)) poses.push_back(rigid(line.text, line.where));
   return poses;
 }
 
@@ -202,8 +196,7 @@ Affine readKittiCalibration(const std::filesystem::path& file) {
   for (const TextLine& line : linesOf(bytes, file)) {
     const std::size_t colon = line.text.find(':');
     if (line.text.substr(0, colon) != "Tr" && line.text.substr(0, colon) != "Tr_velo_to_cam") continue;
-    return rigid(numbersOf<12>(line.text.substr(colon + 1), line.where, "a matrix of 3 rows and 4 columns"),
-                 line.where);
+    return rigid(line.text.substr(colon + 1), line.where);
   }
   throw InputError({file.string()}, "has no line `Tr: 12 numbers`, the transform from the scanner to the camera");
 }

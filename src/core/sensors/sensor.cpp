@@ -171,13 +171,6 @@ std::array<double, 2> readWidths(Fields& fields, std::string_view key, double mo
   return {widths[0] * unit, widths[1] * unit};
 }
 
-void readBeamShape(Fields& fields, BeamTable& table) {
-  table.divergence = readWidths(fields, "divergence_mrad", 200, 1e-3);
-  table.exitWidth = readWidths(fields, "exit_width_mm", 1000, 1e-3);
-  table.uniformBeam = fields.choice("beam_shape", {"gaussian", "uniform"}, "gaussian") == "uniform";
-  table.pulse = fields.number("pulse_ns", {0, 1e4}, 0) * 1e-9;
-}
-
 // Throws InputError if the number of a calibration's lasers differs from the number of the preset's rings.
 void checkSameLasers(const Value& preset, const Value& own) {
   const Value* elevation = preset.find("elevation_deg");
@@ -403,7 +396,10 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
     if (pattern == "flash") makeFlash(fields, *table);
   }
   readRange(fields, *table);
-  readBeamShape(fields, *table);
+  table->divergence = readWidths(fields, "divergence_mrad", 200, 1e-3);
+  table->exitWidth = readWidths(fields, "exit_width_mm", 1000, 1e-3);
+  table->uniformBeam = fields.choice("beam_shape", {"gaussian", "uniform"}, "gaussian") == "uniform";
+  table->pulse = fields.number("pulse_ns", {0, 1e4}, 0) * 1e-9;
   fields.also({"columns", "calibration", "effects"}).finish();
 
   fillBeams(*table);

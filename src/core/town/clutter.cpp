@@ -153,9 +153,7 @@ void placeGardenThings(Placer& placer) {
   int number = 0;
   int water = 0;
   const auto tryAt = [&](const Plot& plot, Draw& draw, Clutter what, double depth) {
-    const Road& road = l.roads()[plot.road];
-    const double along = draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2));
-    Spot spot = besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth));
+    Spot spot = l.inPlot(plot, draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2)), depth);
     spot.yaw += (plot.side > 0 ? 0 : kPi) + draw.in(-0.4, 0.4);
     const Beside b = l.besideAt(spot.at);
     if (b.known && b.edge < (what == Clutter::Pond ? b.section.paved() : b.section.outer()) + 1) return false;

@@ -92,6 +92,11 @@ class Layout {
   const std::vector<Road>& roads() const { return network_.roads(); }  // the main road comes first
   const Road& mainRoad() const { return roads().front(); }
   Beside besideAt(const Point2& p) const { return network_.at(p); }
+  // Returns the place at a distance along a plot's road, `depth` metres beyond the edge of the plot; see besideRoad().
+  models::Spot inPlot(const Plot& plot, double along, double depth) const {
+    const Road& road = roads()[plot.road];
+    return besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth));
+  }
   // True if the point is in a pothole, or less than `reach` (m) from its rim.
   bool nearPothole(const Point2& p, double reach) const;
   // kindAt() returns the kind of ground at a point, heightAt() the height of the ground (m). At a border between two

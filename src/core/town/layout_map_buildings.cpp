@@ -228,11 +228,7 @@ void Layout::cover(const MapBuilding& building, const Footprint& around) {
 double Layout::addBarePlots(const Road& road, int side, double from, double to) {
   constexpr double kLeastPlot = 8;  // m; less ground gets no plot
   while (to - from > kLeastPlot) {
-    Plot plot;
-    plot.road = road.number;
-    plot.side = side;
-    plot.bare = true;
-    plot.from = from;
+    Plot plot{.road = road.number, .side = side, .from = from, .bare = true};
     Draw draw(seed, Kind::BarePlot, static_cast<std::uint32_t>(plots.size()));
     plot.to = std::min(to, from + draw.around(character.plotWidth, 0.3));
     plot.setback = character.setback;
@@ -244,9 +240,7 @@ double Layout::addBarePlots(const Road& road, int side, double from, double to) 
 
 // True if the front of a plot is on a parking lot, a square, water or another road.
 bool Layout::isFrontCovered(const Plot& plot) const {
-  const Road& road = roads()[plot.road];
-  const double out = plot.side * (road.section.half + road.section.outer() + 1.5);
-  const Point2 front = besideRoad(road, (plot.from + plot.to) / 2, out).at;
+  const Point2 front = inPlot(plot, (plot.from + plot.to) / 2, 1.5).at;
   const Beside b = besideAt(front);
   return areas.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
 }

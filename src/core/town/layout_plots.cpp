@@ -18,16 +18,6 @@ constexpr double kDriveway = 3;      // m, width of a driveway
 constexpr double kWalkway = 1.4;     // m, width of a path to a house
 constexpr double kBeforeDoor = 0.6;  // m from a door to the point in front of it where a path begins
 
-// Returns the distance (m) from the middle of a road to the plots beside it.
-double toPlots(const Road& road) {
-  return road.section.half + road.section.outer();
-}
-
-// Returns the point at a distance along a plot's road, `lateral` metres from the road's middle on the plot's side.
-Point2 pointOfPlot(const Road& road, const Plot& plot, double along, double lateral) {
-  return besideRoad(road, along, plot.side * lateral).at;
-}
-
 }  // namespace
 
 void Layout::drawPlots() {
@@ -116,12 +106,9 @@ void Layout::addPlots(const Road& road, int side, double from, double to) {
   constexpr double kIntoPlot = 6;   // m from the sidewalk to the point whose area decides about a plot
   double start = from;
   while (to - start > kLeastPlot) {
-    Plot plot;
-    plot.number = static_cast<std::uint32_t>(plots.size());
-    Draw draw(seed, Kind::Plot, plot.number);
-    plot.road = road.number;
-    plot.side = side;
-    plot.from = start;
+    const auto number = static_cast<std::uint32_t>(plots.size());
+    Draw draw(seed, Kind::Plot, number);
+    Plot plot{.number = number, .road = road.number, .side = side, .from = start};
     plot.to = std::min(to, start + draw.around(character.plotWidth, 0.3));
     plot.setback =
         std::max(character.terraced ? 0.35 : 1.0, character.setback + draw.in(-1, 1) * character.setbackSpread);
@@ -136,7 +123,7 @@ void Layout::addPlots(const Road& road, int side, double from, double to) {
     // Leaves out a plot without a house if it is in an area (park, wood, parking lot, water ...). Elsewhere such a plot
     // becomes a garden.
     const double middle = (plot.from + plot.to) / 2;
-    if (!plot.built && areas.at(pointOfPlot(road, plot, middle, toPlots(road) + kIntoPlot))) continue;
+    if (!plot.built && areas.at(inPlot(plot, middle, kIntoPlot).at)) continue;
     plots.push_back(plot);
   }
 }
@@ -151,11 +138,11 @@ Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot
   const double depth = halls ? draw.in(12, 22) : draw.in(7.5, 12.5);
   const Point2 heading = road.heading((plot.from + plot.to) / 2);
   const auto widthAt = [&](double lateral) {
-    const Point2 a = pointOfPlot(road, plot, plot.from, lateral);
-    const Point2 b = pointOfPlot(road, plot, plot.to, lateral);
+    const Point2 a = besideRoad(road, plot.from, plot.side * lateral).at;
+    const Point2 b = besideRoad(road, plot.to, plot.side * lateral).at;
     return (b.x - a.x) * heading.x + (b.y - a.y) * heading.y;
   };
-  const double front = toPlots(road) + plot.setback;
+  const double front = road.section.half + road.section.outer() + plot.setback;
   drawn.width = drawn.attached ? widthAt(front) : std::min(widthAt(front), widthAt(front + depth));
   drawn.gap = drawn.attached ? 0 : draw.in(1.2, std::max(1.5, 0.35 * drawn.width));
   const int floors = c.floorsLow + draw.below(c.floorsHigh - c.floorsLow + 1);
@@ -171,9 +158,8 @@ Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot
 bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& drawn, Draw& draw) {
   House house = drawn.house;
   // The ends of the plot's front, from left to right as seen from the road.
-  const double front = toPlots(road) + plot.setback;
-  const Point2 left = pointOfPlot(road, plot, plot.side > 0 ? plot.from : plot.to, front);
-  const Point2 right = pointOfPlot(road, plot, plot.side > 0 ? plot.to : plot.from, front);
+  const Point2 left = inPlot(plot, plot.side > 0 ? plot.from : plot.to, plot.setback).at;
+  const Point2 right = inPlot(plot, plot.side > 0 ? plot.to : plot.from, plot.setback).at;
   const double yaw = std::atan2(right.y - left.y, right.x - left.x);
   // If there is a driveway at the right end of the plot, the house is shifted towards the left end.
   const Point2 center = Footprint{models::lerp(left, right, 0.5), 0, 0, yaw}.at(

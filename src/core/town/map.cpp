@@ -12,7 +12,6 @@
 #include "base/input_budget.h"
 #include "base/text_scan.h"
 #include "config/text.h"
-#include "town/map_tags.h"
 
 namespace scanmill::town {
 namespace {

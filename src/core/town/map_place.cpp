@@ -100,9 +100,7 @@ class Cutter {
     }
     addJoints();
     addLines();
-    addBuildings();
-    addAreas();
-    addTrees();
+    addContents();
     place_.district = districtAbout(place_);
     return std::move(place_);
   }
@@ -260,16 +258,13 @@ class Cutter {
     addRuns(map_.barriers, denseLine, place_.barriers);
   }
 
-  // Adds the buildings that are completely in the square.
-  void addBuildings() {
+  // Adds the buildings that are completely in the square, and the areas and trees.
+  void addContents() {
     for (const MapBuilding& b : map_.buildings) {
       MapBuilding placed = moved(b);
       const auto within = [&](const Point2& p) { return isWithin(p, reach_); };
       if (std::ranges::all_of(placed.outline, within)) place_.buildings.push_back(std::move(placed));
     }
-  }
-
-  void addAreas() {
     for (const MapArea& a : map_.areas) {
       MapArea placed{a.land, moved(a.outline), {}, a.square};
       if (!mayReach(placed.outline)) continue;
@@ -281,9 +276,6 @@ class Cutter {
       }
       place_.areas.push_back(std::move(placed));
     }
-  }
-
-  void addTrees() {
     for (MapTree tree : map_.trees) {
       tree.at = moved(tree.at);
       if (isWithin(tree.at, reach_)) place_.trees.push_back(tree);

@@ -1,9 +1,8 @@
-#include "town/map_tags.h"
-
 #include <algorithm>
 
 #include "base/text_scan.h"
 #include "config/text.h"
+#include "town/map.h"
 
 namespace scanmill::town {
 namespace {

@@ -16,13 +16,11 @@ constexpr double kMarkingHeight = 0.004;  // m, height of markings and manhole c
 constexpr double kEndOfRoad = 4;          // m at the ends of a road without dashes, covers and repairs
 constexpr double kHalfLine = 0.06;        // m, half of the width of a dashed line
 
-enum class StopLineKind { Solid, Dashed };
-
-// Paints a stop line at `along` (m) across the lane for vehicles that drive against the road's line. Returns the number
-// of its pieces.
+// Paints the line of a sign at `along` (m) across the lane for vehicles that drive against the road's line: solid at
+// stop signs, else dashed. Returns the number of its pieces.
 std::uint32_t paintStopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
-                            StopLineKind kind) {
-  const bool solid = kind == StopLineKind::Solid;
+                            TrafficSign sign) {
+  const bool solid = sign == TrafficSign::Stop;
   constexpr double kGap = 0.15;  // m between the line and the lane's edges
   const double left = road.section.half - road.section.parking - kGap;
   const double right = road.oneWay() ? -left : kGap;
@@ -42,13 +40,11 @@ std::uint32_t paintStopLines(const Placer& placer, Shape& s, models::SurfaceInde
   const Layout& l = placer.layout;
   std::uint32_t pieces = 0;
   for (const Road& road : l.roads()) {
-    if (const std::optional<TrafficSign> sign = signAtMouth(l, road)) {
-      pieces += paintStopLine(l, s, paint, road, stopLineOfSideRoad(l),
-                              *sign == TrafficSign::Stop ? StopLineKind::Solid : StopLineKind::Dashed);
-    }
+    const std::optional<TrafficSign> sign = signAtMouth(l, road);
+    if (sign) pieces += paintStopLine(l, s, paint, road, stopLineOfSideRoad(l), *sign);
   }
   for (const Placer::Light& light : placer.lights) {
-    if (light.marked) pieces += paintStopLine(l, s, paint, l.mainRoad(), light.along, StopLineKind::Solid);
+    if (light.marked) pieces += paintStopLine(l, s, paint, l.mainRoad(), light.along, TrafficSign::Stop);
   }
   return pieces;
 }
@@ -68,16 +64,6 @@ void paintDash(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road
   }
 }
 
-// Returns the distances (m, to the left) of the lines between a road's lanes from the road's middle.
-std::vector<double> laneLines(const CrossSection& section) {
-  std::vector<double> lines;
-  if (section.median <= 0) lines.push_back(0);
-  for (int lane = 1; lane < section.lanes; ++lane) {
-    for (const double side : {-1.0, 1.0}) lines.push_back(side * (section.median + lane * section.laneWidth()));
-  }
-  return lines;
-}
-
 // Paints the dashed lines of a road, in a random rhythm. Returns the number of dashes of each line.
 std::uint32_t paintDashedLines(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, Draw& draw) {
   constexpr double kFromEdge = 0.25;  // m from an edge line to the edge of the lanes
@@ -85,7 +71,13 @@ std::uint32_t paintDashedLines(Shape& s, models::SurfaceIndex paint, const Layou
   const double gap = length * draw.in(1, 2);
   const bool edges = l.character.country && draw.chance(0.6);
   const double halfOfLanes = road.section.half - road.section.parking - road.section.shoulder;
-  const std::vector<double> lines = laneLines(road.section);
+  std::vector<double> lines;  // m to the left of the road's middle
+  if (road.section.median <= 0) lines.push_back(0);
+  for (int lane = 1; lane < road.section.lanes; ++lane) {
+    for (const double side : {-1.0, 1.0}) {
+      lines.push_back(side * (road.section.median + lane * road.section.laneWidth()));
+    }
+  }
   std::uint32_t dashes = 0;
   for (double at = kEndOfRoad; at + length < road.length() - kEndOfRoad; at += length + gap) {
     if (isJoint(l, road, road.point(at + length / 2))) continue;

@@ -41,27 +41,20 @@ std::optional<PavementPosition> drawPosition(const Placer& placer, Draw& draw) {
       s.sidewalk > 0 ? s.curb + s.verge + draw.in(0.3, std::max(0.4, s.sidewalk - 0.3)) : draw.in(0.4, 1);
   const double side = draw.sign();
   const PavementPosition place{&road, at, side * (s.half + out), draw.sign()};
-  const Spot spot = place.spot();
-  if (l.besideAt(spot.at).edge <= 0.2) return std::nullopt;
-  return place;
-}
-
-// True at the ends of the main road, where traffic comes out of the ground and goes back into it.
-bool isAtEnd(const Layout& l, const Point2& p) {
-  constexpr double kNear = 20;  // m
-  const std::vector<Point2>& line = l.mainRoad().line;
-  return std::min(distance(p, line.front()), distance(p, line.back())) < kNear;
+  return l.besideAt(place.spot().at).edge > 0.2 ? std::optional(place) : std::nullopt;
 }
 
 // Returns how far (m) a pedestrian or cyclist can go from a place before an object, another road or the end of the road
 // is in the way; at most `most`. `half`: half of the width that must be free (m), of which 0.2 m may be over a road.
 double freeLength(const Placer& placer, PavementPosition place, double most, double half) {
+  constexpr double kNearEnd = 20;  // m from the ends of the main road, where traffic comes out of the ground
+  const std::vector<Point2>& line = placer.layout.mainRoad().line;
   const double start = place.along;
   for (const double done : models::steps(0, most, 0.5)) {
     place.along = start + place.direction * done;
     if (place.along < 4 || place.along > place.road->length() - 4) return done;
     const Spot spot = place.spot();
-    if (isAtEnd(placer.layout, spot.at)) return done;
+    if (std::min(distance(spot.at, line.front()), distance(spot.at, line.back())) < kNearEnd) return done;
     const double edge = placer.layout.besideAt(spot.at).edge;
     if (edge < half - 0.2 || edge > 12 || !placer.occupancy.isFree({spot.at, half, half, spot.yaw})) return done;
   }

@@ -131,7 +131,6 @@ void plantPark(Placer& placer, const MapArea& park, Draw& draw, int& number) {
 void plantGarden(Placer& placer, const Plot& plot, int& number) {
   constexpr int kAttempts = 4;
   const Layout& l = placer.layout;
-  const Road& road = l.roads()[plot.road];
   Draw draw(l.seed, Kind::GardenTrees, plot.number);
   const double expected = l.character.gardenTrees * draw.in(0.3, 1.7);
   const auto count = static_cast<int>(expected + draw.next());
@@ -139,8 +138,7 @@ void plantGarden(Placer& placer, const Plot& plot, int& number) {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const bool front = draw.chance(0.4) && plot.setback > 3;
       const double depth = front ? draw.in(0.8, plot.setback) : plot.setback + draw.in(0, 26);
-      const Spot spot =
-          besideRoad(road, draw.in(plot.from, plot.to), plot.side * (road.section.half + road.section.outer() + depth));
+      const Spot spot = l.inPlot(plot, draw.in(plot.from, plot.to), depth);
       if (!onLawn(l, spot.at, 0.5)) continue;
       if (!plant(placer, draw, spot, front, front ? 2.6 : 0, fmt::format("tree {}", number + 1))) continue;
       ++number;
@@ -269,14 +267,12 @@ void placeBushes(Placer& placer) {
       models::makeForms(kBushForms, [&](int f) { return models::makeBush(placer.builder, l.seed, f, bushFoliage); });
   int number = 0;
   for (const Plot& plot : l.plots) {
-    const Road& road = l.roads()[plot.road];
     Draw draw(l.seed, Kind::GardenBushes, plot.number);
     const double expected = c.gardenBushes * draw.in(0.2, 1.8);
     const int count = static_cast<int>(expected + draw.next());
     for (int k = 0; k < count; ++k) {
       const double depth = draw.chance(0.4) ? draw.in(0.4, std::max(1.0, 0.5 * plot.setback)) : draw.in(14, 26);
-      Spot spot =
-          besideRoad(road, draw.in(plot.from, plot.to), plot.side * (road.section.half + road.section.outer() + depth));
+      Spot spot = l.inPlot(plot, draw.in(plot.from, plot.to), depth);
       spot.yaw = draw.in(0, 2 * kPi);
       spot.scale = draw.in(0.6, 1.5);
       if (!onLawn(l, spot.at, 0.4 * spot.scale)) continue;
