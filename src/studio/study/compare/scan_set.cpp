@@ -1,4 +1,4 @@
-#include "study/compare/scan_set.h"
+#include "study/compare/compare.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "study/noise/ring_errors.h"
+#include "study/noise/fit_noise.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

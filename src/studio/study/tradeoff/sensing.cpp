@@ -1,4 +1,4 @@
-#include "study/tradeoff/sensing.h"
+#include "study/tradeoff/study.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,3 @@
-#include "study/noise/ring_errors.h"
-
 #include "base/random.h"
 #include "study/noise/fit_noise.h"
 #include "tests/studio/study/noise/noise_scans.h"

@@ -1,4 +1,4 @@
-#include "study/tradeoff/sensing.h"
+#include "study/tradeoff/study.h"
 
 #include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
