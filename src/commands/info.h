@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "assets/asset.h"
-#include "config/value.h"
 #include "sensors/beams.h"
 
 namespace scanmill {
@@ -15,11 +14,6 @@ namespace scanmill {
 // Returns the horizontal and the vertical field of view of the beams (deg). A horizontal gap of less than 5 degrees
 // counts as none.
 std::array<double, 2> fieldOf(const BeamTable& beams);
-// Prints a sensor's file.
-void printSensor(const Value& sensor);
-
-// True if a file is Ouster's metadata or a table of a sensor's lasers, by its suffix and contents.
-bool isCalibration(const std::filesystem::path& file);
 // Prints a scene file. `seed`: seed of a procedural scene.
 void printScene(const std::filesystem::path& file, std::uint64_t seed);
 // Prints a 3D file; also its colours if `options.textures` is true.

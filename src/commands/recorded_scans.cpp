@@ -13,12 +13,6 @@
 
 namespace scanmill {
 
-namespace {
-
-constexpr std::size_t kMostScans = 100;  // greatest number of scans per path; callers keep all of them in memory
-
-}  // namespace
-
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what) {
   std::string text = parsed.text(option);
   if (text.empty()) throw InputError(fmt::format("--{} is missing: {}", option, what));
@@ -27,6 +21,7 @@ std::string requiredText(const Arguments& parsed, const std::string& option, con
 
 void forEachScan(const std::vector<std::string>& given,
                  const std::function<void(const Scan&, const std::string&)>& visit) {
+  constexpr std::size_t kMostScans = 100;  // greatest number per path; callers keep all of them in memory
   for (const std::string& path : given) {
     const ScanStore store(path);
     const std::size_t stored = store.keys().size();

@@ -66,8 +66,8 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   for (const std::string& warning : result.warnings) warn(warning);
   std::size_t poses = 0;
   for (const RepeatedView& view : result.views) poses += view.poses.size();
-  printText("{} {}, {} noise {}: open {}\n", grouped(poses), poses == 1 ? "pose" : "poses", result.levels.size(),
-            result.levels.size() == 1 ? "level" : "levels", (folder / "index.html").string());
+  printText("{}, {}: open {}\n", pluralOf(poses, "pose"), pluralOf(result.levels.size(), "noise level"),
+            (folder / "index.html").string());
   return 0;
 }
 

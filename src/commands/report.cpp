@@ -18,12 +18,6 @@ namespace {
 
 constexpr std::size_t kMostSamples = 64;  // greatest number of pictured samples; they make the page large
 
-// Returns the report's file in the current folder, such as "small_report.html" for a dataset in the folder "out/small".
-std::string defaultName(const std::filesystem::path& folder) {
-  const std::string name = lastName(folder);
-  return (name.empty() || name == "/" ? std::string("dataset") : name) + "_report.html";
-}
-
 }  // namespace
 
 int runReport(const std::vector<std::string>& arguments) {
@@ -44,7 +38,9 @@ int runReport(const std::vector<std::string>& arguments) {
   const std::filesystem::path folder = parsed.positional("DATASET");
   requireDataset(folder);
   const bool named = parsed.has("out");
-  const std::filesystem::path file = named ? parsed.text("out") : defaultName(folder);
+  std::string name = lastName(folder);  // "small" for a dataset in the folder "out/small"
+  if (name.empty() || name == "/") name = "dataset";
+  const std::filesystem::path file = named ? parsed.text("out") : name + "_report.html";
   if (file.empty()) throw InputError("-o: the name of the file is empty");
 
   DatasetReportOptions reportOptions{.seed = parsed.options["seed"].as<std::uint64_t>(),

@@ -145,24 +145,24 @@ class Bag {
     markers.front().action = RosMarker::Action::DeleteAll;
     for (const ObjectRecord& object : objects.objects) {
       const SemanticClass& semantic = plan_.classes.classOf(object.semantic);
-      RosMarker box;
-      box.shape = RosMarker::Shape::Cube;
-      box.nameSpace = semantic.name;
-      box.id = static_cast<std::int32_t>(object.id);  // ids from 2^31 on become negative, but stay unique
-      box.pose = object.worldFromBox;
-      box.scale = object.size;
-      for (std::size_t i = 0; i < 3; ++i) box.color[i] = static_cast<float>(semantic.color[i]) / 255;
-      box.color[3] = kBoxOpacity;
-      RosMarker text;
-      text.shape = RosMarker::Shape::Text;
-      text.nameSpace = "name";
-      text.id = box.id;
-      text.pose.translation = object.worldFromBox.translation + Vec3d{0, 0, object.size.z / 2 + kLetters};
-      text.scale = {0, 0, kLetters};
-      text.color = kTextColor;
-      text.text = nameOf(object, semantic);
-      markers.push_back(std::move(box));
-      markers.push_back(std::move(text));
+      const auto id = static_cast<std::int32_t>(object.id);  // ids from 2^31 on become negative, but stay unique
+      std::array<float, 4> color{0, 0, 0, kBoxOpacity};
+      for (std::size_t i = 0; i < 3; ++i) color[i] = static_cast<float>(semantic.color[i]) / 255;
+      markers.push_back({.shape = RosMarker::Shape::Cube,
+                         .nameSpace = semantic.name,
+                         .id = id,
+                         .pose = object.worldFromBox,
+                         .scale = object.size,
+                         .color = color,
+                         .text = {}});
+      const Vec3d aboveBox = object.worldFromBox.translation + Vec3d{0, 0, object.size.z / 2 + kLetters};
+      markers.push_back({.shape = RosMarker::Shape::Text,
+                         .nameSpace = "name",
+                         .id = id,
+                         .pose = {{}, aboveBox},
+                         .scale = {0, 0, kLetters},
+                         .color = kTextColor,
+                         .text = nameOf(object, semantic)});
     }
     const std::uint64_t time = timeOf(objects.time);
     file_.addMessage(*objects_, time, markersMessage(time, kWorld, markers));
