@@ -181,8 +181,7 @@ Value endOf(const Value& value, std::size_t& number) {
   readWeights(fields);
   const std::vector<PlacedInteger> span = readSpan(list);
   if (!span.empty()) {
-    const auto [low, high] =
-        std::ranges::minmax_element(span, [](const auto& a, const auto& b) { return a.value < b.value; });
+    const auto [low, high] = std::ranges::minmax_element(span, {}, &PlacedInteger::value);
     return scalar(value, std::to_string(which % 2 == 0 ? low->value : high->value));
   }
   number = which / list.items.size();

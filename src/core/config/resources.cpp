@@ -78,15 +78,6 @@ std::optional<fs::path> builtIn(const fs::path& name, const fs::path& subfolder)
   return std::nullopt;
 }
 
-// Returns the hint of suggestion() for a name that no YAML file of this kind in the folders has.
-std::string advice(const fs::path& path, const std::vector<fs::path>& folders, FileKind kind) {
-  std::vector<std::string> names;
-  for (const fs::path& folder : folders) {
-    for (std::string& name : yamlNames(folder, kind)) names.push_back(std::move(name));
-  }
-  return suggestion(path.stem().string(), names);
-}
-
 }  // namespace
 
 bool isPlainName(const std::string& name) {
@@ -140,7 +131,11 @@ fs::path resolveResource(const Value& value, const std::string& name, const std:
     places += fmt::format(", nor '{}' in the current folder", name);
   }
   folders.push_back(resourceFolder() / subfolder);
-  throw InputError(value.where, places + advice(name, folders, kindIn(subfolder)));
+  std::vector<std::string> known;
+  for (const fs::path& folder : folders) {
+    for (std::string& other : yamlNames(folder, kindIn(subfolder))) known.push_back(std::move(other));
+  }
+  throw InputError(value.where, places + suggestion(fs::path(name).stem().string(), known));
 }
 
 fs::path namedResource(const std::string& name, const std::string& subfolder) {

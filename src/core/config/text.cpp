@@ -16,12 +16,6 @@ unsigned char byteAt(std::string_view text, std::size_t i) {
   return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
 }
 
-// Returns the length (bytes) of the well-formed UTF-8 sequence at `i`; 0 if it is ill-formed.
-std::size_t utf8Length(std::string_view text, std::size_t i) {
-  const Utf8Character c = utf8At(text, i);
-  return c.code == kNoCharacter ? 0 : c.bytes;
-}
-
 // True if the line has only blanks, or blanks and a comment, from `i` on.
 bool restIsBlank(std::string_view text, std::size_t i) {
   i = text.find_first_not_of(" \t", i);
@@ -84,9 +78,9 @@ void checkText(std::string_view text, const std::string& file) {
       throw InputError(where, "the indentation has a tab: YAML allows only spaces there");
     }
     indenting = indenting && (c == ' ' || c == '\t');
-    const std::size_t length = utf8Length(text, i);
-    if (length == 0) throw InputError(where, fmt::format("the byte 0x{:02X} is not valid UTF-8", c));
-    i += length;
+    const Utf8Character character = utf8At(text, i);
+    if (character.code == kNoCharacter) throw InputError(where, fmt::format("the byte 0x{:02X} is not valid UTF-8", c));
+    i += character.bytes;
   }
 }
 

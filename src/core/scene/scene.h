@@ -7,13 +7,13 @@
 //   }
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "base/error.h"
@@ -99,10 +99,7 @@ struct Instance {
 // A part of an asset to which no rule gives a class, identified by names in the asset.
 struct UnlabeledPart {
   std::string file, material, texture, node;
-  bool operator==(const UnlabeledPart&) const = default;
-  bool operator<(const UnlabeledPart& o) const {
-    return std::tie(file, material, texture, node) < std::tie(o.file, o.material, o.texture, o.node);
-  }
+  auto operator<=>(const UnlabeledPart&) const = default;
 };
 
 // How often a rule of the scene file applied, counted in triangles of meshes.

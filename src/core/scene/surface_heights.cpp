@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <functional>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -19,14 +19,10 @@ double areaFromAbove(const std::array<Vec3d, 3>& c) {
   return ((c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y)) / 2;
 }
 
-struct Facet {
-  std::uint32_t instance, triangle;
-};
-
 // The context of a query that collects every triangle that a ray crosses.
 struct Crossings {
   EmbreeContext embree;
-  std::vector<Facet>* found;
+  std::vector<SurfaceHeights::Facet>* found;
 };
 
 void note(const RTCFilterFunctionNArguments* arguments) {
@@ -133,10 +129,9 @@ std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) cons
   std::vector<Surface> surfaces;
   if (hierarchy_->bounds.empty()) return surfaces;
   std::vector<Facet> found = hierarchy_->crossedAt(x, y);
-  const auto key = [](const Facet& f) { return std::tuple(f.instance, f.triangle); };
-  std::ranges::sort(found, [&](const Facet& a, const Facet& b) { return key(a) < key(b); });
+  std::ranges::sort(found);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if (i > 0 && key(found[i]) == key(found[i - 1])) continue;
+    if (i > 0 && found[i] == found[i - 1]) continue;
     const Mesh& mesh = scene_.meshes[scene_.instances[found[i].instance].mesh];
     const auto [a, b, c] = cornersOf(scene_.instances[found[i].instance], mesh, found[i].triangle);
     const Vec3d normal = cross(b - a, c - a);
@@ -147,14 +142,14 @@ std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) cons
                         std::acos(std::min(std::fabs(normal.z) / length(normal), 1.0)), semantic,
                         own != nullptr && own->thing});
   }
-  std::ranges::stable_sort(surfaces, [](const Surface& p, const Surface& q) { return p.height > q.height; });
+  std::ranges::stable_sort(surfaces, std::greater{}, &Surface::height);
   return surfaces;
 }
 
 SurfaceHeights::Area SurfaceHeights::area(const std::vector<std::uint16_t>& classes) const {
   Area up;
   Area any;
-  const auto add = [](Area& area, const Area::Facet& facet, double squareMetres) {
+  const auto add = [](Area& area, const Facet& facet, double squareMetres) {
     if (!(squareMetres > 0)) return;
     area.facets_.push_back(facet);
     area.sums_.push_back(area.squareMetres() + squareMetres);

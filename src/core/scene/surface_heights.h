@@ -4,6 +4,7 @@
 // points from the surfaces of given classes.
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -47,6 +48,11 @@ class SurfaceHeights {
     std::uint16_t semantic = 0;
     bool thing = false;
   };
+  // A triangle of an instance's mesh.
+  struct Facet {
+    std::uint32_t instance, triangle;  // indices
+    auto operator<=>(const Facet&) const = default;
+  };
 
   // The scene must outlive this object. The object knows no instance before the first update().
   explicit SurfaceHeights(const Scene& scene);
@@ -81,9 +87,6 @@ class SurfaceHeights {
 
    private:
     friend class SurfaceHeights;
-    struct Facet {
-      std::uint32_t instance, triangle;
-    };
     const Scene* scene_ = nullptr;
     std::vector<Facet> facets_;
     std::vector<double> sums_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <set>
@@ -143,8 +144,7 @@ class ThingBoxes::Builder {
       }
     }
     for (auto& [id, parts] : partsOf) {
-      std::ranges::stable_sort(
-          parts, [&](const Part& a, const Part& b) { return shareOf(a).triangles > shareOf(b).triangles; });
+      std::ranges::stable_sort(parts, std::greater{}, [&](const Part& part) { return shareOf(part).triangles; });
     }
     return partsOf;
   }

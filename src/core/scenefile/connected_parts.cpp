@@ -169,7 +169,7 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
     const Vec3d& low = connected[i].low;
     return std::tuple(-diagonal(i), low.x, low.y, low.z);
   };
-  std::ranges::stable_sort(order, [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  std::ranges::stable_sort(order, {}, key);
   Box all;
   for (const Box& box : connected) {
     if (box.empty()) continue;

@@ -70,12 +70,6 @@ std::string gives(const Rule& rule) {
   return text;
 }
 
-// Numbers of triangles by rule: those that the rule matches, and those whose class or material the rule sets.
-struct RuleCounts {
-  std::vector<std::uint64_t> matched, decided;
-  explicit RuleCounts(std::size_t rules) : matched(rules, 0), decided(rules, 0) {}
-};
-
 // Copies some of a part's triangles with the vertices that they use. All calls of copy() share one table of vertices,
 // so that the time of a call depends only on the number of copied triangles.
 class TriangleCopier {
@@ -117,15 +111,15 @@ class TriangleCopier {
 };
 
 // Appends a part to `out`, divided into groups of triangles with the same rules; counts the triangles of each rule.
-void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, RuleCounts& counts,
+void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, std::vector<RuleUse>& uses,
                 std::vector<LabelledPart>& out) {
   const std::vector<std::size_t> named = rulesFor(part, labelling);
   const auto rule = [&](std::size_t r) -> const Rule& { return labelling.rules[r]; };
   if (std::ranges::none_of(named, [&](std::size_t r) { return rule(r).byTriangle(); })) {
     LabelledPart undivided;
     for (const std::size_t r : named) {
-      counts.matched[r] += part.triangles.size();
-      if (decide(rule(r), undivided.classRule, undivided.materialRule)) counts.decided[r] += part.triangles.size();
+      uses[r].matched += part.triangles.size();
+      if (decide(rule(r), undivided.classRule, undivided.materialRule)) uses[r].decided += part.triangles.size();
     }
     undivided.part = std::move(part);
     out.push_back(std::move(undivided));
@@ -140,8 +134,8 @@ void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& fra
     const Rule* materialRule = nullptr;
     for (const std::size_t r : named) {
       if (!matchesTriangle(rule(r), own)) continue;
-      ++counts.matched[r];
-      if (decide(rule(r), classRule, materialRule)) ++counts.decided[r];
+      ++uses[r].matched;
+      if (decide(rule(r), classRule, materialRule)) ++uses[r].decided;
     }
     groups[{classRule, materialRule}].push_back(t);
   }
@@ -252,7 +246,7 @@ std::vector<LabelledPart> dividedThings(std::vector<LabelledPart> parts, const T
 
 // Gives parts of a file their rules, classes and things. Counts in `dropped` the triangles that cannot be traced.
 std::vector<LabelledPart> labelled(const Ontology& ontology, std::vector<AssetPart> assetParts, const Vec3d& origin,
-                                   const Labelling& labelling, RuleCounts& counts, Dropped& dropped) {
+                                   const Labelling& labelling, std::vector<RuleUse>& uses, Dropped& dropped) {
   const PartFrame frame{origin, lowestOf(assetParts)};
   std::vector<LabelledPart> parts;
   for (AssetPart& part : assetParts) {
@@ -260,7 +254,7 @@ std::vector<LabelledPart> labelled(const Ontology& ontology, std::vector<AssetPa
     if (labelling.things.by == ThingBounds::By::Part) {
       std::erase_if(part.triangles, [&](const Triangle& t) { return !canBeTraced(t, part.positions, dropped); });
     }
-    applyRules(std::move(part), labelling, frame, counts, parts);
+    applyRules(std::move(part), labelling, frame, uses, parts);
   }
   std::erase_if(parts, [](const LabelledPart& p) { return p.classRule != nullptr && p.classRule->drop; });
   for (LabelledPart& p : parts) {
@@ -338,13 +332,14 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
     flatten(asset);  // flatten() ignores Asset::origin: assets with an origin have no instances
   }
   Dropped dropped = asset.dropped;
-  RuleCounts counts(labelling.rules.size());
+  std::vector<RuleUse> uses;
+  for (const Rule& rule : labelling.rules) uses.push_back({rule.where, describe(rule), gives(rule)});
   std::vector<PlacedMesh> meshes;
   const auto add = [&](std::vector<AssetPart> parts, const Vec3d& origin, std::vector<Affine> places) {
     if (parts.empty()) return;
     std::string node = parts.front().node;
     std::vector<LabelledPart> labelledParts =
-        labelled(builder.ontology(), std::move(parts), origin, labelling, counts, dropped);
+        labelled(builder.ontology(), std::move(parts), origin, labelling, uses, dropped);
     checkSize(labelledParts, labelling, where);
     const std::optional<std::uint32_t> mesh = addMesh(builder, std::move(labelledParts), labelling, dropped);
     if (mesh) meshes.push_back({*mesh, std::move(node), std::move(places)});
@@ -356,15 +351,12 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
   }
   if (!labelling.counted) {
     builder.addDropped(dropped);
-    for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
-      const Rule& rule = labelling.rules[r];
-      builder.countRule({rule.where, describe(rule), gives(rule), counts.matched[r], counts.decided[r]});
-    }
+    for (const RuleUse& use : uses) builder.countRule(use);
   }
   if (meshes.empty()) {
     std::uint64_t byRules = 0;
     for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
-      if (labelling.rules[r].drop) byRules += counts.decided[r];
+      if (labelling.rules[r].drop) byRules += uses[r].decided;
     }
     throw InputError(
         where, fmt::format("no triangle of '{}' remains: rules drop {} (lengths in rules are in m, after `unit`), {} "

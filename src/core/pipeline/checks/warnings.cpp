@@ -50,8 +50,7 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
   const double interval = sequence.trajectory->interval();
   const double period = pipeline.periods.longest;
   if (interval >= period * (1 - 1e-6)) return {};
-  const auto slowest =
-      std::ranges::find_if(pipeline.sensors, [&](const MountedSensor& sensor) { return sensor.period == period; });
+  const auto slowest = std::ranges::find(pipeline.sensors, period, &MountedSensor::period);
   const std::string both =
       fmt::format("are {:g} s apart, but a revolution of '{}' takes {:g} s", interval, slowest->name, period);
   if (sequence.turnsWithoutBreak(pipeline.periods)) {

@@ -16,11 +16,6 @@ namespace scanmill {
 
 namespace {
 
-// Returns the method of a pipeline; null if the hits come from a recording.
-const MethodEntry* methodOf(const Pipeline& pipeline) {
-  return pipeline.recording == nullptr ? pipeline.method.entry : nullptr;
-}
-
 [[noreturn]] void refuse(const Pipeline& pipeline, const std::string& why) {
   throw InputError({pipeline.file.string()}, why);
 }
@@ -34,8 +29,7 @@ bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
 
 // Throws InputError if rays must continue at surfaces at which those of the method end.
 void checkLightPaths(const Pipeline& pipeline) {
-  const MethodEntry* const method = methodOf(pipeline);
-  if (method != nullptr && method->can.transmission) return;
+  if (pipeline.recording != nullptr || pipeline.method.entry->can.transmission) return;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     if (!anyLightPaths(pipeline, s)) continue;
     refuse(pipeline, fmt::format("the method {} ends each ray at the first surface that it hits: leave the effect "
@@ -231,11 +225,8 @@ void Plan::requireOneRay() const {
     refuse(pipeline,
            "saved hits need the same mounts of sensors in all sequences: save none, or give each `mount` fixed values");
   }
-  bool one = true;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    one = one && pipeline.raysPerBeam(s) == 1 && !anyLightPaths(pipeline, s);
-  }
-  if (!one) {
+    if (pipeline.raysPerBeam(s) == 1 && !anyLightPaths(pipeline, s)) continue;
     refuse(pipeline,
            "the effects footprint and light_paths trace several rays per beam, but saved hits have one: save none, or "
            "leave these effects out");

@@ -78,7 +78,7 @@ void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
                                             .purpose = Purpose::Shuffle});
     return std::tuple(random[0], random[1], sample.number);
   };
-  std::ranges::sort(samples, [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  std::ranges::sort(samples, {}, rank);
 }
 
 }  // namespace
@@ -139,7 +139,7 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
       ShardJob job{shardName(name, i), name, {}};
       job.samples.assign(samples.begin() + static_cast<std::ptrdiff_t>(first),
                          samples.begin() + static_cast<std::ptrdiff_t>(last));
-      std::ranges::sort(job.samples, [](const auto& a, const auto& b) { return a.number < b.number; });
+      std::ranges::sort(job.samples, {}, &SampleAddress::number);
       jobs.push_back(std::move(job));
     }
   }

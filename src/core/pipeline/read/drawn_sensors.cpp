@@ -14,12 +14,6 @@ namespace scanmill {
 
 namespace {
 
-Value* effectsIn(Value& description) {
-  const auto entry =
-      std::ranges::find_if(description.entries, [](const Value::Entry& e) { return e.key == "effects"; });
-  return entry == description.entries.end() ? nullptr : &entry->value;
-}
-
 // Calls visit(key, value) for each distribution within a value. Distributions within other distributions are not
 // visited.
 void forEachDistribution(const Value& value, const std::string& key,
@@ -111,8 +105,8 @@ SensorDraw DrawnSensors::made(const Pipeline& pipeline, const Change& change) co
     MountedSensor sensor;
     sensor.name = pipeline.sensors[s].name;
     sensor.description = written_.descriptions[s];
-    if (Value* own = effectsIn(sensor.description)) {
-      *own = change(*own, fmt::format("sensors.{}.effects", s), drawn.draws);
+    for (auto& [key, value] : sensor.description.entries) {
+      if (key == "effects") value = change(value, fmt::format("sensors.{}.effects", s), drawn.draws);
     }
     drawn.effects.push_back(std::make_shared<const Effects>(readSensorEffects(effects, *classes_, sensor)));
   }

@@ -96,8 +96,7 @@ void addDetection(std::vector<MadeEffect>& made) {
 // needs another effect that is missing.
 Effects inOrder(std::vector<MadeEffect> made) {
   addDetection(made);
-  std::ranges::stable_sort(made,
-                           [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
+  std::ranges::stable_sort(made, {}, [](const MadeEffect& m) { return m.entry->stage; });
   Effects ordered;
   bool intensity = false;
   bool snr = false;

@@ -163,8 +163,7 @@ void readPeriods(Pipeline& pipeline) {
   for (MountedSensor& sensor : pipeline.sensors) {
     sensor.period = 1.0 / Fields(sensor.description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
   }
-  const auto [shortest, longest] = std::ranges::minmax_element(
-      pipeline.sensors, [](const MountedSensor& a, const MountedSensor& b) { return a.period < b.period; });
+  const auto [shortest, longest] = std::ranges::minmax_element(pipeline.sensors, {}, &MountedSensor::period);
   pipeline.periods = {shortest->period, longest->period};
 }
 

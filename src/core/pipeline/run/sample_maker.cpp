@@ -20,7 +20,7 @@ namespace {
 std::vector<DrawnValue> allDraws(const Scene& scene, const FrameSettings& settings) {
   std::vector<DrawnValue> draws = scene.draws;
   draws.insert(draws.end(), settings.draws.begin(), settings.draws.end());
-  std::ranges::sort(draws, [](const DrawnValue& a, const DrawnValue& b) { return a.key < b.key; });
+  std::ranges::sort(draws, {}, &DrawnValue::key);
   return draws;
 }
 

@@ -261,7 +261,7 @@ class PathSearch {
       const double curvature = k / (4 * kTightest);
       if (const std::optional<Arc> arc = arcOf(at, curvature, wished)) node.arcs.push_back(*arc);
     }
-    std::ranges::stable_sort(node.arcs, [](const Arc& a, const Arc& b) { return a.cost < b.cost; });
+    std::ranges::stable_sort(node.arcs, {}, &Arc::cost);
     return node;
   }
 
