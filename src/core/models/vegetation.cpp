@@ -44,8 +44,7 @@ void appendLeaf(Shape& s, SurfaceIndex surface, const Vec3d& stem, const Vec3d& 
 }
 
 Vec3d crossways(const Vec3d& normal, Draw& draw) {
-  const Vec3d side = cross(normal, draw.direction());
-  return normalized(side);
+  return normalized(cross(normal, draw.direction()));
 }
 
 void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, double flatness,

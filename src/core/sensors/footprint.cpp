@@ -49,18 +49,6 @@ std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
   return points;
 }
 
-// Two unit vectors perpendicular to a beam: one horizontal, one upwards.
-struct Axes {
-  Vec3d across;
-  Vec3d up;
-};
-
-Axes axesOf(const Vec3d& direction) {
-  const double level = std::hypot(direction.x, direction.y);
-  const Vec3d across = level > 1e-9 ? Vec3d{-direction.y / level, direction.x / level, 0} : Vec3d{0, 1, 0};
-  return {across, cross(direction, across)};
-}
-
 }  // namespace
 
 double beamArea(const BeamTable& beams, double range) {
@@ -85,7 +73,10 @@ Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam) {
     for (std::size_t beam = first; beam < last; ++beam) {
       const Vec3d direction = beams.direction[beam];
       const Vec3d origin = beams.originOf(beam);
-      const auto [across, up] = axesOf(direction);
+      // Two unit vectors perpendicular to the beam: one horizontal, one upwards.
+      const double level = std::hypot(direction.x, direction.y);
+      const Vec3d across = level > 1e-9 ? Vec3d{-direction.y / level, direction.x / level, 0} : Vec3d{0, 1, 0};
+      const Vec3d up = cross(direction, across);
       const RandomBlock words = randomBlock({.beam = static_cast<std::uint32_t>(beam), .purpose = Purpose::Footprint});
       const double turn = 2 * kPi * uniform(words[0]);
       const double c = std::cos(turn);

@@ -37,16 +37,6 @@ Motion readMotion(const Value* value) {
   return motion;
 }
 
-namespace {
-
-double untilNextFrame(const Trajectory& trajectory, std::uint32_t frame, double period) {
-  if (trajectory.frames() < 2) return period;
-  const std::uint32_t from = std::min(frame, trajectory.frames() - 2);
-  return trajectory.frameTime(from + 1) - trajectory.frameTime(from);
-}
-
-}  // namespace
-
 Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
               const Pose& vehicleFromSensor, const Motion& motion, double begin) {
   std::shared_ptr<const BeamTable> beams = beamsAt(table, trajectory.frameTime(frame) + begin);
@@ -68,7 +58,12 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
   shot.frame = frame;
   shot.time = trajectory.frameTime(frame) + begin;
   shot.duration = duration;
-  shot.untilNext = untilNextFrame(trajectory, frame, beams->period) - begin;
+  double interval = beams->period;  // s, from frame to frame
+  if (trajectory.frames() > 1) {
+    const std::uint32_t from = std::min(frame, trajectory.frames() - 2);
+    interval = trajectory.frameTime(from + 1) - trajectory.frameTime(from);
+  }
+  shot.untilNext = interval - begin;
   shot.deskew = motion.deskew;
   shot.worldFromSensor.reserve(steps);
   constexpr double kMoment = 1e-3;  // s, time over which velocities are computed

@@ -58,15 +58,10 @@ SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, 
   }
 }
 
-// Returns the node after a time within the drive (s).
-std::vector<SpeedProfile::Node>::const_iterator SpeedProfile::nodeAfter(double time) const {
-  return std::ranges::upper_bound(nodes_, time, {}, &Node::time);
-}
-
 double SpeedProfile::distance(double time) const {
   if (time <= 0) return 0;
   if (time >= duration()) return nodes_.back().distance;
-  const auto b = nodeAfter(time);
+  const auto b = std::ranges::upper_bound(nodes_, time, {}, &Node::time);
   const auto a = b - 1;
   const double t = time - a->time;
   const double acceleration = (b->speed - a->speed) / (b->time - a->time);
@@ -76,7 +71,7 @@ double SpeedProfile::distance(double time) const {
 double SpeedProfile::speed(double time) const {
   if (time <= 0) return nodes_.front().speed;
   if (time >= duration()) return nodes_.back().speed;
-  const auto b = nodeAfter(time);
+  const auto b = std::ranges::upper_bound(nodes_, time, {}, &Node::time);
   const auto a = b - 1;
   return a->speed + (b->speed - a->speed) * (time - a->time) / (b->time - a->time);
 }

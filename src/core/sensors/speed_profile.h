@@ -42,7 +42,6 @@ class SpeedProfile {
   struct Node {
     double time, distance, speed;
   };
-  std::vector<Node>::const_iterator nodeAfter(double time) const;
   std::vector<Node> nodes_;
 };
 

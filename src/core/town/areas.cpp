@@ -1,13 +1,9 @@
-#include "town/areas.h"
-
 #include <algorithm>
+
+#include "town/layout.h"
 
 namespace scanmill::town {
 namespace {
-
-bool isHard(Land land) {
-  return land == Land::Water || land == Land::Lot || land == Land::Paved;
-}
 
 std::vector<const Polygon*> ringsOf(const MapArea& area) {
   std::vector<const Polygon*> rings{&area.outline};
@@ -46,7 +42,8 @@ std::optional<std::uint32_t> Areas::indexAt(const Point2& p) const {
 double Areas::outsideHard(const Point2& p) const {
   double least = kReach;
   for (const std::uint32_t i : cells_.at(p)) {
-    if (!isHard(areas_[i].land)) continue;
+    const Land land = areas_[i].land;
+    if (land != Land::Water && land != Land::Lot && land != Land::Paved) continue;
     const std::vector<const Polygon*> rings = ringsOf(areas_[i]);
     const double distance = distanceToRings(rings, p);
     least = std::min(least, isInside(rings, p) ? -distance : distance);

@@ -7,18 +7,40 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "models/models.h"
 #include "models/occupancy.h"
-#include "town/areas.h"
 #include "town/character.h"
 #include "town/map_place.h"
 #include "town/relief.h"
 #include "town/roads.h"
 
 namespace scanmill::town {
+
+// Polygons of land beside the roads: woods, meadows, water, parking lots, squares.
+class Areas {
+ public:
+  static constexpr double kReach = 8;  // m, largest distance that outsideHard() returns
+  static constexpr double kCell = 32;  // m, side of a grid cell
+
+  void add(MapArea area);
+  const std::vector<MapArea>& all() const { return areas_; }
+
+  // at() returns the kind of the smallest area at a point, indexAt() its index in all(); nullopt if no area
+  // contains the point.
+  std::optional<Land> at(const Point2& p) const;
+  std::optional<std::uint32_t> indexAt(const Point2& p) const;
+  // Returns the distance (m) to the nearest water, parking lot or square: negative inside of it, at most kReach.
+  double outsideHard(const Point2& p) const;
+
+ private:
+  std::vector<MapArea> areas_;
+  std::vector<double> sizes_;       // m^2, by area
+  models::CellIndex cells_{kCell};  // of areas within kReach of a cell
+};
 
 enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn, Water, Lot, Paved };
 
@@ -160,7 +182,6 @@ class Layout {
   void cover(const MapBuilding& building, const models::Footprint& around);
   void arrangePlots();
   double addBarePlots(const Road& road, int side, double from, double to);
-  bool isFrontCovered(const Plot& plot) const;
   bool isOffRoads(const models::Footprint& f, double gap) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;

@@ -238,15 +238,8 @@ double Layout::addBarePlots(const Road& road, int side, double from, double to) 
   return from;
 }
 
-// True if the front of a plot is on a parking lot, a square, water or another road.
-bool Layout::isFrontCovered(const Plot& plot) const {
-  const Point2 front = inPlot(plot, (plot.from + plot.to) / 2, 1.5).at;
-  const Beside b = besideAt(front);
-  return areas.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
-}
-
 // Sorts the plots along the roads, removes overlaps, and adds bare plots where there are no buildings. Removes plots
-// with a covered front; the others then get their numbers and fences.
+// whose front is on a parking lot, a square, water or another road; the others then get their numbers and fences.
 void Layout::arrangePlots() {
   constexpr double kEnd = 4;  // m at the ends of a road without bare plots
   std::stable_sort(plots.begin(), plots.end(), [](const Plot& a, const Plot& b) {
@@ -270,7 +263,11 @@ void Layout::arrangePlots() {
       addBarePlots(road, side, end, road.length() - kEnd);
     }
   }
-  std::erase_if(plots, [&](const Plot& plot) { return isFrontCovered(plot); });
+  std::erase_if(plots, [&](const Plot& plot) {
+    const Point2 front = inPlot(plot, (plot.from + plot.to) / 2, 1.5).at;
+    const Beside b = besideAt(front);
+    return areas.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
+  });
   for (std::uint32_t i = 0; i < plots.size(); ++i) {
     Plot& plot = plots[i];
     plot.number = i;

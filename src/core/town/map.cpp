@@ -156,10 +156,10 @@ class MapMaker {
     const std::optional<models::Fencing> fencing = fencingOf(tags["barrier"]);
     if (!kind && !fencing && isPath(tags) && isSidewalk(tags)) return;
     const char* const what = kind ? "roads" : fencing ? "fences, hedges and walls" : isPath(tags) ? "paths" : nullptr;
-    if (what == nullptr) return leaveOut(tags, OsmElement::WayOrRelation);
+    if (what == nullptr) return leaveOut(tags);
     if (!onGround(tags)) return map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
     if (const std::string& railway = tags["railway"]; !railway.empty()) {
-      leaveOut({tags.element, {{"railway", railway}}}, OsmElement::WayOrRelation);
+      leaveOut({tags.element, {{"railway", railway}}});
     }
     if ((kind || !fencing) && !hasSurface(tags, {"asphalt", "paved", "concrete"})) map_.leftOut.add(kSurfaces);
     if (way.incomplete) map_.leftOut.add(fmt::format("{} with missing nodes, which are built in part", what));
@@ -197,7 +197,7 @@ class MapMaker {
       // addWay() has counted ways with one of these keys.
       if (isHighwayArea(tags) || tags.element.starts_with("relation") ||
           (tags["highway"].empty() && tags["barrier"].empty())) {
-        leaveOut(tags, OsmElement::WayOrRelation);
+        leaveOut(tags);
       }
       return;
     }
@@ -225,7 +225,7 @@ class MapMaker {
     const bool hard = land == Land::Lot || land == Land::Paved;
     if (hard && !hasSurface(tags, {"asphalt", "paved", "concrete", "paving_stones"})) map_.leftOut.add(kSurfaces);
     if (tags.element.starts_with("relation") && !tags["barrier"].empty()) {
-      leaveOut({tags.element, {{"barrier", tags["barrier"]}}}, OsmElement::WayOrRelation);
+      leaveOut({tags.element, {{"barrier", tags["barrier"]}}});
     }
     const bool square =
         isOneOf(tags["highway"], {"pedestrian", "footway", "service"}) || tags["amenity"] == "marketplace";
@@ -244,13 +244,13 @@ class MapMaker {
                isOneOf(point.tags["crossing"], {"marked", "zebra", "uncontrolled", "traffic_signals"})) {
       map_.leftOut.add("marked crossings, which the seed draws");
     } else {
-      leaveOut(point.tags, OsmElement::Node);
+      leaveOut(point.tags);
     }
   }
 
   // Counts an element that is not built by its first tag that stands for a shape.
-  void leaveOut(const OsmTags& tags, OsmElement element) {
-    if (const std::string tag = shapeTagOf(tags, element); !tag.empty()) map_.leftOut.add(tag);
+  void leaveOut(const OsmTags& tags) {
+    if (const std::string tag = shapeTagOf(tags); !tag.empty()) map_.leftOut.add(tag);
   }
 
   static constexpr const char* kHollow =

@@ -157,9 +157,8 @@ bool hasLook(const OsmTags& tags);
 // them, and they have neither cycleways nor embankments.
 bool differsFromTownRoads(const OsmTags& tags);
 
-enum class OsmElement { Node, WayOrRelation };
 // Returns the first tag, such as "highway=street_lamp", that stands for a shape on the ground; empty: no tag does.
-std::string shapeTagOf(const OsmTags& tags, OsmElement element);
+std::string shapeTagOf(const OsmTags& tags);
 
 // Returns the building, or part of a building, with these tags. `mirrored`: y points south.
 MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,

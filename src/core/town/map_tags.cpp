@@ -183,10 +183,10 @@ bool differsFromTownRoads(const OsmTags& tags) {
                  {"track", "lane", "opposite_track", "opposite_lane"});
 }
 
-std::string shapeTagOf(const OsmTags& tags, OsmElement element) {
+std::string shapeTagOf(const OsmTags& tags) {
   if (!isOneOf(tags["tunnel"], {"", "no"})) return {};
   if (tags["location"] == "underground" || tags["parking"] == "underground") return {};
-  const bool node = element == OsmElement::Node;
+  const bool node = tags.element.starts_with("node");
   for (const auto& [key, value] : tags.pairs) {
     const bool mapped = std::find(std::begin(kMappedKeys), std::end(kMappedKeys), key) != std::end(kMappedKeys);
     // Ways have the key traffic_sign too, without a sign there; nodes with the key place are names.

@@ -12,11 +12,6 @@ std::uint64_t mixed(std::uint64_t v) {
   return v ^ (v >> 31);
 }
 
-// Returns the key of a field's lattice. It is mixed twice, so that the keys of different addresses are unrelated.
-std::uint64_t latticeOf(const FieldAddress& a) {
-  return mixed(mixed(a.seed + 1) ^ (std::uint64_t{a.number} << 32 | static_cast<std::uint32_t>(a.field)));
-}
-
 // Returns the dot product of two vectors: the gradient at a corner of the lattice, one of sixteen unit vectors, and the
 // offset (dx, dy) from that corner.
 double sloped(std::uint64_t lattice, std::int64_t ix, std::int64_t iy, double dx, double dy) {
@@ -39,7 +34,9 @@ double faded(double t) {
 }  // namespace
 
 double relief(const FieldAddress& address, double x, double y, double size) {
-  const std::uint64_t lattice = latticeOf(address);
+  // Mixed twice, so that the lattices of different addresses are unrelated.
+  const std::uint64_t lattice = mixed(
+      mixed(address.seed + 1) ^ (std::uint64_t{address.number} << 32 | static_cast<std::uint32_t>(address.field)));
   const double u = x / size;
   const double v = y / size;
   const double fu = std::floor(u);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "town/geometry.h"
+
 namespace scanmill::town {
 namespace {
 
@@ -49,8 +51,7 @@ void RoadNetwork::add(Road road) {
   road.number = static_cast<std::uint32_t>(roads_.size());
   road.at.assign(1, 0.0);
   for (std::size_t i = 1; i < road.line.size(); ++i) {
-    road.at.push_back(road.at.back() +
-                      std::hypot(road.line[i].x - road.line[i - 1].x, road.line[i].y - road.line[i - 1].y));
+    road.at.push_back(road.at.back() + distance(road.line[i - 1], road.line[i]));
   }
   for (std::size_t first = 0; first + 1 < road.line.size(); first += kRun) {
     const std::size_t last = std::min(first + kRun, road.line.size() - 1);

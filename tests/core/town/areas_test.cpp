@@ -1,4 +1,4 @@
-#include "town/areas.h"
+#include "town/layout.h"
 
 namespace scanmill::town {
 namespace {
