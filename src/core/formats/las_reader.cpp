@@ -27,18 +27,16 @@ constexpr std::uint16_t kWktBit = 1 << 4;  // of the global encoding: the coordi
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 constexpr std::size_t kLeastHeader = 227;  // size of the header of versions 1.0 to 1.2 (bytes)
 constexpr std::array<std::size_t, 11> kLeastRecord{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
-constexpr std::array<std::size_t, 11> kGpsTimeAt{0,  20, 0,  20, 20, 20,
-                                                 22, 22, 22, 22, 22};  // offset in a record (bytes); 0: none
+// Offsets in a record (bytes); 0: none.
+constexpr std::array<std::size_t, 11> kGpsTimeAt{0, 20, 0, 20, 20, 20, 22, 22, 22, 22, 22};
 constexpr std::array<std::size_t, 11> kColorsAt{0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
 constexpr std::uint8_t kCompressed = 0x80;
 
 // Names of the classes 0 to 22, from table 17 of the specification of LAS 1.4.
 constexpr std::string_view kClassNames =
-    "never classified|unclassified|ground|low vegetation|medium vegetation|high vegetation|building|low noise|key "
-    "point|"
-    "water|rail|road surface|overlap|wire guard|wire conductor|transmission tower|wire connector|bridge deck|high "
-    "noise|"
-    "overhead structure|ignored ground|snow|temporal exclusion";
+    "never classified|unclassified|ground|low vegetation|medium vegetation|high vegetation|building|low noise|"
+    "key point|water|rail|road surface|overlap|wire guard|wire conductor|transmission tower|wire connector|"
+    "bridge deck|high noise|overhead structure|ignored ground|snow|temporal exclusion";
 
 class LasReader {
  public:

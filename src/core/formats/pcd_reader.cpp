@@ -286,12 +286,11 @@ class BodyReader {
     require("x"), require("y"), require("z");
     Scan scan;
     scan.organised = header_.sensor ? header_.organised : header_.height > 1;
-    scan.rings = static_cast<std::uint32_t>(header_.sensor   ? (*header_.sensor)[0]
-                                            : scan.organised ? header_.height
-                                                             : 0);
-    scan.columns = static_cast<std::uint32_t>(header_.sensor   ? (*header_.sensor)[1]
-                                              : scan.organised ? header_.width
-                                                               : 0);
+    std::array<std::uint64_t, 2> size{0, 0};  // rings and columns; 0: unknown
+    if (scan.organised) size = {header_.height, header_.width};
+    const auto [rings, columns] = header_.sensor.value_or(size);
+    scan.rings = static_cast<std::uint32_t>(rings);
+    scan.columns = static_cast<std::uint32_t>(columns);
     if (scan.organised && scan.rings > 0) scan.planes = static_cast<std::uint32_t>(header_.height / scan.rings);
     visitTable(scan, [&](auto key, auto&) {
       if (findColumn(key.row.name) != nullptr) scan.columnsIfEmpty.add(key.index);

@@ -16,9 +16,7 @@ namespace {
 
 // One property of all vertices.
 struct PlyColumn {
-  std::string name;
-  PlyType type;
-  bool isList = false;
+  const PlyProperty& property;
   std::vector<double> values;  // empty for a list
 };
 
@@ -32,9 +30,9 @@ class PlyReader {
                                      [](const PlyElement& e) { return e.name == "vertex"; });
     if (vertex == header_.elements.end()) fail("has no element vertex: it holds no points");
     for (const PlyProperty& p : vertex->properties) {
-      const auto is = [&](const PlyColumn& c) { return c.name == p.name; };
+      const auto is = [&](const PlyColumn& c) { return c.property.name == p.name; };
       if (std::any_of(columns_.begin(), columns_.end(), is)) fail(fmt::format("has two properties '{}'", p.name));
-      columns_.push_back({p.name, p.value, p.isList(), {}});
+      columns_.push_back({p, {}});
       if (p.isList()) cloud_.leftOut.add(fmt::format("lists at vertices '{}'", p.name));
     }
     for (const PlyElement& e : header_.elements) {
@@ -59,9 +57,8 @@ class PlyReader {
     }
     for (std::uint64_t i = 0; i < vertex->count; ++i) {
       body_.beginRow(*vertex, i);
-      for (std::size_t k = 0; k < columns_.size(); ++k) {
-        const PlyProperty& property = vertex->properties[k];
-        property.isList() ? body_.skip(property) : columns_[k].values.push_back(body_.number(property));
+      for (auto& [property, values] : columns_) {
+        property.isList() ? body_.skip(property) : values.push_back(body_.number(property));
       }
       body_.endRow();
     }
@@ -70,8 +67,9 @@ class PlyReader {
   }
 
   const PlyColumn& require(const char* name) const {
-    const auto found = std::find_if(columns_.begin(), columns_.end(),
-                                    [&](const PlyColumn& c) { return columnMeant(c.name) == name && !c.isList; });
+    const auto found = std::find_if(columns_.begin(), columns_.end(), [&](const PlyColumn& c) {
+      return columnMeant(c.property.name) == name && !c.property.isList();
+    });
     if (found == columns_.end()) fail(fmt::format("has no property {}", name));
     return *found;
   }
@@ -85,8 +83,8 @@ class PlyReader {
     setPositions(positions, cloud_);
     std::vector<ForeignColumn>& foreign = cloud_.scan.foreign;
     for (const PlyColumn& column : columns_) {
-      if (&column == &x || &column == &y || &column == &z || column.isList) continue;
-      foreign.push_back({column.name, valuesOf(column)});
+      if (&column == &x || &column == &y || &column == &z || column.property.isList()) continue;
+      foreign.push_back({column.property.name, valuesOf(column)});
     }
     adoptColumns(cloud_, where_);
     for (ForeignColumn& column : foreign) {
@@ -98,10 +96,10 @@ class PlyReader {
   }
 
   ForeignColumn::Values valuesOf(const PlyColumn& column) const {
-    return visitNumberType(column.type.kind, column.type.size, [&]<class T>(T) {
+    return visitNumberType(column.property.value.kind, column.property.value.size, [&]<class T>(T) {
       std::vector<T> values;
       for (const double value : column.values) {
-        values.push_back(columnValue<T>(value, column.name, values.size(), where_));
+        values.push_back(columnValue<T>(value, column.property.name, values.size(), where_));
       }
       return ForeignColumn::Values(std::move(values));
     });

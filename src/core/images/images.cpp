@@ -50,11 +50,6 @@ bool isReadHere(std::string_view kind) {
   return kind == "png" || kind == "jpg";
 }
 
-std::string endingOf(const std::string& name) {
-  const std::string ending = lowerExtension(name);
-  return ending.empty() ? ending : ending.substr(1);
-}
-
 // Returns a reader's error message, on one line.
 std::string reason(const std::exception& error) {
   std::string text = reasonOf(error);
@@ -237,9 +232,13 @@ class RgbaConverter {
   std::uint8_t leastAlpha_ = 255, greatestAlpha_ = 0;
 };
 
-// Decodes an image of a kind ("png"). In BMP and TGA, an alpha that is 0 everywhere is a byte without a meaning.
-DecodedImage decode(ImageReader& image, const std::string& kind, const std::string& name) {
+// Decodes an image of `size` bytes, whose kind ("png") is `known`, or else the ending of its name. In BMP and TGA, an
+// alpha that is 0 everywhere is a byte without a meaning.
+DecodedImage decode(ImageReader& image, const std::string& known, std::uint64_t size, const std::string& name) {
+  const std::string ending = lowerExtension(name);
+  const std::string kind = !known.empty() || ending.empty() ? known : ending.substr(1);
   const ImageHeader header = image.header();
+  checkSize(header, kind, size, name);
   const int factor = (std::max(header.width, header.height) + kMostSide - 1) / kMostSide;
   const auto width = static_cast<std::size_t>(header.width);
   const std::size_t rowBytes = width * static_cast<std::size_t>(header.channels);
@@ -299,10 +298,7 @@ const FormatSupport& imageFormat() {
 DecodedImage decodeImage(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) throw InputError({name}, "the image is empty");
   const std::string known = kindOf(bytes);
-  const std::string kind = known.empty() ? endingOf(name) : known;
-  const auto image = openImage(known.empty() ? name : "embedded." + known, bytes, name);
-  checkSize(image->header(), kind, bytes.size(), name);
-  return decode(*image, kind, name);
+  return decode(*openImage(known.empty() ? name : "embedded." + known, bytes, name), known, bytes.size(), name);
 }
 
 DecodedImage readImage(const std::filesystem::path& path) {
@@ -310,11 +306,8 @@ DecodedImage readImage(const std::filesystem::path& path) {
   if (!isFile(path)) throw InputError({name}, "there is no such image");
   const std::string known = kindOf(firstBytes(path, kMagicBytes));
   if (isReadHere(known)) return decodeImage(readFile(path), name);
-  const std::string kind = known.empty() ? endingOf(name) : known;
   chargeFile(path);
-  const auto image = openImage(name, {}, name);
-  checkSize(image->header(), kind, std::filesystem::file_size(path), name);
-  return decode(*image, kind, name);
+  return decode(*openImage(name, {}, name), known, std::filesystem::file_size(path), name);
 }
 
 bool mayHaveAlpha(const std::filesystem::path& path) {

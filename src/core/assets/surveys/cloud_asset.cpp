@@ -209,9 +209,7 @@ class CloudAsset {
   // Warns if intensities are clipped, or if the guessed scale makes all of them dark.
   void tellIntensities(double full, double greatest) const {
     constexpr double kDark = 0.05;
-    std::size_t above = 0;
-    std::size_t below = 0;
-    std::size_t none = 0;
+    std::size_t above = 0, below = 0, none = 0;
     for (const std::size_t i : chosen_) {
       const double value = double{scan_[kIntensity][i]};
       above += value > full ? 1u : 0u;
@@ -260,8 +258,7 @@ class CloudAsset {
   bool fillWithIntensities(Texture& image) {
     const auto& intensity = scan_[kIntensity];
     if (intensity.empty()) return false;
-    double greatest = 0;
-    double least = 0;
+    double greatest = 0, least = 0;
     for (const std::size_t i : chosen_) {
       greatest = std::max(greatest, double{intensity[i]});
       least = std::min(least, double{intensity[i]});

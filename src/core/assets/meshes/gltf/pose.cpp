@@ -81,10 +81,10 @@ class KeyFrames {
   const std::vector<float>& values_;
   std::size_t width_;
   Animation::Interpolation interpolation_;
-  std::size_t before_ = 0,
-              after_ = 0;  // the key frames around the time; the same one before the first or after the last
-  double span_ = 0;        // s, between them
-  double fraction_ = 0;    // of the span
+  // The key frames around the time; the same one before the first or after the last.
+  std::size_t before_ = 0, after_ = 0;
+  double span_ = 0;      // s, between them
+  double fraction_ = 0;  // of the span
 };
 
 }  // namespace

@@ -98,7 +98,8 @@ class Reader {
         copies = static_cast<double>(model_.accessors[node.instances->begin()->second].count);
       }
       for (const Primitive& primitive : model_.meshes[*node.mesh].primitives) {
-        const double corners = countOf(primitive.indices.value_or(primitive.attributes.at("POSITION")));
+        const Index listed = primitive.indices.value_or(primitive.attributes.at("POSITION"));
+        const auto corners = static_cast<double>(model_.accessors[listed].count);
         chargeCopies(static_cast<std::uint64_t>(copies), {model_.file.string()});
         const double count = primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners;
         triangles += copies * count;
@@ -116,31 +117,26 @@ class Reader {
     }
   }
 
-  double countOf(Index accessor) const { return static_cast<double>(model_.accessors[accessor].count); }
-
   // Decodes all Draco data in a child process first, since damaged data can require any amount of memory.
   void decodeDracoInChild() const {
+    std::vector<Primitive::Draco> compressed;
     std::uint64_t bytes = 0;
-    forDraco([&](const Primitive& p) { bytes += model_.views[p.draco->view].length; });
+    for (const Mesh& mesh : model_.meshes) {
+      for (const Primitive& p : mesh.primitives) {
+        if (!p.draco) continue;
+        compressed.push_back(*p.draco);
+        bytes += model_.views[p.draco->view].length;
+      }
+    }
     if (bytes == 0) return;
     const auto decodeAll = [&] {
-      forDraco([&](const Primitive& p) { decodeDraco(data_.view(p.draco->view), p.draco->attributes); });
+      for (const Primitive::Draco& draco : compressed) decodeDraco(data_.view(draco.view), draco.attributes);
       return std::string();
     };
     try {
       inChildProcess(decodeAll, kTrialMemory + 256 * bytes, kTrialSeconds);
     } catch (const Error& e) {
       model_.fail(fmt::format("has damaged meshes: {}; export it again", e.what()));
-    }
-  }
-
-  // Calls visit(primitive) for each primitive that Draco compressed.
-  template <class Visit>
-  void forDraco(const Visit& visit) const {
-    for (const Mesh& mesh : model_.meshes) {
-      for (const Primitive& p : mesh.primitives) {
-        if (p.draco) visit(p);
-      }
     }
   }
 
