@@ -1,7 +1,5 @@
 #include "study/repeatability/repeatability.h"
 
-#include <fmt/core.h>
-
 #include <filesystem>
 
 #include "base/error.h"

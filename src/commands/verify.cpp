@@ -1,7 +1,5 @@
 #include "dataset/verify.h"
 
-#include <fmt/core.h>
-
 #include <optional>
 
 #include "base/short_text.h"

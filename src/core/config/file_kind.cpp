@@ -1,7 +1,5 @@
 #include "config/file_kind.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <fstream>
 #include <iterator>

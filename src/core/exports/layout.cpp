@@ -1,7 +1,6 @@
 #include "exports/layout.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

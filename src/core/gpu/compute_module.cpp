@@ -1,7 +1,6 @@
 // The plug-in libscanmill_gpu.so: runs compute shaders in an OpenGL context that it creates, with the interface of
 // gpu/compute_interface.h. The only part of VTK that it needs is VTK's GLEW.
 
-#include <fmt/format.h>
 #include <vtk_glew.h>
 
 #include <algorithm>

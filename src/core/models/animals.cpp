@@ -1,7 +1,6 @@
 // Builds standing and grazing animals. Their trunk, neck, head, legs and tail are pipes.
 
 #include <array>
-#include <cmath>
 
 #include "models/models.h"
 

@@ -1,7 +1,6 @@
 #include "scene/movement.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/path.h"
 

@@ -3,7 +3,6 @@
 #include <cstdint>
 
 #include "images/srgb.h"
-#include "scene/texture.h"
 #include "scenefile/connected_parts.h"
 #include "scenefile/labelling.h"
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <string_view>
 
 #include "base/earth.h"
 #include "base/input_budget.h"

@@ -1,7 +1,6 @@
 #include "draft/draft.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

@@ -18,8 +18,6 @@
 #include <numeric>
 #include <vector>
 
-#include "base/parallel.h"
-
 namespace scanmill {
 
 namespace {

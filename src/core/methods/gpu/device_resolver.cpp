@@ -9,13 +9,11 @@
 #include <map>
 #include <mutex>
 #include <tuple>
-#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "methods/world/resolve.h"
 #include "scene/reflectance.h"
-#include "scene/texture.h"
 
 namespace scanmill {
 

@@ -13,7 +13,6 @@
 #include "config/named_options.h"
 #include "config/waypoints.h"
 #include "dataset/split.h"
-#include "pipeline/read/corruption.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"
 

@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "base/terminal.h"
-#include "config/waypoints.h"
 #include "pipeline/read/pipeline.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"

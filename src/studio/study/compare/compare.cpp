@@ -12,7 +12,6 @@
 #include "base/parallel.h"
 #include "evaluate/spread.h"
 #include "exports/class_map.h"
-#include "study/figure_text.h"
 
 namespace scanmill {
 

@@ -7,7 +7,6 @@
 
 #include "base/append_new.h"
 #include "methods/method.h"
-#include "study/figure_text.h"
 
 namespace scanmill {
 

@@ -1,7 +1,6 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include "assets/meshes/gltf/json_reader.h"
