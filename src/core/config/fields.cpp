@@ -162,9 +162,7 @@ Pose Fields::pose() {
 }
 
 Fields& Fields::also(std::initializer_list<std::string_view> keys) {
-  for (const std::string_view key : keys) {
-    if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
-  }
+  for (const std::string_view key : keys) find(key);
   return *this;
 }
 

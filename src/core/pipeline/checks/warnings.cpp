@@ -201,10 +201,10 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
   std::vector<std::string> lines;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     const MountedSensor& sensor = pipeline.sensors[s];
-    const auto warnOfAssumed = [&](const Effects& effects) {
+    for (const Effects* const effects : pipeline.effectCases(s)) {
       bool weather = false;
       double nearRange = 0;  // m; 0: the power of no effect depends on the range
-      for (const ChosenEffect& effect : effects) {
+      for (const ChosenEffect& effect : *effects) {
         weather |= effect.entry->name == "weather";
         const std::optional<Falloff> falloff = effect->falloff();
         if (falloff && falloff->inverseSquare) nearRange = falloff->near;
@@ -224,8 +224,7 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
                          sensor.name)},
             lines);
       }
-    };
-    for (const Effects* effects : pipeline.effectCases(s)) warnOfAssumed(*effects);
+    }
     const Value* const own = sensor.description.find("effects");
     const bool written = own != nullptr && own->where.file == pipeline.file.string();
     if (written && pipeline.drawn == nullptr && !takesSensorEffects(pipeline)) {

@@ -36,23 +36,21 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
   const std::vector<Value>& items = readList(list, "trajectories");
   Trajectories trajectories;
   std::map<std::string, std::string> names;  // by their parts of keys
-  const auto add = [&](const Value& item, const std::string& fallback, std::uint32_t drive) {
-    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period, lanes, seed, drive));
-    if (trajectory->name().empty()) {
-      throw InputError(item.where, "a trajectory's name becomes part of file names, so it must not be empty");
-    }
-    const auto [other, isNew] = names.emplace(keyPart(trajectory->name()), trajectory->name());
-    if (!isNew) {
-      throw InputError(item.where,
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const std::uint32_t drives = countDrives(items[i]);
+    for (std::uint32_t drive = 0; drive < drives; ++drive) {
+      const auto& trajectory = trajectories.emplace_back(std::make_shared<const Trajectory>(
+          readTrajectory(items[i], fmt::format("t{}", i), period, lanes, seed, drive)));
+      if (trajectory->name().empty()) {
+        throw InputError(items[i].where, "a trajectory's name becomes part of file names, so it must not be empty");
+      }
+      const auto [other, isNew] = names.emplace(keyPart(trajectory->name()), trajectory->name());
+      if (isNew) continue;
+      throw InputError(items[i].where,
                        fmt::format("two trajectories are named '{}' and '{}', both '{}' in file names: give one "
                                    "another name",
                                    other->second, trajectory->name(), other->first));
     }
-    trajectories.push_back(std::move(trajectory));
-  };
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const std::uint32_t drives = countDrives(items[i]);
-    for (std::uint32_t drive = 0; drive < drives; ++drive) add(items[i], fmt::format("t{}", i), drive);
   }
   return trajectories;
 }

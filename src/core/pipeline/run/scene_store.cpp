@@ -153,8 +153,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     const std::scoped_lock lock(mutex_);
     largest_ = std::max(largest_, bytes);
     SceneWarnings& reported = reported_[sceneOf_[sequence]];
-    if (std::exchange(reported.loaded, true))
-      return;  // the scene was loaded and checked before, so its warnings are known
+    if (std::exchange(reported.loaded, true)) return;  // its warnings are known
     reported.ofScene = std::move(lines);
     reported.account += account;
   } catch (...) {
