@@ -73,39 +73,6 @@ const Command& commandNamed(std::string_view name) {
   throw Error(fmt::format("no command '{}'", name));
 }
 
-}  // namespace
-
-CommandOptions::CommandOptions(std::string_view name)
-    : cxxopts::Options(fmt::format("scanmill {}", name), std::string(commandNamed(name).summary)), command(name) {
-  positional_help(std::string(commandNamed(name).usage)).show_positional_help();
-  add_options()("h,help", "print this help");
-  add_options("positional")("input", "", listValue());
-  parse_positional({"input"});
-}
-
-Arguments parseArguments(CommandOptions& options, const std::vector<std::string>& arguments,
-                         const std::string& examples) {
-  std::vector<const char*> argv{options.command.data()};
-  for (const std::string& a : arguments) argv.push_back(a.c_str());
-  Arguments parsed;
-  try {
-    parsed.options = options.parse(static_cast<int>(argv.size()), argv.data());
-  } catch (const std::exception& e) {
-    throw InputError(fmt::format("{}; see `scanmill {} --help`", e.what(), options.command));
-  }
-  if (parsed.has("help")) {
-    std::string help = options.help({""});
-    constexpr std::string_view kNoDefault = "(=)]";  // follows the value of an option that may be given without one
-    if (const std::size_t at = help.find(kNoDefault); at != std::string::npos)
-      help.replace(at, kNoDefault.size(), "]   ");
-    printText("{}\n\nExamples:\n{}", help, examples);
-    parsed.help = true;
-  }
-  return parsed;
-}
-
-namespace {
-
 int threadOption(const Arguments& arguments) {
   const int threads = arguments.options["threads"].as<int>();
   if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
@@ -139,6 +106,35 @@ std::uint64_t memoryOption(const Arguments& arguments) {
 }
 
 }  // namespace
+
+CommandOptions::CommandOptions(std::string_view name)
+    : cxxopts::Options(fmt::format("scanmill {}", name), std::string(commandNamed(name).summary)), command(name) {
+  positional_help(std::string(commandNamed(name).usage)).show_positional_help();
+  add_options()("h,help", "print this help");
+  add_options("positional")("input", "", listValue());
+  parse_positional({"input"});
+}
+
+Arguments parseArguments(CommandOptions& options, const std::vector<std::string>& arguments,
+                         const std::string& examples) {
+  std::vector<const char*> argv{options.command.data()};
+  for (const std::string& a : arguments) argv.push_back(a.c_str());
+  Arguments parsed;
+  try {
+    parsed.options = options.parse(static_cast<int>(argv.size()), argv.data());
+  } catch (const std::exception& e) {
+    throw InputError(fmt::format("{}; see `scanmill {} --help`", e.what(), options.command));
+  }
+  if (parsed.has("help")) {
+    std::string help = options.help({""});
+    constexpr std::string_view kNoDefault = "(=)]";  // follows the value of an option that may be given without one
+    if (const std::size_t at = help.find(kNoDefault); at != std::string::npos)
+      help.replace(at, kNoDefault.size(), "]   ");
+    printText("{}\n\nExamples:\n{}", help, examples);
+    parsed.help = true;
+  }
+  return parsed;
+}
 
 void addInputLimit(cxxopts::Options& options) {
   options.add_options()("input-limit",

@@ -234,11 +234,6 @@ void printRows(const std::string& heading, const std::vector<std::pair<std::stri
   for (const auto& [name, value] : rows) printText("  {:{}}  {}\n", name, widest, oneLine(value));
 }
 
-std::unique_ptr<Canvas> openCanvas(const std::filesystem::path& file, const PictureSize& size, bool window) {
-  if (!window) return openOffscreen(size.width, size.height);
-  return openWindow(fmt::format("scanmill view {}", file.string()), size.width, size.height);
-}
-
 void writePicture(const std::filesystem::path& file, const Image& image, const std::string& what) {
   writeFile(file, encodePng(image));
   printText("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
@@ -292,7 +287,9 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
   auto loader = std::make_unique<FrameLoader>(source);
   // The frame loads while the canvas opens.
   if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);
-  const std::unique_ptr<Canvas> canvas = openCanvas(input.path, size, outputs.window());
+  const std::unique_ptr<Canvas> canvas =
+      outputs.window() ? openWindow(fmt::format("scanmill view {}", input.path.string()), size.width, size.height)
+                       : openOffscreen(size.width, size.height);
   ViewSession session(source, *canvas, view, std::move(loader));
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
   session.settle();

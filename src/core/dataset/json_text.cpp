@@ -37,6 +37,13 @@ std::string joined(const std::vector<std::string>& parts, const char* brackets, 
   return text;
 }
 
+Location placeOfByte(const std::string& text, std::size_t byte, const std::string& file) {
+  const std::string_view before = std::string_view(text).substr(0, byte == 0 ? 0 : std::min(byte - 1, text.size()));
+  const std::size_t lineStart = before.rfind('\n') + 1;  // if there is no line break, npos + 1 is 0
+  return {file, static_cast<int>(std::ranges::count(before, '\n')) + 1,
+          static_cast<int>(before.size() - lineStart) + 1};
+}
+
 }  // namespace
 
 std::string scalarText(const OrderedJson& value) {
@@ -81,17 +88,6 @@ const SemanticClass& requireClass(std::uint16_t id, const std::string& key, cons
   if (known == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology.name));
   return *known;
 }
-
-namespace {
-
-Location placeOfByte(const std::string& text, std::size_t byte, const std::string& file) {
-  const std::string_view before = std::string_view(text).substr(0, byte == 0 ? 0 : std::min(byte - 1, text.size()));
-  const std::size_t lineStart = before.rfind('\n') + 1;  // if there is no line break, npos + 1 is 0
-  return {file, static_cast<int>(std::ranges::count(before, '\n')) + 1,
-          static_cast<int>(before.size() - lineStart) + 1};
-}
-
-}  // namespace
 
 Json parseJson(const std::string& text, const std::string& file) {
   try {

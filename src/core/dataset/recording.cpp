@@ -49,6 +49,64 @@ std::string fileOf(const JsonNode& node) {
   return name;
 }
 
+// Returns true if a file has the name of a file that this program writes for the recording `earlier`, such as
+// "street-s1-lane-000012.top.json" for its sequences and sensors.
+bool isOurs(const std::string& name, const Recording& earlier) {
+  if (name == kIndex || name.find(".partial-") != std::string::npos) return true;
+  if (!name.ends_with(".exr") && !name.ends_with(".json")) return false;
+  const std::size_t dot = name.find('.');
+  const std::string key = name.substr(0, dot);
+  const bool sequence = std::ranges::any_of(
+      earlier.sequences, [&](const auto& s) { return key.starts_with(fmt::format("{}-s{}-", s.scene, s.seed)); });
+  return sequence && std::ranges::any_of(earlier.sensors, [&](const RecordedSensor& s) {
+           return name.compare(dot + 1, s.name.size() + 1, s.name + ".") == 0;
+         });
+}
+
+// Removes the files of an earlier finished recording by this program. Throws InputError if the folder has no such
+// recording, or if it has other files, such as images with similar names that a user has rendered.
+void removeEarlier(const fs::path& folder) {
+  const std::optional<RecordingKind> kind = recordingIn(folder);
+  if (!kind) {
+    throw InputError({folder.string()},
+                     "has files but no finished recording: --overwrite replaces only recordings; remove the files by "
+                     "hand, or choose another folder");
+  }
+  const Recording earlier = readRecording(folder, *kind);
+  if (earlier.programVersion.empty()) {
+    throw InputError({folder.string()}, "has a recording that another program made: choose another folder");
+  }
+  std::vector<fs::path> old;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_regular_file() || !isOurs(entry.path().filename().string(), earlier)) {
+      throw InputError({entry.path().string()},
+                       "does not belong to the recording in this folder: --overwrite replaces only recordings; choose "
+                       "another folder");
+    }
+    old.push_back(entry.path());
+  }
+  fs::remove(folder / kIndex);  // remove the index first, so that the other files never look like a finished recording
+  for (const fs::path& file : old) fs::remove(file);
+}
+
+void prepareFolder(const fs::path& folder, bool overwrite) {
+  try {
+    if (fs::exists(folder) && !fs::is_directory(folder)) {
+      throw InputError({folder.string()}, "is a file: choose another folder");
+    }
+    fs::create_directories(folder);
+    if (fs::is_empty(folder)) return;
+    if (!overwrite) {
+      throw InputError({folder.string()},
+                       "exists and is not empty: add --overwrite to replace the recording in it, or choose another "
+                       "folder");
+    }
+    removeEarlier(folder);
+  } catch (const fs::filesystem_error& error) {
+    throw InputError({folder.string()}, "cannot be used as the folder of a recording: " + error.code().message());
+  }
+}
+
 }  // namespace
 
 static void describe(RecordKeys& keys, RecordedSensor& sensor) {
@@ -159,68 +217,6 @@ static void describe(RecordKeys& keys, RecordedShot& shot) {
     }
   });
 }
-
-namespace {
-
-// Returns true if a file has the name of a file that this program writes for the recording `earlier`, such as
-// "street-s1-lane-000012.top.json" for its sequences and sensors.
-bool isOurs(const std::string& name, const Recording& earlier) {
-  if (name == kIndex || name.find(".partial-") != std::string::npos) return true;
-  if (!name.ends_with(".exr") && !name.ends_with(".json")) return false;
-  const std::size_t dot = name.find('.');
-  const std::string key = name.substr(0, dot);
-  const bool sequence = std::ranges::any_of(
-      earlier.sequences, [&](const auto& s) { return key.starts_with(fmt::format("{}-s{}-", s.scene, s.seed)); });
-  return sequence && std::ranges::any_of(earlier.sensors, [&](const RecordedSensor& s) {
-           return name.compare(dot + 1, s.name.size() + 1, s.name + ".") == 0;
-         });
-}
-
-// Removes the files of an earlier finished recording by this program. Throws InputError if the folder has no such
-// recording, or if it has other files, such as images with similar names that a user has rendered.
-void removeEarlier(const fs::path& folder) {
-  const std::optional<RecordingKind> kind = recordingIn(folder);
-  if (!kind) {
-    throw InputError({folder.string()},
-                     "has files but no finished recording: --overwrite replaces only recordings; remove the files by "
-                     "hand, or choose another folder");
-  }
-  const Recording earlier = readRecording(folder, *kind);
-  if (earlier.programVersion.empty()) {
-    throw InputError({folder.string()}, "has a recording that another program made: choose another folder");
-  }
-  std::vector<fs::path> old;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (!entry.is_regular_file() || !isOurs(entry.path().filename().string(), earlier)) {
-      throw InputError({entry.path().string()},
-                       "does not belong to the recording in this folder: --overwrite replaces only recordings; choose "
-                       "another folder");
-    }
-    old.push_back(entry.path());
-  }
-  fs::remove(folder / kIndex);  // remove the index first, so that the other files never look like a finished recording
-  for (const fs::path& file : old) fs::remove(file);
-}
-
-void prepareFolder(const fs::path& folder, bool overwrite) {
-  try {
-    if (fs::exists(folder) && !fs::is_directory(folder)) {
-      throw InputError({folder.string()}, "is a file: choose another folder");
-    }
-    fs::create_directories(folder);
-    if (fs::is_empty(folder)) return;
-    if (!overwrite) {
-      throw InputError({folder.string()},
-                       "exists and is not empty: add --overwrite to replace the recording in it, or choose another "
-                       "folder");
-    }
-    removeEarlier(folder);
-  } catch (const fs::filesystem_error& error) {
-    throw InputError({folder.string()}, "cannot be used as the folder of a recording: " + error.code().message());
-  }
-}
-
-}  // namespace
 
 std::string beamsHash(const BeamTable& beams) {
   Sha256 hash;

@@ -32,6 +32,43 @@ std::uint64_t wholeBlocks(std::uint64_t bytes) {
   return (bytes + kTarBytes - 1) / kTarBytes * kTarBytes;
 }
 
+constexpr std::string_view kJsonSuffix = "json";
+
+[[noreturn]] void refuse(const Sample& sample, const std::string& why) {
+  throw Error(fmt::format("sample '{}' cannot be written: {}", sample.key, why));
+}
+
+// Throws Error for names that WebDataset would misread. WebDataset joins consecutive members to a sample if their names
+// agree up to the first dot, and uses the rest of the name, in lower case, as the member's key. Names must be printable
+// ASCII, so that all tar readers read the same names.
+void checkNames(const Sample& sample) {
+  const auto plain = [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != '\\'; };
+  if (sample.key.empty() || !std::ranges::all_of(sample.key, [&](char c) { return plain(c) && c != '.'; })) {
+    refuse(sample, "its key must be printable ASCII without dots, slashes and spaces");
+  }
+  if (!isSplitName(sample.split)) refuse(sample, fmt::format("'{}' is not a name of a split", sample.split));
+  std::set<std::string_view> suffixes{kJsonSuffix};
+  for (const Member& member : sample.members) {
+    const std::string& suffix = member.suffix;
+    if (suffix.empty() || suffix.front() == '.' ||
+        !std::ranges::all_of(suffix, [&](char c) { return plain(c) && !(c >= 'A' && c <= 'Z'); })) {
+      refuse(sample,
+             fmt::format("the suffix '{}' must be lower-case printable ASCII without slashes and spaces", suffix));
+    }
+    if (!suffixes.insert(suffix).second) refuse(sample, fmt::format("the suffix '{}' is used twice", suffix));
+  }
+}
+
+SampleRecord recordOf(const Sample& sample) {
+  return {sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws, sample.time};
+}
+
+std::filesystem::path madeFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  std::filesystem::create_directories(folder);
+  makeFolders(folder, file.parent_path());
+  return file;
+}
+
 }  // namespace
 
 struct ShardFile::State {
@@ -132,47 +169,6 @@ std::uint64_t ShardFile::memberBytes(std::size_t nameLength, std::uint64_t bytes
   if (nameLength > kUstarName) size += kTarBytes + wholeBlocks(nameLength + 16);
   return size;
 }
-
-namespace {
-
-constexpr std::string_view kJsonSuffix = "json";
-
-[[noreturn]] void refuse(const Sample& sample, const std::string& why) {
-  throw Error(fmt::format("sample '{}' cannot be written: {}", sample.key, why));
-}
-
-// Throws Error for names that WebDataset would misread. WebDataset joins consecutive members to a sample if their names
-// agree up to the first dot, and uses the rest of the name, in lower case, as the member's key. Names must be printable
-// ASCII, so that all tar readers read the same names.
-void checkNames(const Sample& sample) {
-  const auto plain = [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != '\\'; };
-  if (sample.key.empty() || !std::ranges::all_of(sample.key, [&](char c) { return plain(c) && c != '.'; })) {
-    refuse(sample, "its key must be printable ASCII without dots, slashes and spaces");
-  }
-  if (!isSplitName(sample.split)) refuse(sample, fmt::format("'{}' is not a name of a split", sample.split));
-  std::set<std::string_view> suffixes{kJsonSuffix};
-  for (const Member& member : sample.members) {
-    const std::string& suffix = member.suffix;
-    if (suffix.empty() || suffix.front() == '.' ||
-        !std::ranges::all_of(suffix, [&](char c) { return plain(c) && !(c >= 'A' && c <= 'Z'); })) {
-      refuse(sample,
-             fmt::format("the suffix '{}' must be lower-case printable ASCII without slashes and spaces", suffix));
-    }
-    if (!suffixes.insert(suffix).second) refuse(sample, fmt::format("the suffix '{}' is used twice", suffix));
-  }
-}
-
-SampleRecord recordOf(const Sample& sample) {
-  return {sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws, sample.time};
-}
-
-std::filesystem::path madeFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file) {
-  std::filesystem::create_directories(folder);
-  makeFolders(folder, file.parent_path());
-  return file;
-}
-
-}  // namespace
 
 std::uint64_t bytesInShard(const Sample& sample) {
   const auto bytesOf = [&](std::string_view suffix, std::size_t size) {

@@ -34,7 +34,6 @@ std::vector<std::string> shuffled(const std::set<std::string>& groups, std::uint
   std::map<std::string, std::string> ranked;
   for (const std::string& group : groups) ranked[sha256(fmt::format("split {} {}", seed, group))] = group;
   std::vector<std::string> order;
-  order.reserve(ranked.size());
   for (const auto& [rank, group] : ranked) order.push_back(group);
   return order;
 }
@@ -153,7 +152,6 @@ std::vector<std::string> assignSplits(const Value* value, const std::vector<Sequ
   const bool lists = usesLists(fields);
   const Assignment splits = lists ? byLists(fields, groups, by) : byShares(fields, groups, by, seed);
   std::vector<std::string> result;
-  result.reserve(sequences.size());
   for (const SequenceName& sequence : sequences) result.push_back(splits.at(groupOf(sequence, by == "seed")));
   return result;
 }

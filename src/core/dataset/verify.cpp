@@ -100,9 +100,11 @@ class ShardCheck {
     try {
       readTar(file_, [&](const std::string& name, std::string_view bytes) {
         found.push_back(name);
+        const auto owner = owner_.find(name);
+        if (owner == owner_.end()) return;  // checkOrder() reports this
         const std::size_t before = problems_.size();
-        checkMember(name, bytes);
-        if (problems_.size() == before) checkDigest(name, bytes);
+        checkMember(name, bytes, *owner->second);
+        if (problems_.size() == before) checkDigest(name, bytes, *owner->second);
       });
     } catch (const InputError& error) {
       problem(withoutPath(error));
@@ -110,10 +112,7 @@ class ShardCheck {
     checkOrder(found);
   }
 
-  void checkMember(const std::string& name, std::string_view bytes) {
-    const auto owner = owner_.find(name);
-    if (owner == owner_.end()) return;  // checkOrder() reports this
-    const SampleRecord& sample = *owner->second;
+  void checkMember(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     if (name == sample.key + ".json") {
       const std::string difference = differenceOfSampleJson(bytes, sample);
       if (!difference.empty()) problem(fmt::format("{}: {}", name, difference));
@@ -137,15 +136,12 @@ class ShardCheck {
 
   // Reports a member whose bytes differ from its hash in the manifest; such a member may decode and agree with the
   // manifest in all other respects.
-  void checkDigest(const std::string& name, std::string_view bytes) {
-    const auto owner = owner_.find(name);
-    const std::string stated = owner == owner_.end() ? std::string() : owner->second->xxh3Of(name);
-    if (stated.empty()) return;
+  void checkDigest(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
+    const std::string stated = sample.xxh3Of(name);
     const std::string found = xxh3(bytes);
-    if (found != stated) {
-      problem(fmt::format("{}: was changed since it was written: its XXH3 is {}, but the manifest says {}", name, found,
-                          stated));
-    }
+    if (stated.empty() || found == stated) return;
+    problem(fmt::format("{}: was changed since it was written: its XXH3 is {}, but the manifest says {}", name, found,
+                        stated));
   }
 
   // Returns the record of the scan to which a member belongs. If the sample has no such scan, reports the member and
