@@ -51,6 +51,29 @@ ModelledItem itemOfLine(const std::string& line) {
   return {line.substr(0, at), why, true};
 }
 
+OrderedJson reasonsJson(const ScanRecord& scan) {
+  OrderedJson json = OrderedJson::object();
+  for (const auto& [reason, beams] : scan.beamsPerReason) {
+    const ReasonEntry* known = findReason(reason);
+    if (known == nullptr) throw Error(fmt::format("no reason has the value {}", reason));
+    json[std::string(known->name)] = beams;
+  }
+  return json;
+}
+
+ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
+  ReasonCounts counts;
+  std::uint64_t sum = 0;
+  node.forEachEntry([&](const std::string& name, const JsonNode& count) {
+    const ReasonEntry* known = findReason(name);
+    if (known == nullptr) count.fail(fmt::format("'{}' is not a reason", name));
+    counts[static_cast<std::uint8_t>(known->reason)] = count.integer<std::uint64_t>(1, beams);
+    sum += count.integer<std::uint64_t>();
+  });
+  if (sum != beams) node.fail(fmt::format("add up to {} beams, not {}", sum, beams));
+  return counts;
+}
+
 }  // namespace
 
 void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items) {
@@ -197,33 +220,6 @@ static void describe(RecordKeys& keys, ClassObjects& counted) {
   keys("objects", counted.count.objects, wholeNumber(1));
   keys("with_points", counted.count.withPoints, wholeNumber(0, counted.count.objects));
 }
-
-namespace {
-
-OrderedJson reasonsJson(const ScanRecord& scan) {
-  OrderedJson json = OrderedJson::object();
-  for (const auto& [reason, beams] : scan.beamsPerReason) {
-    const ReasonEntry* known = findReason(reason);
-    if (known == nullptr) throw Error(fmt::format("no reason has the value {}", reason));
-    json[std::string(known->name)] = beams;
-  }
-  return json;
-}
-
-ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
-  ReasonCounts counts;
-  std::uint64_t sum = 0;
-  node.forEachEntry([&](const std::string& name, const JsonNode& count) {
-    const ReasonEntry* known = findReason(name);
-    if (known == nullptr) count.fail(fmt::format("'{}' is not a reason", name));
-    counts[static_cast<std::uint8_t>(known->reason)] = count.integer<std::uint64_t>(1, beams);
-    sum += count.integer<std::uint64_t>();
-  });
-  if (sum != beams) node.fail(fmt::format("add up to {} beams, not {}", sum, beams));
-  return counts;
-}
-
-}  // namespace
 
 void describe(RecordKeys& keys, ScanRecord& scan) {
   const auto sensorOf = [&](const JsonNode& name) -> const SensorRecord& {
