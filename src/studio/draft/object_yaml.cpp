@@ -115,14 +115,6 @@ std::string nameValue(const std::string& name) {
   return flowText(value);
 }
 
-// Returns the part of a rule that assigns class and material for a concept. `measured`: the file has measured
-// reflectances, so no material is assigned, which would replace them.
-std::string givesOf(const Concept& c, const Ontology& ontology, bool measured) {
-  if (c.kind == ConceptKind::Drop) return "drop: true";
-  return fmt::format("class: {}{}", nameValue(classFor(c, ontology)),
-                     c.material.empty() || measured ? "" : ", material: " + nameValue(c.material));
-}
-
 using PartNames = std::array<std::string, 3>;  // names of node, material and texture
 
 // The rules that give the parts of a file their classes, with numbers of triangles.
@@ -236,8 +228,12 @@ class ClassWriter {
   }
 
   void writeRule(const std::string& match, const Concept& c, std::uint64_t triangles, std::string& yaml) const {
-    yaml += fmt::format("      - {{match: {{{}}}, {}}}   # {} triangles\n", match,
-                        givesOf(c, ontology_, model_.measured), grouped(triangles));
+    std::string gives = "drop: true";
+    if (c.kind != ConceptKind::Drop) gives = "class: " + nameValue(classFor(c, ontology_));
+    if (c.kind != ConceptKind::Drop && !c.material.empty() && !model_.measured) {
+      gives += ", material: " + nameValue(c.material);
+    }
+    yaml += fmt::format("      - {{match: {{{}}}, {}}}   # {} triangles\n", match, gives, grouped(triangles));
   }
 
   void writeClassOfRest(const Concept& c, std::string_view comment, std::string& yaml) const {

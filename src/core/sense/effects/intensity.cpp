@@ -259,63 +259,45 @@ class Intensity : public Effect {
     }
   }
 
-  // Properties of the surfaces of neighbouring rows. If a pointer is null, the material's value is used.
-  struct Surfaces {
-    const std::uint16_t* material;
-    const float* reflectance;
-    const float* incidence;
-    const float* roughness;
-    const float* metallic;
-    const float* retro;
-  };
-
-  struct SurfaceBuffers {
-    Batch<std::uint16_t> material;
-    Batch<float> of[5];
-  };
-
-  static Surfaces surfacesOf(const Hits& hits, const Returns& returns, std::size_t first, SurfaceBuffers& buffers) {
-    const auto from = [&](const std::vector<float>& values, int k) {
-      return values.empty() ? nullptr : valuesOfHits(returns, values, first, buffers.of[k]);
-    };
-    return {valuesOfHits(returns, hits.material, first, buffers.material),
-            from(hits.reflectance, 0),
-            from(hits.incidence, 1),
-            from(hits.roughness, 2),
-            from(hits.metallic, 3),
-            from(hits.retroreflectance, 4)};
-  }
-
   // Sets `power` to the light that the surfaces of a batch of rows reflect back along the beam.
   void reflect(const Hits& hits, const Returns& returns, std::size_t first, const std::vector<Lobes>& lobes,
                std::size_t count, float* power) const {
-    SurfaceBuffers buffers;
-    const Surfaces s = surfacesOf(hits, returns, first, buffers);
-    if (s.roughness != nullptr) {
+    const auto valuesOf = [&](const std::vector<float>& values, Batch<float>& buffer) {
+      return values.empty() ? nullptr : valuesOfHits(returns, values, first, buffer);
+    };
+    Batch<std::uint16_t> materials;
+    Batch<float> reflectances, incidences, roughnesses, metals, retros;
+    const std::uint16_t* const material = valuesOfHits(returns, hits.material, first, materials);
+    const float* const reflectance = valuesOf(hits.reflectance, reflectances);
+    const float* const incidence = valuesOf(hits.incidence, incidences);
+    const float* const roughness = valuesOf(hits.roughness, roughnesses);  // null: the materials' values are used
+    const float* const metallic = valuesOf(hits.metallic, metals);
+    const float* const retro = valuesOf(hits.retroreflectance, retros);
+    if (roughness != nullptr) {
       for (std::size_t i = 0; i < count; ++i) {
-        const Lobes lobe = lobesOf(s.roughness[i], s.metallic[i], s.retro[i], o_.orenNayar);
-        power[i] = reflected(lobe, s.incidence[i], s.reflectance[i]);
+        const Lobes lobe = lobesOf(roughness[i], metallic[i], retro[i], o_.orenNayar);
+        power[i] = reflected(lobe, incidence[i], reflectance[i]);
       }
       return;
     }
     const Lobes* const table = lobes.data();
     const std::uint32_t last = static_cast<std::uint32_t>(lobes.size() - 1);
-    const auto lobesOfRow = [&](std::size_t i) { return table[std::min<std::uint32_t>(s.material[i], last)]; };
+    const auto lobesOfRow = [&](std::size_t i) { return table[std::min<std::uint32_t>(material[i], last)]; };
     // Neighbouring rays often hit the same material. The loop over such a group is vectorised.
     constexpr std::size_t kGroup = 16;
     std::size_t i = 0;
     for (; i + kGroup <= count; i += kGroup) {
       std::uint32_t different = 0;
-      for (std::size_t k = 0; k < kGroup; ++k) different |= s.material[i + k] ^ s.material[i];
+      for (std::size_t k = 0; k < kGroup; ++k) different |= material[i + k] ^ material[i];
       std::array<float, kGroup> group;
       const Lobes lobe = lobesOfRow(i);
-      for (std::size_t k = 0; k < kGroup; ++k) group[k] = reflected(lobe, s.incidence[i + k], s.reflectance[i + k]);
+      for (std::size_t k = 0; k < kGroup; ++k) group[k] = reflected(lobe, incidence[i + k], reflectance[i + k]);
       for (std::size_t k = 0; k < kGroup && different != 0; ++k) {
-        group[k] = reflected(lobesOfRow(i + k), s.incidence[i + k], s.reflectance[i + k]);
+        group[k] = reflected(lobesOfRow(i + k), incidence[i + k], reflectance[i + k]);
       }
       std::copy_n(group.begin(), kGroup, power + i);
     }
-    for (; i < count; ++i) power[i] = reflected(lobesOfRow(i), s.incidence[i], s.reflectance[i]);
+    for (; i < count; ++i) power[i] = reflected(lobesOfRow(i), incidence[i], reflectance[i]);
   }
 
   // Computes the power that the echoes would have if they came from the reference range through clear air.
