@@ -175,8 +175,7 @@ class Bag {
     for (const ObjectView& view : object.views) {
       const bool exported =
           std::ranges::any_of(plan_.sensors, [&](const SensorRecord* sensor) { return sensor->name == view.sensor; });
-      const std::optional<double> share = exported ? view.visibility() : std::nullopt;
-      if (share && (!visible || *share > *visible)) visible = share;
+      if (exported) visible = std::max(visible, view.visibility());
     }
     const std::string name = fmt::format("{} {}", semantic.name, object.id);
     return visible ? fmt::format("{}, {:.0f} %", name, 100 * *visible) : name;

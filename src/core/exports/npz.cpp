@@ -72,12 +72,6 @@ void putPose(const Pose& pose, std::string& bytes) {
   for (const double value : {0.0, 0.0, 0.0, 1.0}) putNumber(value, bytes);
 }
 
-void addPoses(const ScanRecord& record, Files& files) {
-  std::string bytes;
-  for (const Pose& pose : record.worldFromSensor) putPose(pose, bytes);
-  add<double>("world_from_sensor", {record.worldFromSensor.size(), 4, 4}, bytes, files);
-}
-
 void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const ExportScan& scan, Files& files) {
   const Mat3 sensorFromWorld = transposed(toMatrix(scan.record->worldFromSensor.front().rotation));
   std::size_t count = 0;
@@ -112,7 +106,9 @@ void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const Export
 std::string npzBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan) {
   Files files;
   addPoints(plan, scan.scan, files);
-  addPoses(*scan.record, files);
+  std::string poses;
+  for (const Pose& pose : scan.record->worldFromSensor) putPose(pose, poses);
+  add<double>("world_from_sensor", {scan.record->worldFromSensor.size(), 4, 4}, poses, files);
   if (sample.objects) addBoxes(plan, *sample.objects, scan, files);
   return zipOf(files);
 }

@@ -159,10 +159,11 @@ class SemanticKitti : public ExportLayout {
     folder.write("semantic-kitti.yaml", configuration(plan));
     writeInfos(plan, folder);
     std::vector<std::string> warnings = skewWarnings(plan, "SemanticKITTI");
-    std::size_t others = 0;
+    std::size_t others = 0, renumbered = 0;
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       const std::vector<std::size_t> usual = usualNumbers(plan.sequences[s].split);
       others += std::ranges::find(usual, numbers[s]) == usual.end() ? 1 : 0;
+      renumbered += newNumbers(s).empty() ? 0 : 1;
     }
     if (others > 0) {
       warnings.push_back(fmt::format(
@@ -171,8 +172,6 @@ class SemanticKitti : public ExportLayout {
           "not read them; semantic-kitti.yaml and semantickitti_infos_*.json list all",
           others, plan.sequences.size()));
     }
-    std::size_t renumbered = 0;
-    for (std::size_t s = 0; s < plan.sequences.size(); ++s) renumbered += newNumbers(s).empty() ? 0 : 1;
     if (renumbered > 0) {
       warnings.push_back(
           fmt::format("instances have new numbers from 1 in {} of {} sequences, since SemanticKITTI's labels store ids "
