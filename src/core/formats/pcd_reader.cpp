@@ -74,11 +74,7 @@ class HeaderReader {
       ++where_.line;
       if (rest_.empty()) throw InputError(where_, "not a PCD file, or its header is truncated");
       const std::string_view line = takeLine(rest_);
-      if (line.starts_with('#')) {
-        readComment(line);
-      } else {
-        readLine(wordsOf(line));
-      }
+      line.starts_with('#') ? readComment(line) : readLine(wordsOf(line));
     }
     header_.body = rest_;
     header_.bodyLine = where_.line + 1;
@@ -342,11 +338,7 @@ class BodyReader {
       fill(require("y"), &positions[0].y, 3);
       fill(require("z"), &positions[0].z, 3);
     };
-    if (exact_) {
-      fillPositions(exactPositions_);
-    } else {
-      fillPositions(scan.position);
-    }
+    exact_ ? fillPositions(exactPositions_) : fillPositions(scan.position);
     if (points == 0) return scan;
     visitTable(scan, [&](auto key, auto& values) {
       const PcdField* field = findColumn(key.row.name);

@@ -32,11 +32,7 @@ class StlReader {
       : file_(file), options_(options), text_(readFile(file)) {}
 
   ImportedFile read() {
-    if (isText()) {
-      readText();
-    } else {
-      readBinary();
-    }
+    isText() ? readText() : readBinary();
     return imported();
   }
 

@@ -85,32 +85,28 @@ class WorldAsset {
         part.positions = solid->positions;
         part.triangles = solid->triangles;
         applyLook(from, part);
-        applyGloss(from, part);
-        add(parts, std::move(part), node, assetFromPart);
+        add(parts, std::move(part), from, node, assetFromPart);
         continue;
       }
       for (AssetPart& part : partsOf(std::get<MeshFile>(from.shape), from.where)) {
         if (!from.texture.empty() || (from.color && part.texture.empty())) applyLook(from, part);
-        applyGloss(from, part);
         if (part.material.empty()) part.fileMaterial.name = part.material = from.material;
         const std::string inMesh = part.node.empty() ? node : fmt::format("{}/{}", node, part.node);
-        add(parts, std::move(part), inMesh, assetFromPart);
+        add(parts, std::move(part), from, inMesh, assetFromPart);
       }
     }
     ++nodes_;
   }
 
-  void add(std::vector<AssetPart>& parts, AssetPart part, const std::string& node, const Affine& assetFromPart) {
+  void add(std::vector<AssetPart>& parts, AssetPart part, const WorldPart& from, const std::string& node,
+           const Affine& assetFromPart) {
+    part.fileMaterial.roughness = from.roughness.value_or(part.fileMaterial.roughness);
+    part.fileMaterial.metallic = from.metallic.value_or(part.fileMaterial.metallic);
     part.node = node;
     part.nodeIndex = nodes_;
     move(part, assetFromPart);
     chargeBytes(kBytesPerTriangle * static_cast<double>(part.triangles.size()), {file_.string()});
     parts.push_back(std::move(part));
-  }
-
-  static void applyGloss(const WorldPart& from, AssetPart& part) {
-    part.fileMaterial.roughness = from.roughness.value_or(part.fileMaterial.roughness);
-    part.fileMaterial.metallic = from.metallic.value_or(part.fileMaterial.metallic);
   }
 
   // Gives a part the material of its visual.

@@ -88,8 +88,6 @@ class Importer {
   }
 
  private:
-  [[noreturn]] static void fail(const std::string& what) { throw Error(what); }
-
   void import() {
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
@@ -120,7 +118,7 @@ class Importer {
   }
 
   [[noreturn]] void failReading(const std::string& why) const {
-    fail(fmt::format("cannot be read: {}; {}", why, remedyFor(kind_)));
+    throw Error(fmt::format("cannot be read: {}; {}", why, remedyFor(kind_)));
   }
 
   // Counts what the importer has read and is not used.
@@ -227,7 +225,7 @@ class Importer {
       if (mesh.mNumVertices == 0 || mesh.mVertices == nullptr || mesh.mNumFaces == 0) continue;
       triangles_ += mesh.mNumFaces;
       if (triangles_ > kMostTriangles)
-        fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
+        throw Error(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
       const unsigned number = mesh.mMaterialIndex;
       const ImportedMaterial& material = number < read.materials.size() ? read.materials[number] : kNone;
       scanmill::append(geometryOf(mesh, material.placement()), assetFromNode, number, material.textured(), first,

@@ -39,11 +39,8 @@ std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::u
     return triangles;
   }
   for (std::size_t i = 0; i + 2 < count; ++i) {
-    if (mode == Primitive::Mode::Fan) {
-      triangles.push_back({at[i + 1], at[i + 2], at[0]});
-    } else {
-      triangles.push_back({at[i], at[i + 1 + i % 2], at[i + 2 - i % 2]});
-    }
+    triangles.push_back(mode == Primitive::Mode::Fan ? Triangle{at[i + 1], at[i + 2], at[0]}
+                                                     : Triangle{at[i], at[i + 1 + i % 2], at[i + 2 - i % 2]});
   }
   return triangles;
 }
