@@ -175,6 +175,10 @@ models::Footprint rectangleAbout(const Polygon& ring) {
   return best;
 }
 
+Polygon cornersOf(const models::Footprint& f) {
+  return {f.at(-f.halfX, -f.halfY), f.at(f.halfX, -f.halfY), f.at(f.halfX, f.halfY), f.at(-f.halfX, f.halfY)};
+}
+
 Polygon clipped(Polygon ring, double half) {
   for (int side = 0; side < 4; ++side) {
     const auto inside = [&](const Point2& p) {

@@ -53,6 +53,7 @@ std::vector<Point2> pointsAlong(const Polygon& ring, double step);
 double sizeOf(const Polygon& ring);  // area in m^2; negative if the ring is clockwise
 // Returns the smallest rectangle that contains a polygon and is parallel to one of the polygon's sides.
 models::Footprint rectangleAbout(const Polygon& ring);
+Polygon cornersOf(const models::Footprint& f);
 // Returns the part of a polygon in the square about the origin with sides of 2 * half: Sutherland and Hodgman,
 // "Reentrant polygon clipping", Communications of the ACM 17 (1974). If clipping separates the polygon into parts, the
 // parts stay connected along the square's sides.

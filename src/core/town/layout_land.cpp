@@ -12,10 +12,6 @@ namespace {
 using models::Footprint;
 using models::Kind;
 
-Polygon cornersOf(const Footprint& f) {
-  return {f.at(-f.halfX, -f.halfY), f.at(f.halfX, -f.halfY), f.at(f.halfX, f.halfY), f.at(-f.halfX, f.halfY)};
-}
-
 // Returns the point at a distance (m) from another one, in the direction `angle` (rad).
 Point2 polar(const Point2& from, double distance, double angle) {
   return {from.x + distance * std::cos(angle), from.y + distance * std::sin(angle)};
@@ -161,8 +157,6 @@ void Layout::drawRoundabout() {
 }
 
 // Adds random roads and their wear.
-
-using models::Kind;
 
 // Adds the main road, whose middle is the origin, and then the side roads.
 void Layout::drawRoads() {

@@ -88,9 +88,7 @@ void setPitchedRoof(MapBuilding& b, RoofShape shape, RoofDirection direction, do
   if (shape == RoofShape::Gabled) b.roof = models::Roof::Gable;
   if (shape == RoofShape::Hipped || (shape == RoofShape::Pyramidal && square)) b.roof = models::Roof::Hip;
   if (shape != RoofShape::Pyramidal && b.outline.size() != 4) {
-    const double x = about.halfX;
-    const double y = about.halfY;
-    b.outline = {about.at(-x, -y), about.at(x, -y), about.at(x, y), about.at(-x, y)};
+    b.outline = cornersOf(about);
   }
 }
 

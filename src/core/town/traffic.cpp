@@ -61,12 +61,6 @@ VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, d
   return {std::move(path), std::move(lane)};
 }
 
-std::vector<double> curvatureOf(const Path& path) {
-  std::vector<double> curvature;
-  for (const double d : models::steps(0, path.length(), kLimitStep)) curvature.push_back(path.curvature(d, 4));
-  return curvature;
-}
-
 class Traffic {
  public:
   explicit Traffic(Placer& placer) : placer_(placer), l_(placer.layout), main_(road(0)) {
@@ -106,9 +100,12 @@ class Traffic {
   std::uint32_t add(const LanePath& lanePath, double out = 0) {
     lanePaths_.push_back(lanePath);
     paths_.push_back(vehiclePath(l_, lanePath, out, 0, placer_.worldFromTown));
+    const Path& path = *paths_.back().path;
+    std::vector<double> curvature;
+    for (const double d : models::steps(0, path.length(), kLimitStep)) curvature.push_back(path.curvature(d, 4));
     Route route;
-    route.length = paths_.back().path->length();
-    route.limit = inBends(curvatureOf(*paths_.back().path), fastest_);
+    route.length = path.length();
+    route.limit = inBends(curvature, fastest_);
     routes_.push_back(std::move(route));
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
