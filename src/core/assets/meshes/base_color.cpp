@@ -39,8 +39,7 @@ void addTriangle(AlphaAreas& areas, const AssetPart& part, const Triangle& at, c
   const double area = length(cross(Vec3d(p[at[1]] - p[at[0]]), Vec3d(p[at[2]] - p[at[0]])));
   if (!std::isfinite(area)) return;
   const auto& uv = part.uvs;
-  int low = 0;
-  int graded = 0;
+  int low = 0, graded = 0;
   for (int i = 0; i < kSteps; ++i) {
     for (int k = 0; k < kSteps - i; ++k) {
       const float b = (static_cast<float>(i) + 1.0f / 3) / kSteps;

@@ -44,8 +44,9 @@ std::vector<std::string> commandLine(const std::string& job, const std::filesyst
                                    "3",
                                    "--python",
                                    script.string(),
-                                   "--"};
-  command.insert(command.end(), {job, folder.string()});
+                                   "--",
+                                   job,
+                                   folder.string()};
   command.insert(command.end(), arguments.begin(), arguments.end());
   return command;
 }

@@ -34,9 +34,7 @@ struct ImportedMap {
 struct ImportedMaterial {
   std::string name;
   bool stated = true;  // false: parts have this material because the file states none
-  float roughness = 1;
-  float metallic = 0;
-  float opacity = 1;
+  float roughness = 1, metallic = 0, opacity = 1;
   std::array<float, 3> color{1, 1, 1};  // base colour, linear RGB
   ImportedMap base;                     // image of the base colour
   ImportedMap opacityMap;

@@ -132,11 +132,7 @@ class SdfReader {
   void listUnused(const XmlNode& state, std::vector<std::string>& names) const {
     for (const XmlNode& child : state.children) {
       if (child.name != "model" && child.name != "link") continue;
-      if (statesUsed_.contains(&child)) {
-        listUnused(child, names);
-      } else {
-        names.push_back(child.attributeOr("name", ""));
-      }
+      statesUsed_.contains(&child) ? listUnused(child, names) : names.push_back(child.attributeOr("name", ""));
     }
   }
 

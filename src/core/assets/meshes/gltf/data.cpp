@@ -45,13 +45,13 @@ Number readNumber(const char* at, const Component& component, bool normalized) {
 
 DracoMesh::Values valuesOf(const draco::Mesh& mesh, const draco::PointAttribute& attribute) {
   DracoMesh::Values values;
-  const std::uint8_t width = attribute.num_components();
+  const std::size_t width = attribute.num_components();
   values.normalized = attribute.normalized();
-  values.numbers.resize(mesh.num_points() * std::size_t{width});
+  values.numbers.resize(mesh.num_points() * width);
   for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
     const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(i));
-    if (value.value() >= attribute.size() || !attribute.ConvertValue<float>(value, static_cast<std::int8_t>(width),
-                                                                            &values.numbers[i * std::size_t{width}])) {
+    if (value.value() >= attribute.size() ||
+        !attribute.ConvertValue<float>(value, static_cast<std::int8_t>(width), &values.numbers[i * width])) {
       throw Error("Draco attributes are damaged");
     }
   }

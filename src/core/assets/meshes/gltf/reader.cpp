@@ -67,11 +67,8 @@ class Reader {
       const Node& node = model_.nodes[placed.node];
       if (node.mesh && !placed.visible) model_.leftOut.add("hidden nodes");
       if (!placed.visible || !node.mesh) continue;
-      if (!node.instances) {
-        append(asset_.parts, placed, i, assetFromFile_ * frameOf(placed));
-      } else {
-        addInstances(placed, i, *node.instances);
-      }
+      node.instances ? addInstances(placed, i, *node.instances)
+                     : append(asset_.parts, placed, i, assetFromFile_ * frameOf(placed));
     }
     leftOut.add(model_.leftOut);
     return std::move(asset_);
