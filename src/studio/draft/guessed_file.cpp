@@ -26,12 +26,9 @@ Box placed(const Box& own, const FrameGuess& frame) {
 }
 
 // Reads a file and guesses its concepts.
-GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const DraftOptions& stated) {
-  AssetOptions options;
-  options.textures = false;
-  options.allowOutside = stated.allowOutside;
-  options.leaveOutMissing = stated.leaveOutMissing;
-  const Asset asset = readAsset(file, options);
+GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const DraftOptions& options) {
+  const Asset asset = readAsset(
+      file, {.textures = false, .allowOutside = options.allowOutside, .leaveOutMissing = options.leaveOutMissing});
   GuessedFile model;
   model.file = file;
   words.ignoreShared(asset);
