@@ -14,7 +14,7 @@
 #include "models/models.h"
 #include "models/occupancy.h"
 #include "town/character.h"
-#include "town/map_place.h"
+#include "town/map.h"
 #include "town/relief.h"
 #include "town/roads.h"
 

@@ -21,6 +21,8 @@
 
 namespace scanmill::town {
 
+struct Parameters;
+
 // The classes of roads, from the widest to the narrowest.
 enum class RoadClass { Primary, Secondary, Tertiary, Residential, Service, Track };
 
@@ -114,6 +116,16 @@ struct Map : MapContents {
   LeftOut leftOut;                     // what the map has, and the town has not or has otherwise
 };
 
+// A square of a map, with its contents in a frame of its own (m; x east, y north).
+struct MapPlace : MapContents {
+  OsmNode origin;  // origin of the place's frame, on the main road
+  // The main road comes first. Lines are smoothed, in steps of about kRoadStep; roads have no nodes.
+  std::vector<MapRoad> roads;
+  std::vector<Point2> joints;         // points where roads meet
+  double mainFrom = 0, mainTo = 0;    // m along the main road, the ends of its built-up part
+  std::string district = "suburban";  // value of the key `district`
+};
+
 // The tags and elements that readMap() reads and leaves out.
 const FormatSupport& osmFormat();
 
@@ -125,6 +137,11 @@ OsmNode degreesAt(const Map& map, const Point2& p);
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
 // Builds a map from an extract in memory.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
+
+// Returns a square of the map around a random point of the main road. The main road is the road that the parameters
+// name, or else a random road. `reach` is half of the side of the square (m). Throws an InputError at `where` for a
+// name that no road has, or if no road is long enough.
+MapPlace cutOut(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where);
 
 // Joins roads that meet end to end. At crossings, joins the roads that continue straight ahead.
 [[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);

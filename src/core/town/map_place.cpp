@@ -1,4 +1,4 @@
-#include "town/map_place.h"
+// Cuts out the part of a map from which a town is laid out: a part of one road and its surroundings.
 
 #include <fmt/format.h>
 
@@ -8,7 +8,9 @@
 #include <set>
 
 #include "config/text.h"
+#include "town/character.h"
 #include "town/geometry.h"
+#include "town/map.h"
 
 namespace scanmill::town {
 namespace {

@@ -2,7 +2,6 @@
 #include "tests/support/message_of.h"
 #include "town/layout.h"
 #include "town/map.h"
-#include "town/map_place.h"
 
 namespace scanmill::town {
 namespace {

@@ -1,7 +1,6 @@
 #include "town/map.h"
 
 #include "tests/support/message_of.h"
-#include "town/map_place.h"
 
 namespace scanmill::town {
 namespace {
