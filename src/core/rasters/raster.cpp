@@ -189,17 +189,6 @@ void warnOfDoubtfulHeights(const std::filesystem::path& file, const CoordinateSy
   }
 }
 
-void tellLeftOut(const std::filesystem::path& file, const RasterHeader& header, RasterUse use) {
-  LeftOut leftOut;
-  if (use != RasterUse::Colors) {
-    leftOut.add("bands behind the first",
-                static_cast<std::uint64_t>(std::count_if(header.bands.begin() + 1, header.bands.end(),
-                                                         [](const RasterBand& b) { return b.means != "Alpha"; })));
-  }
-  leftOut.add("further rasters of the file", static_cast<std::uint64_t>(header.others));
-  leftOut.warn(file.string());
-}
-
 // A rectangle of the file's samples.
 struct Window {
   int column = 0, row = 0;  // of its first sample
@@ -360,7 +349,12 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   if (heights) expectHeights(file, header, request.georeferenced);
   const double factor = heights ? metresPerHeight(file, header) : 1;
   if (heights && request.georeferenced) warnOfDoubtfulHeights(file, header.system, band);
-  tellLeftOut(file, header, request.use);
+  LeftOut leftOut;
+  for (std::size_t k = 1; k < header.bands.size() && request.use != RasterUse::Colors; ++k) {
+    if (header.bands[k].means != "Alpha") leftOut.add("bands behind the first");
+  }
+  leftOut.add("further rasters of the file", static_cast<std::uint64_t>(header.others));
+  leftOut.warn(file.string());
   const Window window = windowOf(file, header, request);
   Raster raster = reducedGrid(header, window, request.every);
   try {

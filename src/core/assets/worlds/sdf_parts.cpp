@@ -24,15 +24,14 @@ Mat3 scaleOf(const XmlNode& shape, const Vec3d& scale) {
   return Mat3::scale(scale);
 }
 
-// Returns the image of a heightmap; nullopt if it is missing.
-std::optional<std::filesystem::path> imageOf(const XmlNode& heightmap, const std::filesystem::path& file,
-                                             WorldFile& world) {
-  const XmlNode* const uri = heightmap.child("uri");
-  if (uri == nullptr) heightmap.fail("has no <uri>");
+// Returns the file of a <mesh> or a <heightmap>; nullopt if it is missing.
+std::optional<std::filesystem::path> fileOf(const XmlNode& shape, const std::filesystem::path& file, WorldFile& world) {
+  const XmlNode* const uri = shape.child("uri");
+  if (uri == nullptr) shape.fail("has no <uri>");
   try {
     return findModel(*uri, file, uri->text);
   } catch (const MissingFileError& e) {
-    if (uri->text.starts_with("file://media")) {
+    if (shape.name == "heightmap" && uri->text.starts_with("file://media")) {
       world.leftOut.add(fmt::format("heightmaps of Gazebo's own '{}'", uri->text));
     } else {
       world.missing.push_back(e);
@@ -83,15 +82,9 @@ void readLook(const XmlNode& visual, const std::filesystem::path& file, WorldFil
 
 // Gives the part the mesh of a <mesh>. Returns false if its file is missing.
 bool readMesh(const XmlNode& shape, const std::filesystem::path& file, WorldFile& world, WorldPart& part) {
-  const XmlNode* const uri = shape.child("uri");
-  if (uri == nullptr) shape.fail("has no <uri>");
-  MeshFile mesh;
-  try {
-    mesh.path = findModel(*uri, file, uri->text);
-  } catch (const MissingFileError& e) {
-    world.missing.push_back(e);
-    return false;
-  }
+  const std::optional<std::filesystem::path> path = fileOf(shape, file, world);
+  if (!path) return false;
+  MeshFile mesh{*path};
   if (const XmlNode* scale = shape.child("scale")) {
     part.thingFromPart.linear = part.thingFromPart.linear * Mat3::scale(vectorIn(*scale, scale->text));
   }
@@ -111,7 +104,7 @@ bool readShape(const XmlNode& geometry, const XmlNode& shape, const std::filesys
   if (shape.name == "polyline") {
     solid = extrudedPolylines(geometry);
   } else if (shape.name == "heightmap") {
-    if (const auto image = imageOf(shape, file, world)) solid = heightmapOf(shape, *image);
+    if (const auto image = fileOf(shape, file, world)) solid = heightmapOf(shape, *image);
   } else {
     solid = solidOf(shape);
   }
