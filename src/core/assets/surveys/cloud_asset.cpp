@@ -136,9 +136,7 @@ class CloudAsset {
       const std::string meant = columnMeant(column.name);
       const FormatElements* const row = cloudColumns().find(meant);
       const bool isUsed = meant == kIntensity.row.name && !scan_.has(kIntensity);
-      if (row == nullptr || (columnIndex(meant) < kColumnCount && !isUsed)) {
-        names.push_back(column.name);
-      }
+      if (row == nullptr || (columnIndex(meant) < kColumnCount && !isUsed)) names.push_back(column.name);
     }
     const std::size_t all = names.size();
     if (all > kMostNames) {
@@ -246,9 +244,7 @@ class CloudAsset {
     const Source wanted = options_.points.reflectance;
     measured_ = (wanted == Source::Auto || wanted == Source::Intensity) && fillWithIntensities(image);
     if (measured_) return true;
-    if (wanted == Source::Intensity) {
-      fail("has no intensities above 0: leave out `reflectance: intensity`");
-    }
+    if (wanted == Source::Intensity) fail("has no intensities above 0: leave out `reflectance: intensity`");
     if (wanted != Source::None && fillWithColors(image)) return true;
     if (wanted != Source::Color) return false;
     fail("has no colours (red, green, blue; or rgb): leave out `reflectance: color`");

@@ -56,9 +56,9 @@ class UrdfReader {
     for (const XmlNode& child : root_.children) {
       if (child.name == "material") lookOf(child);
       if (child.name == "joint") readJoint(child);
-      if (child.name == "link" && !links.insert(child.attributeOr("name", "link")).second) {
-        child.fail(fmt::format("has the name '{}', as another link: links need names of their own",
-                               child.attributeOr("name", "link")));
+      const std::string name = child.attributeOr("name", "link");
+      if (child.name == "link" && !links.insert(name).second) {
+        child.fail(fmt::format("has the name '{}', as another link: links need names of their own", name));
       }
     }
     for (const auto& [child, joint] : joints_) {

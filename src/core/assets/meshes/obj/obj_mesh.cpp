@@ -189,9 +189,7 @@ class ObjReader {
 
   void readLibrary(const std::string& name) {
     fs::path path = pathOf(name);
-    if (pathExists(path) && !isFile(path)) {
-      fail(fmt::format("names '{}', which is not a file", name));
-    }
+    if (pathExists(path) && !isFile(path)) fail(fmt::format("names '{}', which is not a file", name));
     if (pathExists(path) && !options_.allowOutside &&
         leadsOutside(path.lexically_relative(fs::absolute(file_).parent_path()).string())) {
       fail(refusalOf(name));
