@@ -1,6 +1,6 @@
 #pragma once
 
-// Functions that commands share to read recorded scans.
+// What several commands on recorded scans share: reading scans, their options, and the sensor's response.
 
 #include <filesystem>
 #include <functional>

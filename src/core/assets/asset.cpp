@@ -41,7 +41,8 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Reads glTF (y up), or with the reader Blender a GLB that Blender makes of the file (z up).
+// Reads glTF; y is up unless options.up differs. With AssetReader::Blender, Blender first converts the file to a GLB
+// with z up.
 Asset readGltf(const std::filesystem::path& file, const std::string& kind, AssetReader reader,
                const AssetOptions& options) {
   const bool byBlender = reader == AssetReader::Blender;

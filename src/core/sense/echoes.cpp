@@ -223,7 +223,8 @@ class EchoFinder {
     }
   }
 
-  // Adds the echoes of a beam whose rays are farther apart than a pulse length.
+  // Splits the beam's sorted ranges at gaps above a pulse length; each group becomes an echo. Without pulse length,
+  // each ray does.
   void separateEchoes(std::uint32_t beam) {
     std::sort(rays_.begin(), rays_.end(),
               [](const HitRay& a, const HitRay& b) { return a.range != b.range ? a.range < b.range : a.ray < b.ray; });

@@ -19,7 +19,7 @@ struct TimeUnit {
 };
 constexpr TimeUnit kTimes[] = {{"time", 1}, {"time_s", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
 
-// Returns the name of a column as TextTable has it.
+// Returns the column's name for a heading, as described at TextTable: "Time [ms]" is time_ms.
 std::string nameOf(std::string_view cell) {
   static const std::map<std::string, std::string> kUnits{
       {"s", "_s"},   {"sec", "_s"}, {"ms", "_ms"}, {"us", "_us"},   {"\u00b5s", "_us"}, {"\u03bcs", "_us"},

@@ -1,5 +1,5 @@
-// Adds land beside the roads that is neither garden nor wood: parks, parking lots, squares. Also adds roundabouts at
-// the end of side roads.
+// Draws a random layout's roads (the main road, side roads, roundabouts at the end of side roads), the potholes in all
+// roads, and land beside the roads that is neither garden nor wood: parks, parking lots, squares.
 
 #include <algorithm>
 #include <cmath>
@@ -155,8 +155,6 @@ void Layout::drawRoundabout() {
     network_.addJoint(begin);
   }
 }
-
-// Adds random roads and their wear.
 
 // Adds the main road, whose middle is the origin, and then the side roads.
 void Layout::drawRoads() {

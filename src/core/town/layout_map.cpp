@@ -20,12 +20,12 @@ Parameters inDistrict(Parameters parameters, const std::string& district) {
   return parameters;
 }
 
-// Returns the cross section of a road on the map. A width that the map lacks is the usual width for the road's class,
-// or the width of the town's random roads.
+// Returns the cross section of a road on the map. If the map gives no width: the usual width of the class; for
+// residential roads a random one near that of the town's random roads. One-way roads are narrower.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   const bool small = road.kind >= RoadClass::Service;
   const double lane = c.main.laneWidth();
-  // m, widths by class; 0: residential roads, whose width is random, near that of the town's random roads
+  // m, widths by class; 0: residential roads
   constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};
   double width = road.kind == RoadClass::Residential ? 2 * lane * draw.in(0.85, 1.05)
                                                      : kWidths[static_cast<std::size_t>(road.kind)];

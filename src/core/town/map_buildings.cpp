@@ -245,8 +245,8 @@ class OwnerFinder {
     std::sort(byWest_.begin(), byWest_.end());
   }
 
-  // Returns the index of the building; nullopt if the part belongs to none. By its place, a part belongs to the
-  // building that contains most of it, at least half.
+  // Returns the index of the building of the part's relation (if several: the one that shares most area with it), or,
+  // without such a relation, of the building that contains most of it, at least half; nullopt if there is none.
   std::optional<std::size_t> operator()(const MapBuilding& part) const {
     std::optional<std::size_t> owner;
     double most = 0;

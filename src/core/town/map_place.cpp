@@ -172,8 +172,8 @@ class Cutter {
     place_.mainTo = std::min(main.length() - kEnd, origin + halfLength);
   }
 
-  // Adds a road. It is cut where it crosses the main road. A piece that ends at the main road is reversed, so that it
-  // begins there.
+  // Adds the pieces of a road between its nodes on the main road; leaves out pieces away from the square. A piece that
+  // only ends at the main road is reversed.
   void addOther(const MapRoad& road) {
     std::size_t from = 0;
     const auto meets = [&](std::size_t i) { return mainNodes_.contains(road.nodes[i]); };

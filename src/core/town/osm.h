@@ -94,7 +94,7 @@ bool isOneOf(std::string_view value, std::initializer_list<std::string_view> wor
 // Returns the length (m) that a tag's value gives by OpenStreetMap's rules, such as "12", "12.5 m", "40 ft", "40'6\""
 // and "0.2 km"; nullopt for other values. A comma before one or two digits is taken as a decimal point.
 std::optional<double> metresOf(std::string_view value);
-// Returns the value of a plain number; nullopt for other values.
+// Returns the number that the value consists of, without a unit; nullopt for other values.
 std::optional<double> numberOf(std::string_view value);
 // Returns the direction (degrees clockwise from north) of "90" or "ESE"; nullopt for other values.
 std::optional<double> compassOf(std::string_view value);

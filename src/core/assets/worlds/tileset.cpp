@@ -96,8 +96,8 @@ class TilesetReader {
     return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
   }
 
-  // Returns the middle of a tile's volume; for volumes of other kinds, the origin of the tile; for regions that are too
-  // large for one plane, such as the globe, the earth's centre.
+  // Returns the middle (earth frame) of a region, box or sphere; the tile's origin if the volume is none of these; the
+  // earth's centre for regions too large for one plane.
   static Vec3d middleOf(const Json& volume, const Affine& earthFromTile) {
     if (const auto region = volume.find("region"); region != volume.end()) {
       auto r = region->get<std::array<double, 6>>();

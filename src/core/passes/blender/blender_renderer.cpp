@@ -38,7 +38,7 @@ constexpr std::size_t kFrameGrain = 1 << 14;  // number of pixels of one paralle
 // is an error. Fewer pixels without ids may be cut-outs.
 constexpr std::ptrdiff_t kFewestWithoutIds = 1000;
 
-// Rendered images, stored in memory.
+// The visible triangle and depth of each pixel, from which a Resolver computes the passes.
 class SeenSource : public PixelSource {
  public:
   SeenSource(std::shared_ptr<const Resolver> resolver, std::vector<Camera> cameras, std::vector<SeenTriangle> seen)

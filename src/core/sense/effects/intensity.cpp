@@ -265,12 +265,13 @@ class Intensity : public Effect {
     const auto valuesOf = [&](const std::vector<float>& values, Batch<float>& buffer) {
       return values.empty() ? nullptr : valuesOfHits(returns, values, first, buffer);
     };
+    // Properties of the batch's rows. roughness, metallic and retro are null if the materials' values apply.
     Batch<std::uint16_t> materials;
     Batch<float> reflectances, incidences, roughnesses, metals, retros;
     const std::uint16_t* const material = valuesOfHits(returns, hits.material, first, materials);
     const float* const reflectance = valuesOf(hits.reflectance, reflectances);
     const float* const incidence = valuesOf(hits.incidence, incidences);
-    const float* const roughness = valuesOf(hits.roughness, roughnesses);  // null: the materials' values are used
+    const float* const roughness = valuesOf(hits.roughness, roughnesses);
     const float* const metallic = valuesOf(hits.metallic, metals);
     const float* const retro = valuesOf(hits.retroreflectance, retros);
     if (roughness != nullptr) {

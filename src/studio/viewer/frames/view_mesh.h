@@ -1,6 +1,7 @@
 #pragma once
 
-// Converts a scene to the triangles that the viewer draws and selects, along the world's axes.
+// Converts a scene to the triangles that the viewer draws and selects. Coordinates are relative to ViewMesh::origin,
+// along the world's axes.
 
 #include <cstddef>
 #include <cstdint>

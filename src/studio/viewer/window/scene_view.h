@@ -42,7 +42,8 @@ struct ContentBall {
 struct SceneView {
   SceneView(SessionContext& context, ShownClouds& clouds);
 
-  // Sets the poses to those of the context's frame. `index`: index of the frame in the source.
+  // Takes worldFromAnchor and the trajectory from the context's frame and recomputes canvasFromWorld. `index`: index of
+  // the frame in the source.
   void takeFrame(std::size_t index);
 
   // Functions in scene_view.cpp, for poses, guides and the camera:
