@@ -12,6 +12,8 @@
 #include "dataset/json_text.h"
 #include "dataset/objects.h"
 #include "dataset/sample_names.h"
+#include "dataset/voxels.h"
+#include "formats/reasons_png.h"
 #include "scan/columns.h"
 
 namespace scanmill {
@@ -115,10 +117,9 @@ std::string intensityText(const Manifest& manifest) {
   return fmt::format(" Full scale of the intensity: {}.", scales);
 }
 
-bool listsObjects(const Manifest& manifest) {
-  return std::ranges::any_of(manifest.samples, [](const SampleRecord& sample) {
-    return std::ranges::any_of(sample.members,
-                               [](const std::string& member) { return member.ends_with(kObjectsSuffix); });
+bool hasMembers(const Manifest& manifest, std::string_view suffix) {
+  return std::ranges::any_of(manifest.samples, [&](const SampleRecord& sample) {
+    return std::ranges::any_of(sample.members, [&](const std::string& member) { return member.ends_with(suffix); });
   });
 }
 
@@ -131,7 +132,8 @@ std::string membersText(const Manifest& manifest) {
   return fmt::format(
       "The shards are tar files. A sample consists of the members whose names begin with its key: a scan for each "
       "sensor ({}), and `.json` with the sample's description{}.",
-      formats, listsObjects(manifest) ? fmt::format(", and `.{}` with the boxes of objects", kObjectsSuffix) : "");
+      formats,
+      hasMembers(manifest, kObjectsSuffix) ? fmt::format(", and `.{}` with the boxes of objects", kObjectsSuffix) : "");
 }
 
 // Returns the longest run of '`' in the text, plus one and at least three: a fence that encloses it.
@@ -204,7 +206,12 @@ OrderedJson croissantFiles(const Manifest& manifest) {
   };
   addMembers("samples-json", "*.json", "application/json");
   files.back()["excludes"] = "*.*.json";  // further members of samples, such as their lists of objects
-  if (listsObjects(manifest)) addMembers("objects-json", fmt::format("*.{}", kObjectsSuffix), "application/json");
+  const auto addOptional = [&](const char* id, std::string_view suffix, const char* type) {
+    if (hasMembers(manifest, suffix)) addMembers(id, fmt::format("*.{}", suffix), type);
+  };
+  addOptional("objects-json", kObjectsSuffix, "application/json");
+  addOptional("reasons-png", kReasonsSuffix, "image/png");
+  addOptional("voxels-npz", kVoxelsSuffix, "application/zip");
   for (const FormatRecord& format : manifest.formats) {
     addMembers("scans-" + format.name, "*." + format.suffix, "application/octet-stream");
   }

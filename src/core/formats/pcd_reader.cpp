@@ -129,8 +129,11 @@ class HeaderReader {
     const auto [tx, ty, tz, w, x, y, z] = numbers;
     const double size = std::sqrt(w * w + x * x + y * y + z * z);
     if (size == 0 && tx == 0 && ty == 0 && tz == 0) return;
+    if (!isFinite(Vec3d{tx, ty, tz})) {
+      throw InputError(where_, fmt::format("VIEWPOINT has the translation {} {} {}: it must be finite", tx, ty, tz));
+    }
     constexpr double kRounding = 0.01;  // largest deviation of the length that rounded numbers may have
-    if (!(std::fabs(size - 1) <= kRounding) || !isFinite(Vec3d{tx, ty, tz})) {
+    if (!(std::fabs(size - 1) <= kRounding)) {
       throw InputError(where_, fmt::format("VIEWPOINT has the quaternion {} {} {} {} (w x y z), of the length {:.4g}, "
                                            "where a rotation has the length 1: write 0 0 0 1 0 0 0 for no pose",
                                            w, x, y, z, size));

@@ -82,7 +82,10 @@ TEST(Card, TextOfOthersStaysText) {
 
 // Croissant 1.0: ids are unique, references lead somewhere, and the patterns select the members that they are for.
 TEST(Card, CroissantDescribesEveryShardAndMember) {
-  const Manifest m = filledManifest();
+  Manifest m = filledManifest();
+  for (const char* other : {".a.b.reasons.png", ".a.b.voxels.npz"}) {
+    m.samples[0].members.push_back(m.samples[0].key + other);
+  }
   const OrderedJson json = OrderedJson::parse(croissantJson(m));
   EXPECT_EQ(json["conformsTo"], "http://mlcommons.org/croissant/1.0");
   EXPECT_EQ(json["license"], "CC-BY-4.0");

@@ -267,6 +267,7 @@ TEST(Pcd, TheViewpointIsThePoseAndTheScanKeepsItsFrame) {
   EXPECT_THAT(refused("1 0 0 0 0 0 0"),
               HasSubstr("a.pcd:8: VIEWPOINT has the quaternion 0 0 0 0 (w x y z), of the length 0"));
   EXPECT_THAT(refused("0 0 0 2 0 0 0"), HasSubstr("of the length 2, where a rotation has the length 1"));
+  EXPECT_THAT(refused("0 inf 0 1 0 0 0"), HasSubstr("a.pcd:8: VIEWPOINT has the translation 0 inf 0"));
   EXPECT_THAT(refused("0 0 0 nan 0 0 0"), HasSubstr("a.pcd:8"));
   EXPECT_THAT(refused("0 0 0 1"), HasSubstr("seven values"));
   EXPECT_THAT(refused("0 0 0 one 0 0 0"), HasSubstr("a.pcd:8: VIEWPOINT must be a number"));

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <optional>
 
 #include "base/error.h"
@@ -300,17 +302,17 @@ class SensorFitter {
     const double step = medianOf(far.size() >= kFewestInRing ? far : near);
     if (!(step > 0)) return;
     fit_.period = step * 2 * kPi / std::fabs(step_);
-    std::vector<double> firing(fit_.rings, 0);
+    std::map<std::uint32_t, double> firing;  // s, of the rings that have enough times; others keep 0
+    double first = std::numeric_limits<double>::max();
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
       std::vector<double> times;
       for (const Point& p : rings_[ring]) {
         if (p.time) times.push_back(*p.time - step * p.column);
       }
-      if (times.size() >= kFewestInRing) firing[ring] = medianOf(times);
+      if (times.size() >= kFewestInRing) first = std::min(first, firing[ring] = medianOf(times));
     }
-    const double first = *std::ranges::min_element(firing);
-    for (double& f : firing) f -= first;
-    fit_.firing = std::move(firing);
+    fit_.firing.assign(fit_.rings, 0);
+    for (const auto& [ring, time] : firing) fit_.firing[ring] = time - first;
   }
 
   Rings rings_;

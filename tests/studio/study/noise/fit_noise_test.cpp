@@ -200,13 +200,19 @@ TEST(RangesAlong, TakesDenseScansByRingAndColumn) {
 
 // Files of KITTI and nuScenes have rings and no columns.
 TEST(RangesAlong, FindColumnsByAzimuth) {
-  const auto beams = wallBeams();
-  const auto range = [&](std::size_t beam) { return wallRange(*beams, beam, 12, 0.2); };
-  Scan scan = noisyScan(beams, range, "[range_noise: {sigma_m: 0.01}, dropout: {probability: 0.3}]", 0, false);
-  const RecordedScan known = rangesAlong(scan, *beams, "a");
-  scan[kColumn].clear();
-  for (std::uint16_t& ring : scan[kRing]) ring = static_cast<std::uint16_t>(beams->rings - 1 - ring);  // from below
-  expectSameRanges(rangesAlong(scan, *beams, "b"), known, 1e-5);
+  const auto fullTurn = std::make_shared<BeamTable>(*wallBeams());
+  fullTurn->columns = 1500;  // 2 pi / step rounds to more than this
+  fullTurn->field = 2 * kPi;
+  fullTurn->firstAzimuth = -kPi;
+  fillBeams(*fullTurn);
+  for (const std::shared_ptr<const BeamTable>& beams : {wallBeams(), std::shared_ptr<const BeamTable>(fullTurn)}) {
+    const auto range = [&](std::size_t beam) { return wallRange(*beams, beam, 12, 0.2); };
+    Scan scan = noisyScan(beams, range, "[range_noise: {sigma_m: 0.01}, dropout: {probability: 0.3}]", 0, false);
+    const RecordedScan known = rangesAlong(scan, *beams, "a");
+    scan[kColumn].clear();
+    for (std::uint16_t& ring : scan[kRing]) ring = static_cast<std::uint16_t>(beams->rings - 1 - ring);  // from below
+    expectSameRanges(rangesAlong(scan, *beams, "b"), known, 1e-5);
+  }
 }
 
 TEST(RangesAlong, RefuseWhatIsNoScanOfTheSensor) {

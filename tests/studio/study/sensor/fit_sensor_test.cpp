@@ -98,7 +98,8 @@ TEST(FitSensor, RecoversTheBeamsFromNoisyScans) {
 
 // Rings that meet nothing lie between, or beyond, their neighbours.
 TEST(FitSensor, GuessesRingsWithoutPoints) {
-  const auto truth = sensor("columns: 360, elevation_deg: {top: 14, bottom: -16, rings: 16}");
+  const auto truth =
+      sensor("columns: 360, elevation_deg: {top: 14, bottom: -16, rings: 16}, firing_time_us: {step_us: 5}");
   Scan scan = scanOf(*truth, 0, true);
   const float nan = std::nanf("");
   for (const std::size_t ring : {0, 1, 7}) {
@@ -106,6 +107,7 @@ TEST(FitSensor, GuessesRingsWithoutPoints) {
   }
   const SensorFit fit = fitSensor({scan});
   EXPECT_THAT(fit.bareRings, testing::ElementsAre(0, 1, 7));
+  EXPECT_NEAR(fit.firing[2], 0, 1e-7) << "times count from the first ring whose time is known";
   for (std::size_t ring = 0; ring < 16; ++ring)
     EXPECT_NEAR(degrees(fit.elevation[ring]), 14 - 2.0 * static_cast<double>(ring), 0.01) << ring;
 }
