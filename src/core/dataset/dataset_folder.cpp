@@ -193,7 +193,7 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
     complete_ = shared_ && !isUnfinished(folder_) && fs::exists(folder_ / kManifestName);
     int ignored = 0;
     identity_ = identityOf(folder_, ignored);
-    if (!complete_) start(use);
+    if (!complete_) writeOrMatchPlan(use);
   } catch (const fs::filesystem_error& error) {
     leave();
     throw InputError({folder_.string()}, "cannot be used as output folder: " + error.code().message());
@@ -255,8 +255,10 @@ std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
   }
 }
 
-// Writes the plan, or checks that the plan of the dataset to continue is the same.
-void DatasetFolder::start(FolderUse use) {
+// Writes the plan, or checks that the plan of the dataset to continue is the same. Deletes only this program's files,
+// because checkContents() has refused folders with others.
+void DatasetFolder::writeOrMatchPlan(FolderUse use) {
+  // Without locks (keepsOthersOut() is false), the lock file of a killed process on another host would bar the folder.
   const std::unique_ptr<FolderLock> lock = shared_ && lock_->keepsOthersOut() ? lockStart() : nullptr;
   const fs::path planFile = staging_ / kPlanName;
   if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {

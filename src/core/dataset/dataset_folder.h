@@ -95,7 +95,7 @@ class DatasetFolder {
   void share();
   void leave();
   std::unique_ptr<FolderLock> lockStart() const;
-  void start(FolderUse use);
+  void writeOrMatchPlan(FolderUse use);
   void removeReplaced() const;
   std::set<std::filesystem::path> moveShards(const std::vector<ShardRecord>& shards) const;
   void writeChecked(std::string_view name, const std::string& bytes, const std::function<void()>& check) const;

@@ -125,7 +125,9 @@ Unit unitOfOuster(const std::filesystem::path& file, const Value& value, const V
                      "`calibration`");
   }
   Unit unit;
-  for (std::size_t i = 0; i < m.elevation.size(); ++i) unit.lasers.push_back({m.elevation[i], m.azimuth[i], 0, 0, 0});
+  for (std::size_t i = 0; i < m.elevation.size(); ++i) {
+    unit.lasers.push_back({.elevation = m.elevation[i], .azimuth = m.azimuth[i]});
+  }
   const Location where{file.string()};
   const auto add = [&](const char* key, const std::string& text) { unit.others.push_back({key, scalar(text, where)}); };
   const double step = m.columns == 0 ? 0 : 360.0 / m.columns;

@@ -186,11 +186,13 @@ class Traffic {
   void addTurnInto(const Road& side) {
     constexpr double kOverlap = 4;  // m before its own lane where a turning vehicle is seen by those on that lane
     const double before = *side.joins + turnStart(side);
-    const LanePath path{{{0, main_.length(), before}, {side.number, laneStart(l_), laneEnd(side)}}, kUpstream, 0};
+    const LanePath path{.intervals = {{0, main_.length(), before}, {side.number, laneStart(l_), laneEnd(side)}},
+                        .hiddenBefore = kUpstream};
     const std::uint32_t number = add(path);
     Route& turning = routes_[number];
     const double from = paths_[number].at(side.number, laneStart(l_));
-    turning.legs = {{0, 0, from, 0}, {outwards(side.number), from - kOverlap, turning.length, -from}};
+    turning.legs = {{.lane = 0, .from = 0, .to = from},
+                    {.lane = outwards(side.number), .from = from - kOverlap, .to = turning.length, .shift = -from}};
     turning.stops = {{turning.length - kBeforeEnd}};
     for (const StopLine& s : routes_.front().stops) {
       if (s.at < paths_[number].at(0, before)) turning.stops.push_back(s);

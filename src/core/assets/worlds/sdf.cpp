@@ -232,7 +232,12 @@ class SdfReader {
     for (const XmlNode& link : node.children) {
       if (link.name != "link") continue;
       const std::string linkName = link.attributeOr("name", "link");
-      addLink(link, {linkName, model.frames->resolve(linkName, link), *model.frames, file, scale}, state, model.parts);
+      const SdfLink sdfLink{.name = linkName,
+                            .modelFromLink = model.frames->resolve(linkName, link),
+                            .frames = *model.frames,
+                            .file = file,
+                            .scale = scale};
+      addLink(link, sdfLink, state, model.parts);
     }
     if (const std::string* frame = node.attribute("placement_frame")) {
       model.placement = model.frames->resolve(*frame, node);

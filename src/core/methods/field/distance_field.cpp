@@ -48,7 +48,7 @@ std::size_t cornerIndex(std::uint32_t brick, std::uint32_t x, std::uint32_t y, s
 
 }  // namespace
 
-double voxelAt(const DistanceField& field, const Vec3f& place) {
+double voxelSizeAt(const DistanceField& field, const Vec3f& place) {
   return std::ldexp(field.shape.voxel, levelAt(field, place));
 }
 

@@ -119,7 +119,7 @@ struct DistanceField {
 };
 
 // Returns the voxel size (m) of the level that is used at a point.
-double voxelAt(const DistanceField& field, const Vec3f& place);
+double voxelSizeAt(const DistanceField& field, const Vec3f& place);
 
 // Returns the triangle stored at the corner nearest to a point, in a field without lists; kNoWord if no triangle is
 // near.

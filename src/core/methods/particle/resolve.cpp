@@ -23,7 +23,7 @@ std::uint32_t triangleOrLayer(const MarchJob& job, const Vec3d& o, const Vec3d& 
   const BlockTriangle& plane = job.triangles().triangles[triangle];
   const Vec3d here = o + d * range;
   const Vec3d onPlane = here + plane.normal * (plane.offset - dot(plane.normal, here));
-  const double voxel = voxelAt(field, fieldFrame(field, here));
+  const double voxel = voxelSizeAt(field, fieldFrame(field, here));
   const double side = dot(plane.normal, d) > 0 ? -1 : 1;
   const Vec3d inFront = onPlane + plane.normal * (side * kLayerLookupOffset * voxel);
   const std::uint32_t other = triangleAt(field, fieldFrame(field, inFront));

@@ -92,8 +92,9 @@ struct Lanes {
   typedef int Ints __attribute__((vector_size(4 * W), aligned(4), may_alias));
 };
 
-// Filters all lanes at once, unless some candidate is close to the nearest hit of its lane, which is rare. Uses vector
-// types, because the compiler does not vectorise the loop of filterLanes().
+// Does what filterLanes() does, for packets whose lanes have consecutive ids. Filters all lanes at once, unless some
+// candidate may tie with the nearest hit of its lane, which is rare. On entry, `far` of a ray is its candidate's
+// distance. Uses vector types, because the compiler does not vectorise the loop of filterLanes().
 template <int N>
 void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
   constexpr int kWidth = N < 8 ? N : 8;
@@ -104,25 +105,27 @@ void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
   const std::uint32_t first = reinterpret_cast<const std::uint32_t*>(ray)[kId * N];
   const auto valid = [&](int from) -> Ints& { return *reinterpret_cast<Ints*>(a->valid + from); };
   const auto far = [&](int from) -> Floats& { return *reinterpret_cast<Floats*>(ray + kFar * N + from); };
-  const auto best = [&](int from) -> Floats& { return *reinterpret_cast<Floats*>(context.distance + first + from); };
+  const auto nearestSoFar = [&](int from) -> Floats& {
+    return *reinterpret_cast<Floats*>(context.distance + first + from);
+  };
 
-  Ints near = valid(0) & 0;
+  Ints tieCandidates = valid(0) & 0;
   for (int from = 0; from < N; from += kWidth) {
-    const Floats reach = far(from) * kReach + context.floor;
-    const Floats ahead = best(from) - far(from);
-    near |= valid(from) & (ahead <= reach) & (-ahead <= reach);
+    const Floats margin = far(from) * kReach + context.floor;
+    const Floats ahead = nearestSoFar(from) - far(from);
+    tieCandidates |= valid(from) & (ahead <= margin) & (-ahead <= margin);
   }
-  int anyNear = 0;
-  for (int i = 0; i < kWidth; ++i) anyNear |= near[i];
-  if (anyNear != 0) {
+  int anyTie = 0;
+  for (int i = 0; i < kWidth; ++i) anyTie |= tieCandidates[i];
+  if (anyTie != 0) {
     filterLanes(a, context);
     return;
   }
   for (int from = 0; from < N; from += kWidth) {
     const Floats distance = far(from);
-    const Floats reach = distance * kReach + context.floor;
-    const Ints taken = valid(from) & (best(from) > distance);
-    best(from) = taken ? distance : best(from);
+    const Floats margin = distance * kReach + context.floor;
+    const Ints taken = valid(from) & (nearestSoFar(from) > distance);
+    nearestSoFar(from) = taken ? distance : nearestSoFar(from);
     const auto update = [&](std::uint32_t* column, int field) {
       auto& ids = *reinterpret_cast<Ints*>(column + first + from);
       ids = taken ? *reinterpret_cast<const Ints*>(hit + field * N + from) : ids;
@@ -130,7 +133,7 @@ void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
     update(context.geometry, kGeometry);
     update(context.primitive, kPrimitive);
     update(context.instance, kInstance);
-    far(from) = taken ? distance + reach : distance;
+    far(from) = taken ? distance + margin : distance;
     valid(from) = taken;
   }
 }

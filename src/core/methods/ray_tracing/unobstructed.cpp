@@ -132,19 +132,19 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
   ThingContext context{};
   context.world = world.get();
   context.thing = boxes_.things()[thing].id;
-  const auto hitsThing = [&](const Vec3d& o, const Vec3d& d, double from, double to, float part) {
-    RTCRay ray{static_cast<float>(o.x),
-               static_cast<float>(o.y),
-               static_cast<float>(o.z),
-               static_cast<float>(from),
-               static_cast<float>(d.x),
-               static_cast<float>(d.y),
-               static_cast<float>(d.z),
-               part,
-               static_cast<float>(to),
-               ~0u,
-               0,
-               0};
+  const auto hitsThing = [&](const Vec3d& o, const Vec3d& d, double from, double to, float revolutionFraction) {
+    RTCRay ray{.org_x = static_cast<float>(o.x),
+               .org_y = static_cast<float>(o.y),
+               .org_z = static_cast<float>(o.z),
+               .tnear = static_cast<float>(from),
+               .dir_x = static_cast<float>(d.x),
+               .dir_y = static_cast<float>(d.y),
+               .dir_z = static_cast<float>(d.z),
+               .time = revolutionFraction,
+               .tfar = static_cast<float>(to),
+               .mask = ~0u,
+               .id = 0,
+               .flags = 0};
     occludeOne(world->embree.get(), context.embree, ray);
     return ray.tfar < 0;
   };
@@ -158,12 +158,13 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
     const std::optional<Interval> inside = crossing(extent, o, d);
     if (!inside || inside->enter > beams.maxRange) return false;
     const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
-    const float part = firingFraction(beams, beam, world->revolution.duration);
+    const float revolutionFraction = firingFraction(beams, beam, world->revolution.duration);
     // A surface of the thing that is nearer than the minimum range blocks this beam.
-    if (inside->enter < beams.minRange && hitsThing(o, d, inside->enter, beams.minRange, part)) return false;
+    if (inside->enter < beams.minRange && hitsThing(o, d, inside->enter, beams.minRange, revolutionFraction))
+      return false;
     const double from = std::max(inside->enter, beams.minRange);
     const double to = std::min(inside->leave, beams.maxRange);
-    if (from <= to && hitsThing(o, d, from, to, part)) firing.emplace_back(time, beam);
+    if (from <= to && hitsThing(o, d, from, to, revolutionFraction)) firing.emplace_back(time, beam);
     return false;
   });
   if (firing.empty()) return {0, nearestBeam(beams, direction)};

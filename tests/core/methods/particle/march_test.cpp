@@ -237,7 +237,7 @@ TEST(March, PlanesAreMetWithinHalfAVoxel) {
       if (records.outcomeOf(i) != Outcome::Hit) continue;
       ++met;
       const Vec3d point = pointAt(place.field, particles, i, records.travelled[i]);
-      const double voxel = voxelAt(place.field, Vec3f((point - place.field.shape.centre) * 10.0));
+      const double voxel = voxelSizeAt(place.field, Vec3f((point - place.field.shape.centre) * 10.0));
       ASSERT_LE(std::fabs(plane.height(point)), 0.502 * voxel) << plane.normal.x << ' ' << plane.normal.y;
       ASSERT_LT(records.triangle[i], 2u);
     }

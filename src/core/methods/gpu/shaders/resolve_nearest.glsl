@@ -28,7 +28,7 @@ int levelAt(vec3 q) {
   return level;
 }
 
-double voxelAt(vec3 q) {
+double voxelSizeAt(vec3 q) {
   return voxel * double(uintBitsToFloat(uint(127 + levelAt(q)) << 23));
 }
 
@@ -47,7 +47,7 @@ uint triangleOrLayer(uint triangle, double range, dvec3 o, dvec3 d, inout bool c
   precise dvec3 onPlane = here + normal * (offset - sum3(normal, here));
   vec3 q;
   certain = fieldFrame(here, q) && certain;
-  double size = voxelAt(q);
+  double size = voxelSizeAt(q);
   double side = sum3(normal, d) > 0.0LF ? -1.0LF : 1.0LF;
   precise double away = side * layerLookupOffset * size;
   precise dvec3 inFront = onPlane + normal * away;
