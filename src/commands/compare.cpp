@@ -45,10 +45,7 @@ void printComparison(const SetComparison& comparison) {
                     figureText(comparison.simulated.figures[i], f.factor, f.unit), std::string(f.keys)});
   }
   printText("{}\n", formatTable(rows));
-  if (comparison.advice.empty()) {
-    printText("settings to try: none. {}\n\n", comparison.unadvised);
-    return;
-  }
+  if (comparison.advice.empty()) return printText("settings to try: none. {}\n\n", comparison.unadvised);
   rows = {{"to try", "now", "try", "for"}};
   for (const KeyChange& a : comparison.advice) {
     rows.push_back(

@@ -32,10 +32,7 @@ constexpr std::size_t kMostScenes = 20;  // greatest number of scenes to load; f
 // Prints the numbers of triangles without a class by file, material and texture, the largest number first.
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   constexpr std::size_t kMostRows = 20;
-  if (unlabeled.empty()) {
-    printText("unlabelled geometry: none\n");
-    return;
-  }
+  if (unlabeled.empty()) return printText("unlabelled geometry: none\n");
   struct Group {
     std::uint64_t triangles = 0;
     std::set<std::string> nodes;

@@ -41,8 +41,7 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Reads glTF; y is up unless options.up differs. With AssetReader::Blender, Blender first converts the file to a GLB
-// with z up.
+// Reads glTF; y is up unless options.up differs. AssetReader::Blender: Blender first makes a GLB with z up of the file.
 Asset readGltf(const std::filesystem::path& file, const std::string& kind, AssetReader reader,
                const AssetOptions& options) {
   const bool byBlender = reader == AssetReader::Blender;

@@ -288,8 +288,8 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
   if (isDistribution(value)) {
     Value one = value;
     RandomAddress own = address;
-    // What is drawn, an item of a choice, may be a distribution again. It is drawn with the next number of the address,
-    // which has four bits, until it is none.
+    // An item of a choice may be a distribution again: draws with further numbers of the address (of 16) until it is
+    // not.
     for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {
       Fields fields = fieldsOf(one);
       one = draw(fields, randomNumberOf(key, own, fields, place));

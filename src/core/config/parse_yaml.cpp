@@ -234,10 +234,7 @@ class TreeBuilder : public YAML::EventHandler {
       return;
     }
     Open& parent = open_.back();
-    if (parent.value.kind == Value::Kind::Sequence) {
-      parent.value.items.push_back(std::move(value));
-      return;
-    }
+    if (parent.value.kind == Value::Kind::Sequence) return parent.value.items.push_back(std::move(value));
     value.keyLine = parent.keyWhere.line;
     value.keyColumn = parent.keyWhere.column;
     parent.value.entries.push_back({std::move(parent.key), std::move(value)});

@@ -85,8 +85,7 @@ std::string columnTable(const Manifest& manifest) {
 // Returns what the scans model, and what was left out, as two lists. Items on how the program computes are omitted.
 std::string modelText(const std::vector<ModelledItem>& items) {
   constexpr std::array<std::string_view, 3> kProgram{"channels", "properties of hits that nothing reads", "instancing"};
-  std::string modelled;
-  std::string omitted;
+  std::string modelled, omitted;
   for (const ModelledItem& item : items) {
     if (std::ranges::find(kProgram, item.topic) != kProgram.end()) continue;
     (item.leftOut ? omitted : modelled) += "- " + cell(lineOf(item)) + "\n";
@@ -138,8 +137,7 @@ std::string membersText(const Manifest& manifest) {
 
 // Returns the longest run of '`' in the text, plus one and at least three: a fence that encloses it.
 std::string fenceFor(const std::string& text) {
-  std::size_t longest = 2;
-  std::size_t run = 0;
+  std::size_t longest = 2, run = 0;
   for (const char c : text) {
     run = c == '`' ? run + 1 : 0;
     longest = std::max(longest, run);
@@ -183,8 +181,7 @@ OrderedJson croissantContext() {
 
 // Returns the files of the dataset, and the members of its shards as sets of files.
 OrderedJson croissantFiles(const Manifest& manifest) {
-  OrderedJson files = OrderedJson::array();
-  OrderedJson shards = OrderedJson::array();
+  OrderedJson files = OrderedJson::array(), shards = OrderedJson::array();
   for (const ShardRecord& shard : manifest.shards) {
     shards.push_back({{"@id", shard.file}});
     files.push_back({{"@type", "cr:FileObject"},

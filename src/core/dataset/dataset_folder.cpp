@@ -278,12 +278,9 @@ void DatasetFolder::writeOrMatchPlan(FolderUse use) {
 }
 
 bool DatasetFolder::makeAlone() {
-  if (!shared_) return true;
-  if (lock_ == nullptr || !lock_->makeAlone()) {
-    lock_.reset();
-    return false;
-  }
-  return true;
+  if (!shared_ || (lock_ != nullptr && lock_->makeAlone())) return true;
+  lock_.reset();
+  return false;
 }
 
 DatasetFolder::~DatasetFolder() {

@@ -238,8 +238,7 @@ void describe(RecordKeys& keys, SensorRecord& sensor);
 void describe(RecordKeys& keys, ScanRecord& scan);
 void describe(RecordKeys& keys, SampleRecord& sample);
 
-// Describes a key that repeats a class's name from the ontology: written if there is an ontology; when read, it must
-// agree with `id`.
+// Describes a key that repeats a class's name from the ontology, if there is one; when read, it must agree with `id`.
 void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id);
 // Reads what is modelled. `mayBeLines`: true accepts lines of text, too, as earlier versions wrote them.
 void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items);

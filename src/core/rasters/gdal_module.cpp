@@ -270,8 +270,7 @@ class GdalReader final : public RasterReader {
   std::vector<double> mask_;
 };
 
-// Returns the bytes of a GeoTIFF of one pixel (TIFF 6.0, Adobe 1992) with these keys, so that GDAL can derive the
-// coordinate system.
+// Returns the bytes of a GeoTIFF (TIFF 6.0, 1992) of one pixel with these keys: GDAL derives the coordinate system.
 std::string tiffOf(const GeoKeys& keys) {
   std::string bytes("II*\0\0\0\0\0\0\0", 10);  // the first directory's place follows below; the pixel
   const auto put = [&](auto number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof(number)); };

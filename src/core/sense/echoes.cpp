@@ -223,8 +223,7 @@ class EchoFinder {
     }
   }
 
-  // Splits the beam's sorted ranges at gaps above a pulse length; each group becomes an echo. Without pulse length,
-  // each ray does.
+  // Splits the beam's sorted ranges at gaps above a pulse length into echoes. Without pulse length, each ray is one.
   void separateEchoes(std::uint32_t beam) {
     std::sort(rays_.begin(), rays_.end(),
               [](const HitRay& a, const HitRay& b) { return a.range != b.range ? a.range < b.range : a.ray < b.ray; });

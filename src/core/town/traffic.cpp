@@ -186,9 +186,9 @@ class Traffic {
   void addTurnInto(const Road& side) {
     constexpr double kOverlap = 4;  // m before its own lane where a turning vehicle is seen by those on that lane
     const double before = *side.joins + turnStart(side);
-    const LanePath path{.intervals = {{0, main_.length(), before}, {side.number, laneStart(l_), laneEnd(side)}},
-                        .hiddenBefore = kUpstream};
-    const std::uint32_t number = add(path);
+    const std::uint32_t number =
+        add({.intervals = {{0, main_.length(), before}, {side.number, laneStart(l_), laneEnd(side)}},
+             .hiddenBefore = kUpstream});
     Route& turning = routes_[number];
     const double from = paths_[number].at(side.number, laneStart(l_));
     turning.legs = {{.lane = 0, .from = 0, .to = from},

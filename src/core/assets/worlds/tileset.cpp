@@ -186,10 +186,7 @@ class TilesetReader {
     const std::string kind = lowerExtension(file);
     const std::filesystem::path name = tileset.folder / plain;
     if (kind == ".json") return readTileset(file, name.parent_path(), earthFromTile, refine, depth + 1);
-    if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") {
-      leftOut_.addKeyword(tilesetFormat(), kind);
-      return;
-    }
+    if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") return leftOut_.addKeyword(tilesetFormat(), kind);
     if (!assetFromEarth_) assetFromEarth_ = scaled_;
     Asset read = gltf::readTile(file, *assetFromEarth_ * earthFromTile, tileset.zUpFromGltf, options_, inTiles_);
     if (!asset_.ownMiddle && isOnEarth(inverse(scaled_) * boundsOf(read).center())) {

@@ -117,10 +117,7 @@ void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
   }
   int anyTie = 0;
   for (int i = 0; i < kWidth; ++i) anyTie |= tieCandidates[i];
-  if (anyTie != 0) {
-    filterLanes(a, context);
-    return;
-  }
+  if (anyTie != 0) return filterLanes(a, context);
   for (int from = 0; from < N; from += kWidth) {
     const Floats distance = far(from);
     const Floats margin = distance * kReach + context.floor;
@@ -147,8 +144,7 @@ void dropTransparent(const RTCFilterFunctionNArguments* a, const World& world) {
     if (a->valid[i] == 0) continue;
     const HitTriangle found =
         hitTriangle(world, hitIds[kInstance * n + i], hitIds[kGeometry * n + i], hitIds[kPrimitive * n + i]);
-    const auto u = double{hit[kU * n + i]};
-    const auto v = double{hit[kV * n + i]};
+    const double u = hit[kU * n + i], v = hit[kV * n + i];
     if (transparentAt(world, *found.block, found.index, u, v)) a->valid[i] = 0;
   }
 }

@@ -129,9 +129,7 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
   const Vec3d direction = normalized(transposed(frame.rotation.front()) * (extent.middle - frame.position.front()));
   const double angle = angleOf(extent, frame, grid.farthestOrigin()) + 1e-6;
 
-  ThingContext context{};
-  context.world = world.get();
-  context.thing = boxes_.things()[thing].id;
+  ThingContext context{.world = world.get(), .thing = boxes_.things()[thing].id};
   const auto hitsThing = [&](const Vec3d& o, const Vec3d& d, double from, double to, float revolutionFraction) {
     RTCRay ray{.org_x = static_cast<float>(o.x),
                .org_y = static_cast<float>(o.y),

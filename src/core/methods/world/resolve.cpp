@@ -219,10 +219,7 @@ void fillFiringFractions(const Shot& shot, const ShotFrame& frame, const Tile& t
 
 SCANMILL_BEST_INSTRUCTIONS void setUpRays(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays) {
   const BeamTable& beams = *shot.beams;
-  if (tile.width == kPacket) {
-    setUpRowOfRays(frame, beams, tile, rays);
-    return;
-  }
+  if (tile.width == kPacket) return setUpRowOfRays(frame, beams, tile, rays);
   int lane = 0;
   for (std::uint32_t r = 0; r < tile.rows; ++r) {
     const std::uint32_t first = (tile.ring + r) * beams.columns + tile.column;

@@ -68,10 +68,7 @@ void splitLongEdges(const Piece& piece, float longest, std::vector<Piece>& piece
   };
   const std::array<float, 3> lengths{squared(0), squared(1), squared(2)};
   const auto i = static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
-  if (!(lengths[i] > longest * longest)) {
-    pieces.push_back(piece);
-    return;
-  }
+  if (!(lengths[i] > longest * longest)) return pieces.push_back(piece);
   const std::size_t j = (i + 1) % 3;
   const Corner& a = piece.corners[i];
   const Corner& b = piece.corners[j];

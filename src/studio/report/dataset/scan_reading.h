@@ -43,8 +43,7 @@ std::vector<std::string> shardFaults(const std::filesystem::path& folder, const 
 std::string readingFault(const ScanStore& store, std::size_t sample, const InputError& error);
 
 struct ScanReading {
-  // Receives the scan of places[k], where `places` is the argument of readScans(). Called from several threads at a
-  // time, at most once for each index.
+  // Receives the scan of places[k] of readScans(). Called from several threads at a time, at most once for each index.
   std::function<void(std::size_t k, Scan&& scan)> take;
   // Called repeatedly with the numbers of scans and points that were read since the previous call; may be empty.
   std::function<void(std::uint64_t scans, std::uint64_t points)> advance;

@@ -60,7 +60,7 @@ Scan withColumns(const Scan& scan, const BeamTable& beams) {
   Scan known = scan;
   const std::vector<std::uint16_t> rings = ringsByElevation(scan, beams);
   const double step = beams.field / (beams.fullTurn() ? beams.columns : std::max(beams.columns, 2u) - 1);
-  // Columns per revolution. For full turns, the quotient may differ from the whole number by rounding.
+  // Columns per revolution: for full turns the exact number, because the quotient is rounded.
   const double turn = beams.fullTurn() ? beams.columns : 2 * kPi / step;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const std::uint16_t ring = rings[scan[kRing][i]];

@@ -1,7 +1,6 @@
 #pragma once
 
-// Converts a scene to the triangles that the viewer draws and selects. Coordinates are relative to ViewMesh::origin,
-// along the world's axes.
+// Converts a scene to the triangles that the viewer draws and selects: relative to ViewMesh::origin, in world axes.
 
 #include <cstddef>
 #include <cstdint>
