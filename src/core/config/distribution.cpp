@@ -288,7 +288,7 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
   if (isDistribution(value)) {
     Value one = value;
     RandomAddress own = address;
-    // An item of a choice may be a distribution again: further numbers of the address (of 16) are drawn until it is not.
+    // An item of a choice may be a distribution again: more numbers of the address (of 16) are drawn until it is not.
     for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {
       Fields fields = fieldsOf(one);
       one = draw(fields, randomNumberOf(key, own, fields, place));
