@@ -1,5 +1,3 @@
-#include "study/compare/compare.h"
-
 #include <fmt/core.h>
 
 #include <Eigen/Dense>
@@ -14,6 +12,7 @@
 #include "config/text.h"
 #include "dataset/scan_store.h"
 #include "evaluate/spread.h"
+#include "study/compare/compare.h"
 #include "study/compare/range_grid.h"
 #include "study/figure_text.h"
 

@@ -1,11 +1,10 @@
-#include "study/noise/fit_noise.h"
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "evaluate/spread.h"
+#include "study/noise/fit_noise.h"
 
 namespace scanmill {
 

@@ -1,5 +1,3 @@
-#include "study/tradeoff/study.h"
-
 #include <fmt/core.h>
 
 #include <map>
@@ -12,6 +10,7 @@
 #include "config/named_options.h"
 #include "pipeline/read/effects.h"
 #include "pipeline/run/run_shot.h"
+#include "study/tradeoff/study.h"
 
 namespace scanmill {
 

@@ -1,6 +1,5 @@
-#include "study/tradeoff/study.h"
-
 #include "pipeline/scenes/shot_source.h"
+#include "study/tradeoff/study.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
