@@ -82,20 +82,18 @@ class RecordKeys {
     customOptional(
         key, [] { return kAbsent; }, [](const JsonNode&) {});
   }
-  // A key that every record has, whose JSON write() returns and read(node) reads.
+  // A key that every record that is read has, whose JSON write() returns (kAbsent: not written) and read(node) reads.
   template <class Write, class Read>
   void custom(const char* key, const Write& write, const Read& read) {
     if (!writes_ && !reads()) all.emplace_back(key);
-    if (writes_) json[key] = write();
+    add(key, write);
     if (reads()) read((*node_)[key]);
   }
-  // The same for a key that may be missing; it is not written if write() returns kAbsent.
+  // The same for a key that may be missing.
   template <class Write, class Read>
   void customOptional(const char* key, const Write& write, const Read& read) {
     if (!writes_ && !reads()) others.emplace_back(key);
-    if (writes_) {
-      if (OrderedJson value = write(); !value.is_discarded()) json[key] = std::move(value);
-    }
+    add(key, write);
     if (reads() && node_->has(key)) read((*node_)[key]);
   }
   // A map of its own, whose keys fill(keys) describes.
@@ -121,6 +119,11 @@ class RecordKeys {
   OrderedJson json = OrderedJson::object();   // the record that was written
 
  private:
+  template <class Write>
+  void add(const char* key, const Write& write) {
+    if (!writes_) return;
+    if (OrderedJson value = write(); !value.is_discarded()) json[key] = std::move(value);
+  }
   template <class T>
   auto writing(const char* key, const T& value) const {
     return [this, key, &value] { return jsonOf(value, name_ + "/" + key, context); };
