@@ -18,7 +18,7 @@ const FormatSupport& ac3dFormat() {
       {},
       "Names, transforms and surfaces of objects; objects with `subdiv` are subdivided. Colours and opacity of "
       "materials; `rgb` is taken as linear light, since AC3D states no colour space. One image for each object: the "
-      "first, or the one with the role `hasBaseRole`, with its `texrep` and `texoff`. Files with materials of several "
+      "first, or the one with the role `base`, with its `texrep` and `texoff`. Files with materials of several "
       "lines (MAT) are refused",
       "lines; marks of hidden objects; objects and surfaces that the file counts and lacks"};
   return format;
