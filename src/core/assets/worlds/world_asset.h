@@ -42,7 +42,7 @@ Asset readTileset(const std::filesystem::path& file, const AssetOptions& options
 
 struct MeshFile {
   std::filesystem::path path;
-  std::string submesh = "";  // the only node of the mesh to use; empty: all nodes
+  std::string submesh = {};  // the only node of the mesh to use; empty: all nodes
   bool centred = false;      // true: the submesh is moved so that its middle is the origin
 };
 
