@@ -99,7 +99,7 @@ struct Instance {
 // A part of an asset to which no rule gives a class, identified by names in the asset.
 struct UnlabeledPart {
   std::string file, material, texture, node;
-  auto operator<=>(const UnlabeledPart&) const = default;
+  auto operator<=>(const UnlabeledPart&) const = default;  // NOLINT(modernize-use-nullptr): nobody writes one
 };
 
 // How often a rule of the scene file applied, counted in triangles of meshes.

@@ -50,8 +50,8 @@ class SurfaceHeights {
   };
   // A triangle of an instance's mesh.
   struct Facet {
-    std::uint32_t instance, triangle;  // indices
-    auto operator<=>(const Facet&) const = default;
+    std::uint32_t instance, triangle;                // indices
+    auto operator<=>(const Facet&) const = default;  // NOLINT(modernize-use-nullptr): nobody writes one
   };
 
   // The scene must outlive this object. The object knows no instance before the first update().
