@@ -1,6 +1,6 @@
 #pragma once
 
-// What several commands on recorded scans share: reading scans, their options, and the sensor's response.
+// Several commands on recorded scans share these: the reading of scans, its options, and the sensor's response.
 
 #include <filesystem>
 #include <functional>

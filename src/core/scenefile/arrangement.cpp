@@ -20,7 +20,7 @@ constexpr std::uint64_t kMisses = 30'000;  // rejected places in a row after whi
 constexpr double kOverhead = 0.05;         // m; a surface is covered if another surface lies more than this above it
 constexpr double kSame = 1e-3;             // m; surfaces whose heights differ by less are the same surface
 
-// What a random number of an object's copy is for; the values are part of its address and never change.
+// Purposes of the random numbers of an object's copy. The values are part of their addresses and never change.
 enum class Draw : std::uint32_t { Place = 0, Pose = 1, Direction = 2, Variant = 3 };
 
 // Returns the random numbers of an object's n-th try (Draw::Place) or n-th copy.

@@ -30,7 +30,7 @@ namespace scanmill {
 // docs/keys.md lists the keys.
 class Arrangement {
  public:
-  // What the keys of an object say; each struct is one key.
+  // Values of an object's keys; each struct is one key.
   struct Distance {
     std::uint16_t semantic = 0;
     double least = 0, most = 0;  // m, as seen from above; `most` is infinite if only the least distance is given

@@ -146,8 +146,8 @@ MapPlace cutOut(const Map& map, const Parameters& parameters, std::uint64_t seed
 // Joins roads that meet end to end. At crossings, joins the roads that continue straight ahead.
 [[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
 
-// What the tags of OpenStreetMap mean for a town. These functions return nullopt for tags that are not of such a thing,
-// or do not say.
+// These functions interpret tags of OpenStreetMap. They return nullopt if the tags do not belong to such an object, or
+// do not say.
 std::optional<RoadClass> roadClassOf(const OsmTags& tags);
 std::optional<Land> landOf(const OsmTags& tags);
 std::optional<models::Fencing> fencingOf(const std::string& barrier);

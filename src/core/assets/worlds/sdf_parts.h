@@ -1,6 +1,6 @@
 #pragma once
 
-// What the reader of SDF consists of: poses relative to named frames, and the visuals of links.
+// Parts of the reader of SDF: poses relative to named frames, and the visuals of links.
 
 #include <filesystem>
 #include <map>

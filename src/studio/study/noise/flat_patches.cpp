@@ -171,7 +171,7 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   }
   std::vector<double> usual(groups(), 0.0);
   for (const std::size_t incidence : {0, 1}) {  // steep, grazing
-    // From far to near: noise does not decrease with range.
+    // Noise does not decrease with range: from far to near, the least deviation so far is kept.
     double ofFarther = INFINITY;
     for (std::size_t band = bands; band-- > 0;) {
       const std::size_t group = 2 * band + incidence;
@@ -182,7 +182,7 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
       usual[group] = std::min(ofFarther, std::sqrt(*tenth));
       if (v.size() >= kTelling) ofFarther = usual[group];
     }
-    // From near to far: noise grows at most with the square of the range.
+    // Noise grows at most with the square of the range: from near to far, its growth is limited.
     double nearerRange = 0;
     double ofNearer = 0;
     for (std::size_t band = 0; band < bands; ++band) {

@@ -142,7 +142,7 @@ double stepOf(const std::vector<double>& numbers) {
   return static_cast<double>(fits) >= 0.99 * static_cast<double>(values.size()) ? step : 0;
 }
 
-// What the sensor reports: the power, or the reflectivity, which is the power corrected for the range.
+// The sensor reports the power, or the reflectivity, which is the power corrected for the range.
 enum class Reports { Power, Reflectivity };
 
 // Returns the value of a simulated return from which a sensor of this kind computes the intensity. `floor`: power that

@@ -77,7 +77,7 @@ TEST_F(MovingRun, RadialVelocitiesAreRelativeToTheSensor) {
   EXPECT_EQ(inEachFrame[0], inEachFrame[1]);
 }
 
-// What stands still beside a sensor that stands still has none; the ego vehicle neither, however fast it is.
+// Points that stand still beside a sensor that stands still have none; nor has the ego vehicle, however fast it is.
 TEST_F(MovingRun, RadialVelocitiesOfWhatMovesWithTheSensorAreZero) {
   const std::string columns = "output.columns=[instance, cause, radial_velocity]";
   sound({columns, "scenes.0.moving=false", "trajectories=[{name: drive, poses: [{}]}]"}, "still");
