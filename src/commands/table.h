@@ -12,7 +12,7 @@ using Rows = std::vector<std::vector<std::string>>;
 // right-aligned.
 std::string formatTable(const Rows& rows);
 
-// Returns `part` in per cent of `whole`, such as "12.30 %".
+// Returns `part` in per cent of `total`, such as "12.30 %".
 std::string percent(std::uint64_t part, std::uint64_t total);
 
 }  // namespace scanmill

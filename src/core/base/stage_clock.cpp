@@ -52,11 +52,11 @@ StageTimer::StageTimer(StageClock& clock, const char* stage, Kind kind)
     : clock_(clock), stage_(stage), kind_(kind), outer_(std::exchange(innermost, this)), start_(threadSeconds()) {}
 
 StageTimer::~StageTimer() {
-  const std::int64_t elsewhere = otherThreads_;
+  const std::int64_t otherThreads = otherThreads_;
   innermost = outer_;
-  if (outer_ != nullptr) outer_->otherThreads_ += elsewhere;
-  clock_.add(stage_,
-             kind_ == Kind::Wall ? wall_.seconds() : threadSeconds() - start_ + 1e-9 * static_cast<double>(elsewhere));
+  if (outer_ != nullptr) outer_->otherThreads_ += otherThreads;
+  clock_.add(stage_, kind_ == Kind::Wall ? wall_.seconds()
+                                         : threadSeconds() - start_ + 1e-9 * static_cast<double>(otherThreads));
 }
 
 StageTimer* StageTimer::current() {

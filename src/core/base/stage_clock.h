@@ -100,8 +100,8 @@ class [[nodiscard]] StageTask {
 
  private:
   StageTimer* timer_;  // null: the task runs on the timer's own thread, or there is no timer
-  StageTimer*
-      previous_;  // the calling thread's innermost timer when the task began, which the task's time is no part of
+  // The calling thread's innermost timer when the task began. The task's time is no part of that timer's.
+  StageTimer* previous_;
   double start_ = 0;
 };
 

@@ -1,6 +1,6 @@
 // Writes and reads manifests, the files beside the shards that describe the samples of large datasets, and the members
-// that describe samples. Keys have a fixed order, and numbers read back to
-// the same bits, so that the same records always give the same bytes.
+// that describe samples. Keys have a fixed order, and numbers read back to the same bits, so that the same records
+// always give the same bytes.
 
 #include <fmt/core.h>
 

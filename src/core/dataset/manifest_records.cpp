@@ -179,8 +179,8 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   keys.optionalIf(rosette.has_value(), "rosette", rosette, [&](const JsonNode& node) {
     if (node.has("left")) node["left"].numbers(b.rings);
   });
-  if (rosette) b.pattern = std::move(*rosette);
-  if (listed != nullptr) b.pattern = std::move(listed);
+  if (rosette && b.rosette() == nullptr) b.pattern = std::move(*rosette);
+  if (listed != nullptr && listed != b.listed()) b.pattern = std::move(listed);
   keys.optionalIf(b.sweep > 0, "sweep", b.sweep, within(0, b.period));
   keys.optionalIf(sensor.intensityFullScale != 1, "intensity_full_scale", sensor.intensityFullScale, within(1e-9));
   keys.optional("origin_left", b.originLeft, numberCount(b.rings));

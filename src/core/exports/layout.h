@@ -173,8 +173,8 @@ typename Key::Value exported(const ClassMap& classes, Key, typename Key::Value v
 struct LayoutEntry {
   std::string_view name;
   std::string_view summary;
-  std::string_view labels =
-      {};                   // name of the layout's ontology in labels/; empty: the dataset's own classes are exported
+  // Name of the layout's ontology in labels/; empty: the dataset's own classes are exported.
+  std::string_view labels = {};
   bool oneSensor = false;   // true: the layout can have only one sensor
   bool boxesAlone = false;  // true: only boxes have classes, points have none
   bool revolutions = true;  // false: the layout has one scan of each sensor in a frame, no more and no less

@@ -93,8 +93,8 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
     const Mesh& mesh = builder_.soFar().meshes[m.mesh];
     const Box box = mesh.bounds();
     const auto add = [&](const Affine& worldFromMesh) {
-      if (worldFromMesh.linear.x.z != 0 ||
-          worldFromMesh.linear.y.z != 0) {  // a corner of a tilted box can be lower than the mesh
+      // A corner of a tilted box can be lower than the mesh.
+      if (worldFromMesh.linear.x.z != 0 || worldFromMesh.linear.y.z != 0) {
         for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (worldFromMesh * Vec3d(p)).z);
         return;
       }

@@ -78,8 +78,8 @@ struct PointOptions {
 // The part of a height raster that is read, and the classes and colours of its surface.
 struct HeightOptions {
   int every = 1;  // a square of `every` x `every` samples becomes one sample
-  std::optional<std::array<double, 4>> within =
-      std::nullopt;                    // least x, least y, greatest x, greatest y, in the raster's coordinates
+  // Least x, least y, greatest x, greatest y, in the raster's coordinates.
+  std::optional<std::array<double, 4>> within = std::nullopt;
   std::filesystem::path classes = {};  // a raster of class numbers; empty: none
   std::filesystem::path image = {};    // a raster of colours; empty: none
   bool operator==(const HeightOptions&) const = default;

@@ -199,7 +199,7 @@ class DatasetRun {
 
   void checkStop() const {
     if (options_.stop == nullptr || !*options_.stop) return;
-    if (!folder_.hasRecords()) throw Error("stopped before a shard was complete: nothing was kept");
+    if (!folder_.hasRecords()) throw Error("stopped before a shard was complete: no shard was kept");
     throw Error(fmt::format("stopped: the dataset is unfinished, so the folder has no manifest; {}",
                             shared() ? "the same command continues it" : "--resume continues it"));
   }

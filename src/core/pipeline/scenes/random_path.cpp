@@ -63,7 +63,7 @@ class FreeSurface {
       : probe_(probe), classes_(std::move(classes)) {}
 
   // Returns the height of the surface at a position (m). Returns nothing if there is no surface of the given classes at
-  // most about 1.5 m above or below the place, or if something is less than kClear above the surface.
+  // most about 1.5 m above or below the position, or if something is less than kClear above the surface.
   std::optional<double> height(const Vec3d& position) const {
     const auto cell = [](double d) { return static_cast<std::int64_t>(std::floor(d / kCell)); };
     const auto layer = static_cast<std::int64_t>(std::floor(position.z));
@@ -140,6 +140,7 @@ class Draws {
   Draws(std::uint64_t seed, const std::string& name) {
     address_.seed = seed;
     address_.purpose = Purpose::RandomPath;
+    // Like fnv1a(), but from 0: datasets depend on it.
     for (const char c : name) address_.scene = (address_.scene ^ static_cast<unsigned char>(c)) * 16777619u;
   }
   double next() {

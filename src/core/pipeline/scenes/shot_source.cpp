@@ -161,8 +161,8 @@ Scene ShotSource::load(std::size_t sequence) {
                                           .add = changes_.add});
   if (!own.moving) standStill(scene, 0);
   scene.placeable = changes_.placeable;
-  findTrajectories(own,
-                   scene);  // must precede takeOut(), so that random paths do not depend on which objects are removed
+  // Before takeOut(), so that random paths do not depend on which objects are removed.
+  findTrajectories(own, scene);
   takeOut(scene, own.without);
   return scene;
 }
