@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "methods/interface/light_paths.h"
 #include "sense/echoes.h"
 #include "sensors/footprint.h"
 
@@ -28,8 +29,7 @@ void checkHits(const Hits& hits, const Shot& shot, Channels needed) {
   }
 }
 
-constexpr float kMirrorRoughness = 0.1f;  // largest roughness of a surface that reflects like a mirror
-constexpr float kMetalness = 0.5f;        // least metallicity of a surface that counts as metal
+constexpr float kMetalness = 0.5f;  // least metallicity of a surface that counts as metal
 
 // Returns why the echo of a hit is too faint: by the material of the surface.
 Reason reasonOfFaint(const Hits& hits, std::span<const Material> materials, std::uint32_t hit) {

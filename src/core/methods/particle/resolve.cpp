@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -42,15 +41,20 @@ double rangeOf(const MarchJob& job, const HitRecords& records, std::size_t i) {
 void passTransparent(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, HitRecords& records) {
   const TriangleBlock& block = job.triangles();
   if (block.firstAlpha >= block.triangles.size()) return;
-  std::vector<std::uint32_t> marched(records.size());  // the particles whose records are new
-  std::iota(marched.begin(), marched.end(), 0u);
+  const auto mayPass = [&](std::uint32_t i) {
+    return records.outcomeOf(i) == Outcome::Hit && records.triangle[i] >= block.firstAlpha;
+  };
+  std::vector<std::uint32_t> marched;  // the particles whose records are new and may be at a transparent point
+  for (std::uint32_t i = 0; i < records.size(); ++i) {
+    if (mayPass(i)) marched.push_back(i);
+  }
   Rays rays;
   while (!marched.empty()) {
     std::vector<std::uint32_t> passing;
     std::size_t tileOfRays = tiles.size();
     for (const std::uint32_t i : marched) {
+      if (!mayPass(i)) continue;
       const std::uint32_t triangle = records.triangle[i];
-      if (records.outcomeOf(i) != Outcome::Hit || triangle < block.firstAlpha) continue;
       const std::size_t tile = i / kPacket;
       if (tile != tileOfRays) setUpRays(job.shot, job.frame, tiles[tile], rays);
       tileOfRays = tile;

@@ -120,8 +120,8 @@ struct Study {
   std::vector<SensingResult> sensing;
   // Methods that the pipeline cannot use, since they do not support its light paths or moving objects.
   std::vector<std::string> refused;
-  std::vector<std::string>
-      leftOut;  // lines about parts that the study left out, such as settings that it had no time for
+  // Lines about parts that the study left out, such as settings that it had no time for.
+  std::vector<std::string> leftOut;
   // Pictures of errors. Their contents are not stored in the JSON, but in files beside it.
   std::vector<ErrorPicture> pictures;
 };

@@ -56,7 +56,7 @@ class NameList {
 };
 
 // Returns a position in a scene file as "line 9"; for a file that the scene includes, "walls.yaml, line 9".
-std::string shortPosition(const Scene& scene, const Location& where) {
+std::string shortLocation(const Scene& scene, const Location& where) {
   const std::filesystem::path file = std::filesystem::path(where.file).filename();
   return file == scene.file.filename() ? fmt::format("line {}", where.line)
                                        : fmt::format("{}, line {}", file.string(), where.line);
@@ -71,7 +71,7 @@ std::string ruleKey(const Surface& surface) {
 // scene file, and the class.
 std::string ofTheObject(const Scene& scene, const Surface& surface) {
   const SemanticClass* const known = scene.ontology.find(surface.semantic);
-  return fmt::format("{}: {} (of the object)", shortPosition(scene, surface.labelledBy),
+  return fmt::format("{}: {} (of the object)", shortLocation(scene, surface.labelledBy),
                      known == nullptr ? std::to_string(surface.semantic) : known->name);
 }
 
@@ -84,7 +84,7 @@ std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
   rules.number("none", "none: no rule matches");
   rules.number("own", "the object itself");
   for (const RuleUse& use : scene.rules) {
-    rules.number(use.where.text(), fmt::format("{}: {} ({})", shortPosition(scene, use.where),
+    rules.number(use.where.text(), fmt::format("{}: {} ({})", shortLocation(scene, use.where),
                                                use.gives.substr(0, use.gives.find(", material ")), use.match));
   }
   std::vector<std::uint32_t> first;

@@ -19,7 +19,8 @@ namespace scanmill {
 
 using NamedValues = std::vector<std::pair<std::string, std::string>>;
 
-enum class PanelUse { Picture, Interactive };  // pictures have no buttons, fields and scroll bars
+// Whether the user can scroll a panel and open or close its sections.
+enum class PanelUse { Picture, Interactive };
 
 // Draws a panel without title and border in `rect`. `body` draws the contents. In an interactive panel the user can
 // scroll to contents that do not fit; in a picture they are clipped.
