@@ -41,7 +41,8 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Reads glTF; y is up unless options.up differs. AssetReader::Blender: Blender first makes a GLB with z up of the file.
+// Reads glTF; y is up unless options.up differs. For AssetReader::Blender, Blender first
+// converts the file to a GLB, in which z is up.
 Asset readGltf(const std::filesystem::path& file, const std::string& kind, AssetReader reader,
                const AssetOptions& options) {
   const bool byBlender = reader == AssetReader::Blender;

@@ -208,15 +208,21 @@ class RgbaConverter {
   }
 
   void convert(const std::uint8_t* pixels, std::size_t count, std::uint8_t* rgba) {
-    for (std::size_t i = 0; i < count; ++i, pixels += channels_, rgba += 4) {
-      for (std::size_t c = 0; c < 3; ++c) rgba[c] = pixels[colors_[c]];
-      rgba[3] = alpha_ >= 0 ? pixels[alpha_] : std::uint8_t{255};
-      leastAlpha_ = std::min(leastAlpha_, rgba[3]);
-      greatestAlpha_ = std::max(greatestAlpha_, rgba[3]);
+    // Copies, since stores of bytes may change members as far as the compiler knows.
+    const int channels = channels_, alpha = alpha_;
+    const std::array<int, 3> colors = colors_;
+    std::uint8_t least = leastAlpha_, greatest = greatestAlpha_;
+    for (std::size_t i = 0; i < count; ++i, pixels += channels, rgba += 4) {
+      for (std::size_t c = 0; c < 3; ++c) rgba[c] = pixels[colors[c]];
+      rgba[3] = alpha >= 0 ? pixels[alpha] : std::uint8_t{255};
+      least = std::min(least, rgba[3]);
+      greatest = std::max(greatest, rgba[3]);
       for (int c = 0; multiplied_ && c < 3; ++c) {
         rgba[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(rgba[c]) * gain_[rgba[3]] + 0.5f));
       }
     }
+    leastAlpha_ = least;
+    greatestAlpha_ = greatest;
   }
 
   // The least and the greatest alpha so far.

@@ -244,12 +244,12 @@ Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const
 
 // Returns the grid of a window whose squares of `every` x `every` samples are one sample each; a window that is
 // narrower or lower than a square has rectangles instead.
-Raster reducedGrid(const RasterGrid& file, const Window& window, int every) {
-  Raster grid{file, {}};
+Raster reducedGrid(const RasterGrid& whole, const Window& window, int every) {
+  Raster grid{whole, {}};
   grid.width = std::max(window.width / every, 1);
   grid.height = std::max(window.height / every, 1);
   const double columnsEach = double(window.width) / grid.width, rowsEach = double(window.height) / grid.height;
-  const auto& t = file.transform;
+  const auto& t = whole.transform;
   grid.transform = {t[0] + window.column * t[1] + window.row * t[2], t[1] * columnsEach, t[2] * rowsEach,
                     t[3] + window.column * t[4] + window.row * t[5], t[4] * columnsEach, t[5] * rowsEach};
   return grid;
@@ -264,7 +264,8 @@ bool readMeans(RasterReader& reader, int band, double marker, const Window& wind
   std::vector<double> samples;
   std::vector<double> sums(static_cast<std::size_t>(raster.width));  // by square of a row of squares
   std::vector<std::uint32_t> counts(sums.size());
-  bool marked = false, above = false, below = false;
+  double least = marker, greatest = marker;
+  bool marked = false;
   for (int row = 0; row < window.height; ++row) {
     const int rowInBlock = row % rowsAtATime;
     if (rowInBlock == 0) {
@@ -277,9 +278,9 @@ bool readMeans(RasterReader& reader, int band, double marker, const Window& wind
     for (std::size_t square = 0; square < sums.size(); ++square) {
       for (int column = 0; column < columnsEach; ++column, ++sample) {
         if (!std::isfinite(*sample)) continue;
-        marked = marked || *sample == marker;
-        above = above || *sample > marker;
-        below = below || *sample < marker;
+        marked |= *sample == marker;
+        least = std::min(least, *sample);
+        greatest = std::max(greatest, *sample);
         sums[square] += *sample;
         ++counts[square];
       }
@@ -292,7 +293,7 @@ bool readMeans(RasterReader& reader, int band, double marker, const Window& wind
     sums.assign(sums.size(), 0);
     counts.assign(counts.size(), 0);
   }
-  return marked && !(above && below);
+  return marked && (least == marker || greatest == marker);
 }
 
 }  // namespace

@@ -69,8 +69,8 @@ struct BeamTable {
 
   // Compact description of the beams, which the manifest stores; fillBeams() computes the three tables above from it.
   // Rings on cones about the z axis are described by the members below. In the other patterns, `field` is a full
-  // circle, and the members below hold zeros, except `elevation` and `topDown` of listed beams and `firingOffset` of a
-  // rosette. A rosette is traced by each ring; its columns fire evenly over the period.
+  // circle, and of the members for cones only `elevation` and `topDown` of listed beams and `firingOffset` of a rosette
+  // are used. A rosette is traced by each ring; its columns fire evenly over the period.
   struct RingsOnCones {};
   std::variant<RingsOnCones, std::shared_ptr<const ListedBeams>, Rosette> pattern;
   double sweep = 0;                   // s, time from the first to the last column of a partial field; 0: the part of

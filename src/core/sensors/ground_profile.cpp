@@ -220,7 +220,7 @@ Pose GroundProfile::place(const Pose& pose, double at) const {
 
 Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground) {
   const std::optional<GroundSample> stand =
-      standAt(options, pose, [&](const Vec3d& place) { return ground.under(place); });
+      standAt(options, pose, [&](const Vec3d& point) { return ground.under(point); });
   const Vec3d& at = pose.translation;
   if (!stand) {
     std::string text = fmt::format("the pose at [{:g}, {:g}, {:g}] has no ground above or below it", at.x, at.y, at.z);

@@ -16,6 +16,7 @@ using models::Kind;
 Point2 polar(const Point2& from, double distance, double angle) {
   return {from.x + distance * std::cos(angle), from.y + distance * std::sin(angle)};
 }
+
 // Returns a roundabout that begins at the angle `start` (rad) as seen from its centre.
 Road ringRoad(const Point2& center, double radius, double start, CrossSection section) {
   Road ring;
@@ -31,6 +32,7 @@ Road ringRoad(const Point2& center, double radius, double start, CrossSection se
   ring.ring = true;
   return ring;
 }
+
 // Returns the points of a random line. Its heading is a smooth random field that varies by less than a right angle, so
 // that the line never crosses itself. `bend`: amplitude of the heading (rad).
 std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, double heading, double bend,
@@ -45,6 +47,7 @@ std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, doub
   }
   return points;
 }
+
 }  // namespace
 
 // Adds land beside a road, beyond the sidewalk. `width` and `depth`: size of the land along and across the road (m).

@@ -65,7 +65,8 @@ void placeCarsAtSide(Placer& placer, const Road& road, int side, bool egoDrives,
   }
 }
 
-// Places cars side by side on wide forecourts, with gaps; a driveway has room for one car. `number`: see above.
+// Places cars side by side on wide forecourts, with gaps; a driveway has room for one car. `number`: see
+// placeCarsAtSide().
 void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw, int& number) {
   constexpr double kBeside = 2.7;  // m between the middles of neighbours
   const double parked = placer.layout.character.parked;
@@ -113,8 +114,8 @@ bool isOnLot(const Placer& placer, const Point2& p) {
 }
 
 // Paints the lines of a row of bays and parks cars in a part of them. `about`: the rectangle around the lot, with its x
-// axis along the row; `low`: m along its y axis, where the row begins. `facing`: 1 or -1, along this axis. `number`:
-// cars so far; it is advanced. Returns the number of lines.
+// axis along the row; `low`: m along its y axis, where the row begins. `facing`: 1 or -1, along this axis. `taken`:
+// fraction of the bays with a car. `number`: cars so far; it is advanced. Returns the number of lines.
 int placeRowOfBays(Placer& placer, models::Shape& s, models::SurfaceIndex paint, const Footprint& about, double low,
                    int facing, double taken, Draw& draw, int& number) {
   constexpr double kHalfLotLine = 0.06;  // m, half of a line's width

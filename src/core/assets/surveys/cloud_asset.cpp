@@ -293,13 +293,14 @@ class CloudAsset {
   // Fills the texture with the colours of the points. Returns false if there are none.
   bool fillWithColors(Texture& image) {
     const ForeignColumn* const packed = foreign("rgb");
-    const std::size_t colored = packed != nullptr ? fillFromPacked(*packed, image) : fillFromChannels(image);
-    if (packed != nullptr || colored > 0) cloud_.leftOut.add("colours that are no numbers", chosen_.size() - colored);
-    return colored > 0;
+    const auto colored = packed != nullptr ? fillFromPacked(*packed, image) : fillFromChannels(image);
+    if (!colored) return false;
+    cloud_.leftOut.add("colours that are no numbers", chosen_.size() - *colored);
+    return *colored > 0;
   }
 
   // Fills the texture with colours of one number. Returns how many points have one.
-  std::size_t fillFromPacked(const ForeignColumn& packed, Texture& image) const {
+  std::optional<std::size_t> fillFromPacked(const ForeignColumn& packed, Texture& image) const {
     std::size_t colored = 0;
     const auto fillFrom = [&](const auto& numbers) {
       for (std::size_t k = 0; k < chosen_.size(); ++k) {
@@ -313,11 +314,11 @@ class CloudAsset {
     return colored;
   }
 
-  // Fills the texture from the columns red, green and blue. Returns how many points have a colour: none if a column is
-  // missing or all are 0, as in LAS files.
-  std::size_t fillFromChannels(Texture& image) const {
+  // Fills the texture from the columns red, green and blue. Returns how many points have a colour; nullopt if a column
+  // is missing or all are 0, as in LAS files.
+  std::optional<std::size_t> fillFromChannels(Texture& image) const {
     const std::array<std::optional<std::vector<double>>, 3> channels{numbers("red"), numbers("green"), numbers("blue")};
-    if (!channels[0] || !channels[1] || !channels[2]) return 0;
+    if (!channels[0] || !channels[1] || !channels[2]) return std::nullopt;
     double greatest = 0;
     bool integers = true;
     for (const auto& channel : channels) {
@@ -326,7 +327,7 @@ class CloudAsset {
         integers = integers && (value == std::floor(value) || std::isnan(value));
       }
     }
-    if (!(greatest > 0)) return 0;
+    if (!(greatest > 0)) return std::nullopt;
     const double white = whiteOf(greatest, integers);
     std::size_t colored = 0;
     for (std::size_t k = 0; k < chosen_.size(); ++k) {

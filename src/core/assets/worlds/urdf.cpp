@@ -54,7 +54,7 @@ class UrdfReader {
   void readJoints() {
     std::set<std::string> links;
     for (const XmlNode& child : root_.children) {
-      if (child.name == "material") lookOf(child);
+      if (child.name == "material") readMaterial(child);
       if (child.name == "joint") readJoint(child);
       const std::string name = child.attributeOr("name", "link");
       if (child.name == "link" && !links.insert(name).second) {
@@ -144,7 +144,7 @@ class UrdfReader {
   };
 
   // Returns the look of a material element. The first element with a look gives it to all of its name.
-  Look lookOf(const XmlNode& material) {
+  Look readMaterial(const XmlNode& material) {
     const std::string name = material.attributeOr("name", "");
     if (const auto known = looks_.find(name); known != looks_.end()) return known->second;
     Look look;
@@ -199,7 +199,7 @@ class UrdfReader {
       part.shape = std::move(*solid);
     }
     if (const XmlNode* material = visual.child("material")) {
-      const Look look = lookOf(*material);
+      const Look look = readMaterial(*material);
       if (look.opacity <= 0) return world_.leftOut.add("invisible visuals (alpha 0)");
       if (look.opacity < 1) world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
       const bool defines = material->child("color") != nullptr || material->child("texture") != nullptr;

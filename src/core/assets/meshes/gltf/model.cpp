@@ -167,14 +167,14 @@ class ModelReader : JsonReader {
     const Json& primitives = j.at("primitives");
     if (!primitives.is_array()) fail(what + ".primitives is not a list");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const std::string valueName = fmt::format("{}.primitives[{}]", what, i);
-      const std::uint64_t mode = length(primitives[i], "mode", 4, valueName);
-      if (mode > 6) fail(valueName + " has an unknown mode");
+      const std::string primitiveName = fmt::format("{}.primitives[{}]", what, i);
+      const std::uint64_t mode = length(primitives[i], "mode", 4, primitiveName);
+      if (mode > 6) fail(primitiveName + " has an unknown mode");
       if (mode < 4) {
         m_.leftOut.add(mode == 0 ? "primitives of points" : "primitives of lines");
         continue;
       }
-      Primitive p = primitive(primitives[i], valueName);
+      Primitive p = primitive(primitives[i], primitiveName);
       p.mode = static_cast<Primitive::Mode>(mode);
       countUnread(p.attributes, "vertices");
       if (p.attributes.contains("POSITION")) {
@@ -245,13 +245,13 @@ class ModelReader : JsonReader {
     numbers(j, "scale", what, n.scale);
     if (const Json* visibility = extensionOf(j, "KHR_node_visibility")) n.visible = visibility->value("visible", true);
     if (const Json* instancing = extensionOf(j, "EXT_mesh_gpu_instancing")) {
-      const std::string valueName = what + ".EXT_mesh_gpu_instancing";
-      n.instances = attributes(instancing->at("attributes"), valueName);
+      const std::string extensionName = what + ".EXT_mesh_gpu_instancing";
+      n.instances = attributes(instancing->at("attributes"), extensionName);
       countUnread(*n.instances, "instances");
       const auto first = n.instances->begin();
       for (const auto& [name, accessor] : *n.instances) {
         if (m_.accessors[accessor].count != m_.accessors[first->second].count) {
-          fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", valueName,
+          fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", extensionName,
                            m_.accessors[first->second].count, first->first, m_.accessors[accessor].count, name));
         }
       }
