@@ -244,6 +244,22 @@ std::size_t frameOn(const SessionWorld& world) {
   return SIZE_MAX;
 }
 
+TEST(ViewSession, TheSliderGoesToEveryFrame) {
+  SessionWorld world(12);
+  const int low = SessionWorld::kHeight - 18;  // within the bar at the bottom
+  std::set<std::size_t> seen;
+  world.pointer(CanvasEvent::Kind::Move, 200, low);
+  world.pointer(CanvasEvent::Kind::Down, 200, low);
+  for (int x = 60; x < SessionWorld::kWidth; x += 4) {
+    world.pointer(CanvasEvent::Kind::Move, x, low);
+    world.session->settle();
+    seen.insert(frameOn(world));
+  }
+  world.pointer(CanvasEvent::Kind::Up, SessionWorld::kWidth - 1, low);
+  EXPECT_EQ(seen.size(), 12u);
+  EXPECT_EQ(frameOn(world), 11u);
+}
+
 TEST(ViewSession, StepsThroughFrames) {
   SessionWorld world(25);
   EXPECT_EQ(frameOn(world), 12u);  // the middle one
