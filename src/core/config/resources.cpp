@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <vector>
 
@@ -49,13 +49,12 @@ bool mayBe(FileKind kind, const fs::path& file) {
 }
 
 // Returns the names of the YAML files in a folder that may be of this kind, without their suffix.
-std::vector<std::string> yamlNames(const fs::path& folder, FileKind kind = FileKind::Unknown) {
-  std::vector<std::string> names;
+std::set<std::string> yamlNames(const fs::path& folder, FileKind kind = FileKind::Unknown) {
+  std::set<std::string> names;
   std::error_code unreadable;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? "." : folder, unreadable)) {
-    if (entry.path().extension() == kSuffix && mayBe(kind, entry.path())) names.push_back(entry.path().stem().string());
+    if (entry.path().extension() == kSuffix && mayBe(kind, entry.path())) names.insert(entry.path().stem().string());
   }
-  std::ranges::sort(names);
   return names;
 }
 
@@ -131,11 +130,9 @@ fs::path resolveResource(const Value& value, const std::string& name, const std:
     places += fmt::format(", nor '{}' in the current folder", name);
   }
   folders.push_back(resourceFolder() / subfolder);
-  std::vector<std::string> known;
-  for (const fs::path& folder : folders) {
-    for (std::string& other : yamlNames(folder, kindIn(subfolder))) known.push_back(std::move(other));
-  }
-  throw InputError(value.where, places + suggestion(fs::path(name).stem().string(), known));
+  std::set<std::string> known;  // two of the folders may be one
+  for (const fs::path& folder : folders) known.merge(yamlNames(folder, kindIn(subfolder)));
+  throw InputError(value.where, places + suggestion(fs::path(name).stem().string(), {known.begin(), known.end()}));
 }
 
 fs::path namedResource(const std::string& name, const std::string& subfolder) {
@@ -148,7 +145,8 @@ fs::path namedResource(const std::string& name, const std::string& subfolder) {
 std::string nearestResource(const std::string& name, const std::string& subfolder) {
   const fs::path path = name;
   if (path.has_parent_path() || (path.has_extension() && path.extension() != kSuffix)) return {};
-  return nearest(path.stem().string(), yamlNames(resourceFolder() / subfolder));
+  const std::set<std::string> names = yamlNames(resourceFolder() / subfolder);
+  return nearest(path.stem().string(), {names.begin(), names.end()});
 }
 
 std::string savedPath(const fs::path& file, const fs::path& folder) {
