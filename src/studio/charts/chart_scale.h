@@ -20,19 +20,19 @@ class ChartScale {
     std::string text;
   };
 
-  // `values`: what is drawn along the axis. `fromZero`: the axis includes 0, where bars begin. `most`: number of labels
-  // for which there is room.
-  ChartScale(const ChartAxis& axis, const std::vector<double>& values, bool fromZero, double most);
+  // `values`: coordinates along the axis of all that is drawn. `includesZero`: the axis includes 0, where bars begin
+  // (on a logarithmic axis 1). `labelRoom`: number of labels for which there is room.
+  ChartScale(const ChartAxis& axis, const std::vector<double>& values, bool includesZero, double labelRoom);
 
-  double at(double value) const;
+  double at(double value) const;  // returns the position of a value
   bool hasBand() const { return hasBand_; }
   const std::vector<Tick>& ticks() const { return ticks_; }
 
  private:
-  double mapped(double value) const;
-  void widen(bool fromZero);
-  void addLinearTicks(const std::string& unit, double most);
-  void addLogarithmicTicks(const std::string& unit, double most);
+  double mapped(double value) const;  // returns the value, or its logarithm to base 10 if the axis is logarithmic
+  void widen(bool includesZero);
+  void addLinearTicks(const std::string& unit, double labelRoom);
+  void addLogarithmicTicks(const std::string& unit, double labelRoom);
 
   bool log_, hasBand_;
   double low_, high_;  // ends of the axis without the band: values, or their logarithms to base 10

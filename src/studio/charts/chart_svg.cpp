@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "charts/chart.h"
 #include "charts/chart_scale.h"
@@ -17,8 +18,12 @@ namespace scanmill {
 
 namespace {
 
+// Sizes in this file, in pixels or multiples of a font's size, are chosen by eye.
 // Margin around a chart, and sizes of the chart's fonts (pixels).
 constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;
+constexpr double kTitleLine = 1.2, kNoteLine = 1.35;  // height of a line as a multiple of the font's size
+constexpr double kBaseline = 0.35;  // from the middle of a text down to its baseline, as a multiple of the font's size
+constexpr int kLeastWidth = 200, kLeastHeight = 160;          // of a chart (pixels)
 constexpr double kMarkRadius = 4.5, kEmphasisedRadius = 6.5;  // of the marks of points (pixels)
 constexpr double kMarkReach = 1.15;  // largest extent of most of kShapes, relative to the radius
 constexpr double kBarShare = 0.76;   // fraction of the distance between two names that the bars at a name fill
@@ -37,12 +42,12 @@ bool isDrawn(const Vec2d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
-// The palette of M. Okabe and K. Ito, Color Universal Design, 2008. Black is
-// replaced by the ink colour. Yellow comes last, since it is hardly visible on a white page. On a dark page, both
-// blues, vermilion and green are lighter.
+// The palette of M. Okabe and K. Ito, Color Universal Design, 2008. Black is replaced by the ink colour. Yellow comes
+// last, since it is hardly visible on a white page. On a dark page, both blues, vermilion and green are lighter.
 using SeriesColors = std::array<const char*, kChartColors>;
 constexpr SeriesColors kOnLight{"#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#1f2328", "#F0E442"};
 constexpr SeriesColors kOnDark{"#3D9BDC", "#E8762B", "#12B886", "#E69F00", "#CC79A7", "#7CC8F2", "#e6edf3", "#F0E442"};
+// Colours as "#rrggbb". `band`: background of the values of zero and below on a logarithmic axis.
 struct ChartPalette {
   const char *page, *ink, *muted, *grid, *axis, *band;
   SeriesColors colors;
@@ -60,7 +65,8 @@ constexpr std::array kShapes{"M-1,0A1,1 0 1 1 1,0A1,1 0 1 1 -1,0Z",
                              "M-.9-1.2H.9L1.15,0L.9,1.2H-.9L-1.15,0Z",
                              "M-1,0A1,1 0 1 1 1,0A1,1 0 1 1 -1,0Z"};
 
-std::string rules(const ChartPalette& p) {
+// Returns the CSS rules for the colours of a palette.
+std::string colorRules(const ChartPalette& p) {
   std::string css = fmt::format(
       ".smc .page{{fill:{0}}}.smc text{{fill:{1}}}.smc .muted{{fill:{2}}}.smc .grid{{stroke:{3}}}.smc "
       ".axis{{stroke:{4}}}"
@@ -72,6 +78,7 @@ std::string rules(const ChartPalette& p) {
   return css;
 }
 
+// Returns the SVG element with the styles of both colour schemes.
 std::string style() {
   std::string css =
       ".smc text{font-family:Helvetica,Arial,'Liberation Sans',sans-serif;font-size:11.5px}"
@@ -82,41 +89,61 @@ std::string style() {
   for (std::size_t i = 0; i < kChartColors; ++i) {
     if (*kDashes[i] != 0) css += fmt::format(".smc .line.s{}{{stroke-dasharray:{}}}", i, kDashes[i]);
   }
-  return fmt::format("<style>{}{}@media (prefers-color-scheme:dark){{{}}}</style>\n", css, rules(kLight), rules(kDark));
+  return fmt::format("<style>{}{}@media (prefers-color-scheme:dark){{{}}}</style>\n", css, colorRules(kLight),
+                     colorRules(kDark));
 }
 
 struct ChartBox {
-  double left = 0, top = 0, right = 0, bottom = 0;
-  bool overlaps(const ChartBox& o) const {
-    return left < o.right && o.left < right && top < o.bottom && o.top < bottom;
+  double left = 0, top = 0, right = 0, bottom = 0;  // pixels
+  bool overlaps(const ChartBox& other) const {
+    return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
   }
 };
 
+bool overlapsAny(const std::vector<ChartBox>& boxes, const ChartBox& box) {
+  return std::ranges::any_of(boxes, [&](const ChartBox& other) { return box.overlaps(other); });
+}
+
+// Returns the text of a point; empty if the series has no texts.
+std::string textOf(const std::vector<std::string>& texts, std::size_t point) {
+  return point < texts.size() ? texts[point] : "";
+}
+
+double radiusOf(const ChartSeries& s) {
+  return s.emphasised ? kEmphasisedRadius : kMarkRadius;
+}
+
+bool isBars(const ChartSeries& s) {
+  return s.mark == ChartMark::Bars;
+}
+
+// Writes the SVG elements of a chart to `out_`. Coordinates are pixels from the upper left corner, y downwards.
 class SvgDrawing {
  public:
   explicit SvgDrawing(const Chart& chart)
       : chart_(chart),
         horizontal_(!chart.y.names.empty()),
-        width_(std::max(chart.width, 200)),
-        height_(std::max(chart.height, 160)) {
-    for (const ChartSeries& s : chart.series) emphasised_ = emphasised_ || s.emphasised;
-  }
+        hasEmphasis_(std::ranges::any_of(chart.series, &ChartSeries::emphasised)),
+        barSeries_(static_cast<int>(std::ranges::count_if(chart.series, isBars))),
+        width_(std::max(chart.width, kLeastWidth)),
+        height_(std::max(chart.height, kLeastHeight)) {}
 
   std::string draw() {
-    double top = kMargin * 0.75;
-    for (const std::string& line : wrapSvgText(chart_.title, kTitleFont, width_ - 2 * kMargin, true)) {
-      text("title", kMargin, top += kTitleFont * 1.2, "start", line);
+    double bottom = kMargin * 0.75;  // y of the lower end of what is drawn
+    const double textWidth = width_ - 2 * kMargin;
+    for (const std::string& line : wrapSvgText(chart_.title, kTitleFont, textWidth, FontWeight::Bold)) {
+      addText("title", kMargin, bottom += kTitleFont * kTitleLine, "start", line);
     }
-    for (const std::string& line : wrapSvgText(chart_.note, kNoteFont, width_ - 2 * kMargin)) {
-      text("note muted", kMargin, top += kNoteFont * 1.35, "start", line);
+    for (const std::string& line : wrapSvgText(chart_.note, kNoteFont, textWidth)) {
+      addText("note muted", kMargin, bottom += kNoteFont * kNoteLine, "start", line);
     }
     if (hasPoints(chart_)) {
       constexpr double kUsualHead = 90;  // height of a title, a note and a legend of one line each (pixels)
-      const double bottom = legend(top + 8);
+      bottom = drawLegend(bottom + 8);
       height_ += std::max(bottom - kUsualHead, 0.0);
-      plot(bottom);
+      drawPlot(bottom);
     } else {
-      text("nodata muted", width_ / 2, (top + height_) / 2, "middle", "no data");
+      addText("nodata muted", width_ / 2, (bottom + height_) / 2, "middle", "no data");
     }
     return fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"smc\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
@@ -126,77 +153,85 @@ class SvgDrawing {
   }
 
  private:
-  void text(const char* kind, double x, double y, const char* anchor, const std::string& words, double turned = 0) {
-    const std::string turn =
-        turned == 0 ? "" : fmt::format(" transform=\"rotate({} {} {})\"", turned, svgNumber(x), svgNumber(y));
-    out_ += fmt::format("<text class=\"{}\" x=\"{}\" y=\"{}\" text-anchor=\"{}\"{}>{}</text>\n", kind, svgNumber(x),
-                        svgNumber(y), anchor, turn, escapeXml(words));
+  // Adds a text whose baseline is at y; `anchor`: which end of the text is at x ("start", "middle" or "end").
+  void addText(const char* cssClass, double x, double y, const char* anchor, const std::string& text,
+               double rotationDegrees = 0) {
+    const std::string transform = rotationDegrees == 0 ? ""
+                                                       : fmt::format(" transform=\"rotate({} {} {})\"", rotationDegrees,
+                                                                     svgNumber(x), svgNumber(y));
+    out_ += fmt::format("<text class=\"{}\" x=\"{}\" y=\"{}\" text-anchor=\"{}\"{}>{}</text>\n", cssClass, svgNumber(x),
+                        svgNumber(y), anchor, transform, escapeXml(text));
   }
-  void path(const std::string& kind, const std::string& d) {
-    out_ += fmt::format("<path class=\"{}\" d=\"{}\"/>\n", kind, d);
+  // Adds a path; `commands`: the path in the language of SVG.
+  void addPath(const std::string& cssClass, const std::string& commands) {
+    out_ += fmt::format("<path class=\"{}\" d=\"{}\"/>\n", cssClass, commands);
   }
-  void line(const char* kind, double x0, double y0, double x1, double y1) {
-    path(kind, fmt::format("M{},{}L{},{}", svgNumber(x0), svgNumber(y0), svgNumber(x1), svgNumber(y1)));
+  void addLine(const char* cssClass, double x0, double y0, double x1, double y1) {
+    addPath(cssClass, fmt::format("M{},{}L{},{}", svgNumber(x0), svgNumber(y0), svgNumber(x1), svgNumber(y1)));
   }
-  void rect(const std::string& kind, const ChartBox& b, const std::string& fill = "", const std::string& detail = "") {
-    out_ += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}>{}</rect>\n", kind,
+  // Adds a rectangle; `fill`: "#rrggbb" instead of the colour of its class; `detail`: text that the pointer shows.
+  void addRect(const std::string& cssClass, const ChartBox& b, const std::string& fill = "",
+               const std::string& detail = "") {
+    out_ += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}>{}</rect>\n", cssClass,
                         svgNumber(b.left), svgNumber(b.top), svgNumber(b.right - b.left), svgNumber(b.bottom - b.top),
                         fill.empty() ? "" : fmt::format(" style=\"fill:{}\"", escapeXml(fill)),
                         detail.empty() ? "" : "<title>" + escapeXml(detail) + "</title>");
   }
-  void mark(const ChartSeries& s, const Vec2d& p, double radius, const std::string& detail = "") {
-    out_ += fmt::format("<path class=\"mark f{}\" transform=\"translate({},{}) scale({})\" d=\"{}\">{}</path>\n",
-                        s.color % kChartColors, svgNumber(p.x), svgNumber(p.y), radius, kShapes[s.color % kChartColors],
+  void addMark(const ChartSeries& s, const Vec2d& center, double radius, const std::string& detail = "") {
+    const std::size_t color = s.color % kChartColors;
+    out_ += fmt::format("<path class=\"mark f{}\" transform=\"translate({},{}) scale({})\" d=\"{}\">{}</path>\n", color,
+                        svgNumber(center.x), svgNumber(center.y), radius, kShapes[color],
                         detail.empty() ? "" : "<title>" + escapeXml(detail) + "</title>");
-  }
-  static std::string at(const std::vector<std::string>& texts, std::size_t i) {
-    return i < texts.size() ? texts[i] : "";
   }
   std::string cssClasses(const char* kind, const ChartSeries& s) const {
     return fmt::format("{} s{}{}{}", kind, s.color % kChartColors, s.emphasised ? " wide" : "",
-                       emphasised_ && !s.emphasised ? " dim" : "");
+                       hasEmphasis_ && !s.emphasised ? " dim" : "");
   }
 
   // Draws the legend, in which series of the same name and colour share an entry. `top`: y of its upper end. Returns
-  // the y of its lower end (pixels).
-  double legend(double top) {
+  // the y of its lower end.
+  double drawLegend(double top) {
+    constexpr double kBetweenEntries = 18;  // pixels
     double x = kMargin, y = top + kFont;
-    std::vector<const ChartSeries*> named;
+    std::vector<const ChartSeries*> entries;
     for (const ChartSeries& s : chart_.series) {
-      const auto same = [&](const ChartSeries* o) { return o->name == s.name && o->color == s.color; };
-      if (s.name.empty() || std::ranges::none_of(s.points, isDrawn) || std::ranges::any_of(named, same)) continue;
-      named.push_back(&s);
+      const auto sharesEntry = [&](const ChartSeries* other) {
+        return other->name == s.name && other->color == s.color;
+      };
+      if (s.name.empty() || std::ranges::none_of(s.points, isDrawn) || std::ranges::any_of(entries, sharesEntry)) {
+        continue;
+      }
+      entries.push_back(&s);
       const double width = kSwatch + svgTextWidth(s.name, kFont);
       if (x > kMargin && x + width > width_ - kMargin) x = kMargin, y += kFont * 1.6;
       out_ += "<g class=\"legend\">";
-      for (const ChartSeries& o : chart_.series) {
-        if (same(&o)) swatch(o, x, y - kFont * 0.35);
+      for (const ChartSeries& other : chart_.series) {
+        if (sharesEntry(&other)) drawSwatch(other, x, y - kFont * kBaseline);
       }
-      text("entry", x + kSwatch, y, "start", s.name);
+      addText("entry", x + kSwatch, y, "start", s.name);
       out_ += "</g>\n";
-      x += width + 18;
+      x += width + kBetweenEntries;
     }
-    return named.empty() ? top : y + 12;
+    return entries.empty() ? top : y + 12;
   }
 
   // Draws the mark, line or bar of a series in the legend. `x`: its left end. `y`: its middle.
-  void swatch(const ChartSeries& s, double x, double y) {
+  void drawSwatch(const ChartSeries& s, double x, double y) {
     if (hasLine(s)) {
-      path(fmt::format("line s{}", s.color % kChartColors), fmt::format("M{},{}h26", svgNumber(x), svgNumber(y)));
+      addPath(fmt::format("line s{}", s.color % kChartColors), fmt::format("M{},{}h26", svgNumber(x), svgNumber(y)));
     }
-    if (hasDots(s)) mark(s, {x + 13, y}, kMarkRadius);
-    if (s.mark == ChartMark::Bars) {
-      rect(fmt::format("f{}", s.color % kChartColors), {x + 8, y - 5.5, x + 19, y + 5.5}, at(s.fills, 0));
+    if (hasDots(s)) addMark(s, {x + 13, y}, kMarkRadius);
+    if (isBars(s)) {
+      addRect(fmt::format("f{}", s.color % kChartColors), {x + 8, y - 5.5, x + 19, y + 5.5}, textOf(s.fills, 0));
     }
   }
 
-  // Adds the values that lie on the axes to `xs` and `ys`.
-  void addValues(std::vector<double>& xs, std::vector<double>& ys) const {
+  // Adds the coordinates of all that is drawn in the plot to `xs` and `ys` (units of the axes): points, ends of error
+  // bars and of stacked bars, and room for labels of bars.
+  void addCoordinates(std::vector<double>& xs, std::vector<double>& ys) const {
     std::vector<double>& barEnds = horizontal_ ? xs : ys;
     std::map<double, double> sums;  // for each name, the sum of its stacked bars
-    bool labels = false;            // true: at least one bar has a label
     for (const ChartSeries& s : chart_.series) {
-      labels = labels || (s.mark == ChartMark::Bars && !s.labels.empty());
       for (std::size_t i = 0; i < s.points.size(); ++i) {
         if (!isDrawn(s.points[i])) continue;
         xs.push_back(s.points[i].x);
@@ -207,53 +242,57 @@ class SvgDrawing {
       }
     }
     constexpr double kLabelRoom = 1.12;  // the axis reaches so far beyond bars with labels
-    if (!labels || valueAxis().scale != AxisScale::Linear) return;
+    const bool hasBarLabels =
+        std::ranges::any_of(chart_.series, [](const ChartSeries& s) { return isBars(s) && !s.labels.empty(); });
+    if (!hasBarLabels || valueAxis().scale != AxisScale::Linear) return;
     barEnds.push_back(kLabelRoom * *std::ranges::max_element(barEnds));
   }
 
-  // Draws the axes and the series below the y `top` (pixels).
-  void plot(double top) {
+  // Draws the axes and the series below the y `top`. Sets `area_`, `x_` and `y_`, which all functions below use: first
+  // the height of the plot, then the y axis, whose labels leave the width, then the x axis.
+  void drawPlot(double top) {
     std::vector<double> xs, ys;
-    addValues(xs, ys);
-    const bool bars = std::ranges::count(chart_.series, ChartMark::Bars, &ChartSeries::mark) > 0;
+    addCoordinates(xs, ys);
     area_ = {kMargin, top, width_ - kMargin - 8, height_ - kMargin - kFont * 3.4};
     if (!chart_.y.title.empty()) {
-      text("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
+      addText("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
       area_.top += kNoteFont * 1.9;
     }
     double widestName = 0;
     for (const std::string& name : chart_.x.names) widestName = std::max(widestName, tickWidth(name));
-    const bool turned = widestName * static_cast<double>(chart_.x.names.size()) * 1.1 > area_.right - area_.left - 60;
-    if (turned) area_.bottom -= widestName * std::sin(radians(kNameAngle));
-    const ChartScale y(chart_.y, ys, bars && !horizontal_, (area_.bottom - area_.top) / (kFont * 2.8));
+    const bool rotatesNames =
+        widestName * static_cast<double>(chart_.x.names.size()) * 1.1 > area_.right - area_.left - 60;
+    if (rotatesNames) area_.bottom -= widestName * std::sin(radians(kNameAngle));
+    const double rowHeight = kFont * 2.8, columnWidth = kFont * 5;  // room for a label of the y axis and of the x axis
+    y_.emplace(chart_.y, ys, barSeries_ > 0 && !horizontal_, (area_.bottom - area_.top) / rowHeight);
     double widestTick = 0;
-    for (const ChartScale::Tick& t : y.ticks()) widestTick = std::max(widestTick, tickWidth(t.text));
+    for (const ChartScale::Tick& tick : y_->ticks()) widestTick = std::max(widestTick, tickWidth(tick.text));
     area_.left += widestTick + 9;
-    const ChartScale x(chart_.x, xs, bars && horizontal_, (area_.right - area_.left) / (kFont * 5));
-    x_ = &x, y_ = &y;
-    axes(turned);
-    series();
+    x_.emplace(chart_.x, xs, barSeries_ > 0 && horizontal_, (area_.right - area_.left) / columnWidth);
+    drawAxes(rotatesNames ? -kNameAngle : 0);
+    drawSeries();
   }
 
-  // Draws the axes with their labels. `turned`: names on the x axis are rotated.
-  void axes(bool turned) {
+  // Draws the axes with their labels. `rotationDegrees`: rotation of the labels of the x axis.
+  void drawAxes(double rotationDegrees) {
     constexpr double kBand = ChartScale::kBand;
-    if (x_->hasBand()) rect("band", {area_.left, area_.top, xAt(kBand), area_.bottom});
+    if (x_->hasBand()) addRect("band", {area_.left, area_.top, xAt(kBand), area_.bottom});
     const double bandTop = area_.bottom - kBand * (area_.bottom - area_.top);
-    if (y_->hasBand()) rect("band", {area_.left, bandTop, area_.right, area_.bottom});
-    for (const ChartScale::Tick& t : y_->ticks()) {
-      const double y = yAt(t.position);
-      line("grid", area_.left, y, area_.right, y);
-      text("tick", area_.left - 8, y + kFont * 0.35, "end", tickText(t.text));
+    if (y_->hasBand()) addRect("band", {area_.left, bandTop, area_.right, area_.bottom});
+    for (const ChartScale::Tick& tick : y_->ticks()) {
+      const double y = yAt(tick.position);
+      addLine("grid", area_.left, y, area_.right, y);
+      addText("tick", area_.left - 8, y + kFont * kBaseline, "end", tickText(tick.text));
     }
-    for (const ChartScale::Tick& t : x_->ticks()) {
-      const double x = xAt(t.position);
-      if (chart_.x.names.empty()) line("grid", x, area_.top, x, area_.bottom);
-      text("tick", x, area_.bottom + 6 + kFont, turned ? "end" : "middle", tickText(t.text), turned ? -kNameAngle : 0);
+    for (const ChartScale::Tick& tick : x_->ticks()) {
+      const double x = xAt(tick.position);
+      if (chart_.x.names.empty()) addLine("grid", x, area_.top, x, area_.bottom);
+      addText("tick", x, area_.bottom + 6 + kFont, rotationDegrees == 0 ? "middle" : "end", tickText(tick.text),
+              rotationDegrees);
     }
-    line("axis", area_.left, area_.bottom, area_.right, area_.bottom);
-    line("axis", area_.left, area_.top, area_.left, area_.bottom);
-    text("axistitle muted", (area_.left + area_.right) / 2, height_ - kMargin * 0.6, "middle", chart_.x.title);
+    addLine("axis", area_.left, area_.bottom, area_.right, area_.bottom);
+    addLine("axis", area_.left, area_.top, area_.left, area_.bottom);
+    addText("axistitle muted", (area_.left + area_.right) / 2, height_ - kMargin * 0.6, "middle", chart_.x.title);
   }
 
   std::string tickText(const std::string& name) const { return shortened(name, width_ < 700 ? 30 : 40); }
@@ -262,26 +301,32 @@ class SvgDrawing {
   // Return pixels of positions along the axes, from 0 to 1. If the y axis has names, the first is at the top.
   double xAt(double position) const { return area_.left + position * (area_.right - area_.left); }
   double yAt(double position) const {
-    const double down = position * (area_.bottom - area_.top);
-    return horizontal_ ? area_.top + down : area_.bottom - down;
+    const double distance = position * (area_.bottom - area_.top);
+    return horizontal_ ? area_.top + distance : area_.bottom - distance;
   }
-  Vec2d pixel(const Vec2d& p) const { return {xAt(x_->at(p.x)), yAt(y_->at(p.y))}; }
+  Vec2d pixel(const Vec2d& point) const { return {xAt(x_->at(point.x)), yAt(y_->at(point.y))}; }
 
   // Exchanges x and y if bars are horizontal: returns {name, value} for a point of a bar, and the point for these.
   Vec2d swapped(const Vec2d& p) const { return horizontal_ ? Vec2d{p.y, p.x} : p; }
   const ChartAxis& valueAxis() const { return horizontal_ ? chart_.x : chart_.y; }
 
-  void series() {
-    const auto withBars = std::ranges::count(chart_.series, ChartMark::Bars, &ChartSeries::mark);
-    int before = 0;  // number of series whose bars are drawn
+  // Draws bars, then lines, marks and labels on top. Emphasised lines and marks are above others; their labels, and
+  // those of series with labelsFirst, get free space before others.
+  void drawSeries() {
+    int slot = 0;  // index of the series among those with bars
     for (const ChartSeries& s : chart_.series) {
-      if (s.mark == ChartMark::Bars) chart_.stacked ? bars(s, 0, 1) : bars(s, before++, static_cast<int>(withBars));
+      if (isBars(s)) chart_.stacked ? drawBars(s, 0, 1) : drawBars(s, slot++, barSeries_);
     }
-    for (const ChartSeries* s : sortedBy(&ChartSeries::emphasised)) spansAndLine(*s);
-    for (const ChartSeries* s : sortedBy(&ChartSeries::emphasised)) marks(*s);
-    const auto rank = [](const ChartSeries& s) { return s.labelsFirst ? 0 : s.emphasised ? 1 : 2; };
-    for (const ChartSeries* s : sortedBy(rank)) {
-      if (s->mark != ChartMark::Bars) labels(*s);
+    for (const ChartSeries* s : sortedBy(&ChartSeries::emphasised)) {
+      drawSpans(*s);
+      if (hasLine(*s)) drawLine(*s);
+    }
+    for (const ChartSeries* s : sortedBy(&ChartSeries::emphasised)) {
+      if (hasDots(*s)) drawMarks(*s);
+    }
+    const auto labelRank = [](const ChartSeries& s) { return s.labelsFirst ? 0 : s.emphasised ? 1 : 2; };
+    for (const ChartSeries* s : sortedBy(labelRank)) {
+      if (!isBars(*s)) drawLabels(*s);
     }
   }
 
@@ -293,75 +338,88 @@ class SvgDrawing {
     return sorted;
   }
 
-  void marks(const ChartSeries& s) {
+  void drawMarks(const ChartSeries& s) {
     const double radius = radiusOf(s), reach = radius * kMarkReach;
-    for (std::size_t i = 0; i < s.points.size() && hasDots(s); ++i) {
+    for (std::size_t i = 0; i < s.points.size(); ++i) {
       if (!isDrawn(s.points[i])) continue;
-      const Vec2d p = pixel(s.points[i]);
-      mark(s, p, radius, at(s.details, i));
-      occupied_.push_back({p.x - reach, p.y - reach, p.x + reach, p.y + reach});
+      const Vec2d center = pixel(s.points[i]);
+      addMark(s, center, radius, textOf(s.details, i));
+      occupied_.push_back({center.x - reach, center.y - reach, center.x + reach, center.y + reach});
     }
   }
 
   // Draws the bars of a series, which are horizontal if the y axis has names. `slot`: index of the series among the
   // `slots` bars that are side by side at each name.
-  void bars(const ChartSeries& s, int slot, int slots) {
-    const Vec2d first = pixel({0, 0}), second = pixel({1, 1});
-    const double betweenNames = std::abs(swapped(second).x - swapped(first).x);
-    const double thick = std::min(betweenNames * kBarShare / slots, kThickestBar);
-    const double offset = (slot - slots / 2.0) * thick;
-    const bool log = valueAxis().scale == AxisScale::Log;
+  void drawBars(const ChartSeries& s, int slot, int slots) {
+    const double nameDistance = std::abs(swapped(pixel({1, 1})).x - swapped(pixel({0, 0})).x);
+    const double thickness = std::min(nameDistance * kBarShare / slots, kThickestBar);
+    const double offset = (slot - slots / 2.0) * thickness;  // from the name's position to the bar's first side
+    const double gap = slots > 1 ? 1 : 0;
     for (std::size_t i = 0; i < s.points.size(); ++i) {
       if (!isDrawn(s.points[i])) continue;
       const auto [name, value] = swapped(s.points[i]);
-      const double from = chart_.stacked ? stacked_[name] : 0;
+      const double startValue = chart_.stacked ? stacked_[name] : 0;
       stacked_[name] += value;
-      const Vec2d start = pixel(swapped({name, from})), end = pixel(swapped({name, from + value}));
-      const double near = swapped(end).x + offset, far = near + thick - (slots > 1 ? 1 : 0);
-      const ChartBox box = horizontal_ ? ChartBox{log ? area_.left : start.x, near, end.x, far}
-                                       : ChartBox{near, end.y, far, log ? area_.bottom : start.y};
-      rect(fmt::format("bar f{}", s.color % kChartColors), box, at(s.fills, i), at(s.details, i));
-      const std::string label = at(s.labels, i);
-      const double half = svgTextWidth(label, kFont) / 2;
-      const ChartBox around = horizontal_ ? ChartBox{end.x + 4, near, end.x + 4 + 2 * half, far}
-                                          : ChartBox{end.x - half, end.y - kFont * 1.2, end.x + half, end.y - 2};
-      if (label.empty() || around.right > width_ || overlapsAny(occupied_, around)) continue;
-      occupied_.push_back(around);
-      text("label", around.left, horizontal_ ? (near + far) / 2 + kFont * 0.35 : around.bottom - 2, "start", label);
+      Vec2d start = pixel(swapped({name, startValue}));
+      const Vec2d end = pixel(swapped({name, startValue + value}));
+      // A logarithmic axis has no 0: its bars begin at the edge of the plot.
+      if (valueAxis().scale == AxisScale::Log) start = {area_.left, area_.bottom};
+      const double side = swapped(end).x + offset, otherSide = side + thickness - gap;
+      const ChartBox bar =
+          horizontal_ ? ChartBox{start.x, side, end.x, otherSide} : ChartBox{side, end.y, otherSide, start.y};
+      addRect(fmt::format("bar f{}", s.color % kChartColors), bar, textOf(s.fills, i), textOf(s.details, i));
+      drawBarLabel(textOf(s.labels, i), bar, end);
     }
   }
 
-  void spansAndLine(const ChartSeries& s) {
+  // Draws the label of a bar at its end, unless it would overlap another label or leave the picture. `end`: pixel of
+  // the bar's name and end.
+  void drawBarLabel(const std::string& label, const ChartBox& bar, const Vec2d& end) {
+    const double halfWidth = svgTextWidth(label, kFont) / 2;
+    const ChartBox box = horizontal_ ? ChartBox{end.x + 4, bar.top, end.x + 4 + 2 * halfWidth, bar.bottom}
+                                     : ChartBox{end.x - halfWidth, end.y - kFont * 1.2, end.x + halfWidth, end.y - 2};
+    if (label.empty() || box.right > width_ || overlapsAny(occupied_, box)) return;
+    occupied_.push_back(box);
+    addText("label", box.left, horizontal_ ? (bar.top + bar.bottom) / 2 + kFont * kBaseline : box.bottom - 2, "start",
+            label);
+  }
+
+  // Draws error bars.
+  void drawSpans(const ChartSeries& s) {
+    constexpr double kHalfCap = 4;  // half the length of the line at each end (pixels)
     for (std::size_t i = 0; i < std::min(s.spans.size(), s.points.size()); ++i) {
       if (!isDrawn(s.points[i]) || !isDrawn(s.spans[i])) continue;
       const Vec2d low = pixel({s.points[i].x, s.spans[i].x}), high = pixel({s.points[i].x, s.spans[i].y});
-      path(cssClasses("span", s),
-           fmt::format("M{0},{1}V{2}M{3},{1}H{4}M{3},{2}H{4}", svgNumber(low.x), svgNumber(low.y), svgNumber(high.y),
-                       svgNumber(low.x - 4), svgNumber(low.x + 4)));
+      addPath(cssClasses("span", s),
+              fmt::format("M{0},{1}V{2}M{3},{1}H{4}M{3},{2}H{4}", svgNumber(low.x), svgNumber(low.y), svgNumber(high.y),
+                          svgNumber(low.x - kHalfCap), svgNumber(low.x + kHalfCap)));
     }
-    if (!hasLine(s)) return;
-    std::string d;      // SVG path
-    bool open = false;  // true: the point before is drawn
-    Vec2d before;
+  }
+
+  // Draws the line of a series, interrupted at points that are not finite. Records where an emphasised line is, so that
+  // labels avoid it: such lines are staircases, so the box of each segment has no width or no height.
+  void drawLine(const ChartSeries& s) {
+    std::string commands;
+    std::optional<Vec2d> previous;  // pixel of the point before; absent: it is not drawn
     for (const Vec2d& point : s.points) {
-      if (isDrawn(point)) {
-        const Vec2d p = pixel(point);
-        // Labels avoid emphasised lines. These are staircases, so the box of each segment has no width or no height.
-        if (open && s.emphasised) {
-          lines_.push_back(
-              {std::min(p.x, before.x), std::min(p.y, before.y), std::max(p.x, before.x), std::max(p.y, before.y)});
-        }
-        before = p;
-        d += fmt::format("{}{},{}", open ? "L" : "M", svgNumber(p.x), svgNumber(p.y));
+      if (!isDrawn(point)) {
+        previous.reset();
+        continue;
       }
-      open = isDrawn(point);
+      const Vec2d p = pixel(point);
+      if (previous && s.emphasised) {
+        lines_.push_back({std::min(p.x, previous->x), std::min(p.y, previous->y), std::max(p.x, previous->x),
+                          std::max(p.y, previous->y)});
+      }
+      commands += fmt::format("{}{},{}", previous ? "L" : "M", svgNumber(p.x), svgNumber(p.y));
+      previous = p;
     }
-    if (!d.empty()) path(cssClasses("line", s), d);
+    if (!commands.empty()) addPath(cssClasses("line", s), commands);
   }
 
   // Draws labels in free space beside their points. If there is no free space near a point, its label is left out, or
   // drawn farther away if the series has labelsFirst or is emphasised.
-  void labels(const ChartSeries& s) {
+  void drawLabels(const ChartSeries& s) {
     for (std::size_t i = 0; i < std::min(s.labels.size(), s.points.size()); ++i) {
       if (s.labels[i].empty() || !isDrawn(s.points[i])) continue;
       if (!placeLabel(s, i, CoverLines::No)) placeLabel(s, i, CoverLines::Yes);
@@ -371,43 +429,43 @@ class SvgDrawing {
   enum class CoverLines { No, Yes };
   // Draws the label of a point in the nearest free space: inside of the plot, and not over marks, other labels or,
   // unless they may be covered, emphasised lines. Returns false if there is none.
-  bool placeLabel(const ChartSeries& s, std::size_t i, CoverLines cover) {
-    constexpr std::array<Vec2d, 8> kSides{{{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}}};
-    constexpr double kNear = 12;  // largest distance from the mark for most series (pixels)
-    const Vec2d p = pixel(s.points[i]);
-    const double half = svgTextWidth(s.labels[i], kFont, s.emphasised) / 2, halfHeight = kFont * 0.6;
-    for (const double distance : {0.0, kNear, 26.0, 44.0, 70.0, 100.0, 140.0}) {
+  bool placeLabel(const ChartSeries& s, std::size_t point, CoverLines cover) {
+    constexpr std::array<Vec2d, 8> kDirections{{{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}}};
+    // Distances (pixels) between the mark and the label that are tried; most series use only those up to kNear.
+    constexpr double kNear = 12;
+    constexpr std::array kDistances{0.0, kNear, 26.0, 44.0, 70.0, 100.0, 140.0};
+    const Vec2d mark = pixel(s.points[point]);
+    const FontWeight weight = s.emphasised ? FontWeight::Bold : FontWeight::Normal;
+    const double halfWidth = svgTextWidth(s.labels[point], kFont, weight) / 2, halfHeight = kFont * 0.6;
+    for (const double distance : kDistances) {
       if (distance > kNear && !s.labelsFirst && !s.emphasised) return false;
-      for (const Vec2d& side : kSides) {
-        const double off = radiusOf(s) * kMarkReach + 3 + distance;
-        const Vec2d c{p.x + side.x * (off + half), p.y + side.y * (off + halfHeight)};
-        const ChartBox box{c.x - half, c.y - halfHeight, c.x + half, c.y + halfHeight};
+      const double reach = radiusOf(s) * kMarkReach + 3 + distance;
+      for (const Vec2d& direction : kDirections) {
+        const Vec2d c{mark.x + direction.x * (reach + halfWidth), mark.y + direction.y * (reach + halfHeight)};
+        const ChartBox box{c.x - halfWidth, c.y - halfHeight, c.x + halfWidth, c.y + halfHeight};
         const bool inside =
             box.left >= area_.left && box.right <= area_.right && box.top >= area_.top && box.bottom <= area_.bottom;
         if (!inside || overlapsAny(occupied_, box)) continue;
         if (cover == CoverLines::No && overlapsAny(lines_, box)) continue;
         occupied_.push_back(box);
         if (distance > 0) {
-          line("axis", p.x, p.y, std::clamp(p.x, box.left, box.right), std::clamp(p.y, box.top, box.bottom));
+          addLine("axis", mark.x, mark.y, std::clamp(mark.x, box.left, box.right),
+                  std::clamp(mark.y, box.top, box.bottom));
         }
-        text(s.emphasised ? "label strong" : "label", c.x, box.bottom - kFont * 0.3, "middle", s.labels[i]);
+        addText(s.emphasised ? "label strong" : "label", c.x, box.bottom - kFont * 0.3, "middle", s.labels[point]);
         return true;
       }
     }
     return false;
   }
 
-  static double radiusOf(const ChartSeries& s) { return s.emphasised ? kEmphasisedRadius : kMarkRadius; }
-  static bool overlapsAny(const std::vector<ChartBox>& boxes, const ChartBox& box) {
-    return std::ranges::any_of(boxes, [&](const ChartBox& o) { return box.overlaps(o); });
-  }
-
   const Chart& chart_;
-  const bool horizontal_;  // true: the y axis has names, and bars are horizontal
+  const bool horizontal_;   // true: the y axis has names, and bars are horizontal
+  const bool hasEmphasis_;  // true: at least one series is emphasised
+  const int barSeries_;     // number of series that are drawn as bars
   double width_, height_;
-  bool emphasised_ = false;  // true: at least one series is emphasised
-  ChartBox area_;            // rectangle of the plot, without title, legend and axis labels
-  const ChartScale *x_ = nullptr, *y_ = nullptr;
+  ChartBox area_;  // rectangle of the plot, without title, legend and axis labels
+  std::optional<ChartScale> x_, y_;
   std::map<double, double> stacked_;  // for each name, the sum of the bars that have been drawn there
   std::vector<ChartBox> occupied_;    // boxes of marks and labels, which new labels must not overlap
   std::vector<ChartBox> lines_;       // boxes of emphasised lines, which labels avoid if there is room elsewhere

@@ -22,15 +22,16 @@ constexpr std::array<int, 95> kWidths{278,  278, 355, 556, 556, 889, 667, 191, 3
                                       556,  556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584};
 // Factor by which texts in fonts such as DejaVu Sans and Verdana are wider than in Helvetica.
 constexpr double kOtherFonts = 1.12;
-constexpr double kBold = 1.07;
+constexpr double kBold = 1.07;  // factor by which bold text is wider
 
-// Returns the UTF-8 character at the byte `at`; the code 0 for a character that XML does not allow or nobody sees, and
-// for a byte that does not begin a character.
-Utf8Character characterAt(std::string_view text, std::size_t at) {
-  const Utf8Character c = utf8At(text, at);
-  const bool blank = c.code == '\t' || c.code == '\n' || c.code == '\r';
-  const bool none = c.code == kNoCharacter || (isUnseenControl(c.code) && !blank) || (c.code & 0xFFFE) == 0xFFFE;
-  return none ? Utf8Character{0, c.bytes} : c;
+// Returns the UTF-8 character that begins at the byte with index `byte`; the code 0 for a character that XML does not
+// allow or nobody sees, and for a byte that does not begin a character.
+Utf8Character characterAt(std::string_view text, std::size_t byte) {
+  const Utf8Character c = utf8At(text, byte);
+  const bool isBlank = c.code == '\t' || c.code == '\n' || c.code == '\r';
+  const bool isNonCharacter = (c.code & 0xFFFE) == 0xFFFE;  // U+FFFE and U+FFFF of each plane
+  const bool isForbidden = c.code == kNoCharacter || (isUnseenControl(c.code) && !isBlank) || isNonCharacter;
+  return isForbidden ? Utf8Character{0, c.bytes} : c;
 }
 
 using Escape = std::pair<char32_t, std::string_view>;
@@ -38,6 +39,8 @@ using Escape = std::pair<char32_t, std::string_view>;
 constexpr Escape kEscapes[]{{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"},
                             {'"', "&quot;"}, {'\'', "&#39;"}, {0, "\xEF\xBF\xBD"}};
 
+// Returns a character's width in thousandths of the font size; estimated for characters that are not ASCII: from U+1100
+// on, where the scripts of East Asia begin, they are about square.
 double widthOf(char32_t code) {
   if (code >= 32 && code < 127) return kWidths[code - 32];
   return code >= 0x1100 ? 1000 : 600;
@@ -57,24 +60,24 @@ std::string escapeXml(std::string_view text) {
   return out;
 }
 
-double svgTextWidth(std::string_view text, double fontSize, bool bold) {
-  double sum = 0;
+double svgTextWidth(std::string_view text, double fontSize, FontWeight weight) {
+  double thousandths = 0;  // of the font size
   for (std::size_t i = 0; i < text.size();) {
     const Utf8Character c = characterAt(text, i);
-    sum += widthOf(c.code);
+    thousandths += widthOf(c.code);
     i += c.bytes;
   }
-  return sum / 1000 * fontSize * kOtherFonts * (bold ? kBold : 1);
+  return thousandths / 1000 * fontSize * kOtherFonts * (weight == FontWeight::Bold ? kBold : 1);
 }
 
-std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width, bool bold) {
+std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width, FontWeight weight) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t end = std::min(text.find_first_of(" \n\t", i), text.size());
     const std::string_view word = text.substr(i, end - i);
     i = end + 1;
     if (word.empty()) continue;
-    if (!lines.empty() && svgTextWidth(fmt::format("{} {}", lines.back(), word), fontSize, bold) <= width) {
+    if (!lines.empty() && svgTextWidth(fmt::format("{} {}", lines.back(), word), fontSize, weight) <= width) {
       lines.back() += fmt::format(" {}", word);
     } else {
       lines.emplace_back(word);
@@ -83,12 +86,13 @@ std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, dou
   return lines;
 }
 
-std::string shortened(const std::string& text, std::size_t most) {
+std::string shortened(const std::string& text, std::size_t maxCharacters) {
   constexpr std::size_t kLast = 10;  // number of characters that are kept at the end
-  std::vector<std::size_t> starts;
+  std::vector<std::size_t> starts;   // byte at which each character begins
   for (std::size_t i = 0; i < text.size(); i += utf8At(text, i).bytes) starts.push_back(i);
-  if (starts.size() <= most) return text;
-  return text.substr(0, starts[most - kLast - 1]) + "\xE2\x80\xA6" + text.substr(starts[starts.size() - kLast]);
+  if (starts.size() <= maxCharacters) return text;
+  const std::size_t firstOmitted = starts[maxCharacters - kLast - 1];
+  return text.substr(0, firstOmitted) + "\xE2\x80\xA6" + text.substr(starts[starts.size() - kLast]);
 }
 
 std::string svgNumber(double value) {

@@ -13,17 +13,20 @@ namespace scanmill {
 // U+FFFD.
 std::string escapeXml(std::string_view text);
 
+enum class FontWeight { Normal, Bold };
+
 // Returns the approximate width of a text in pixels, from the character widths of Helvetica and a margin for wider
 // fonts that may replace it.
-double svgTextWidth(std::string_view text, double fontSize, bool bold = false);
+double svgTextWidth(std::string_view text, double fontSize, FontWeight weight = FontWeight::Normal);
 
 // Breaks text between words into lines of at most `width` pixels. A word that is wider gets a line of its own. Returns
 // no lines for an empty text.
-std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width, bool bold = false);
+std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width,
+                                     FontWeight weight = FontWeight::Normal);
 
-// Returns the text; if it has more than `most` characters, replaces some in its middle by "...", since names often
-// differ only at their ends.
-std::string shortened(const std::string& text, std::size_t most);
+// Returns the text; if it has more than `maxCharacters` characters (at least 11), replaces some in its middle by an
+// ellipsis, since names often differ only at their ends.
+std::string shortened(const std::string& text, std::size_t maxCharacters);
 
 // Formats a number with at most two decimals, without trailing zeros.
 std::string svgNumber(double value);

@@ -107,7 +107,8 @@ inline std::vector<LabelBox> labelBoxes(const std::string& svg) {
   constexpr double kLabelFont = 11.5;
   std::vector<LabelBox> boxes;
   for (const SvgElement& e : elementsOf(svg, "label")) {
-    const double width = svgTextWidth(e.text, kLabelFont, e.attributes.at("class").ends_with("strong"));
+    const double width = svgTextWidth(
+        e.text, kLabelFont, e.attributes.at("class").ends_with("strong") ? FontWeight::Bold : FontWeight::Normal);
     const std::string& anchor = e.attributes.at("text-anchor");
     const double x = numberOf(e, "x"), y = numberOf(e, "y");
     const double left = anchor == "start" ? x : anchor == "end" ? x - width : x - width / 2;
