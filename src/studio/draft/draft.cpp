@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "config/value.h"
 
@@ -19,14 +20,36 @@ bool areOnePlace(const std::vector<GuessedFile>& models) {
     const Box& box = m.box;
     if (!box.empty() && (box.low.x > 0 || box.low.y > 0 || box.high.x < 0 || box.high.y < 0)) away.push_back(box);
   }
-  const auto alone = std::count_if(away.begin(), away.end(), [&](const Box& box) {
-    const Vec3d middle = (box.low + box.high) * 0.5;
-    return std::none_of(away.begin(), away.end(), [&](const Box& other) {
+  const auto separate = std::ranges::count_if(away, [&](const Box& box) {
+    const Vec3d middle = box.center();
+    return std::ranges::none_of(away, [&](const Box& other) {
       return &other != &box && middle.x > other.low.x && middle.x < other.high.x && middle.y > other.low.y &&
              middle.y < other.high.y && middle.z > other.low.z && middle.z < other.high.z;
     });
   });
-  return models.size() > 1 && 2 * static_cast<std::size_t>(alone) > models.size();
+  return models.size() > 1 && 2 * static_cast<std::size_t>(separate) > models.size();
+}
+
+// Returns the position (m) of each model such that all are side by side on the ground, in about as many rows as
+// columns; nothing for a model with an empty box.
+std::vector<std::optional<Vec3d>> positionsInRows(const std::vector<GuessedFile>& models) {
+  constexpr double kGap = 2;  // between the boxes of neighbours (m)
+  const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(models.size()))));
+  std::vector<std::optional<Vec3d>> positions(models.size());
+  double x = 0, y = 0;  // where the lower corner of the next box is (m)
+  double rowDepth = 0;  // largest extent along y in the row so far (m)
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const Box& box = models[i].box;
+    if (box.empty()) continue;
+    if (i % perRow == 0) {
+      y += rowDepth + (i == 0 ? 0 : kGap);
+      x = rowDepth = 0;
+    }
+    positions[i] = Vec3d{x - box.low.x, y - box.low.y, -box.low.z};
+    x += box.high.x - box.low.x + kGap;
+    rowDepth = std::max(rowDepth, box.high.y - box.low.y);
+  }
+  return positions;
 }
 
 }  // namespace
@@ -34,33 +57,22 @@ bool areOnePlace(const std::vector<GuessedFile>& models) {
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
                  const std::filesystem::path& folder, const DraftOptions& options) {
-  constexpr double kGap = 2;  // gap between objects that are placed side by side (m)
   Draft draft;
   draft.yaml = fmt::format(
       "# A draft: units, axes, classes and materials are guesses by names and sizes. Look at the picture, and at\n"
       "# `scanmill info` of this file, which counts the triangles of each rule.\n"
       "name: {}\nontology: {}\nmaterials: materials\nobjects:\n",
       quotedValue(name), quotedValue(ontologyName));
-  const std::vector<Concept> known = conceptsFor(concepts, ontology);
-  std::vector<GuessedFile> models = guessFiles(files, known, options);
-  draft.onePlace = areOnePlace(models);
-  const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(models.size()))));
-  double x = 0, y = 0, deepest = 0;
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    const GuessedFile& model = models[i];
-    draft.yaml += objectYaml(model, known, ontology, folder, options);
-    const Box& box = model.box;
-    if (models.size() == 1 || box.empty() || draft.onePlace) continue;
-    if (i % perRow == 0) {
-      y += deepest + (i == 0 ? 0 : kGap);
-      x = deepest = 0;
-    }
-    draft.yaml += fmt::format("    position: [{:.3f}, {:.3f}, {:.3f}]   # beside the others\n", x - box.low.x,
-                              y - box.low.y, -box.low.z);
-    x += box.high.x - box.low.x + kGap;
-    deepest = std::max(deepest, box.high.y - box.low.y);
+  const std::vector<Concept> usable = conceptsFor(concepts, ontology);
+  draft.files = guessFiles(files, usable, options);
+  draft.onePlace = areOnePlace(draft.files);
+  const std::vector<std::optional<Vec3d>> positions = positionsInRows(draft.files);
+  for (std::size_t i = 0; i < draft.files.size(); ++i) {
+    draft.yaml += objectYaml(draft.files[i], usable, ontology, folder, options);
+    if (draft.files.size() == 1 || !positions[i] || draft.onePlace) continue;
+    draft.yaml += fmt::format("    position: [{:.3f}, {:.3f}, {:.3f}]   # beside the others\n", positions[i]->x,
+                              positions[i]->y, positions[i]->z);
   }
-  draft.files = std::move(models);
   return draft;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <sstream>
 
 #include "assets/meshes/asset_parts.h"
@@ -14,50 +15,52 @@
 namespace scanmill::draft {
 namespace {
 
-// Returns the detail of `whole` that has the same words as the detail `named`; for instance, the wheels of a train
-// instead of the wheels of a car. Null if there is none.
-const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* named, const Concept* whole) {
-  if (named == nullptr || whole == nullptr || named->kind != ConceptKind::Detail) return nullptr;
-  for (const Concept& c : concepts) {
-    const bool same = c.kind == ConceptKind::Detail && c.words == named->words;
-    if (same && std::find(c.of.begin(), c.of.end(), whole->name) != c.of.end()) return &c;
-  }
-  return nullptr;
+// Returns the detail of `whole` that has the same words as `detail`; for instance, the wheels of a train instead of the
+// wheels of a car. Null if there is none, if `detail` is no detail, or if one of both is null.
+const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* detail, const Concept* whole) {
+  if (detail == nullptr || whole == nullptr || detail->kind != ConceptKind::Detail) return nullptr;
+  const auto found = std::ranges::find_if(concepts, [&](const Concept& c) {
+    return c.kind == ConceptKind::Detail && c.words == detail->words &&
+           std::ranges::find(c.of, whole->name) != c.of.end();
+  });
+  return found == concepts.end() ? nullptr : &*found;
 }
 
-// Returns the concept with the most triangles. If this concept is a detail, such as wheels, and the asset also has
-// wholes, such as a car, returns the whole with the most triangles.
-const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>& parts) {
-  std::map<const Concept*, std::size_t> triangles;
-  std::map<const Concept*, std::size_t> ofWholes;
-  for (std::size_t i = 0; i < parts.size() && i < asset.parts.size(); ++i) {
-    const std::size_t count = asset.parts[i].triangles.size();
-    triangles[parts[i]] += count;
-    if (parts[i] != nullptr && parts[i]->kind == ConceptKind::Whole) ofWholes[parts[i]] += count;
+// Returns the concept with the most triangles; null if most triangles have none. If this concept is a detail, such as
+// wheels, and the asset also has wholes, such as a car, returns the whole with the most triangles. `partConcepts`: see
+// guessParts(); only Asset::parts count, not instances.
+const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
+  std::map<const Concept*, std::size_t> triangles, trianglesOfWholes;
+  for (std::size_t i = 0; i < asset.parts.size(); ++i) {
+    const Concept* const shown = partConcepts[i];
+    triangles[shown] += asset.parts[i].triangles.size();
+    if (shown != nullptr && shown->kind == ConceptKind::Whole) {
+      trianglesOfWholes[shown] += asset.parts[i].triangles.size();
+    }
   }
-  const auto mostOf = [](const auto& counts) {
-    return std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; });
-  };
   if (triangles.empty()) return nullptr;
-  const Concept* const most = mostOf(triangles)->first;
-  const bool detail = most != nullptr && most->kind == ConceptKind::Detail;
-  return detail && !ofWholes.empty() ? mostOf(ofWholes)->first : most;
+  const auto mostFrequent = [](const std::map<const Concept*, std::size_t>& counts) {
+    return std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; })->first;
+  };
+  const Concept* const main = mostFrequent(triangles);
+  const bool isDetail = main != nullptr && main->kind == ConceptKind::Detail;
+  return isDetail && !trianglesOfWholes.empty() ? mostFrequent(trianglesOfWholes) : main;
 }
 
-// True if the parts, and the file's name if `file` is not null, state at least three different objects and grounds. The
-// file then contains a place, such as a room, and not one object. Walls and doors of a file that is called a house are
-// the house's, since they may have its class.
-bool isPlace(const std::vector<const Concept*>& parts, const Concept* file = nullptr) {
+// True if the names of the parts, and of the file if `fileConcept` is not null, state at least three different objects
+// and grounds. The file then contains a place, such as a room, and not one object. Walls and doors of a file that is
+// called a house are the house's, since they may have its class.
+bool isPlace(const std::vector<const Concept*>& partConcepts, const Concept* fileConcept = nullptr) {
   constexpr std::size_t kSeveral = 3;
-  std::set<const Concept*> kinds;
-  if (file != nullptr) kinds.insert(file);
-  for (const Concept* c : parts) {
+  std::set<const Concept*> stated;
+  if (fileConcept != nullptr) stated.insert(fileConcept);
+  for (const Concept* c : partConcepts) {
     if (c == nullptr || (c->kind != ConceptKind::Whole && c->kind != ConceptKind::Ground)) continue;
-    const bool ofFile = file != nullptr && !file->classes.empty() &&
-                        std::find(c->classes.begin(), c->classes.end(), file->classes.front()) != c->classes.end();
-    if (!ofFile) kinds.insert(c);
+    const bool belongsToFile = fileConcept != nullptr && !fileConcept->classes.empty() &&
+                               std::ranges::find(c->classes, fileConcept->classes.front()) != c->classes.end();
+    if (!belongsToFile) stated.insert(c);
   }
-  return kinds.size() >= kSeveral;
+  return stated.size() >= kSeveral;
 }
 
 // True if the file itself states classes, as labelled point clouds do. A single class without a known word does not
@@ -76,12 +79,12 @@ std::vector<std::string> wordsOf(const std::string& folded) {
 }
 
 // Returns a folded name without some words.
-std::string without(const std::string& folded, const std::set<std::string>& ignored) {
-  std::string rest;
+std::string withoutWords(const std::string& folded, const std::set<std::string>& ignored) {
+  std::string shorter;
   for (const std::string& word : wordsOf(folded)) {
-    if (!ignored.contains(word)) rest += (rest.empty() ? "" : " ") + word;
+    if (!ignored.contains(word)) shorter += (shorter.empty() ? "" : " ") + word;
   }
-  return rest;
+  return shorter;
 }
 
 std::string textureStem(const AssetPart& part) {
@@ -100,22 +103,25 @@ bool isFlat(const Concept& c) {
 }
 
 // Returns a score for y (`axis` 1) or z (2) as the up axis; the higher score wins. Objects usually start at 0 along the
-// up axis and are centred along the other axes. Trees are tall; cars, grounds and places are low.
+// up axis and are centred along the other axes. Trees are tall; cars, grounds and places are low. The shape counts more
+// than the origin; the scores and fractions were chosen by files of many programs. `low`: lower corner of the box.
 double upScoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
                  const FrameGuess& guess) {
   constexpr double kAtZero = 0.03, kThin = 0.1;  // fractions of the extent along the axis and of the longest extent
   constexpr double kCentred = 0.1;               // fraction of the extent along the other axis
+  constexpr double kStartsAtZeroScore = 1, kCentredScore = 0.5, kShapeScore = 2;
   double score = 0;
   const double longest = *std::ranges::max_element(extent);
   if (longest <= 0) return 0;
-  if (std::abs(low[axis]) <= kAtZero * std::max(extent[axis], kThin * longest)) score += 1;
-  const std::size_t other = axis == 1 ? 2 : 1;
-  const double middle = low[other] + extent[other] / 2;
-  if (std::abs(middle) <= kCentred * extent[other]) score += 0.5;
-  if (guess.severalObjects && extent[axis] < extent[other]) score += 2;
-  if (guess.unitConcept == nullptr) return score;
-  if (isTall(*guess.unitConcept) && extent[axis] > extent[other]) score += 2;
-  if (isFlat(*guess.unitConcept) && extent[axis] < extent[other]) score += 2;
+  if (std::abs(low[axis]) <= kAtZero * std::max(extent[axis], kThin * longest)) score += kStartsAtZeroScore;
+  const std::size_t horizontal = axis == 1 ? 2 : 1;  // z or y, if `axis` is up
+  const double middle = low[horizontal] + extent[horizontal] / 2;
+  if (std::abs(middle) <= kCentred * extent[horizontal]) score += kCentredScore;
+  if (guess.severalObjects && extent[axis] < extent[horizontal]) score += kShapeScore;
+  const Concept* const shown = guess.object.shown;
+  if (shown == nullptr) return score;
+  if (isTall(*shown) && extent[axis] > extent[horizontal]) score += kShapeScore;
+  if (isFlat(*shown) && extent[axis] < extent[horizontal]) score += kShapeScore;
   return score;
 }
 
@@ -124,108 +130,112 @@ constexpr std::array<double, 8> kUnits{0.01, 0.0254, 0.3048, 0.001, 0.1, 10.0, 1
 // Factor by which a size may be outside of its usual range if other files suggest the unit.
 constexpr double kTolerance = 3;
 
-std::string nameOf(const FrameGuess& guess) {
-  return guess.unitConcept == nullptr ? "it" : "a " + guess.unitConcept->name;
+std::string nameOf(const SizedObject& object) {
+  return object.shown == nullptr ? "it" : "a " + object.shown->name;
 }
 
-// True if the file, with this unit in metres, has the usual size of its concept or a size that is outside by at most
-// the factor `factor`. The concept must have a usual size.
-bool fits(const FrameGuess& guess, double unit, double factor) {
-  const Range& usual = *guess.unitConcept->size;
-  return Range{usual.low / factor, usual.high * factor}.contains(guess.longest * unit);
+// True if the object's concept has a usual size, which all functions below require that compare sizes.
+bool hasUsualSize(const SizedObject& object) {
+  return object.shown != nullptr && object.shown->size && object.longest > 0;
 }
 
-std::string sizeWith(const FrameGuess& guess, double unit) {
-  return fmt::format("{} of {:.3g} units is {:.3g} m with this unit, and {:g} to {:g} m are usual", nameOf(guess),
-                     guess.longest, guess.longest * unit, guess.unitConcept->size->low, guess.unitConcept->size->high);
+// True if the object, with this unit in metres, has the usual size of its concept or a size that is outside by at most
+// the factor `tolerance`.
+bool fits(const SizedObject& object, double unit, double tolerance = 1) {
+  const Range& usual = *object.shown->size;
+  return Range{usual.low / tolerance, usual.high * tolerance}.contains(object.longest * unit);
+}
+
+std::string sizeWith(const SizedObject& object, double unit) {
+  return fmt::format("{} of {:.3g} units is {:.3g} m with this unit, and {:g} to {:g} m are usual", nameOf(object),
+                     object.longest, object.longest * unit, object.shown->size->low, object.shown->size->high);
 }
 
 // Sets the unit of a file: metres if its concept then has a usual size, otherwise the common unit that gives a usual
 // size nearest to the middle of the range. If no unit does, keeps metres and marks them as doubtful.
 void guessUnit(FrameGuess& guess) {
-  if (fits(guess, 1, 1)) return;
-  const Range& usual = *guess.unitConcept->size;
-  double nearest = 1e9;
+  const SizedObject& object = guess.object;
+  if (fits(object, 1)) return;
+  const Range& usual = *object.shown->size;
+  const double usualMiddle = std::sqrt(usual.low * usual.high);
+  double leastDeviation = 1e9;  // natural logarithm of the ratio of the size to usualMiddle
   for (const double unit : kUnits) {
-    const double off = std::abs(std::log(guess.longest * unit / std::sqrt(usual.low * usual.high)));
-    if (!fits(guess, unit, 1) || off >= nearest) continue;
-    nearest = off;
+    const double deviation = std::abs(std::log(object.longest * unit / usualMiddle));
+    if (!fits(object, unit) || deviation >= leastDeviation) continue;
+    leastDeviation = deviation;
     guess.unit = unit;
-    guess.whyUnit = sizeWith(guess, unit);
+    guess.whyUnit = sizeWith(object, unit);
   }
   if (guess.unit != 1) return;
   guess.doubtfulUnit = true;
-  guess.whyUnit = fmt::format("{} of {:.3g} m is unusual, but no common unit gives {:g} to {:g} m", nameOf(guess),
-                              guess.longest, usual.low, usual.high);
+  guess.whyUnit = fmt::format("{} of {:.3g} m is unusual, but no common unit gives {:g} to {:g} m", nameOf(object),
+                              object.longest, usual.low, usual.high);
 }
 
-// Sets the up axis, unless the file or its kind states it.
+// Sets the up axis. `low`, `extent`: lower corner and size of the asset's box, in the file's units.
 void guessAxis(const std::array<double, 3>& low, const std::array<double, 3>& extent, FrameGuess& guess) {
   const double y = upScoreOf(low, extent, 1, guess), z = upScoreOf(low, extent, 2, guess);
   guess.up = y > z ? 'y' : 'z';
   guess.doubtfulUp = y == z;
-  guess.whyUp =
-      y == z ? "the file does not show which axis is up"
-             : fmt::format("{} measures {:.3g} x {:.3g} x {:.3g} units, and starts at {:.3g} along {}", nameOf(guess),
-                           extent[0], extent[1], extent[2], low[guess.up == 'y' ? 1 : 2], guess.up);
+  guess.whyUp = y == z ? "the file does not show which axis is up"
+                       : fmt::format("{} measures {:.3g} x {:.3g} x {:.3g} units, and starts at {:.3g} along {}",
+                                     nameOf(guess.object), extent[0], extent[1], extent[2],
+                                     low[guess.up == 'y' ? 1 : 2], guess.up);
 }
 
-// Returns for each node of a place that is an object of usual size its concept and its longest edge.
-std::vector<FrameGuess> sizedObjects(const Asset& asset, const std::vector<const Concept*>& parts) {
+// Returns the nodes of a place that are objects with a usual size.
+std::vector<SizedObject> sizedObjects(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
   constexpr double kGreatest = 400;  // m; walls and fences, which may be longer, say little about the unit
   std::map<std::uint32_t, std::pair<const Concept*, Box>> objects;  // by node
   for (std::size_t i = 0; i < asset.parts.size(); ++i) {
-    if (parts[i] == nullptr || parts[i]->kind != ConceptKind::Whole || !parts[i]->size) continue;
-    if (parts[i]->size->high > kGreatest) continue;
+    const Concept* const part = partConcepts[i];
+    if (part == nullptr || part->kind != ConceptKind::Whole || !part->size || part->size->high > kGreatest) continue;
     auto& [shown, box] = objects[asset.parts[i].nodeIndex];
-    shown = parts[i];
+    shown = part;
     for (const Vec3f& p : asset.parts[i].positions) box.add(Vec3d(p));
   }
-  std::vector<FrameGuess> sized;
+  std::vector<SizedObject> sized;
   for (const auto& [node, object] : objects) {
     const Vec3d size = object.second.high - object.second.low;
-    FrameGuess& one = sized.emplace_back();
-    one.unitConcept = object.first;
-    one.longest = std::max({size.x, size.y, size.z});
+    sized.push_back({object.first, std::max({size.x, size.y, size.z})});
   }
   return sized;
 }
 
-// Sets `unitConcept` and `longest` to an object of a place, by whose size the unit is then guessed, if a common unit
-// gives most objects usual sizes, and more than twice as many as metres do.
-void measureObjects(const Asset& asset, const std::vector<const Concept*>& parts, FrameGuess& guess) {
-  const std::vector<FrameGuess> objects = sizedObjects(asset, parts);
-  const auto fitting = [&](double unit) {
-    std::vector<FrameGuess> found;
-    std::ranges::copy_if(objects, std::back_inserter(found), [&](const FrameGuess& one) { return fits(one, unit, 1); });
-    return found;
+// Returns an object of a place by whose size the unit should be guessed: one that has no usual size in metres. Returns
+// nothing unless a common unit gives most objects usual sizes, and more than twice as many as metres do.
+std::optional<SizedObject> objectNotInMetres(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
+  const std::vector<SizedObject> objects = sizedObjects(asset, partConcepts);
+  const auto fittingWith = [&](double unit) {
+    std::vector<SizedObject> fitting;
+    std::ranges::copy_if(objects, std::back_inserter(fitting), [&](const SizedObject& o) { return fits(o, unit); });
+    return fitting;
   };
-  std::vector<FrameGuess> best = fitting(1);
-  const std::size_t inMetres = best.size();
+  std::vector<SizedObject> mostFitting = fittingWith(1);
+  const std::size_t fittingInMetres = mostFitting.size();
   for (const double unit : kUnits) {
-    if (std::vector<FrameGuess> found = fitting(unit); found.size() > best.size()) best = std::move(found);
+    if (auto fitting = fittingWith(unit); fitting.size() > mostFitting.size()) mostFitting = std::move(fitting);
   }
-  if (best.size() <= 2 * inMetres || 2 * best.size() <= objects.size()) return;
+  if (mostFitting.size() <= 2 * fittingInMetres || 2 * mostFitting.size() <= objects.size()) return {};
   // A node may hold many objects of one kind, such as all cars of a street, and is then larger than one of them.
   constexpr double kSeveral = 100;  // ratio of the longest edge to the usual size
-  const bool oneKindOfMany = std::ranges::none_of(best, [&](const FrameGuess& one) {
-    return one.unitConcept != best.front().unitConcept || one.longest > kSeveral * one.unitConcept->size->high;
+  const bool oneKindOfMany = std::ranges::all_of(mostFitting, [&](const SizedObject& object) {
+    return object.shown == mostFitting.front().shown && object.longest <= kSeveral * object.shown->size->high;
   });
-  if (oneKindOfMany) return;
-  const FrameGuess& notInMetres = *std::ranges::find_if(best, [](const FrameGuess& one) { return !fits(one, 1, 1); });
-  guess.unitConcept = notInMetres.unitConcept;
-  guess.longest = notInMetres.longest;
+  if (oneKindOfMany) return {};
+  return *std::ranges::find_if(mostFitting, [](const SizedObject& object) { return !fits(object, 1); });
 }
 
 // Returns the object or ground to which a part belongs: what its node's name states or, unless this is an object, the
 // object that the file contains. Null: unknown.
 const Concept* ownerOf(const Concept* node, const Concept* file) {
-  const bool stated = node != nullptr && node->kind != ConceptKind::Detail;
-  if (stated && node->kind == ConceptKind::Whole) return node;
+  const bool isObjectOrGround = node != nullptr && node->kind != ConceptKind::Detail;
+  if (isObjectOrGround && node->kind == ConceptKind::Whole) return node;
   if (file != nullptr && file->kind == ConceptKind::Whole) return file;
-  return stated ? node : nullptr;
+  return isObjectOrGround ? node : nullptr;
 }
 
+// Returns the concept of one part; see guessParts() for the rules.
 const Concept* guessPart(const Vocabulary& words, const AssetPart& part, const Concept* file) {
   const Concept* node = words.conceptOf(part.node);
   // A concept of ground without classes, such as that of the name "World", says nothing about the part's class.
@@ -234,58 +244,60 @@ const Concept* guessPart(const Vocabulary& words, const AssetPart& part, const C
   const Concept* const material = words.conceptOf(part.material);
   const Concept* const texture = words.conceptOf(textureStem(part));
   const Concept* const owner = ownerOf(node, file);
-  for (const Concept* named : {material, texture, node}) {
-    if (const Concept* const detail = detailOf(words.concepts(), named, owner)) return detail;
+  for (const Concept* stated : {material, texture, node}) {
+    if (const Concept* const detail = detailOf(words.concepts(), stated, owner)) return detail;
   }
   // If a ground has several materials, a material's name may state a different ground, which is more exact.
   if (owner != nullptr && owner->kind == ConceptKind::Ground) {
-    for (const Concept* finer : {material, texture}) {
-      if (finer != nullptr && finer->kind == ConceptKind::Ground) return finer;
+    for (const Concept* moreExact : {material, texture}) {
+      if (moreExact != nullptr && moreExact->kind == ConceptKind::Ground) return moreExact;
     }
   }
-  for (const Concept* known : {owner, material, texture, node}) {
-    if (known != nullptr) return known;
+  for (const Concept* stated : {owner, material, texture, node}) {
+    if (stated != nullptr) return stated;
   }
   return file;
 }
 
-bool isSized(const FrameGuess* guess) {
-  return guess->unitConcept != nullptr && guess->unitConcept->size && guess->longest > 0;
-}
-
-// Marks a stated unit as doubtful if the size of the file's concept is unusual.
+// Marks a stated unit as doubtful if the object's size is unusual with it.
 void doubtUnit(FrameGuess& guess) {
-  FrameGuess free = guess;
-  guessUnit(free);
-  if (free.whyUnit.empty()) return;
+  FrameGuess withoutStated = guess;
+  guessUnit(withoutStated);
+  if (withoutStated.whyUnit.empty()) return;
+  const double unit = withoutStated.unit, longest = guess.object.longest;
   guess.doubtfulUnit = true;
-  guess.whyUnit = free.unit == 1 ? free.whyUnit
-                                 : fmt::format("{} of {:.4g} m is unusual; `unit: {:g}` would make it {:.3g} m",
-                                               nameOf(guess), guess.longest, free.unit, guess.longest * free.unit);
+  guess.whyUnit = unit == 1 ? withoutStated.whyUnit
+                            : fmt::format("{} of {:.4g} m is unusual; `unit: {:g}` would make it {:.3g} m",
+                                          nameOf(guess.object), longest, unit, longest * unit);
 }
 
-// Considers the files whose concepts have usual sizes. If there are at least `fewest`, and one unit gives usual sizes
-// to at least the fraction `most` of them, sets this unit for all files and returns true; files that it would make far
-// too large or small get a unit of their own. Otherwise returns false.
-bool guessSharedUnit(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
-  const auto sized = std::count_if(files.begin(), files.end(), isSized);
-  const auto fitting = [&](double unit) {
-    return std::ranges::count_if(files, [&](const FrameGuess* f) { return isSized(f) && fits(*f, unit, 1); });
+// Considers the files whose concepts have usual sizes. If there are at least `leastFiles`, and one unit gives usual
+// sizes to most of them, sets this unit for all files and returns true; files that it would make far too large or small
+// get a unit of their own. Otherwise returns false.
+bool guessSharedUnit(const std::vector<FrameGuess*>& files, std::ptrdiff_t leastFiles) {
+  constexpr double kMost = 0.8;  // fraction of the files that a shared unit must suit
+  const auto sizedFiles = std::ranges::count_if(files, hasUsualSize, &FrameGuess::object);
+  const auto countFitting = [&](double unit) {
+    return std::ranges::count_if(
+        files, [&](const SizedObject& o) { return hasUsualSize(o) && fits(o, unit); }, &FrameGuess::object);
   };
-  double shared = 1;
+  double shared = 1;  // unit (m)
   for (const double unit : kUnits) {
-    if (fitting(unit) > fitting(shared)) shared = unit;
+    if (countFitting(unit) > countFitting(shared)) shared = unit;
   }
-  if (sized < fewest || static_cast<double>(fitting(shared)) < most * static_cast<double>(sized)) return false;
+  const bool suitsMost = static_cast<double>(countFitting(shared)) >= kMost * static_cast<double>(sizedFiles);
+  if (sizedFiles < leastFiles || !suitsMost) return false;
   for (FrameGuess* f : files) {
-    if (isSized(f) && !fits(*f, shared, kTolerance)) {
+    const bool isSized = hasUsualSize(f->object);
+    if (isSized && !fits(f->object, shared, kTolerance)) {
       guessUnit(*f);
       continue;
     }
     f->unit = shared;
-    f->doubtfulUnit = isSized(f) && !fits(*f, shared, 1);
-    if (isSized(f) && (shared != 1 || f->doubtfulUnit)) {
-      f->whyUnit = fmt::format("{}; most similar files have plausible sizes with this unit", sizeWith(*f, shared));
+    f->doubtfulUnit = isSized && !fits(f->object, shared);
+    if (isSized && (shared != 1 || f->doubtfulUnit)) {
+      f->whyUnit =
+          fmt::format("{}; most similar files have plausible sizes with this unit", sizeWith(f->object, shared));
     } else if (shared != 1) {
       f->whyUnit = "as similar files";
     }
@@ -297,24 +309,25 @@ bool guessSharedUnit(const std::vector<FrameGuess*>& files, double most, std::pt
 // Otherwise returns nothing.
 std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
   constexpr std::size_t kFewest = 3;
-  constexpr double kAlike = 0.1;
+  constexpr double kAlike = 0.1;  // largest difference of two lengths divided by the shorter
   const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
+  // The horizontal extent beside x: y, or z if the file was read with another up axis than is guessed now.
   const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->readUp ? 1 : 2]; };
-  std::vector<FrameGuess*> most;
+  std::vector<FrameGuess*> tiles;
   for (const FrameGuess* f : files) {
-    std::vector<FrameGuess*> same;
-    for (FrameGuess* other : files) {
-      const bool fit = alike(f->extent[0], other->extent[0]) && alike(depth(f), depth(other));
-      if (fit && f->extent[0] > 0) same.push_back(other);
-    }
-    if (same.size() > most.size()) most = std::move(same);
+    if (!(f->extent[0] > 0)) continue;
+    std::vector<FrameGuess*> sameFootprint;
+    std::ranges::copy_if(files, std::back_inserter(sameFootprint), [&](const FrameGuess* other) {
+      return alike(f->extent[0], other->extent[0]) && alike(depth(f), depth(other));
+    });
+    if (sameFootprint.size() > tiles.size()) tiles = std::move(sameFootprint);
   }
-  return most.size() < kFewest ? std::vector<FrameGuess*>{} : most;
+  return tiles.size() < kFewest ? std::vector<FrameGuess*>{} : tiles;
 }
 
 // Gives files with a doubtful up axis the axis of most other files.
 void shareAxis(const std::vector<FrameGuess*>& all) {
-  std::map<char, std::size_t> axes;
+  std::map<char, std::size_t> axes;  // number of files with this axis, of those whose axis was guessed without doubt
   for (const FrameGuess* f : all) {
     if (!f->whyUp.empty() && !f->doubtfulUp) ++axes[f->up];
   }
@@ -329,7 +342,7 @@ void shareAxis(const std::vector<FrameGuess*>& all) {
 
 void guessUnitOfEach(const std::vector<FrameGuess*>& files) {
   for (FrameGuess* f : files) {
-    if (isSized(f)) guessUnit(*f);
+    if (hasUsualSize(f->object)) guessUnit(*f);
   }
 }
 
@@ -349,32 +362,32 @@ std::string folderName(const std::filesystem::path& file) {
       "mesh", "meshes", "model", "models", "visual", "visuals", "geometry", "source",
       "obj",  "dae",    "gltf",  "glb",    "fbx",    "stl",     "ply",      "ac"};
   std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
-  const std::string own = lowerCase(folder.filename().string());
-  if (std::ranges::find(kContents, own) != kContents.end()) folder = folder.parent_path();
+  const std::string name = lowerCase(folder.filename().string());
+  if (std::ranges::find(kContents, name) != kContents.end()) folder = folder.parent_path();
   return folder.filename().string();
 }
 
 void Vocabulary::ignoreShared(const std::vector<std::string>& names) {
-  std::map<std::string, std::set<std::string>> holders;  // names with a word
-  std::set<std::string> different;                       // distinct folded names, which have no digits
+  std::map<std::string, std::set<std::string>> namesWith;  // for each word, the folded names that contain it
+  std::set<std::string> distinctNames;                     // folded names, which have no digits
   for (const std::string& name : names) {
     const std::string folded = foldedName(name);
-    if (folded.empty() || !different.insert(folded).second) continue;
-    for (const std::string& word : wordsOf(folded)) holders[word].insert(folded);
+    if (folded.empty() || !distinctNames.insert(folded).second) continue;
+    for (const std::string& word : wordsOf(folded)) namesWith[word].insert(folded);
   }
-  std::set<std::string> shared;
-  for (const auto& [word, holding] : holders) {
-    if (2 * holding.size() <= different.size()) continue;
-    const Concept* const what = conceptOf(word);
-    if (what == nullptr || what->kind == ConceptKind::Drop) continue;
-    std::vector<const Concept*> others;
-    for (const std::string& name : holding) {
-      const std::string rest = without(name, {word});
-      others.push_back(rest.empty() ? nullptr : conceptOf(rest));
+  std::set<std::string> sharedWords;
+  for (const auto& [word, containing] : namesWith) {
+    if (2 * containing.size() <= distinctNames.size()) continue;
+    const Concept* const stated = conceptOf(word);
+    if (stated == nullptr || stated->kind == ConceptKind::Drop) continue;
+    std::vector<const Concept*> otherConcepts;  // those that the names state without the word
+    for (const std::string& name : containing) {
+      const std::string otherWords = withoutWords(name, {word});
+      otherConcepts.push_back(otherWords.empty() ? nullptr : conceptOf(otherWords));
     }
-    if (isPlace(others, what)) shared.insert(word);
+    if (isPlace(otherConcepts, stated)) sharedWords.insert(word);
   }
-  ignored_.merge(shared);
+  ignored_.merge(sharedWords);
 }
 
 void Vocabulary::ignoreShared(const Asset& asset) {
@@ -389,8 +402,8 @@ void Vocabulary::ignoreShared(const Asset& asset) {
 
 std::string Vocabulary::tellingPart(std::string_view name) const {
   const std::string folded = foldedName(name);
-  const std::string rest = without(folded, ignored_);
-  return rest.empty() ? folded : rest;
+  const std::string remaining = withoutWords(folded, ignored_);
+  return remaining.empty() ? folded : remaining;
 }
 
 const Concept* Vocabulary::conceptOf(std::string_view name) const {
@@ -404,8 +417,8 @@ std::vector<const Concept*> Vocabulary::conceptsIn(std::string_view name) const 
 const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset) {
   if (statesClasses(words, asset)) return nullptr;
   const Concept* const file = words.conceptOf(asset.file.stem().string());
-  const bool ofOneObject = file != nullptr && file->kind == ConceptKind::Whole;
-  return ofOneObject && isPlace(guessParts(words, asset, nullptr), file) ? nullptr : file;
+  const bool isObject = file != nullptr && file->kind == ConceptKind::Whole;
+  return isObject && isPlace(guessParts(words, asset, nullptr), file) ? nullptr : file;
 }
 
 const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset) {
@@ -419,55 +432,53 @@ std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& ass
   return guesses;
 }
 
-FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& parts) {
+FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
   FrameGuess guess;
   guess.up = asset.up;
   const Box box = boundsOf(asset);
   if (box.empty()) return guess;
   const std::array<double, 3> low{box.low.x, box.low.y, box.low.z};
   guess.extent = {box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
-  guess.longest = *std::ranges::max_element(guess.extent);
+  guess.object.longest = *std::ranges::max_element(guess.extent);
   guess.readUp = asset.up;
   guess.statedUnit = asset.statedUnit > 0;
-  guess.severalObjects = isPlace(parts);
-  if (!guess.severalObjects) guess.unitConcept = mainConcept(asset, parts);
+  guess.severalObjects = isPlace(partConcepts);
+  if (!guess.severalObjects) guess.object.shown = mainConcept(asset, partConcepts);
   if (!asset.upDeclared) guessAxis(low, guess.extent, guess);
-  if (guess.severalObjects) measureObjects(asset, parts, guess);
+  if (guess.severalObjects) guess.object = objectNotInMetres(asset, partConcepts).value_or(guess.object);
   return guess;
 }
 
 void guessUnitsTogether(const std::vector<FrameGuess*>& all) {
   shareAxis(all);
-  std::vector<FrameGuess*> files;  // those that state no unit
+  std::vector<FrameGuess*> withoutUnit;  // files that state no unit
   for (FrameGuess* f : all) {
     if (!f->statedUnit) {
-      files.push_back(f);
-    } else if (isSized(f)) {
+      withoutUnit.push_back(f);
+    } else if (hasUsualSize(f->object)) {
       doubtUnit(*f);
     }
   }
-  constexpr double kMost = 0.8;  // fraction of the files that a shared unit must suit
-  if (guessSharedUnit(files, kMost, 2)) return;
-  const std::vector<FrameGuess*> tiles = tilesOf(files);
-  if (tiles.empty() || !guessSharedUnit(tiles, kMost, 1)) return guessUnitOfEach(files);
-  std::vector<FrameGuess*> others;
-  std::ranges::copy_if(files, std::back_inserter(others),
+  if (guessSharedUnit(withoutUnit, 2)) return;
+  const std::vector<FrameGuess*> tiles = tilesOf(withoutUnit);
+  if (tiles.empty() || !guessSharedUnit(tiles, 1)) return guessUnitOfEach(withoutUnit);
+  std::vector<FrameGuess*> notTiles;
+  std::ranges::copy_if(withoutUnit, std::back_inserter(notTiles),
                        [&](FrameGuess* f) { return std::ranges::find(tiles, f) == tiles.end(); });
-  if (!guessSharedUnit(others, kMost, 2)) guessUnitOfEach(others);
+  if (!guessSharedUnit(notTiles, 2)) guessUnitOfEach(notTiles);
 }
 
 const Concept* groundIn(const Vocabulary& words, const std::filesystem::path& file) {
-  const Concept* ground = nullptr;
-  bool namesObject = false;
-  // Concepts whose words have another meaning in names of objects: "sand" and "stone" as a material, "water" and
-  // "floor" as a use, as in "water tower" and "floor lamp".
-  static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
-  for (const Concept* c : words.conceptsIn(file.stem().string())) {
-    const bool ofThings = std::ranges::find(kOfThings, c->name) != kOfThings.end();
-    if (c->kind == ConceptKind::Ground && !c->classes.empty() && !ofThings && ground == nullptr) ground = c;
-    namesObject = namesObject || c->kind == ConceptKind::Whole;
-  }
-  return namesObject ? ground : nullptr;
+  // Grounds whose words have another meaning in names of objects: "sand" as a material, "water" and "floor" as a use,
+  // as in "water tower" and "floor lamp".
+  static constexpr std::array<std::string_view, 3> kAmbiguous{"sand", "water", "floor"};
+  const std::vector<const Concept*> stated = words.conceptsIn(file.stem().string());
+  const auto ground = std::ranges::find_if(stated, [](const Concept* c) {
+    return c->kind == ConceptKind::Ground && !c->classes.empty() &&
+           std::ranges::find(kAmbiguous, c->name) == kAmbiguous.end();
+  });
+  const bool namesObject = std::ranges::count(stated, ConceptKind::Whole, &Concept::kind) > 0;
+  return namesObject && ground != stated.end() ? *ground : nullptr;
 }
 
 }  // namespace scanmill::draft

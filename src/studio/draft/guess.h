@@ -50,10 +50,10 @@ struct CountedPart {
 // Returns Asset::parts, then the parts of Asset::instanced.
 std::vector<CountedPart> partsOf(const Asset& asset);
 
-// Returns the concept of each of partsOf() an asset; null for a part if no name contains a known word. `file`: the
-// concept that the name of the file, or its folder's name, states; null: none. A part belongs to the whole that its
-// node's name states, otherwise to the whole that `file` is: the glass of a car is part of the car. If there is no
-// whole, the concept is found in the names of material, texture and node, in this order; otherwise it is `file`.
+// Returns the concept of each part, in the order of partsOf(); null for a part if no name contains a known word.
+// `file`: the concept that the name of the file, or its folder's name, states; null: none. A part belongs to the whole
+// that its node's name states, otherwise to the whole that `file` is: the glass of a car is part of the car. If there
+// is no whole, the concept is found in the names of material, texture and node, in this order; otherwise it is `file`.
 std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file);
 
 // Returns the name of the file's folder or, if that name only says what kind of files the folder contains, such as
@@ -70,6 +70,12 @@ const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset);
 // if the file itself states classes, or if the names of the parts state three or more kinds of objects and grounds.
 const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset);
 
+// An object by whose size a unit is guessed.
+struct SizedObject {
+  const Concept* shown = nullptr;  // what the object is; null: unknown
+  double longest = 0;              // longest edge of its bounding box (file's units)
+};
+
 struct FrameGuess {
   char up = 'z';
   std::string whyUp;  // the reason for `up` in words; empty if the file or its format states the axis
@@ -78,18 +84,15 @@ struct FrameGuess {
   double unit = 1;          // length of the file's unit (m)
   std::string whyUnit;
   bool doubtfulUnit = false;
-  // The concept by whose usual size the unit is guessed: the asset's main concept, or that of an object of a place;
-  // null: unknown.
-  const Concept* unitConcept = nullptr;
-  double longest = 0;  // longest edge of the box about the object of `unitConcept`, else about the asset (file's units)
+  SizedObject object;              // the asset with its main concept, or an object of the place that the asset contains
   std::array<double, 3> extent{};  // size along x, y and z as the file was read, in the file's units
   bool severalObjects = false;     // true: the asset contains a place with several objects, such as a room
   char readUp = 'z';               // up axis that was assumed when the file was read
 };
 
 // Guesses the up axis of an asset that was read with the unit 1 and without a given axis, and measures what
-// guessUnitsTogether() needs to guess the unit.
-FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& parts);
+// guessUnitsTogether() needs to guess the unit. `partConcepts`: see guessParts().
+FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& partConcepts);
 
 // Guesses the units of files that have the same format and folder, such that the objects have usual sizes. If one unit
 // suits most of the files, they share it. Otherwise one unit is guessed for the tiles, which are files with about the

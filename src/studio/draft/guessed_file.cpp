@@ -16,41 +16,42 @@
 namespace scanmill::draft {
 namespace {
 
-// Returns a bounding box in metres with z up. `own`: the box of the asset as read with the unit 1. `frame`: the guessed
+// Returns a bounding box in metres with z up. `box`: the box of the asset as read with the unit 1. `frame`: the guessed
 // unit and up axis.
-Box placed(const Box& own, const FrameGuess& frame) {
-  if (own.empty() || frame.up == frame.readUp) return {own.low * frame.unit, own.high * frame.unit};
+Box inMetres(const Box& box, const FrameGuess& frame) {
+  if (box.empty() || frame.up == frame.readUp) return {box.low * frame.unit, box.high * frame.unit};
   // The asset was read with z up, but y is up: (x, y, z) becomes (x, -z, y).
-  return {Vec3d{own.low.x, -own.high.z, own.low.y} * frame.unit,
-          Vec3d{own.high.x, -own.low.z, own.high.y} * frame.unit};
+  return {Vec3d{box.low.x, -box.high.z, box.low.y} * frame.unit,
+          Vec3d{box.high.x, -box.low.z, box.high.y} * frame.unit};
 }
 
-// Reads a file and guesses its concepts.
+// Reads a file and guesses its concepts. `words`: a copy, since words are ignored that only this asset's names share.
+// The result has no name yet, and its box is in the file's units.
 GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const DraftOptions& options) {
   const Asset asset = readAsset(
       file, {.textures = false, .allowOutside = options.allowOutside, .leaveOutMissing = options.leaveOutMissing});
   GuessedFile model;
   model.file = file;
   words.ignoreShared(asset);
-  const Concept* const own = conceptOfFile(words, asset);
-  const Concept* const folder = conceptOfFolder(words, asset);
-  model.fileConcept = own == nullptr ? folder : own;
-  model.conceptByFolder = folder != nullptr;
+  const Concept* const byFileName = conceptOfFile(words, asset);
+  const Concept* const byFolderName = conceptOfFolder(words, asset);  // null if the file's name states a concept
+  model.fileConcept = byFileName == nullptr ? byFolderName : byFileName;
+  model.conceptByFolder = byFolderName != nullptr;
   // Colours of points say more than the name of the file, but less than the materials of their classes.
-  model.measured = std::any_of(asset.parts.begin(), asset.parts.end(), [&](const AssetPart& part) {
+  model.measured = std::ranges::any_of(asset.parts, [&](const AssetPart& part) {
     return part.texture == kPointIntensity || (part.texture == kPointColor && model.fileConcept != nullptr);
   });
-  model.numbered = std::any_of(asset.parts.begin(), asset.parts.end(), [](const AssetPart& part) {
+  model.numbered = std::ranges::any_of(asset.parts, [](const AssetPart& part) {
     return !part.ownClass.empty() && part.ownClass.find_first_not_of("0123456789") == std::string::npos;
   });
   const std::vector<const Concept*> guesses = guessParts(words, asset, model.fileConcept);
-  const std::vector<const Concept*> ownGuesses = guessParts(words, asset, own);
+  const std::vector<const Concept*> guessesWithoutFolder = guessParts(words, asset, byFileName);
   const std::vector<CountedPart> parts = partsOf(asset);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto& [part, copies] = parts[i];
     const Concept* shows = guesses[i];
     if (shows != nullptr && shows->classes.empty() && shows->kind != ConceptKind::Drop) shows = nullptr;
-    const bool byFolder = shows != nullptr && guesses[i] != ownGuesses[i];
+    const bool byFolder = shows != nullptr && guesses[i] != guessesWithoutFolder[i];
     model.parts.push_back({part->node, part->material, part->texture, shows, byFolder, part->triangles.size(), copies});
   }
   model.frame = guessFrame(asset, guesses);
@@ -62,23 +63,23 @@ GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const
 // Names each model after its file. If the file's name is meaningless (such as "model") or not unique, names the model
 // after its folder.
 void nameFiles(std::vector<GuessedFile>& models) {
-  static constexpr std::array<std::string_view, 6> kSayNothing{"model", "scene", "mesh", "untitled", "object", "asset"};
-  std::map<std::string, std::size_t> files;
-  for (const GuessedFile& m : models) ++files[m.file.stem().string()];
-  std::set<std::string> taken;
+  static constexpr std::array<std::string_view, 6> kMeaningless{"model",    "scene",  "mesh",
+                                                                "untitled", "object", "asset"};
+  std::map<std::string, std::size_t> filesWithName;
+  for (const GuessedFile& m : models) ++filesWithName[m.file.stem().string()];
+  std::set<std::string> usedNames;
   for (GuessedFile& m : models) {
-    m.name = m.file.stem().string();
+    std::string name = m.file.stem().string();
     const std::string folder = folderName(m.file);
-    const bool nothing = std::find(kSayNothing.begin(), kSayNothing.end(), lowerCase(m.name)) != kSayNothing.end();
-    if ((nothing || files[m.name] > 1) && !folder.empty()) m.name = folder;
-    const std::string wanted = m.name;
-    for (int number = 2; !taken.insert(m.name).second; ++number) m.name = fmt::format("{}_{}", wanted, number);
+    const bool isMeaningless = std::ranges::find(kMeaningless, lowerCase(name)) != kMeaningless.end();
+    if ((isMeaningless || filesWithName[name] > 1) && !folder.empty()) name = folder;
+    m.name = name;
+    for (int number = 2; !usedNames.insert(m.name).second; ++number) m.name = fmt::format("{}_{}", name, number);
   }
 }
 
 // Returns the number of triangles of the parts for which counts(part) is true.
-template <class Counts>
-std::uint64_t trianglesOf(const std::vector<GuessedPart>& parts, const Counts& counts) {
+std::uint64_t trianglesOf(const std::vector<GuessedPart>& parts, const auto& counts) {
   std::uint64_t sum = 0;
   for (const GuessedPart& p : parts) sum += counts(p) ? p.triangles : 0;
   return sum;
@@ -89,10 +90,10 @@ std::uint64_t trianglesOf(const std::vector<GuessedPart>& parts, const Counts& c
 bool hasCoarserLevels(const std::vector<GuessedPart>& parts) {
   std::set<std::string> nodes;
   for (const GuessedPart& p : parts) nodes.insert(lowerCase(p.node));
-  return std::any_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
-    const std::size_t end = node.rfind('_');
-    if (end == std::string::npos || !nodes.contains(node.substr(0, end) + "_lod0")) return false;
-    const std::string level = node.substr(end + 1);
+  return std::ranges::any_of(nodes, [&](const std::string& node) {
+    const std::size_t underscore = node.rfind('_');
+    if (underscore == std::string::npos || !nodes.contains(node.substr(0, underscore) + "_lod0")) return false;
+    const std::string level = node.substr(underscore + 1);
     return level == "billboard" ||
            (level.size() == 4 && level.starts_with("lod") && level[3] >= '1' && level[3] <= '9');
   });
@@ -130,8 +131,8 @@ std::vector<std::string> GuessedFile::doubts() const {
   if (numbered) doubts.emplace_back("labels without names");
   std::set<std::string> materials;
   for (const GuessedPart& p : parts) materials.insert(p.material + '\n' + p.texture);
-  const bool ground = fileConcept != nullptr && fileConcept->kind == ConceptKind::Ground;
-  if (ground && byFile() + byFolder() > 0 && materials.size() > 1)
+  const bool isGround = fileConcept != nullptr && fileConcept->kind == ConceptKind::Ground;
+  if (isGround && byFile() + byFolder() > 0 && materials.size() > 1)
     doubts.emplace_back("one class for several materials");
   if (mixed && byFile() > 0) doubts.emplace_back("one class for two in its name");
   if (hasCoarserLevels(parts)) doubts.emplace_back("several levels of detail: `drop` the coarser ones");
@@ -149,7 +150,7 @@ std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& fi
   words.ignoreShared(names);
   words.ignoreShared(folders);
   std::vector<GuessedFile> models;
-  std::exception_ptr failure;  // the first file that may fail and did
+  std::exception_ptr firstFailure;  // of the files that may fail
   for (const std::filesystem::path& file : files) {
     try {
       models.push_back(guessFile(file, words, options));
@@ -157,15 +158,15 @@ std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& fi
       throw;
     } catch (const InputError& e) {
       if (!options.mayFail.contains(file)) throw;
-      if (failure == nullptr) failure = std::current_exception();
+      if (firstFailure == nullptr) firstFailure = std::current_exception();
       warn(fmt::format("left out: {}", e.what()));
     }
   }
-  if (models.empty() && failure != nullptr) std::rethrow_exception(failure);
-  std::map<std::pair<std::filesystem::path, std::string>, std::vector<FrameGuess*>> sets;
-  for (GuessedFile& m : models) sets[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
-  for (const auto& [folder, set] : sets) guessUnitsTogether(set);
-  for (GuessedFile& m : models) m.box = placed(m.box, m.frame);
+  if (models.empty() && firstFailure != nullptr) std::rethrow_exception(firstFailure);
+  std::map<std::pair<std::filesystem::path, std::string>, std::vector<FrameGuess*>> framesByKind;  // folder and format
+  for (GuessedFile& m : models) framesByKind[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
+  for (const auto& [folderAndFormat, frames] : framesByKind) guessUnitsTogether(frames);
+  for (GuessedFile& m : models) m.box = inMetres(m.box, m.frame);
   nameFiles(models);
   return models;
 }

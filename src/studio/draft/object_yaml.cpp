@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "base/short_text.h"
@@ -18,41 +21,43 @@ namespace {
 
 // Returns the name of the ontology's class for a concept; empty if the ontology has none.
 std::string classFor(const Concept& what, const Ontology& ontology) {
-  const SemanticClass* const known = classOf(what, ontology);
-  return known == nullptr ? std::string() : known->name;
+  const SemanticClass* const found = classOf(what, ontology);
+  return found == nullptr ? std::string() : found->name;
 }
 
 // Returns a glob pattern that matches only this name, with special characters escaped. A slash at its start could begin
-// a regular expression. YAML has no NUL, which any one character stands for.
-std::string literal(const std::string& name) {
-  std::string out;
+// a regular expression. A NUL, which YAML does not have, is replaced by "?", which any character matches.
+std::string literalPattern(const std::string& name) {
+  std::string pattern;
   for (const char c : inUtf8(name)) {
-    const bool special = std::string_view("*?[{,}").find(c) != std::string_view::npos || (c == '/' && out.empty());
-    out += special ? fmt::format("[{}]", c) : std::string(1, c == '\0' ? '?' : c);
+    const bool special = std::string_view("*?[{,}").find(c) != std::string_view::npos || (c == '/' && pattern.empty());
+    pattern += special ? fmt::format("[{}]", c) : std::string(1, c == '\0' ? '?' : c);
   }
-  return out;
+  return pattern;
 }
 
 // Returns a glob pattern for the name in which a star replaces each sequence of digits.
-std::string withoutDigits(const std::string& name) {
-  std::string out;
-  for (const char c : literal(name)) {
+std::string patternWithoutDigits(const std::string& name) {
+  std::string pattern;
+  for (const char c : literalPattern(name)) {
     if (std::isdigit(static_cast<unsigned char>(c)) == 0) {
-      out += c;
-    } else if (!out.ends_with('*')) {
-      out += '*';
+      pattern += c;
+    } else if (!pattern.ends_with('*')) {
+      pattern += '*';
     }
   }
-  return out;
+  return pattern;
 }
 
+// The keys of a rule that match names of parts. Patterns and names below are in this order.
 constexpr std::array<const char*, 3> kKeys{"node", "material", "texture"};
 
+// Returns the part's name for the key with this index in kKeys.
 std::string nameOf(const GuessedPart& part, std::size_t key) {
   return key == 0 ? part.node : key == 1 ? part.material : std::string(textureName(part.texture));
 }
 
-// Glob patterns for the keys node, material and texture of a rule; an empty pattern matches any name.
+// Glob patterns for kKeys; an empty pattern matches any name.
 using Patterns = std::array<std::string, 3>;
 
 bool matchesPart(const Patterns& patterns, const GuessedPart& part) {
@@ -62,18 +67,19 @@ bool matchesPart(const Patterns& patterns, const GuessedPart& part) {
   return true;
 }
 
-// True if all parts that the patterns match have the concept `wanted`.
-bool isConsistent(const Patterns& patterns, const std::vector<GuessedPart>& parts, const Concept* wanted) {
-  return std::ranges::all_of(parts, [&](const auto& k) { return k.shows == wanted || !matchesPart(patterns, k); });
+// True if all parts that the patterns match show the concept `shown`.
+bool matchOnly(const Patterns& patterns, const std::vector<GuessedPart>& parts, const Concept* shown) {
+  return std::ranges::all_of(parts,
+                             [&](const auto& part) { return part.shows == shown || !matchesPart(patterns, part); });
 }
 
-// Returns a pattern for all nodes of the model in a world to which the part belongs; empty patterns if nodes of the
-// model show several concepts. The name of a node in a world file consists of the model's name, a slash and the node's
-// name.
-Patterns modelPattern(const GuessedPart& part, const std::vector<GuessedPart>& parts) {
+// Returns patterns for all nodes of the model in a world to which the part belongs; empty patterns if nodes of the
+// model show several concepts. The name of a node in a world file consists of the names of the model and of models in
+// it, each followed by a slash, and the node's name; the outermost model whose nodes show one concept counts.
+Patterns modelPatterns(const GuessedPart& part, const std::vector<GuessedPart>& parts) {
   for (std::size_t slash = part.node.find('/'); slash != std::string::npos; slash = part.node.find('/', slash + 1)) {
-    const Patterns all{withoutDigits(part.node.substr(0, slash)) + "/*", "", ""};
-    if (isConsistent(all, parts, part.shows)) return all;
+    const Patterns patterns{patternWithoutDigits(part.node.substr(0, slash)) + "/*", "", ""};
+    if (matchOnly(patterns, parts, part.shows)) return patterns;
   }
   return {};
 }
@@ -83,25 +89,20 @@ Patterns modelPattern(const GuessedPart& part, const std::vector<GuessedPart>& p
 // several names together.
 Patterns patternsFor(const GuessedPart& part, const std::vector<GuessedPart>& parts,
                      const std::vector<Concept>& concepts) {
-  if (const Patterns all = modelPattern(part, parts); !all[0].empty()) return all;
-  std::vector<std::vector<std::size_t>> keysToTry;  // indices in kKeys
-  for (const bool stating : {true, false}) {
-    for (std::size_t k = 0; k < kKeys.size(); ++k) {
-      const bool states = conceptOf(concepts, nameOf(part, k)) == part.shows;
-      if (states == stating) keysToTry.push_back({k});
-    }
-  }
+  if (const Patterns patterns = modelPatterns(part, parts); !patterns[0].empty()) return patterns;
+  std::vector<std::vector<std::size_t>> keysToTry{{0}, {1}, {2}};  // indices in kKeys
+  std::ranges::stable_partition(keysToTry, [&](const std::vector<std::size_t>& keys) {
+    return conceptOf(concepts, nameOf(part, keys.front())) == part.shows;
+  });
   keysToTry.insert(keysToTry.end(), {{0, 1}, {0, 2}, {1, 2}, {0, 1, 2}});
   for (const std::vector<std::size_t>& keys : keysToTry) {
-    for (const auto patternOf : {withoutDigits, literal}) {
+    for (const auto patternOf : {patternWithoutDigits, literalPattern}) {
       Patterns patterns;
-      bool named = true;
-      for (const std::size_t k : keys) {
-        const std::string name = nameOf(part, k);
-        patterns[k] = patternOf(name);
-        named = named && !name.empty() && patterns[k] != "*";
-      }
-      if (named && isConsistent(patterns, parts, part.shows)) return patterns;
+      for (const std::size_t k : keys) patterns[k] = patternOf(nameOf(part, k));
+      // An empty name, or one of digits alone, would give a pattern that matches any name.
+      const bool restricts =
+          std::ranges::all_of(keys, [&](std::size_t k) { return !patterns[k].empty() && patterns[k] != "*"; });
+      if (restricts && matchOnly(patterns, parts, part.shows)) return patterns;
     }
   }
   return {};
@@ -115,19 +116,19 @@ std::string nameValue(const std::string& name) {
   return flowText(value);
 }
 
-using PartNames = std::array<std::string, 3>;  // names of node, material and texture
+using PartNames = std::array<std::string, 3>;  // names of a part, in the order of kKeys
 
 // The rules that give the parts of a file their classes, with numbers of triangles.
 struct DraftedRules {
-  // Rules with one pattern: by concept and key (index in kKeys), the patterns.
+  // Rules for one key: for each concept and key (index in kKeys), patterns with their numbers of triangles.
   std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;
-  // Rules with patterns of several keys, and their concept.
+  // Rules for several keys: for each patterns, the concept and the number of triangles.
   std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
-  std::map<PartNames, std::uint64_t> unknown;  // parts whose own names state no concept
+  std::map<PartNames, std::uint64_t> unknown;  // triangles of parts whose names state no concept
   bool complete = true;                        // false: no rule matches some of the parts
 };
 
-// Writes the classes of one file.
+// Appends the YAML of the classes of one file, as keys of an object, to its argument `yaml`.
 class ClassWriter {
  public:
   ClassWriter(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology)
@@ -163,31 +164,32 @@ class ClassWriter {
   // Returns the concept that all parts have, unless they are to be dropped; null if their concepts differ.
   const Concept* onlyConcept() const {
     const std::vector<GuessedPart>& parts = model_.parts;
-    const Concept* const only = parts.empty() ? nullptr : parts.front().shows;
-    const bool all = std::ranges::all_of(parts, [&](const GuessedPart& part) { return part.shows == only; });
-    return all && only != nullptr && only->kind != ConceptKind::Drop ? only : nullptr;
+    const Concept* const shown = parts.empty() ? nullptr : parts.front().shows;
+    const bool isOnly = std::ranges::all_of(parts, [&](const GuessedPart& part) { return part.shows == shown; });
+    return isOnly && shown != nullptr && shown->kind != ConceptKind::Drop ? shown : nullptr;
   }
 
+  // Returns a rule for each part with a concept other than the file's.
   DraftedRules draftRules() const {
     DraftedRules rules;
     const Concept* const file = model_.fileConcept;
     for (const GuessedPart& part : model_.parts) {
-      const bool asFile = part.shows == file;  // needs no rule: writeClassOfRest() writes the class of the file
-      if (part.shows == nullptr || (part.byFolder && asFile)) {
+      const bool needsNoRule = part.shows == file;  // writeClassOfRest() writes the class of the file
+      if (part.shows == nullptr || (part.byFolder && needsNoRule)) {
         rules.unknown[{part.node, part.material, part.texture}] += part.triangles;
       }
-      if (part.shows == nullptr || asFile) {
+      if (part.shows == nullptr || needsNoRule) {
         rules.complete = false;
         continue;
       }
       const Patterns patterns = patternsFor(part, model_.parts, concepts_);
-      const auto given = [](const std::string& pattern) { return !pattern.empty(); };
-      const auto keys = std::ranges::count_if(patterns, given);
-      if (keys == 0) rules.complete = false;
-      if (keys == 1) {
-        const auto pattern = std::ranges::find_if(patterns, given);
+      const auto isUsed = [](const std::string& pattern) { return !pattern.empty(); };
+      const auto usedKeys = std::ranges::count_if(patterns, isUsed);
+      if (usedKeys == 0) rules.complete = false;
+      if (usedKeys == 1) {
+        const auto pattern = std::ranges::find_if(patterns, isUsed);
         rules.single[{part.shows, static_cast<std::size_t>(pattern - patterns.begin())}][*pattern] += part.triangles;
-      } else if (keys > 1) {
+      } else if (usedKeys > 1) {
         auto& [shows, triangles] = rules.several[patterns];
         shows = part.shows;
         triangles += part.triangles;
@@ -198,42 +200,39 @@ class ClassWriter {
 
   // Makes each node an instance if the file probably contains several objects.
   void writeInstances(std::string& yaml) const {
-    constexpr double kPlace = 30;  // width (m) above which a file of several nodes counts as a place
+    constexpr double kPlaceWidth = 30;  // width (m) above which a file of several nodes counts as a place
     std::set<std::string> nodes;
     for (const GuessedPart& part : model_.parts) nodes.insert(part.node);
     const Vec3d size = model_.box.high - model_.box.low;
-    if (nodes.size() > 2 && (model_.frame.severalObjects || std::max(size.x, size.y) > kPlace))
+    if (nodes.size() > 2 && (model_.frame.severalObjects || std::max(size.x, size.y) > kPlaceWidth))
       yaml += "    instances: node   # or part, if one thing has several nodes, such as the walls of a building\n";
   }
 
-  // Writes rules with up to kMost alternative names each.
+  // Writes rules with up to kMost alternative patterns each, such as "{wall*,door*}".
   void writeAlternatives(const char* key, const Concept& c, const std::map<std::string, std::uint64_t>& patterns,
                          std::string& yaml) const {
     constexpr std::size_t kMost = 8;
-    std::vector<std::string> names;
-    std::uint64_t triangles = 0;
-    const auto flush = [&] {
-      if (names.empty()) return;
-      const std::string pattern = names.size() == 1 ? names[0] : fmt::format("{{{}}}", fmt::join(names, ","));
+    for (auto next = patterns.begin(); next != patterns.end();) {
+      std::vector<std::string> alternatives;
+      std::uint64_t triangles = 0;
+      for (; next != patterns.end() && alternatives.size() < kMost; ++next) {
+        alternatives.push_back(next->first);
+        triangles += next->second;
+      }
+      const std::string pattern =
+          alternatives.size() == 1 ? alternatives[0] : fmt::format("{{{}}}", fmt::join(alternatives, ","));
       writeRule(fmt::format("{}: {}", key, quotedValue(pattern)), c, triangles, yaml);
-      names.clear();
-      triangles = 0;
-    };
-    for (const auto& [pattern, count] : patterns) {
-      names.push_back(pattern);
-      triangles += count;
-      if (names.size() == kMost) flush();
     }
-    flush();
   }
 
-  void writeRule(const std::string& match, const Concept& c, std::uint64_t triangles, std::string& yaml) const {
-    std::string gives = "drop: true";
-    if (c.kind != ConceptKind::Drop) gives = "class: " + nameValue(classFor(c, ontology_));
+  // `conditions`: the keys of `match` with their patterns.
+  void writeRule(const std::string& conditions, const Concept& c, std::uint64_t triangles, std::string& yaml) const {
+    std::string result = "drop: true";
+    if (c.kind != ConceptKind::Drop) result = "class: " + nameValue(classFor(c, ontology_));
     if (c.kind != ConceptKind::Drop && !c.material.empty() && !model_.measured) {
-      gives += ", material: " + nameValue(c.material);
+      result += ", material: " + nameValue(c.material);
     }
-    yaml += fmt::format("      - {{match: {{{}}}, {}}}   # {} triangles\n", match, gives, grouped(triangles));
+    yaml += fmt::format("      - {{match: {{{}}}, {}}}   # {} triangles\n", conditions, result, grouped(triangles));
   }
 
   void writeClassOfRest(const Concept& c, std::string_view comment, std::string& yaml) const {
@@ -249,24 +248,23 @@ class ClassWriter {
     if (unknown.size() > kMost) {
       std::map<PartNames, std::uint64_t> merged;
       for (const auto& [names, triangles] : unknown) {
-        merged[{names[1].empty() && names[2].empty() ? names[0] : "", names[1], names[2]}] += triangles;
+        const auto& [node, material, texture] = names;
+        merged[{material.empty() && texture.empty() ? node : "", material, texture}] += triangles;
       }
       unknown = std::move(merged);
     }
     std::vector<std::pair<PartNames, std::uint64_t>> sorted(unknown.begin(), unknown.end());
-    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    std::ranges::stable_sort(sorted, std::greater<>(), [](const auto& part) { return part.second; });
     yaml +=
         "    # No word shows the classes of these; rules by `color`, `box`, `height` and `size` may separate them "
         "(docs/keys.md):\n";
-    for (std::size_t i = 0; i < std::min(sorted.size(), kMost); ++i) {
-      std::vector<std::string> names;
+    for (const auto& [names, triangles] : std::span(sorted).first(std::min(sorted.size(), kMost))) {
+      std::vector<std::string> texts;
       for (std::size_t k = 0; k < kKeys.size(); ++k) {
-        if (!sorted[i].first[k].empty())
-          names.push_back(fmt::format("{} {}", kKeys[k], quotedValue(inUtf8(sorted[i].first[k]))));
+        if (!names[k].empty()) texts.push_back(fmt::format("{} {}", kKeys[k], quotedValue(inUtf8(names[k]))));
       }
-      yaml +=
-          fmt::format("    #   {}: {} triangles\n",
-                      names.empty() ? "no name" : fmt::format("{}", fmt::join(names, ", ")), grouped(sorted[i].second));
+      yaml += fmt::format("    #   {}: {} triangles\n",
+                          texts.empty() ? "no name" : fmt::format("{}", fmt::join(texts, ", ")), grouped(triangles));
     }
     if (sorted.size() > kMost) yaml += fmt::format("    #   and {} more\n", sorted.size() - kMost);
   }
@@ -276,51 +274,51 @@ class ClassWriter {
   const Ontology& ontology_;
 };
 
+// Returns the path of a file relative to `folder`, which need not exist. Symbolic links in the file's path are kept,
+// since textures may be beside a link. If a link in `folder` makes that path another file's, links are followed.
+std::filesystem::path relativePath(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  std::error_code error;
+  const std::filesystem::path base = std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal();
+  std::filesystem::path path = std::filesystem::absolute(file).lexically_normal().lexically_proximate(base);
+  if (std::filesystem::exists(base, error) && !std::filesystem::equivalent(base / path, file, error)) {
+    path = std::filesystem::proximate(file, base, error);
+    if (error) path = file;
+  }
+  return path;
+}
+
 }  // namespace
 
-// Names that programs give to anything, though some ontologies have such a class.
-constexpr std::array<std::string_view, 2> kDefaultNames{"box", "object"};
-
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology) {
-  std::vector<Concept> found;
-  for (const Concept& c : concepts) {
-    if (c.classes.empty() || classOf(c, ontology) != nullptr) found.push_back(c);
-  }
-  for (const SemanticClass& named : ontology.classes) {
-    const std::string word = foldedName(named.name);
-    const bool isDefault = std::find(kDefaultNames.begin(), kDefaultNames.end(), word) != kDefaultNames.end();
-    if (named.id == 0 || named.movingOf || word.empty() || isDefault) continue;
-    const auto hasWord = [&](const Concept& c) {
-      return std::find(c.words.begin(), c.words.end(), word) != c.words.end();
-    };
-    const auto other = std::find_if(found.begin(), found.end(), hasWord);
-    Concept own{named.name, {named.name}, {}, ConceptKind::Whole, {}, {}, {word}};
-    if (other != found.end()) {
-      if (classOf(*other, ontology) == &named || other->classes.empty()) continue;
-      own = *other;
-      own.name = named.name;
-      own.classes = {named.name};
-      own.words = {word};
-      for (Concept& c : found) std::erase(c.words, word);
+  // Names that programs give to anything, though some ontologies have such a class.
+  static constexpr std::array<std::string_view, 2> kDefaultNames{"box", "object"};
+  std::vector<Concept> usable;
+  std::ranges::copy_if(concepts, std::back_inserter(usable),
+                       [&](const Concept& c) { return c.classes.empty() || classOf(c, ontology) != nullptr; });
+  for (const SemanticClass& semanticClass : ontology.classes) {
+    const std::string word = foldedName(semanticClass.name);
+    const bool isDefault = std::ranges::find(kDefaultNames, word) != kDefaultNames.end();
+    if (semanticClass.id == 0 || semanticClass.movingOf || word.empty() || isDefault) continue;
+    const auto withWord = std::ranges::find_if(
+        usable, [&](const Concept& c) { return std::ranges::find(c.words, word) != c.words.end(); });
+    Concept added;
+    if (withWord != usable.end()) {
+      if (classOf(*withWord, ontology) == &semanticClass || withWord->classes.empty()) continue;
+      added = *withWord;  // keeps the kind, the material and the size
+      for (Concept& c : usable) std::erase(c.words, word);
     }
-    found.push_back(own);
+    added.name = semanticClass.name;
+    added.classes = {semanticClass.name};
+    added.words = {word};
+    usable.push_back(added);
   }
-  return found;
+  return usable;
 }
 
 std::string objectYaml(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology,
                        const std::filesystem::path& folder, const DraftOptions& options) {
-  // The path through symbolic links, since textures may be beside a link. If a link in `folder` makes that path another
-  // file's, the path without links.
-  std::error_code error;
-  const std::filesystem::path from = std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal();
-  std::filesystem::path name = std::filesystem::absolute(model.file).lexically_normal().lexically_proximate(from);
-  if (std::filesystem::exists(from, error) && !std::filesystem::equivalent(from / name, model.file, error)) {
-    name = std::filesystem::proximate(model.file, from, error);
-    if (error) name = model.file;
-  }
-  const std::string path = quotedValue(name.string());
-  std::string yaml = fmt::format("  - name: {}\n    file: {}\n", quotedValue(model.name), path);
+  std::string yaml = fmt::format("  - name: {}\n    file: {}\n", quotedValue(model.name),
+                                 quotedValue(relativePath(model.file, folder).string()));
   if (options.allowOutside) yaml += "    allow_outside: true\n";
   if (options.leaveOutMissing) yaml += "    missing: leave_out\n";
   const FrameGuess& frame = model.frame;
