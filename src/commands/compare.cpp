@@ -48,8 +48,8 @@ void printComparison(const SetComparison& comparison) {
   if (comparison.advice.empty()) return printText("settings to try: none. {}\n\n", comparison.unadvised);
   rows = {{"to try", "now", "try", "for"}};
   for (const KeyChange& a : comparison.advice) {
-    rows.push_back(
-        {fmt::format("{} {}", a.effect, a.key), fmt::format("{:g}", a.now), nextText(a), std::string(a.figure)});
+    rows.push_back({fmt::format("{} {}", a.effect, a.key), fmt::format("{:g}", a.currentValue), nextText(a),
+                    std::string(a.figure)});
   }
   printText("{}to change all at once, add to the options that made the set: --set '{}'\n\n", formatTable(rows),
             comparison.assignment);

@@ -37,20 +37,15 @@ const Value& Fields::require(std::string_view key) {
   throw InputError(value_.where, fmt::format("{}: the key '{}' is missing", what_, key));
 }
 
-double Fields::number(std::string_view key, Range range) {
+double Fields::number(std::string_view key, Range range, std::optional<double> fallback) {
+  if (fallback && find(key) == nullptr) return *fallback;
   return readNumber(require(key), fmt::format("{}: {}", what_, key), range);
 }
 
-double Fields::number(std::string_view key, Range range, double fallback) {
-  return find(key) != nullptr ? number(key, range) : fallback;
-}
-
-std::int64_t Fields::integer(std::string_view key, std::int64_t low, std::int64_t high) {
+std::int64_t Fields::integer(std::string_view key, std::int64_t low, std::int64_t high,
+                             std::optional<std::int64_t> fallback) {
+  if (fallback && find(key) == nullptr) return *fallback;
   return readInteger(require(key), fmt::format("{}: {}", what_, key), low, high);
-}
-
-std::int64_t Fields::integer(std::string_view key, std::int64_t low, std::int64_t high, std::int64_t fallback) {
-  return find(key) != nullptr ? integer(key, low, high) : fallback;
 }
 
 bool Fields::boolean(std::string_view key, bool fallback) {
@@ -58,12 +53,9 @@ bool Fields::boolean(std::string_view key, bool fallback) {
   return value != nullptr ? readBool(*value, fmt::format("{}: {}", what_, key)) : fallback;
 }
 
-std::string Fields::text(std::string_view key) {
+std::string Fields::text(std::string_view key, std::optional<std::string_view> fallback) {
+  if (fallback && find(key) == nullptr) return std::string(*fallback);
   return readText(require(key), fmt::format("{}: {}", what_, key));
-}
-
-std::string Fields::text(std::string_view key, std::string_view fallback) {
-  return find(key) != nullptr ? text(key) : std::string(fallback);
 }
 
 std::string Fields::choice(std::string_view key, const std::vector<std::string>& names, std::string_view fallback) {

@@ -9,12 +9,15 @@
 //   const std::string name = fields.text("name");                    // required
 //   fields.finish();                                                 // any other key is an error
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/vec.h"
@@ -47,6 +50,16 @@ struct PlacedInteger {
 std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what, std::int64_t low, std::int64_t high);
 std::vector<double> readNumbers(const Value& value, std::string_view what, Range range = {});
 
+struct NamedOptions {
+  std::string name;
+  Location where;
+  Value options;  // a value of the kind Null if only a name is given
+};
+
+// Reads an item that is a name with options, such as a method, an effect or a format: "name" or {name: {options}}.
+// `what` describes the item in messages, such as "an effect". Throws InputError.
+NamedOptions readNamed(const Value& value, const std::string& what);
+
 // Returns the name in `names` that is nearest to `word` by edit distance; empty if none is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& names);
 // Returns the hint for an unknown word: " (did you mean 'x'?)" if a name is near, else " (known: a, b, c)".
@@ -66,13 +79,13 @@ class Fields {
   const Location& where() const { return value_.where; }
   const Value& value() const { return value_; }
 
-  double number(std::string_view key, Range range);
-  double number(std::string_view key, Range range, double fallback);
-  std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high);
-  std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high, std::int64_t fallback);
+  // Each of these returns the value of a key. If the key is absent or empty they return `fallback`; without a fallback
+  // they throw InputError.
+  double number(std::string_view key, Range range, std::optional<double> fallback = {});
+  std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high,
+                       std::optional<std::int64_t> fallback = {});
   bool boolean(std::string_view key, bool fallback);
-  std::string text(std::string_view key);
-  std::string text(std::string_view key, std::string_view fallback);
+  std::string text(std::string_view key, std::optional<std::string_view> fallback = {});
   // Returns one of `names`; refuses an unknown word with a suggestion.
   std::string choice(std::string_view key, const std::vector<std::string>& names, std::string_view fallback);
   Vec3d vec3(std::string_view key, const Vec3d& fallback);
@@ -114,6 +127,19 @@ class Fields {
   std::string what_;
   mutable std::vector<std::string> known_;
 };
+
+// Returns the entry of `values` that the key names; the entry of `fallback`, which `values` must have, if the key is
+// absent.
+template <class T, std::size_t n>
+const std::pair<const char*, T>& namedChoice(Fields& fields, std::string_view key,
+                                             const std::pair<const char*, T> (&values)[n], T fallback) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : values) names.emplace_back(name);
+  const std::string chosen = fields.choice(key, names, "");
+  return *std::find_if(std::begin(values), std::end(values), [&](const auto& entry) {
+    return chosen.empty() ? entry.second == fallback : chosen == entry.first;
+  });
+}
 
 // Returns `name` as a path that starts in the folder of the file that contains `value`. A path given by --set starts in
 // the folder of the file that --set changes or, if nothing exists there, in the current folder.

@@ -7,7 +7,6 @@
 
 #include "config/distribution.h"
 #include "config/fields.h"
-#include "config/named_options.h"
 #include "config/text.h"
 
 namespace scanmill {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <queue>
 
-#include "config/named_options.h"
+#include "config/fields.h"
 
 namespace scanmill {
 

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <utility>
 
-#include "config/named_options.h"
+#include "config/fields.h"
 #include "config/resources.h"
 
 namespace scanmill {

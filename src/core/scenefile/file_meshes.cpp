@@ -9,7 +9,7 @@
 #include "assets/meshes/gltf/reader.h"
 #include "assets/surveys/surveys.h"
 #include "base/error.h"
-#include "config/named_options.h"
+#include "config/fields.h"
 #include "formats/cloud_file.h"
 #include "rasters/raster.h"
 #include "scene/ontology.h"

@@ -9,7 +9,7 @@
 
 #include "base/hash.h"
 #include "base/path.h"
-#include "config/named_options.h"
+#include "config/fields.h"
 #include "config/waypoints.h"
 #include "scene/road_path.h"
 

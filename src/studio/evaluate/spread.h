@@ -43,6 +43,16 @@ double medianOf(std::vector<T> values, double none = 0) {
   return static_cast<double>(*middle);
 }
 
+// Returns the circular mean (rad, from -pi to pi) of angleOf(value) (rad) over all values.
+double circularMean(const auto& values, const auto& angleOf) {
+  double sine = 0, cosine = 0;
+  for (const auto& value : values) {
+    sine += std::sin(angleOf(value));
+    cosine += std::cos(angleOf(value));
+  }
+  return std::atan2(sine, cosine);
+}
+
 // Returns the quantile `share` (0 to 1) of the values that are not NaN; NaN if there are none.
 template <class T>
 double quantileOf(std::vector<T> values, double share) {

@@ -70,7 +70,7 @@ std::string lastName(const std::filesystem::path& path) {
   return (full.has_filename() ? full : full.parent_path()).filename().string();
 }
 
-std::string wordsOf(std::string_view key) {
+std::string keyAsWords(std::string_view key) {
   std::string words(key);
   std::replace(words.begin(), words.end(), '_', ' ');
   return words;

@@ -77,7 +77,7 @@ class FormatContext : public kainjow::mustache::context<std::string> {
     if (format == "join") return keepText(joined(context::get(path)));
     if (format == "words") {
       const data* value = context::get(path);
-      return value == nullptr || !value->is_string() ? nullptr : keepText(wordsOf(value->string_value()));
+      return value == nullptr || !value->is_string() ? nullptr : keepText(keyAsWords(value->string_value()));
     }
     const std::optional<double> number = figure(path);
     if (!number) return nullptr;

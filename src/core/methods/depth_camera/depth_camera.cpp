@@ -19,7 +19,7 @@
 #include "base/error.h"
 #include "base/recently_used.h"
 #include "base/stage_clock.h"
-#include "config/named_options.h"
+#include "config/fields.h"
 #include "methods/depth_camera/revolution.h"
 
 namespace scanmill {

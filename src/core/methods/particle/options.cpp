@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/short_text.h"
-#include "config/named_options.h"
+#include "config/fields.h"
 
 namespace scanmill {
 

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "config/named_options.h"
+#include "config/fields.h"
 #include "methods/ray_tracing/packet.h"
 #include "methods/ray_tracing/unobstructed.h"
 #include "methods/world/worlds.h"

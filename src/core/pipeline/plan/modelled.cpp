@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "config/named_options.h"
+#include "config/fields.h"
 #include "config/value.h"
 #include "methods/interface/light_paths.h"
 #include "pipeline/plan/plan.h"

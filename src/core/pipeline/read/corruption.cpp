@@ -4,7 +4,6 @@
 
 #include "config/distribution.h"
 #include "config/fields.h"
-#include "config/named_options.h"
 #include "config/resources.h"
 #include "pipeline/read/effects.h"
 

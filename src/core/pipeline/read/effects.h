@@ -14,7 +14,7 @@
 #include <mutex>
 #include <optional>
 
-#include "config/named_options.h"
+#include "config/fields.h"
 #include "config/value.h"
 #include "pipeline/read/pipeline.h"
 

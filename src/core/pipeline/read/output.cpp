@@ -8,7 +8,6 @@
 #include <set>
 
 #include "config/fields.h"
-#include "config/named_options.h"
 #include "pipeline/read/pipeline.h"
 
 namespace scanmill {

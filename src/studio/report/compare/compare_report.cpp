@@ -24,7 +24,7 @@ void addWords(Json& list, const char* key, const auto& rows) {
 }
 
 std::string_view endText(const KeyChange& advice) {
-  return !advice.isEnd ? "" : advice.next > advice.now ? " (the most)" : " (the least)";
+  return !advice.isEnd ? "" : advice.suggestedValue > advice.currentValue ? " (the most)" : " (the least)";
 }
 
 Chart featureChart(const SetComparison& comparison) {
@@ -74,7 +74,7 @@ std::string figureText(double value, double factor, std::string_view unit) {
 }
 
 std::string nextText(const KeyChange& advice) {
-  return fmt::format("{:g}{}", advice.next, endText(advice));
+  return fmt::format("{:g}{}", advice.suggestedValue, endText(advice));
 }
 
 std::string comparisonPage(const SetComparison& comparison, const std::string& date) {

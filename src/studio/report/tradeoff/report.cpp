@@ -173,7 +173,7 @@ class StudyPage {
         }
       }
       for (const std::string& stage : names) {
-        table["stages"].push_back({{"title", wordsOf(stage)}, {"hint", "summed over threads"}});
+        table["stages"].push_back({{"title", keyAsWords(stage)}, {"hint", "summed over threads"}});
       }
       for (const auto& entry : study_.commonStages) {
         table["stages"].push_back({{"title", entry.first + ", one thread"}, {"hint", "the same for all settings"}});

@@ -60,7 +60,7 @@ std::string settingDetail(const Study& study, const SettingResult& s) {
 // Returns the options in the name of a setting or encoding, such as "resolution=512"; the words of the name if it has
 // none. `owner`: the name's first word, a method or format, which charts show by colour.
 std::string optionsIn(const std::string& name, const std::string& owner) {
-  return name.starts_with(owner + " ") ? name.substr(owner.size() + 1) : wordsOf(name);
+  return name.starts_with(owner + " ") ? name.substr(owner.size() + 1) : keyAsWords(name);
 }
 
 std::string sceneNote(const Study& study) {
@@ -105,7 +105,7 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
   if (!onFront.empty()) chart.series.push_back(frontLine(onFront, all));
   for (const bool emphasised : {true, false}) {
     for (const std::string& method : methodsOf(study)) {
-      ChartSeries byDefault{.name = wordsOf(method), .color = methodColor(method), .emphasised = emphasised};
+      ChartSeries byDefault{.name = keyAsWords(method), .color = methodColor(method), .emphasised = emphasised};
       ChartSeries others = byDefault;
       byDefault.labelsFirst = true;
       for (const std::size_t i : measured) {

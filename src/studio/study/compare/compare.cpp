@@ -17,7 +17,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestInGroup = 50;  // a band with fewer patches of a set has no figure for this set
+constexpr std::size_t kFewestPatches = 50;  // a band with fewer patches of a set has no figure for this set
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
 // The group number of each patch. Equal numbers mean the same group in both sets.
@@ -29,62 +29,67 @@ Groups groupsByKind(const Patches& patches) {
   return groups;
 }
 
-// The values of a feature, by group and band of ranges.
+// The values of a feature, by group and band of ranges (see comparedBandOf()).
 using Strata = std::map<std::pair<std::uint16_t, std::size_t>, std::vector<float>>;
 
-Strata strataOf(const Patches& patches, const Groups& groups, std::size_t feature, const auto& wanted) {
+// Returns the values of the patches that have the feature and for which isCompared(index of the patch) is true.
+// `groups`: the group of each patch.
+Strata strataOf(const Patches& patches, const Groups& groups, std::size_t feature, const auto& isCompared) {
   Strata strata;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const float value = patches.value[feature][i];
-    if (std::isnan(value) || !wanted(i)) continue;
+    if (std::isnan(value) || !isCompared(i)) continue;
     strata[{groups[i], comparedBandOf(static_cast<double>(patches.range[i]))}].push_back(value);
   }
   return strata;
 }
 
-// The sum over bands of the separations times their weights, and all values of the feature.
+// The separations of a feature in several strata, and the feature's values in these strata. Each stratum has the number
+// of patches in the smaller set as weight.
 struct SeparationSum {
-  Separation weighted;
   double weight = 0;
+  double strength = 0, area = 0;  // sums of |ROC area - 0.5| and of ROC area - 0.5, both times the weight
   std::vector<float> real, simulated;
 
-  // Adds the values of both sets in one band.
-  void add(const std::vector<float>& ofReal, const std::vector<float>& ofSimulated) {
-    const auto bandWeight = static_cast<double>(std::min(ofReal.size(), ofSimulated.size()));
-    const double area = rocArea(ofReal, ofSimulated);
-    weighted.strength += bandWeight * std::fabs(area - 0.5);
-    weighted.area += bandWeight * (area - 0.5);
-    weight += bandWeight;
-    real.insert(real.end(), ofReal.begin(), ofReal.end());
-    simulated.insert(simulated.end(), ofSimulated.begin(), ofSimulated.end());
+  // Adds the values of both sets in one stratum.
+  void add(const std::vector<float>& realValues, const std::vector<float>& simulatedValues) {
+    const auto stratumWeight = static_cast<double>(std::min(realValues.size(), simulatedValues.size()));
+    const double aboveHalf = rocArea(realValues, simulatedValues) - 0.5;
+    strength += stratumWeight * std::fabs(aboveHalf);
+    area += stratumWeight * aboveHalf;
+    weight += stratumWeight;
+    real.insert(real.end(), realValues.begin(), realValues.end());
+    simulated.insert(simulated.end(), simulatedValues.begin(), simulatedValues.end());
   }
 
+  // Returns the weighted mean over the strata, of which there must be at least one.
   Separation mean(std::size_t feature) const {
-    Separation s = weighted;
-    s.feature = feature;
-    s.strength /= weight;
-    s.area = 0.5 + (weighted.area - 0.5) / weight;
-    s.real = real.size();
-    s.simulated = simulated.size();
-    const bool isMostlyZero = kPatchFeatures[feature].isMostlyZero;
-    s.realValue = isMostlyZero ? meanOf(real) : medianOf(real, kUnmeasured);
-    s.simulatedValue = isMostlyZero ? meanOf(simulated) : medianOf(simulated, kUnmeasured);
-    return s;
+    const auto typical = [&](const std::vector<float>& values) {
+      return kPatchFeatures[feature].isMostlyZero ? meanOf(values) : medianOf(values, kUnmeasured);
+    };
+    return {.feature = feature,
+            .strength = strength / weight,
+            .area = 0.5 + area / weight,
+            .real = real.size(),
+            .simulated = simulated.size(),
+            .realValue = typical(real),
+            .simulatedValue = typical(simulated)};
   }
 };
 
 struct SeparationSums {
   std::map<std::uint16_t, SeparationSum> ofGroup;
-  SeparationSum all;
+  SeparationSum all;  // over the strata of all groups
 };
 
+// Compares the strata that both sets have, if both have enough patches in them.
 SeparationSums separate(const Strata& real, const Strata& simulated) {
   SeparationSums sums;
-  for (const auto& [stratum, values] : real) {
-    const auto same = simulated.find(stratum);
-    if (same == simulated.end() || std::min(values.size(), same->second.size()) < kFewestInGroup) continue;
-    sums.ofGroup[stratum.first].add(values, same->second);
-    sums.all.add(values, same->second);
+  for (const auto& [stratum, realValues] : real) {
+    const auto found = simulated.find(stratum);
+    if (found == simulated.end() || std::min(realValues.size(), found->second.size()) < kFewestPatches) continue;
+    sums.ofGroup[stratum.first].add(realValues, found->second);
+    sums.all.add(realValues, found->second);
   }
   return sums;
 }
@@ -93,6 +98,7 @@ void sortByStrength(std::vector<Separation>& list) {
   std::ranges::stable_sort(list, std::greater<>(), &Separation::strength);
 }
 
+// Sets the fractions of the patches in each band of ranges.
 void addRanges(SetComparison& result) {
   const auto countsOf = [](const Patches& patches) {
     std::vector<std::uint64_t> counts(kRangeBandCount, 0);
@@ -106,69 +112,71 @@ void addRanges(SetComparison& result) {
   }
 }
 
-// Returns the median intensities of the patches in each row. bandOf(patches, i) returns the row of the patch i; an
-// index beyond the last row if the patch belongs to none.
-std::vector<BandComparison> intensityRows(const SetComparison& result, const std::vector<std::string>& names,
-                                          const auto& bandOf) {
+// Returns the median intensities of the patches in each of the named bands; bands in which neither set has enough
+// patches are left out. bandOf(patches, i) returns the band of patch i; kNoBand if it belongs to none.
+constexpr std::size_t kNoBand = std::numeric_limits<std::size_t>::max();
+std::vector<BandComparison> intensityBands(const SetComparison& result, const std::vector<std::string>& names,
+                                           const auto& bandOf) {
   const auto medians = [&](const Patches& patches) {
-    std::vector<std::vector<float>> values(names.size());
+    std::vector<std::vector<float>> intensities(names.size());
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const float intensity = patches.of(Feature::Intensity)[i];
       const std::size_t band = bandOf(patches, i);
-      if (!std::isnan(intensity) && band < names.size()) values[band].push_back(intensity);
+      if (!std::isnan(intensity) && band < names.size()) intensities[band].push_back(intensity);
     }
-    std::vector<double> list;
-    list.reserve(values.size());
-    for (auto& own : values) list.push_back(own.size() < kFewestInGroup ? kUnmeasured : medianOf(std::move(own)));
-    return list;
+    std::vector<double> ofBands;
+    for (auto& band : intensities) {
+      ofBands.push_back(band.size() < kFewestPatches ? kUnmeasured : medianOf(std::move(band)));
+    }
+    return ofBands;
   };
   const std::vector<double> real = medians(result.real.patches), simulated = medians(result.simulated.patches);
-  std::vector<BandComparison> rows;
+  std::vector<BandComparison> bands;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!std::isnan(real[i]) || !std::isnan(simulated[i])) rows.push_back({names[i], real[i], simulated[i]});
+    if (!std::isnan(real[i]) || !std::isnan(simulated[i])) bands.push_back({names[i], real[i], simulated[i]});
   }
-  return rows;
+  return bands;
 }
 
+// Sets the intensities by range and by incidence angle.
 void addIntensities(SetComparison& result) {
-  std::vector<std::string> bands;
-  for (std::size_t band = 0; band < kRangeBandCount; ++band) bands.push_back(comparedBandName(band));
-  result.intensityByRange = intensityRows(result, bands, [](const Patches& patches, std::size_t i) {
+  std::vector<std::string> rangeNames;
+  for (std::size_t band = 0; band < kRangeBandCount; ++band) rangeNames.push_back(comparedBandName(band));
+  result.intensityByRange = intensityBands(result, rangeNames, [](const Patches& patches, std::size_t i) {
     return comparedBandOf(static_cast<double>(patches.range[i]));
   });
-  constexpr double kBand = 15;  // width of a band of incidence angles (degrees)
-  result.intensityByIncidence = intensityRows(
+  constexpr double kBandDegrees = 15;  // width of a band of incidence angles
+  result.intensityByIncidence = intensityBands(
       result, {"to 15 deg", "15 to 30 deg", "30 to 45 deg", "45 to 60 deg", "60 to 75 deg", "75 to 90 deg"},
       [](const Patches& patches, std::size_t i) {
         const auto incidence = static_cast<double>(patches.incidence[i]);
-        return std::isnan(incidence) ? std::size_t{99} : static_cast<std::size_t>(degrees(incidence) / kBand);
+        return std::isnan(incidence) ? kNoBand : static_cast<std::size_t>(degrees(incidence) / kBandDegrees);
       });
 }
 
-// The groups of the patches in the sets `owner` and `other` (see groupsByClassesOf()) by the classes of `owner`, and
-// the names of classes that only `other` has.
+// The groups of two sets by the classes of one of them, `owner`, to which the classes of the other set are mapped. The
+// group is the id of the class; a moving class is replaced by its static class, since a patch alone does not show
+// motion.
 struct ClassGroups {
-  Groups own, other;
-  std::vector<std::string> unknown;
+  Groups ofOwner, ofOther;                  // 0: the class is unknown to the owner
+  std::vector<std::string> unknownClasses;  // names of the other set's classes that the owner lacks
 };
 
 ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
   const ClassMap map(*other.ontology, *owner.ontology);
   ClassGroups groups;
-  std::set<std::uint16_t> lost;
-  // A moving class is replaced by the corresponding static class, since a patch alone does not show motion.
+  std::set<std::uint16_t> unknownLabels;
   for (const std::uint16_t label : other.patches.label) {
     const SemanticClass& mapped = map.classOf(label);
-    groups.other.push_back(mapped.movingOf.value_or(mapped.id));
-    if (groups.other.back() == 0 && label != 0) lost.insert(label);
+    groups.ofOther.push_back(mapped.movingOf.value_or(mapped.id));
+    if (groups.ofOther.back() == 0 && label != 0) unknownLabels.insert(label);
   }
-  for (const std::uint16_t label : lost) {
-    const SemanticClass* const own = other.ontology->find(label);
-    if (own != nullptr) groups.unknown.push_back(own->name);
+  for (const std::uint16_t label : unknownLabels) {
+    if (const SemanticClass* const c = other.ontology->find(label)) groups.unknownClasses.push_back(c->name);
   }
   for (const std::uint16_t label : owner.patches.label) {
-    const SemanticClass* const own = owner.ontology->find(label);
-    groups.own.push_back(own == nullptr ? std::uint16_t{0} : own->movingOf.value_or(own->id));
+    const SemanticClass* const c = owner.ontology->find(label);
+    groups.ofOwner.push_back(c == nullptr ? std::uint16_t{0} : c->movingOf.value_or(c->id));
   }
   return groups;
 }
@@ -176,67 +184,70 @@ ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
 // Returns how well the class frequencies of the sets agree: 1 if each class is equally frequent in both sets, 0 if they
 // have no class in common.
 double overlapOf(const ClassGroups& groups) {
-  std::map<std::uint16_t, std::pair<double, double>> shares;
-  for (const std::uint16_t g : groups.own) shares[g].first += 1.0 / static_cast<double>(groups.own.size());
-  for (const std::uint16_t g : groups.other) shares[g].second += 1.0 / static_cast<double>(groups.other.size());
+  std::map<std::uint16_t, std::pair<double, double>> shares;  // of each group in the patches of owner and other set
+  for (const std::uint16_t g : groups.ofOwner) shares[g].first += 1.0 / static_cast<double>(groups.ofOwner.size());
+  for (const std::uint16_t g : groups.ofOther) shares[g].second += 1.0 / static_cast<double>(groups.ofOther.size());
   double overlap = 0;
   for (const auto& [group, share] : shares) overlap += group == 0 ? 0 : std::min(share.first, share.second);
   return overlap;
 }
 
-// Groups the patches of the real and of the simulated set by class, and returns the groups of both. Both sets are
-// labelled with the classes of one of them: whichever make the class frequencies of the two sets agree better.
+// Returns the groups of the real and of the simulated set by class, and sets `classes` and `unknownClasses` of the
+// result. The classes are those of the set that make the class frequencies of the two sets agree better; the real set's
+// if both agree equally.
 std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   ClassGroups byReal = groupsByClassesOf(result.real, result.simulated);
   ClassGroups bySimulated = groupsByClassesOf(result.simulated, result.real);
-  constexpr double kClearly = 1e-6;
-  const bool real = overlapOf(byReal) + kClearly >= overlapOf(bySimulated);
-  result.classes = real ? *result.real.ontology : *result.simulated.ontology;
-  result.unknown = real ? byReal.unknown : bySimulated.unknown;
-  if (real) return {std::move(byReal.own), std::move(byReal.other)};
-  return {std::move(bySimulated.other), std::move(bySimulated.own)};
+  constexpr double kRounding = 1e-6;
+  const bool useReal = overlapOf(byReal) + kRounding >= overlapOf(bySimulated);
+  result.classes = useReal ? *result.real.ontology : *result.simulated.ontology;
+  result.unknownClasses = useReal ? byReal.unknownClasses : bySimulated.unknownClasses;
+  if (useReal) return {std::move(byReal.ofOwner), std::move(byReal.ofOther)};
+  return {std::move(bySimulated.ofOther), std::move(bySimulated.ofOwner)};
 }
 
+// Adds the groups with their shares and separations. `real`, `simulated`: the group of each patch. `sums`: by feature.
 void addGroups(SetComparison& result, const Groups& real, const Groups& simulated,
                const std::vector<SeparationSums>& sums) {
   std::map<std::uint16_t, std::pair<std::uint64_t, std::uint64_t>> counts;
   for (const std::uint16_t group : real) ++counts[group].first;
   for (const std::uint16_t group : simulated) ++counts[group].second;
   for (const auto& [group, count] : counts) {
-    GroupComparison own;
-    const SemanticClass* const known = result.byClass ? result.classes.find(group) : nullptr;
-    own.name = !result.byClass ? std::string(kPatchKinds[group]) : known == nullptr ? "unlabeled" : known->name;
-    own.realShare = shareOf(count.first, real.size());
-    own.simulatedShare = shareOf(count.second, simulated.size());
+    const SemanticClass* const groupClass = result.byClass ? result.classes.find(group) : nullptr;
+    GroupComparison& added = result.groups.emplace_back();
+    added.name = !result.byClass         ? std::string(kPatchKinds[group])
+                 : groupClass == nullptr ? "unlabeled"
+                                         : groupClass->name;
+    added.realShare = shareOf(count.first, real.size());
+    added.simulatedShare = shareOf(count.second, simulated.size());
     for (std::size_t f = 0; f < kFeatureCount; ++f) {
       const auto found = sums[f].ofGroup.find(group);
-      if (found != sums[f].ofGroup.end()) own.features.push_back(found->second.mean(f));
+      if (found != sums[f].ofGroup.end()) added.features.push_back(found->second.mean(f));
     }
-    sortByStrength(own.features);
-    result.groups.push_back(std::move(own));
+    sortByStrength(added.features);
   }
   std::ranges::stable_sort(result.groups, std::greater<>(),
                            [](const GroupComparison& g) { return std::max(g.realShare, g.simulatedShare); });
 }
 
-// Returns the separations by each feature, and sets `withinReal` of the result. Patches without a class, or with a
-// class that only one set has, are not compared.
+// Returns the separations by each feature, and sets `withinReal` of the result. Patches without a class are not
+// compared.
 std::vector<SeparationSums> separateFeatures(SetComparison& result, const Groups& realGroups,
                                              const Groups& simulatedGroups) {
   const Patches &real = result.real.patches, &simulated = result.simulated.patches;
-  const auto isKnown = [&](std::uint16_t group) { return !result.byClass || group != 0; };
+  const auto hasClass = [&](std::uint16_t group) { return !result.byClass || group != 0; };
+  const auto isRealCompared = [&](std::size_t i) { return hasClass(realGroups[i]); };
+  const auto isSimulatedCompared = [&](std::size_t i) { return hasClass(simulatedGroups[i]); };
+  const auto isInEvenScan = [&](std::size_t i) { return isRealCompared(i) && real.scan[i] % 2 == 0; };
+  const auto isInOddScan = [&](std::size_t i) { return isRealCompared(i) && real.scan[i] % 2 == 1; };
   std::vector<SeparationSums> sums(kFeatureCount);
   result.withinReal.fill(kUnmeasured);
   parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      const auto known = [&](std::size_t i) { return isKnown(realGroups[i]); };
-      const auto even = [&](std::size_t i) { return known(i) && real.scan[i] % 2 == 0; };
-      const auto odd = [&](std::size_t i) { return known(i) && real.scan[i] % 2 == 1; };
-      sums[f] =
-          separate(strataOf(real, realGroups, f, known),
-                   strataOf(simulated, simulatedGroups, f, [&](std::size_t i) { return isKnown(simulatedGroups[i]); }));
+      sums[f] = separate(strataOf(real, realGroups, f, isRealCompared),
+                         strataOf(simulated, simulatedGroups, f, isSimulatedCompared));
       const SeparationSum within =
-          separate(strataOf(real, realGroups, f, even), strataOf(real, realGroups, f, odd)).all;
+          separate(strataOf(real, realGroups, f, isInEvenScan), strataOf(real, realGroups, f, isInOddScan)).all;
       if (within.weight > 0) result.withinReal[f] = within.mean(f).strength;
     }
   });

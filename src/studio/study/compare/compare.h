@@ -66,8 +66,8 @@ inline constexpr std::size_t kSetFigureCount = kSetFigures.size();
 // Upper ends of the bands of ranges (m). A last band without upper end follows.
 inline constexpr std::array<double, 5> kRangeBands{5, 10, 20, 40, 80};
 inline constexpr std::size_t kRangeBandCount = kRangeBands.size() + 1;
-std::size_t comparedBandOf(double range);
-std::string comparedBandName(std::size_t band);
+std::size_t comparedBandOf(double range);        // returns the index of the band that contains a range (m)
+std::string comparedBandName(std::size_t band);  // returns the ends of a band, such as "5 to 10 m"
 
 struct ScanSet {
   std::string name;          // last component of the path
@@ -132,18 +132,18 @@ struct KeyChange {
   std::string_view figure;         // title of the figure in kPatchFeatures or kSetFigures that suggests the change
   double real = 0, simulated = 0;  // the figure's values, as shown to users
   std::string_view unit;           // unit of the figure
-  double now = 0;                  // current value of the key
-  double next = 0;                 // value that would make the figures equal if nothing else influenced them
-  bool isEnd = false;  // true: `next` is the end of the key's allowed range, and the figures would still differ
+  double currentValue = 0;
+  double suggestedValue = 0;  // would make the figures equal if nothing else influenced them
+  bool isEnd = false;         // true: `suggestedValue` ends the key's allowed range, and the figures would still differ
 };
 
 struct SetComparison {
-  ScanSet real, simulated;            // measurements of both sets; their patches are removed
-  std::vector<std::string> warnings;  // reasons why some figures are less meaningful than they seem
-  bool byClass = false;               // true: groups are classes; false: groups are shapes of patches
-  Ontology classes;                   // ontology of the groups if byClass is true
-  std::vector<std::string> unknown;   // classes of one set that are missing in the ontology of the other set
-  std::vector<Separation> features;   // separations over all groups together, the strongest first
+  ScanSet real, simulated;                  // measurements of both sets; their patches are removed
+  std::vector<std::string> warnings;        // reasons why some figures are less meaningful than they seem
+  bool byClass = false;                     // true: groups are classes; false: groups are shapes of patches
+  Ontology classes;                         // ontology of the groups if byClass is true
+  std::vector<std::string> unknownClasses;  // classes of one set that are missing in the ontology of the other set
+  std::vector<Separation> features;         // separations over all groups together, the strongest first
   // For each feature, the strength with which it separates the odd from the even scans of the real set: differences
   // that are due to the places alone. NaN if there is only one scan, or too few patches.
   std::array<double, kFeatureCount> withinReal{};
@@ -166,14 +166,14 @@ SetComparison compareSets(ScanSet real, ScanSet simulated);
 // Returns the comparison as JSON. `date`: written into the JSON.
 std::string comparisonJson(const SetComparison& comparison, const std::string& date);
 
-// Returns the suggested changes. `own`: effects of the simulated sensor, as returned by sensorEffectItems(). Nothing is
-// suggested for effects that the sensor lacks, for keys that are missing or not a positive number (0, lists, random
-// values), or for figures that differ by less than a tenth.
-std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& own);
+// Returns the suggested changes. `effectItems`: effects of the simulated sensor, as returned by sensorEffectItems().
+// Nothing is suggested for effects that the sensor lacks, for keys that are missing or not a positive number (0, lists,
+// random values), or for figures that differ by less than a tenth.
+std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& effectItems);
 
 // Returns an argument of --set that applies all advice, such as "effects=[sensor, ring_bias: {gain_sigma: 0.07}]".
-// `items`: the effects list of the pipeline file.
-std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& items);
+// `pipelineItems`: the effects list of the pipeline file.
+std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& pipelineItems);
 
 // Reads the pipeline of the simulated set, and sets `advice` and `assignment` of the comparison; if there is no advice,
 // sets `unadvised` to the reason. `simulated`: folder of the set. `sensor`: name of the compared sensor; empty: the

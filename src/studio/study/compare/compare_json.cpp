@@ -41,6 +41,14 @@ OrderedJson separationJson(const Separation& s) {
           {"simulated_patches", s.simulated}};
 }
 
+OrderedJson changeJson(const KeyChange& change) {
+  return {{"effect", change.effect},
+          {"key", change.key},
+          {"figure", change.figure},
+          {"now", change.currentValue},
+          {"try", change.suggestedValue}};
+}
+
 // Returns the bands; `suffix`: appended to the keys of the values.
 OrderedJson bandsJson(const std::vector<BandComparison>& bands, const std::string& suffix = "") {
   return arrayOf(bands, [&](const BandComparison& band) -> OrderedJson {
@@ -60,39 +68,34 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                        {"simulated", comparison.simulated.figures[i] * figure.factor},
                        {"keys", figure.keys}});
   }
-  const OrderedJson json{
-      {"program_version", kVersion},
-      {"date", date},
-      {"real", setJson(comparison.real)},
-      {"simulated", setJson(comparison.simulated)},
-      {"grouped_by", comparison.byClass ? "class" : "shape"},
-      {"warnings", comparison.warnings},
-      {"unknown_classes", comparison.unknown},
-      {"figures", std::move(figures)},
-      {"features", arrayOf(comparison.features,
-                           [&](const Separation& s) {
-                             OrderedJson own = separationJson(s);
-                             own["strength_within_real"] = comparison.withinReal[s.feature];
-                             own["keys"] = kPatchFeatures[s.feature].keys;
-                             return own;
-                           })},
-      {"advice",
-       arrayOf(comparison.advice,
-               [](const KeyChange& a) -> OrderedJson {
-                 return {{"effect", a.effect}, {"key", a.key}, {"figure", a.figure}, {"now", a.now}, {"try", a.next}};
-               })},
-      {"set", comparison.assignment},
-      {"unadvised", comparison.unadvised},
-      {"groups", arrayOf(comparison.groups,
-                         [](const GroupComparison& group) -> OrderedJson {
-                           return {{"name", group.name},
-                                   {"real_share", group.realShare},
-                                   {"simulated_share", group.simulatedShare},
-                                   {"features", arrayOf(group.features, separationJson)}};
-                         })},
-      {"ranges", bandsJson(comparison.ranges, "_share")},
-      {"intensity_by_range", bandsJson(comparison.intensityByRange)},
-      {"intensity_by_incidence", bandsJson(comparison.intensityByIncidence)}};
+  const OrderedJson json{{"program_version", kVersion},
+                         {"date", date},
+                         {"real", setJson(comparison.real)},
+                         {"simulated", setJson(comparison.simulated)},
+                         {"grouped_by", comparison.byClass ? "class" : "shape"},
+                         {"warnings", comparison.warnings},
+                         {"unknown_classes", comparison.unknownClasses},
+                         {"figures", std::move(figures)},
+                         {"features", arrayOf(comparison.features,
+                                              [&](const Separation& s) {
+                                                OrderedJson feature = separationJson(s);
+                                                feature["strength_within_real"] = comparison.withinReal[s.feature];
+                                                feature["keys"] = kPatchFeatures[s.feature].keys;
+                                                return feature;
+                                              })},
+                         {"advice", arrayOf(comparison.advice, changeJson)},
+                         {"set", comparison.assignment},
+                         {"unadvised", comparison.unadvised},
+                         {"groups", arrayOf(comparison.groups,
+                                            [](const GroupComparison& group) -> OrderedJson {
+                                              return {{"name", group.name},
+                                                      {"real_share", group.realShare},
+                                                      {"simulated_share", group.simulatedShare},
+                                                      {"features", arrayOf(group.features, separationJson)}};
+                                            })},
+                         {"ranges", bandsJson(comparison.ranges, "_share")},
+                         {"intensity_by_range", bandsJson(comparison.intensityByRange)},
+                         {"intensity_by_incidence", bandsJson(comparison.intensityByIncidence)}};
   return layOut(json) + "\n";
 }
 

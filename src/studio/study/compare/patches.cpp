@@ -11,15 +11,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kFewestInPatch = 12;  // least number of points to which a plane is fitted
 constexpr double kPlanar = 0.35;            // thickness divided by width, below which a patch counts as a plane
 constexpr double kLevel = 25;               // angle to the horizontal (degrees) below which a plane counts as level
 constexpr double kUpright = 65;             // angle to the horizontal (degrees) above which a plane counts as upright
 // Cosine of 60 degrees; at larger incidence angles offsets along the beam are not measured.
 constexpr double kLeastCosine = 0.5;
-constexpr double kNear = 0.5, kNearShare = 0.1;  // a length (m) and a fraction of the range; points whose ranges differ
-                                                 // by less than the larger of the two are on the same surface
+// Points whose ranges differ by less than kNear (m), or by less than this fraction of the range, are on one surface.
+constexpr double kNear = 0.5, kNearShare = 0.1;
 
 struct Plane {
   Vec3d middle, normal;  // centroid (m); unit normal
@@ -27,18 +27,19 @@ struct Plane {
   double width = 0;      // the smaller of the two other standard deviations (m)
 };
 
+// Fits a plane to at least three points by principal components.
 Plane planeOf(std::span<const Vec3d> points) {
   Plane plane;
   for (const Vec3d& p : points) plane.middle += p;
   const auto count = static_cast<double>(points.size());
   plane.middle = plane.middle * (1 / count);
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();  // sum of the outer products of p - middle
   for (const Vec3d& p : points) {
     const Vec3d d = p - plane.middle;
     const Eigen::Vector3d v(d.x, d.y, d.z);
-    sum += v * v.transpose();
+    scatter += v * v.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum / count);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter / count);  // eigenvalues ascend
   const auto deviation = [&](int i) { return std::sqrt(std::max(0.0, solver.eigenvalues()[i])); };
   plane.thickness = deviation(0);
   plane.width = deviation(1);
@@ -47,25 +48,27 @@ Plane planeOf(std::span<const Vec3d> points) {
   return plane;
 }
 
-// Measures patches one after the other. The members with `_` are those of the patch that add() appends.
+// Measures patches one after the other. addPatch() first stores the patch's pixel, range and window in members, which
+// the functions that measure the features read. These set the last entry of each list in `out`, which is NaN before.
 class PatchMeter {
  public:
   PatchMeter(const Scan& scan, const RangeGrid& grid) : scan_(scan), grid_(grid) {}
 
-  // Appends the patch around a pixel with a return. `number`: index of the scan in its set.
-  void add(std::uint32_t row, std::uint32_t column, std::uint32_t number, Patches& out) {
+  // Appends the patch around a pixel with a return. `scanIndex`: index of the scan in its set.
+  void addPatch(std::uint32_t row, std::uint32_t column, std::uint32_t scanIndex, Patches& out) {
     row_ = row;
     column_ = column;
     pixel_ = grid_.at(row, column);
     range_ = grid_.range[pixel_];
     const Vec3d middle(scan_.position[grid_.point[pixel_]]);
-    for (std::vector<float>& values : out.value) values.push_back(kNone);
-    out.ringGain.push_back(kNone);
+    for (std::vector<float>& values : out.value) values.push_back(kNotMeasured);
+    out.ringGain.push_back(kNotMeasured);
+    out.ringOffset.push_back(kNotMeasured);
     out.range.push_back(static_cast<float>(range_));
     out.row.push_back(static_cast<std::uint16_t>(row));
     const auto& labels = scan_[kLabel];
     out.label.push_back(labels.empty() ? std::uint16_t{0} : labels[grid_.point[pixel_]]);
-    out.scan.push_back(number);
+    out.scan.push_back(scanIndex);
     gatherWindow();
     addShape(middle, out);
     addJumps(out);
@@ -80,9 +83,12 @@ class PatchMeter {
  private:
   static void set(Feature feature, double value, Patches& out) { out.of(feature).back() = static_cast<float>(value); }
 
-  bool filled(std::uint32_t pixel) const { return pixel != RangeGrid::kNone && grid_.point[pixel] != RangeGrid::kNone; }
-  bool near(std::uint32_t pixel) const {
-    return filled(pixel) &&
+  bool hasReturn(std::uint32_t pixel) const {
+    return pixel != RangeGrid::kNone && grid_.point[pixel] != RangeGrid::kNone;
+  }
+  // True if the pixel has a return on the same surface as the patch's middle, going by its range.
+  bool onSurface(std::uint32_t pixel) const {
+    return hasReturn(pixel) &&
            std::fabs(static_cast<double>(grid_.range[pixel]) - range_) < std::max(kNear, kNearShare * range_);
   }
   Vec3d pointAt(std::uint32_t pixel) const { return Vec3d(scan_.position[grid_.point[pixel]]); }
@@ -101,15 +107,17 @@ class PatchMeter {
   static std::size_t indexOf(int dr, int dc) {
     return static_cast<std::size_t>((dr + kPatchRowReach) * kWide + dc + kPatchReach);
   }
+  // Returns the pixel that is `dr` rows below and `dc` columns beside the patch's middle.
   std::uint32_t at(int dr, int dc) const { return window_[indexOf(dr, dc)]; }
 
+  // Fits a plane to the window's points on the surface; sets the patch's kind, incidence, thickness and steepness.
   void addShape(const Vec3d& middle, Patches& out) {
     points_.clear();
     for (const std::uint32_t pixel : window_) {
-      if (near(pixel)) points_.push_back(pointAt(pixel));
+      if (onSurface(pixel)) points_.push_back(pointAt(pixel));
     }
     out.kind.push_back(PatchKind::Sparse);
-    out.incidence.push_back(kNone);
+    out.incidence.push_back(kNotMeasured);
     if (points_.size() < kFewestInPatch) return;
     const Plane plane = planeOf(points_);
     if (!(plane.width > 0)) return;
@@ -129,7 +137,7 @@ class PatchMeter {
   // Returns the range of the beam `dc` columns beside the patch's middle (m); NaN if it has no return.
   double rangeAt(int dc) const {
     const std::uint32_t pixel = at(0, dc);
-    return filled(pixel) ? static_cast<double>(grid_.range[pixel]) : std::numeric_limits<double>::quiet_NaN();
+    return hasReturn(pixel) ? static_cast<double>(grid_.range[pixel]) : std::numeric_limits<double>::quiet_NaN();
   }
   // True if the ranges of the beams from `first` to `last`, in columns from the patch's middle, are known and have no
   // jump.
@@ -141,9 +149,9 @@ class PatchMeter {
   }
 
   void addJumps(Patches& out) const {
-    double largest = -1;
-    for (const int side : {-1, 1}) largest = std::fmax(largest, std::fabs(rangeAt(side) - range_));
-    if (largest >= 0) set(Feature::Jump, largest / range_, out);
+    // fmax() ignores NaN, so the largest jump is NaN only if both neighbours have no return.
+    const double largest = std::fmax(std::fabs(rangeAt(-1) - range_), std::fabs(rangeAt(1) - range_));
+    if (!std::isnan(largest)) set(Feature::Jump, largest / range_, out);
     int jumps = 0, steps = 0;
     for (int dc = -kPatchReach; dc < kPatchReach; ++dc) {
       const double step = std::fabs(rangeAt(dc + 1) - rangeAt(dc));
@@ -154,7 +162,8 @@ class PatchMeter {
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
   }
 
-  // A mixed pixel is between two continuous surfaces; gaps between leaves or twigs do not count.
+  // Measures how far the middle is from both sides of an edge, as a fraction of the edge. A mixed pixel is between two
+  // continuous surfaces; gaps between leaves or twigs do not count.
   void addMixed(Patches& out) const {
     const double edge = std::fabs(rangeAt(1) - rangeAt(-1));
     if (!(edge >= kEdge) || !isSmooth(-2, -1) || !isSmooth(1, 2)) return;
@@ -164,11 +173,11 @@ class PatchMeter {
     set(Feature::Mixed, std::min(fromNearer, 1 - fromNearer), out);
   }
 
+  // Measures the ranges' deviation from a parabola over seven columns. The parabola is fitted with polynomials that are
+  // orthogonal over the columns k from -3 to 3: 1, k and k^2 - 4. Their sums of squares are 7, 28 and 84.
   void addRangeScatter(Patches& out) const {
     constexpr int kFit = 3;
     if (!isSmooth(-kFit, kFit)) return;
-    // Fit a parabola with polynomials that are orthogonal over -3 to 3: 1, k and k^2 - 4. Their sums of squares are 7,
-    // 28 and 84.
     double mean = 0, slope = 0, curvature = 0;
     for (int k = -kFit; k <= kFit; ++k) {
       const double r = rangeAt(k) - range_;
@@ -184,9 +193,9 @@ class PatchMeter {
     set(Feature::RangeScatter, std::sqrt(squares / 4), out);  // 7 ranges less 3 coefficients
   }
 
-  // Measures how far the middle ring's points are from the plane of the rings above and below.
+  // Measures how far the middle ring's points are from the plane of the rings above and below: along the plane's
+  // normal, positive if they are farther from the sensor.
   void addRingOffset(const Vec3d& middle, Patches& out) {
-    out.ringOffset.push_back(kNone);
     if (!grid_.knowsRings) return;
     constexpr int kReach = 2;  // columns on each side of the middle whose points are measured
     constexpr std::size_t kFewestMeasured = 4, kFewestInRing = 5;
@@ -194,7 +203,7 @@ class PatchMeter {
     for (const int dr : {-1, 1}) {
       const std::size_t before = points_.size();
       for (int dc = -kPatchReach; dc <= kPatchReach; ++dc) {
-        if (near(at(dr, dc))) points_.push_back(pointAt(at(dr, dc)));
+        if (onSurface(at(dr, dc))) points_.push_back(pointAt(at(dr, dc)));
       }
       if (points_.size() - before < kFewestInRing) return;
     }
@@ -203,25 +212,26 @@ class PatchMeter {
     double sum = 0;
     std::size_t count = 0;
     for (int dc = -kReach; dc <= kReach; ++dc) {
-      if (!near(at(0, dc))) continue;
+      if (!onSurface(at(0, dc))) continue;
       sum += dot(plane.normal, pointAt(at(0, dc)) - plane.middle);
       ++count;
     }
     if (count < kFewestMeasured) return;
     const double outwards = dot(plane.normal, middle) < 0 ? -1 : 1;
     const double offset = outwards * sum / static_cast<double>(count);
-    const double cosine = std::fabs(dot(plane.normal, middle)) / length(middle);  // of the incidence angle
+    const double cosine = std::fabs(dot(plane.normal, middle)) / length(middle);  // cosine of the incidence angle
     if (cosine > kLeastCosine) out.ringOffset.back() = static_cast<float>(offset / cosine);
     set(Feature::RingOffset, std::fabs(offset), out);
   }
 
-  // Returns the mean intensity of pixels in the row that is `dr` rows below the patch's point. Only returns on the same
-  // surface are used; nothing if there are fewer than four, or if all have the intensity 0.
+  // Returns the mean intensity of pixels in the row that is `dr` rows below the patch's middle. `columns`: their
+  // columns from the middle. Only returns on the surface are used; nothing if there are fewer than four, or if all are
+  // 0.
   std::optional<double> meanIntensity(int dr, std::initializer_list<int> columns) const {
     double sum = 0;
     int count = 0;
     for (const int dc : columns) {
-      if (!near(at(dr, dc))) continue;
+      if (!onSurface(at(dr, dc))) continue;
       sum += static_cast<double>(scan_[kIntensity][grid_.point[at(dr, dc)]]);
       ++count;
     }
@@ -229,32 +239,33 @@ class PatchMeter {
     return sum / count;
   }
 
+  // Sets the intensity, its scatter against four neighbours in the ring, and its gain against the rings beside.
   void addIntensity(Patches& out) const {
-    const double own = static_cast<double>(scan_[kIntensity][grid_.point[pixel_]]);
-    set(Feature::Intensity, own, out);
+    const double intensity = static_cast<double>(scan_[kIntensity][grid_.point[pixel_]]);
+    set(Feature::Intensity, intensity, out);
     if (const auto beside = meanIntensity(0, {-2, -1, 1, 2})) {
-      set(Feature::IntensityScatter, std::fabs(own / *beside - 1), out);
+      set(Feature::IntensityScatter, std::fabs(intensity / *beside - 1), out);
     }
     if (!grid_.knowsRings) return;
-    const auto five = {-2, -1, 0, 1, 2};
-    const auto here = meanIntensity(0, five), above = meanIntensity(-1, five), below = meanIntensity(1, five);
-    if (!here || !above || !below) return;
-    out.ringGain.back() = static_cast<float>(std::log(*here / (0.5 * (*above + *below))));
+    const auto columns = {-2, -1, 0, 1, 2};
+    const auto middle = meanIntensity(0, columns);
+    const auto above = meanIntensity(-1, columns), below = meanIntensity(1, columns);
+    if (!middle || !above || !below) return;
+    out.ringGain.back() = static_cast<float>(std::log(*middle / (0.5 * (*above + *below))));
     set(Feature::RingGain, std::fabs(static_cast<double>(out.ringGain.back())), out);
   }
 
+  // Sets the share of the window's beams without a return, and the share of the middle row's beams that are missing
+  // between two returns at one range.
   void addMisses(Patches& out) const {
-    std::size_t beams = 0, missing = 0;
-    for (const std::uint32_t pixel : window_) {
-      if (pixel == RangeGrid::kNone) continue;
-      ++beams;
-      missing += filled(pixel) ? 0 : 1;
-    }
-    set(Feature::Missing, static_cast<double>(missing) / static_cast<double>(beams), out);
+    const auto beams = std::ranges::count_if(window_, [](std::uint32_t pixel) { return pixel != RangeGrid::kNone; });
+    const auto returns = std::ranges::count_if(window_, [&](std::uint32_t pixel) { return hasReturn(pixel); });
+    set(Feature::Missing, static_cast<double>(beams - returns) / static_cast<double>(beams), out);
     int single = 0;
     constexpr int kAround = kPatchReach - 1;
     for (int dc = -kAround; dc <= kAround; ++dc) {
-      if (at(0, dc) == RangeGrid::kNone || filled(at(0, dc)) || !filled(at(0, dc - 1)) || !filled(at(0, dc + 1)))
+      if (at(0, dc) == RangeGrid::kNone || hasReturn(at(0, dc)) || !hasReturn(at(0, dc - 1)) ||
+          !hasReturn(at(0, dc + 1)))
         continue;
       single += std::fabs(grid_.range[at(0, dc - 1)] - grid_.range[at(0, dc + 1)]) < static_cast<float>(kJump) ? 1 : 0;
     }
@@ -266,44 +277,41 @@ class PatchMeter {
 
   const Scan& scan_;
   const RangeGrid& grid_;
+  // The patch that addPatch() appends: position in the grid and range (m) of the middle, and pixels around the middle.
   std::uint32_t row_ = 0, column_ = 0;
   std::size_t pixel_ = 0;
   double range_ = 0;
-  std::array<std::uint32_t, kWindow> window_{};
-  std::vector<Vec3d> points_;
+  std::array<std::uint32_t, kWindow> window_{};  // see gatherWindow()
+  std::vector<Vec3d> points_;                    // memory that is used again for each patch
 };
-
-template <class T>
-void append(const std::vector<T>& more, std::vector<T>& all) {
-  all.insert(all.end(), more.begin(), more.end());
-}
 
 }  // namespace
 
 void Patches::append(const Patches& more) {
-  for (std::size_t f = 0; f < kFeatureCount; ++f) scanmill::append(more.value[f], value[f]);
-  scanmill::append(more.range, range);
-  scanmill::append(more.incidence, incidence);
-  scanmill::append(more.ringOffset, ringOffset);
-  scanmill::append(more.ringGain, ringGain);
-  scanmill::append(more.row, row);
-  scanmill::append(more.label, label);
-  scanmill::append(more.kind, kind);
-  scanmill::append(more.scan, scan);
+  const auto add = [](auto& list, const auto& added) { list.insert(list.end(), added.begin(), added.end()); };
+  for (std::size_t f = 0; f < kFeatureCount; ++f) add(value[f], more.value[f]);
+  add(range, more.range);
+  add(incidence, more.incidence);
+  add(ringOffset, more.ringOffset);
+  add(ringGain, more.ringGain);
+  add(row, more.row);
+  add(label, more.label);
+  add(kind, more.kind);
+  add(scan, more.scan);
 }
 
-Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t number, std::size_t most) {
-  std::vector<std::size_t> pixels;
+Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t scanIndex, std::size_t mostPatches) {
+  std::vector<std::size_t> pixels;  // pixels with a return
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.point[i] != RangeGrid::kNone) pixels.push_back(i);
   }
   Patches patches;
-  PatchMeter reader(scan, grid);
-  const std::size_t count = std::min(most, pixels.size());
+  PatchMeter meter(scan, grid);
+  const std::size_t count = std::min(mostPatches, pixels.size());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t pixel = pixels[k * pixels.size() / count];
-    reader.add(static_cast<std::uint32_t>(pixel / grid.columns), static_cast<std::uint32_t>(pixel % grid.columns),
-               number, patches);
+    meter.addPatch(static_cast<std::uint32_t>(pixel / grid.columns), static_cast<std::uint32_t>(pixel % grid.columns),
+                   scanIndex, patches);
   }
   return patches;
 }

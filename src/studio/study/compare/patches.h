@@ -15,9 +15,9 @@
 namespace scanmill {
 
 constexpr int kPatchReach = 4;     // number of columns on each side of a patch's middle
-constexpr int kPatchRowReach = 2;  // rows above and below a patch's middle
+constexpr int kPatchRowReach = 2;  // number of rows above and below a patch's middle
 constexpr double kJump = 0.3;      // range difference (m) between neighbours above which there is an edge
-constexpr double kEdge = 1.5;      // least range difference of an edge at which mixed pixels are searched for (m)
+constexpr double kEdge = 1.5;      // least range difference (m) of an edge at which mixed pixels are searched for
 
 // A figure by which sets of scans are compared.
 struct ComparedFigure {
@@ -116,8 +116,8 @@ struct Patches {
   void append(const Patches& more);
 };
 
-// Returns the patches around at most `most` points of a scan, which are evenly distributed; the same scan always gives
-// the same patches. `number`: index of the scan in its set.
-Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t number, std::size_t most);
+// Returns the patches around at most `mostPatches` points of a scan, which are evenly distributed; the same scan always
+// gives the same patches. `scanIndex`: index of the scan in its set.
+Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t scanIndex, std::size_t mostPatches);
 
 }  // namespace scanmill

@@ -21,6 +21,7 @@ double elevationOf(const Vec3f& p) {
   return std::atan2(static_cast<double>(p.z), std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
 }
 
+// Builds the grid of a scan with one of three fill functions, according to what the scan knows of its beams.
 class GridMaker {
  public:
   explicit GridMaker(const Scan& scan) : scan_(scan), azimuth_(scan.size()) {
@@ -45,7 +46,7 @@ class GridMaker {
   }
 
  private:
-  void start(std::uint32_t rows, std::uint32_t columns) {
+  void allocate(std::uint32_t rows, std::uint32_t columns) {
     grid_.rows = rows;
     grid_.columns = columns;
     const std::size_t size = std::size_t{rows} * columns;
@@ -65,7 +66,7 @@ class GridMaker {
   }
 
   // Returns the row of each ring. Rings with points are sorted from top to bottom by the median elevation of their
-  // points. Rings without points get the row that follows from their ring number.
+  // points, and share the rows that their ring numbers give them; a ring without points keeps its row.
   std::vector<std::uint32_t> rowsOfRings(const PointsOfRings& ofRing) const {
     const auto rings = static_cast<std::uint32_t>(ofRing.size());
     std::vector<double> elevation(rings);  // median of each ring with points (rad)
@@ -80,7 +81,7 @@ class GridMaker {
     const bool upwards = filled.size() > 1 && elevation[filled.front()] < elevation[filled.back()];
     std::vector<std::uint32_t> row(rings);
     for (std::uint32_t r = 0; r < rings; ++r) row[r] = upwards ? rings - 1 - r : r;
-    std::vector<std::uint32_t> rowsOfFilled;
+    std::vector<std::uint32_t> rowsOfFilled;  // ascending, from the top
     for (const std::uint32_t r : filled) rowsOfFilled.push_back(row[r]);
     std::ranges::sort(rowsOfFilled);
     std::ranges::stable_sort(filled, [&](std::uint32_t a, std::uint32_t b) { return elevation[a] > elevation[b]; });
@@ -93,9 +94,10 @@ class GridMaker {
     std::vector<double> steps;
     for (const std::vector<std::uint32_t>& points : ofRing) {
       for (std::size_t k = 1; k < points.size(); ++k) {
-        const auto from = static_cast<int>(keyOf(scan_, points[k - 1]).column);
-        const auto to = static_cast<int>(keyOf(scan_, points[k]).column);
-        if (to == from + 1) steps.push_back(std::remainder(azimuth_[points[k]] - azimuth_[points[k - 1]], kTurn));
+        const auto previousColumn = static_cast<int>(keyOf(scan_, points[k - 1]).column);
+        const auto column = static_cast<int>(keyOf(scan_, points[k]).column);
+        if (column == previousColumn + 1)
+          steps.push_back(std::remainder(azimuth_[points[k]] - azimuth_[points[k - 1]], kTurn));
       }
     }
     return medianOf(std::move(steps));
@@ -103,21 +105,22 @@ class GridMaker {
 
   // Returns the azimuth of column 0 of a ring (rad): the median over the ring's points. `step`: see columnStep().
   double firstAzimuth(const std::vector<std::uint32_t>& points, double step) const {
-    const auto first = [&](std::uint32_t i) { return azimuth_[i] - step * keyOf(scan_, i).column; };
-    const double about = first(points[points.size() / 2]);
+    const auto azimuthOfColumn0 = [&](std::uint32_t i) { return azimuth_[i] - step * keyOf(scan_, i).column; };
+    const double estimate = azimuthOfColumn0(points[points.size() / 2]);
     std::vector<double> differences;
-    for (const std::uint32_t i : points) differences.push_back(std::remainder(first(i) - about, kTurn));
-    return about + medianOf(std::move(differences));
+    for (const std::uint32_t i : points) differences.push_back(std::remainder(azimuthOfColumn0(i) - estimate, kTurn));
+    return estimate + medianOf(std::move(differences));
   }
 
-  // The columns are those of the sensor; each ring is shifted by whole columns to the azimuths of the first ring.
+  // Fills the grid if the ring and the column of each point are known. The columns are those of the sensor; each ring
+  // is shifted by whole columns to the azimuths of the first ring.
   void fillByBeams() {
     const PointKey extent = extentOf(scan_);
     const std::int64_t columns = std::max(scan_.columns, extent.column);
     PointsOfRings ofRing(std::max(scan_.rings, extent.ring));
     for (const std::uint32_t i : points_) ofRing[keyOf(scan_, i).ring].push_back(i);
     const double step = columnStep(ofRing);
-    start(static_cast<std::uint32_t>(ofRing.size()), static_cast<std::uint32_t>(columns));
+    allocate(static_cast<std::uint32_t>(ofRing.size()), static_cast<std::uint32_t>(columns));
     grid_.knowsRings = grid_.knowsMisses = true;
     grid_.wraps = std::fabs(std::fabs(step) * static_cast<double>(columns) - kTurn) < 2 * std::fabs(step);
     const std::vector<std::uint32_t> row = rowsOfRings(ofRing);
@@ -150,16 +153,8 @@ class GridMaker {
     return static_cast<std::uint32_t>(std::max(1.0, std::round(kTurn / step)));
   }
 
-  // Returns the azimuth (rad) of a column's middle, modulo the width of a column: the circular mean over all points.
-  double phaseOfColumns(std::uint32_t columns) const {
-    double sine = 0, cosine = 0;
-    for (const std::uint32_t i : points_) {
-      sine += std::sin(azimuth_[i] * columns);
-      cosine += std::cos(azimuth_[i] * columns);
-    }
-    return std::atan2(sine, cosine) / columns;
-  }
-
+  // Fills the grid if the ring of each point is known, but not its column. Sorts the points of a ring by azimuth and
+  // finds the columns from the azimuths.
   void fillByRings() {
     const std::vector<std::uint16_t>& ring = scan_[kRing];
     PointsOfRings ofRing(std::max<std::uint32_t>(scan_.rings, *std::ranges::max_element(ring) + 1u));
@@ -168,16 +163,17 @@ class GridMaker {
       std::ranges::stable_sort(points, {}, [&](std::uint32_t i) { return azimuth_[i]; });
     }
     const std::uint32_t columns = columnsPerTurn(ofRing);
-    const double phase = phaseOfColumns(columns);
-    start(static_cast<std::uint32_t>(ofRing.size()), columns);
+    // Azimuth (rad) of the middle of a column, modulo the width of a column.
+    const double phase = circularMean(points_, [&](std::uint32_t i) { return azimuth_[i] * columns; }) / columns;
+    allocate(static_cast<std::uint32_t>(ofRing.size()), columns);
     grid_.knowsRings = grid_.knowsMisses = grid_.wraps = true;
     const std::vector<std::uint32_t> row = rowsOfRings(ofRing);
     for (std::size_t r = 0; r < ofRing.size(); ++r) fillRow(row[r], ofRing[r], phase);
   }
 
-  // Fills a row with the points of a ring, which are sorted by azimuth. Azimuths are noisy, so a rounded column may be
-  // wrong by one. A point that is less than 1.5 steps after the previous point gets the column after the previous
-  // point's column.
+  // Fills a row with the points of a ring, which are sorted by azimuth. `phase`: azimuth (rad) of the middle of a
+  // column. Azimuths are noisy, so a rounded column may be wrong by one. A point that is less than 1.5 steps after the
+  // previous point gets the column after the previous point's column.
   void fillRow(std::uint32_t row, const std::vector<std::uint32_t>& points, double phase) {
     const std::uint32_t columns = grid_.columns;
     const double step = kTurn / columns;
@@ -201,24 +197,25 @@ class GridMaker {
     }
   }
 
+  // Fills the grid from azimuths and elevations if neither rings nor columns are known.
   void fillByAngles() {
     constexpr std::uint32_t kRows = 64, kColumns = 1024;
-    constexpr double kLeftOut = 0.005;  // fraction of the points that is left out at the top and at the bottom
+    constexpr double kOutliers = 0.005;  // fraction of the points that is ignored at the top, and at the bottom
     std::vector<double> elevations;
     for (const std::uint32_t i : points_) elevations.push_back(elevationOf(scan_.position[i]));
     std::vector<double> sorted = elevations;
     std::ranges::sort(sorted);
-    const auto cut = static_cast<std::size_t>(kLeftOut * static_cast<double>(sorted.size()));
+    const auto cut = static_cast<std::size_t>(kOutliers * static_cast<double>(sorted.size()));
     const double low = sorted[cut];
     const double high = sorted[sorted.size() - 1 - cut];
-    start(kRows, kColumns);
+    allocate(kRows, kColumns);
     grid_.wraps = true;
     for (std::size_t k = 0; k < points_.size(); ++k) {
       if (elevations[k] < low || elevations[k] > high) continue;
-      const double down = high > low ? (high - elevations[k]) / (high - low) : 0;
-      const auto row = static_cast<std::uint32_t>(std::min<double>(kRows - 1, down * kRows));
-      const double around = (azimuth_[points_[k]] + kPi) / kTurn;
-      addReturn(row, static_cast<std::uint32_t>(std::min<double>(kColumns - 1, around * kColumns)), points_[k]);
+      const double fromTop = high > low ? (high - elevations[k]) / (high - low) : 0;  // 0 to 1
+      const auto row = static_cast<std::uint32_t>(std::min<double>(kRows - 1, fromTop * kRows));
+      const double revolution = (azimuth_[points_[k]] + kPi) / kTurn;  // 0 to 1
+      addReturn(row, static_cast<std::uint32_t>(std::min<double>(kColumns - 1, revolution * kColumns)), points_[k]);
     }
   }
 
@@ -231,12 +228,12 @@ class GridMaker {
 }  // namespace
 
 std::uint32_t RangeGrid::beside(std::uint32_t row, std::uint32_t column, int steps) const {
-  std::int64_t to = std::int64_t{column} + steps;
-  if (to < 0 || to >= std::int64_t{columns}) {
+  std::int64_t target = std::int64_t{column} + steps;
+  if (target < 0 || target >= std::int64_t{columns}) {
     if (!wraps) return kNone;
-    to = ((to % columns) + columns) % columns;
+    target = ((target % columns) + columns) % columns;
   }
-  return static_cast<std::uint32_t>(at(row, static_cast<std::uint32_t>(to)));
+  return static_cast<std::uint32_t>(at(row, static_cast<std::uint32_t>(target)));
 }
 
 RangeGrid rangeGrid(const Scan& scan) {

@@ -27,8 +27,8 @@ struct RangeGrid {
 
   std::size_t size() const { return point.size(); }
   std::size_t at(std::uint32_t row, std::uint32_t column) const { return std::size_t{row} * columns + column; }
-  // Returns the index of the pixel that is `steps` columns further in the same row; kNone beyond the edge of a grid
-  // that does not wrap.
+  // Returns the index of the pixel that is `steps` columns to the right in the same row (to the left if negative);
+  // kNone beyond the edge of a grid that does not wrap.
   std::uint32_t beside(std::uint32_t row, std::uint32_t column, int steps) const;
 };
 

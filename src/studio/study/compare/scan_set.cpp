@@ -21,27 +21,28 @@ namespace scanmill {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kHorizon = -1;  // a ring with a smaller mean elevation (degrees) counts as below the horizon
-constexpr std::size_t kLongRun = 10;
+constexpr double kHorizon = -1;       // a ring with a smaller mean elevation (degrees) counts as below the horizon
+constexpr std::size_t kLongRun = 10;  // a run of more missing beams counts in the figure missing_in_runs
 constexpr double kGroundReach = 40;   // maximum horizontal distance at which the ground is measured (m)
 constexpr double kCell = 0.5;         // edge of a cell in which the relief of the ground is measured (m)
 constexpr double kObjectStep = 0.25;  // height difference within a cell (m) above which the cell contains an object
 constexpr double kNearPoint = 5;      // points at a smaller range (m) count as near
 
 // Counts and measured values of one scan, or of all scans.
-struct ScanCounts {
-  std::uint64_t beams = 0;                // pixels of the grid
-  std::uint64_t points = 0, near = 0;     // beams with a return, and those with one within kNearPoint
-  std::uint64_t below = 0;                // beams of rings below the horizon
-  std::uint64_t missing = 0;              // beams in `below` without a return
-  std::uint64_t inRuns = 0, single = 0;   // beams in `missing` in runs of more than kLongRun, and in runs of one
-  std::vector<double> slopes, residuals;  // of each scan with ground: slope, and standard deviation from it (m)
-  std::vector<double> relief;             // standard deviation of the heights from each cell's plane (m)
-  std::uint32_t rows = 0;                 // rows of the grid of the last scan
+struct ScanMeasures {
+  std::uint64_t beams = 0;               // pixels of the grid
+  std::uint64_t points = 0, near = 0;    // beams with a return, and those with one within kNearPoint
+  std::uint64_t below = 0;               // beams of rings below the horizon
+  std::uint64_t missing = 0;             // beams in `below` without a return
+  std::uint64_t inRuns = 0, single = 0;  // beams in `missing` in runs of more than kLongRun, and in runs of one
+  // Of each scan with ground: the slope of its plane (m per m) and the ground's standard deviation from the plane (m).
+  std::vector<double> slopes, residuals;
+  std::vector<double> relief;  // standard deviation of the heights from each cell's plane (m)
+  std::uint32_t rows = 0;      // rows of the grid of the last scan
   bool knowsRings = true, knowsMisses = true, labelled = true;
   Patches patches;
 
-  void add(ScanCounts&& more) {
+  void add(ScanMeasures&& more) {
     beams += more.beams;
     points += more.points;
     near += more.near;
@@ -62,31 +63,31 @@ struct ScanCounts {
 };
 
 // Counts the beams without a return in a row that is below the horizon and has at least one return.
-void countMissing(const RangeGrid& grid, std::uint32_t row, ScanCounts& counts) {
+void countMissing(const RangeGrid& grid, std::uint32_t row, ScanMeasures& counts) {
   counts.below += grid.columns;
+  const auto isMissing = [&](std::uint32_t column) { return grid.point[grid.at(row, column)] == RangeGrid::kNone; };
   // Start at the first return, so that a run of missing beams is not cut at the last column if the grid wraps.
   std::uint32_t first = 0;
-  while (grid.point[grid.at(row, first)] == RangeGrid::kNone) ++first;
-  std::size_t run = 0;
-  const auto endRun = [&] {
-    counts.missing += run;
-    if (run > kLongRun) counts.inRuns += run;
-    if (run == 1) ++counts.single;
-    run = 0;
-  };
+  while (isMissing(first)) ++first;
+  std::vector<std::size_t> runs;  // lengths of the runs of neighbouring beams without a return
+  bool isInRun = false;
   for (std::uint32_t k = 0; k < grid.columns; ++k) {
     const std::uint32_t column = (first + k) % grid.columns;
-    if (column == 0 && !grid.wraps) endRun();
-    if (grid.point[grid.at(row, column)] == RangeGrid::kNone) {
-      ++run;
-    } else {
-      endRun();
-    }
+    const bool continuesRun = isInRun && (column > 0 || grid.wraps);
+    isInRun = isMissing(column);
+    if (!isInRun) continue;
+    if (!continuesRun) runs.push_back(0);
+    ++runs.back();
   }
-  endRun();
+  for (const std::size_t length : runs) {
+    counts.missing += length;
+    if (length > kLongRun) counts.inRuns += length;
+    if (length == 1) ++counts.single;
+  }
 }
 
-void countBeams(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
+// Counts the beams and returns of all rows, and the missing beams of rows below the horizon.
+void countBeams(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts) {
   for (std::uint32_t row = 0; row < grid.rows; ++row) {
     double elevations = 0;  // sum over the row's points (rad)
     std::uint32_t filled = 0;
@@ -111,13 +112,13 @@ struct LevelPlane {
   // Fits the plane to points by least squares.
   explicit LevelPlane(const std::vector<Vec3d>& points) {
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    Eigen::Vector3d products = Eigen::Vector3d::Zero();
     for (const Vec3d& p : points) {
       const Eigen::Vector3d row(p.x, p.y, 1);
       squares += row * row.transpose();
-      right += row * p.z;
+      products += row * p.z;
     }
-    coefficients = squares.ldlt().solve(right);
+    coefficients = squares.ldlt().solve(products);
   }
 
   double heightAbove(const Vec3d& p) const {
@@ -144,44 +145,45 @@ GroundCells cellsOf(const std::vector<Vec3d>& points, double size) {
 
 // Returns the points of the ground, which is the level surface below the sensor, in cells of kCell without objects;
 // nothing if they are too few. Fits a plane to the lowest point in each cell of 4 m, then three times a plane to the
-// points within 0.5 m of the previous plane.
+// points within 0.5 m of the previous plane. The limits were chosen by eye on street scenes.
 GroundCells groundOf(const Scan& scan, const RangeGrid& grid) {
-  constexpr double kBelow = 0.3, kOff = 0.5;  // least depth below the sensor, largest distance from a plane (m)
-  constexpr double kLargeCell = 4;            // m
-  constexpr std::size_t kFewest = 200, kFewestCells = 8;
+  constexpr double kLeastDepth = 0.3;    // m below the sensor
+  constexpr double kMostDistance = 0.5;  // m from the plane
+  constexpr double kLargeCell = 4;       // m
+  constexpr std::size_t kFewestPoints = 200, kFewestCells = 8;
   std::vector<Vec3d> points;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.point[i] == RangeGrid::kNone) continue;
     const Vec3d p(scan.position[grid.point[i]]);
-    if (p.z < -kBelow && std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
+    if (p.z < -kLeastDepth && std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
   }
-  if (points.size() < kFewest) return {};
+  if (points.size() < kFewestPoints) return {};
   std::vector<Vec3d> ground;
-  for (const auto& [cell, own] : cellsOf(points, kLargeCell)) {
-    ground.push_back(*std::ranges::min_element(own, {}, &Vec3d::z));
+  for (const auto& [cell, pointsInCell] : cellsOf(points, kLargeCell)) {
+    ground.push_back(*std::ranges::min_element(pointsInCell, {}, &Vec3d::z));
   }
   if (ground.size() < kFewestCells) return {};
   for (int round = 0; round < 3; ++round) {
     const LevelPlane plane(ground);
     ground.clear();
     std::ranges::copy_if(points, std::back_inserter(ground),
-                         [&](const Vec3d& p) { return std::fabs(plane.heightAbove(p)) < kOff; });
-    if (ground.size() < kFewest) return {};
+                         [&](const Vec3d& p) { return std::fabs(plane.heightAbove(p)) < kMostDistance; });
+    if (ground.size() < kFewestPoints) return {};
   }
   GroundCells cells = cellsOf(ground, kCell);
   std::erase_if(cells, [](const auto& cell) {
     const auto [low, high] = std::ranges::minmax_element(cell.second, {}, &Vec3d::z);
     return high->z - low->z > kObjectStep;
   });
-  std::size_t left = 0;
-  for (const auto& [cell, own] : cells) left += own.size();
-  return left < kFewest ? GroundCells() : cells;
+  std::size_t remainingPoints = 0;
+  for (const auto& [cell, pointsInCell] : cells) remainingPoints += pointsInCell.size();
+  return remainingPoints < kFewestPoints ? GroundCells() : cells;
 }
 
-// Moves the points of a cell to their mean. Returns false if they are nearly on a line, such as those of one ring, and
-// so do not determine a plane.
-bool centre(std::vector<Vec3d>& points) {
-  constexpr double kFewestSpread = 0.05;  // least standard deviation in x and in y (m)
+// Returns the points of a cell relative to their mean (m); nothing if they are nearly on a line, such as those of one
+// ring, so that they do not determine a plane.
+std::vector<Vec3d> centred(std::vector<Vec3d> points) {
+  constexpr double kLeastDeviation = 0.05;  // m, standard deviation in x and in y
   const double share = 1 / static_cast<double>(points.size());
   Vec3d middle, variance;
   for (const Vec3d& p : points) middle += p * share;
@@ -189,107 +191,117 @@ bool centre(std::vector<Vec3d>& points) {
     p = p - middle;
     variance += Vec3d{p.x * p.x, p.y * p.y, 0} * share;
   }
-  return std::sqrt(std::min(variance.x, variance.y)) >= kFewestSpread;
+  return std::sqrt(std::min(variance.x, variance.y)) >= kLeastDeviation ? points : std::vector<Vec3d>();
 }
 
-void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
+// Adds the slope, the residual and the relief of the scan's ground, if enough ground is found.
+void measureGround(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts) {
   constexpr std::size_t kFewestInCell = 6;
-  GroundCells cells = groundOf(scan, grid);
+  const GroundCells cells = groundOf(scan, grid);
   if (cells.empty()) return;
   std::vector<Vec3d> ground;
-  for (const auto& [cell, own] : cells) ground.insert(ground.end(), own.begin(), own.end());
+  for (const auto& [cell, points] : cells) ground.insert(ground.end(), points.begin(), points.end());
   const LevelPlane plane(ground);
   counts.slopes.push_back(std::hypot(plane.coefficients[0], plane.coefficients[1]));
   counts.residuals.push_back(plane.deviationOf(ground));
-  for (auto& [cell, own] : cells) {
-    if (own.size() >= kFewestInCell && centre(own)) counts.relief.push_back(LevelPlane(own).deviationOf(own));
+  for (const auto& [cell, points] : cells) {
+    if (points.size() < kFewestInCell) continue;
+    const std::vector<Vec3d> local = centred(points);
+    if (!local.empty()) counts.relief.push_back(LevelPlane(local).deviationOf(local));
   }
 }
 
-ScanCounts countScan(const Scan& scan, std::uint32_t number, const ScanSetOptions& options) {
+// `scanIndex`: index of the scan in its set.
+ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex, const ScanSetOptions& options) {
   const RangeGrid grid = rangeGrid(scan);
-  ScanCounts counts;
+  ScanMeasures counts;
   counts.rows = grid.rows;
   counts.knowsRings = grid.knowsRings;
   counts.knowsMisses = grid.knowsMisses;
   counts.labelled = !scan[kLabel].empty();
   countBeams(scan, grid, counts);
   measureGround(scan, grid, counts);
-  counts.patches = patchesOf(scan, grid, number, options.patchesPerScan);
+  counts.patches = patchesOf(scan, grid, scanIndex, options.patchesPerScan);
   return counts;
 }
 
-// Returns by how much `values` differ between rows of the grid: the standard deviation of the rows' medians over flat
-// patches, without the part that the medians' standard errors explain. Standard deviations are computed from medians
-// too, since a few rows are far off where the ground ends at a wall or a step.
+// Returns by how much the patches' values differ between rows of the grid: the standard deviation of the rows' medians
+// over flat patches, without the part that the medians' standard errors explain; NaN if too few rows have enough
+// patches. Standard deviations are computed from medians too, since a few rows are far off where the ground ends at a
+// wall or a step. `values`: one per patch, NaN if not measured.
 double spreadOverRows(const Patches& patches, const std::vector<float>& values) {
-  constexpr std::size_t kFewest = 30, kFewestRows = 4;
-  constexpr double kNormal = 1.4826;     // standard deviation / median absolute deviation, for normal distributions
-  constexpr double kOfMedian = kPi / 2;  // variance of the median / variance of the mean, for normal distributions
+  constexpr std::size_t kFewestInRow = 30, kFewestRows = 4;
+  // For normal distributions: standard deviation / median absolute deviation, and variance of the median / variance of
+  // the mean.
+  constexpr double kDeviationPerMad = 1.4826, kMedianVariance = kPi / 2;
   std::map<std::uint16_t, std::vector<float>> rows;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const bool flat = patches.kind[i] != PatchKind::Rough && patches.kind[i] != PatchKind::Sparse;
     if (flat && !std::isnan(values[i])) rows[patches.row[i]].push_back(values[i]);
   }
-  const auto spreadAbout = [](std::vector<float> list, double middle) {
-    for (float& v : list) v = static_cast<float>(std::fabs(static_cast<double>(v) - middle));
-    return kNormal * quantileOf(std::move(list), 0.5);
+  const auto deviationFrom = [](double median, std::vector<float> list) {
+    for (float& v : list) v = static_cast<float>(std::fabs(static_cast<double>(v) - median));
+    return kDeviationPerMad * quantileOf(std::move(list), 0.5);
   };
   std::vector<float> medians;
-  double chance = 0;
-  for (const auto& [row, ofRow] : rows) {
-    if (ofRow.size() < kFewest) continue;
-    const double median = quantileOf(ofRow, 0.5);
-    const double spread = spreadAbout(ofRow, median);
+  double errorVariances = 0;  // sum of the squared standard errors of the medians
+  for (const auto& [row, rowValues] : rows) {
+    if (rowValues.size() < kFewestInRow) continue;
+    const double median = quantileOf(rowValues, 0.5);
+    const double deviation = deviationFrom(median, rowValues);
     medians.push_back(static_cast<float>(median));
-    chance += kOfMedian * spread * spread / static_cast<double>(ofRow.size());
+    errorVariances += kMedianVariance * deviation * deviation / static_cast<double>(rowValues.size());
   }
   if (medians.size() < kFewestRows) return kNaN;
-  const double spread = spreadAbout(medians, quantileOf(medians, 0.5));
-  return std::sqrt(std::max(0.0, spread * spread - chance / static_cast<double>(medians.size())));
+  const double deviation = deviationFrom(quantileOf(medians, 0.5), medians);
+  return std::sqrt(std::max(0.0, deviation * deviation - errorVariances / static_cast<double>(medians.size())));
 }
 
+// Returns the figure of the set that has this name in kSetFigures.
 double& figureNamed(ScanSet& set, std::string_view name) {
   const auto found = std::ranges::find(kSetFigures, name, &ComparedFigure::name);
   if (found == kSetFigures.end()) throw Error(fmt::format("no figure '{}'", name));
   return set.figures[static_cast<std::size_t>(found - kSetFigures.begin())];
 }
 
+// Sets the figures that follow from the set's patches, as kSetFigures explains them.
 void addPatchFigures(ScanSet& set) {
+  constexpr float kFarthest = 35;  // m, largest range at which jumps are counted
+  constexpr float kLeastJump = 1;  // m
+  constexpr float kMixed = 0.1f;   // least distance of a mixed pixel from both surfaces, as a fraction of the edge
   const Patches& patches = set.patches;
   figureNamed(set, "median_range") = quantileOf(patches.range, 0.5);
-  std::uint64_t seen = 0, jumps = 0, edges = 0, mixed = 0;
+  std::uint64_t nearPoints = 0, jumps = 0, edges = 0, mixed = 0;
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    constexpr float kFarthest = 35, kApart = 0.1f;
-    const float jump = patches.of(Feature::Jump)[i];
+    const float jump = patches.of(Feature::Jump)[i];  // as a fraction of the range
     if (patches.range[i] < kFarthest && !std::isnan(jump)) {
-      ++seen;
-      jumps += jump * patches.range[i] > 1 ? 1 : 0;
+      ++nearPoints;
+      jumps += jump * patches.range[i] > kLeastJump ? 1 : 0;
     }
-    const float between = patches.of(Feature::Mixed)[i];
-    edges += std::isnan(between) ? 0 : 1;
-    mixed += between >= kApart ? 1 : 0;
+    const float fromSurface = patches.of(Feature::Mixed)[i];
+    edges += std::isnan(fromSurface) ? 0 : 1;
+    mixed += fromSurface >= kMixed ? 1 : 0;
   }
-  figureNamed(set, "jumps_1m") = shareOf(jumps, seen, kNaN);
+  figureNamed(set, "jumps_1m") = shareOf(jumps, nearPoints, kNaN);
   figureNamed(set, "mixed") = shareOf(mixed, edges, kNaN);
   figureNamed(set, "intensity_scatter") = quantileOf(patches.of(Feature::IntensityScatter), 0.5);
   figureNamed(set, "ring_offset") = spreadOverRows(patches, patches.ringOffset);
   figureNamed(set, "ring_gain") = spreadOverRows(patches, patches.ringGain);
 }
 
-// Combines the counts of all scans, in the order of the scans.
-ScanSet addUp(std::string name, std::vector<ScanCounts> ofScans, std::optional<Ontology> ontology) {
-  ScanCounts sum;
-  for (ScanCounts& scan : ofScans) sum.add(std::move(scan));
+// Combines the measures of all scans, in their order. Divides the intensities of patches by the set's median.
+ScanSet combine(std::string name, std::vector<ScanMeasures> scanMeasures, std::optional<Ontology> ontology) {
+  ScanMeasures sum;
+  for (ScanMeasures& scan : scanMeasures) sum.add(std::move(scan));
   ScanSet set;
   set.name = std::move(name);
-  set.scans = static_cast<std::uint32_t>(ofScans.size());
-  set.stored = ofScans.size();
+  set.scans = static_cast<std::uint32_t>(scanMeasures.size());
+  set.stored = scanMeasures.size();
   set.points = sum.points;
   set.rows = sum.rows;
   set.knowsRings = sum.knowsRings;
   set.knowsMisses = sum.knowsMisses;
-  set.labelled = ontology.has_value() && !ofScans.empty() && sum.labelled;
+  set.labelled = ontology.has_value() && !scanMeasures.empty() && sum.labelled;
   set.ontology = std::move(ontology);
   set.patches = std::move(sum.patches);
   set.figures.fill(kNaN);
@@ -312,24 +324,22 @@ ScanSet addUp(std::string name, std::vector<ScanCounts> ofScans, std::optional<O
   return set;
 }
 
-// Returns the name of the sensor to measure, and whether it is the wanted one. A set with one sensor is measured
-// whatever its sensor's name.
-std::pair<std::string, bool> sensorOf(const ScanStore& store, const std::string& wanted) {
-  const std::vector<std::string> sensors = store.sensors();
-  const bool found = std::ranges::any_of(sensors, [&](const auto& s) { return lowerCase(s) == lowerCase(wanted); });
-  if (!wanted.empty() && (sensors.size() > 1 || found)) return {wanted, found};
-  return {store.manifest() != nullptr ? store.manifest()->sensors.front().name : store.scans(0).front().sensor, found};
+// Returns the name of the sensor to measure: the requested one, or the first if none is requested. A set with one
+// sensor is measured whatever its sensor's name.
+std::string sensorToMeasure(const ScanStore& store, const std::string& requested, bool isFound) {
+  if (!requested.empty() && (store.sensors().size() > 1 || isFound)) return requested;
+  return store.manifest() != nullptr ? store.manifest()->sensors.front().name : store.scans(0).front().sensor;
 }
 
-// Returns the samples with a scan of the sensor: sensors that turn more slowly than frames follow each other do not
-// have one in each sample. Throws InputError if there are none.
+// Returns the indices of the samples with a scan of the sensor: not all, if a revolution of the sensor takes longer
+// than a frame. An empty name means any sensor. Throws InputError if there are none.
 std::vector<std::size_t> samplesWith(const ScanStore& store, const std::string& sensor) {
   std::vector<std::size_t> samples;
   const auto isOfSensor = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(sensor); };
   for (std::size_t i = 0; i < store.keys().size(); ++i) {
     if (sensor.empty() || std::ranges::any_of(store.scans(i), isOfSensor)) samples.push_back(i);
   }
-  if (samples.empty()) static_cast<void>(store.scans(0, sensor));  // throws
+  if (samples.empty()) static_cast<void>(store.scans(0, sensor));  // throws, since no sample has the sensor
   return samples;
 }
 
@@ -347,20 +357,23 @@ std::string comparedBandName(std::size_t band) {
 
 ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
                      const ScanSetOptions& options) {
-  std::vector<ScanCounts> ofScans(scans.size());
+  std::vector<ScanMeasures> scanMeasures(scans.size());
   parallelFor(scans.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) ofScans[i] = countScan(scans[i], static_cast<std::uint32_t>(i), options);
+    for (std::size_t i = first; i < last; ++i)
+      scanMeasures[i] = measureScan(scans[i], static_cast<std::uint32_t>(i), options);
   });
-  return addUp(std::move(name), std::move(ofScans), std::move(ontology));
+  return combine(std::move(name), std::move(scanMeasures), std::move(ontology));
 }
 
 ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& options, Progress& progress) {
   const ScanStore store(path);
   if (store.keys().empty()) throw InputError({path.string()}, "has no scans");
-  const auto [sensor, found] = sensorOf(store, options.sensor);
+  const auto isRequested = [&](const auto& name) { return lowerCase(name) == lowerCase(options.sensor); };
+  const bool foundSensor = std::ranges::any_of(store.sensors(), isRequested);
+  const std::string sensor = sensorToMeasure(store, options.sensor, foundSensor);
   const std::vector<std::size_t> samples = samplesWith(store, sensor);
   const std::size_t count = std::min(options.scans, samples.size());
-  std::vector<ScanCounts> ofScans(count);
+  std::vector<ScanMeasures> scanMeasures(count);
   // Process a few scans at a time, to show progress and to limit memory use.
   const auto batch = static_cast<std::size_t>(std::max(1, threadCount()));
   for (std::size_t start = 0; start < count; start += batch) {
@@ -369,19 +382,19 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
       for (std::size_t k = start + first; k < start + last; ++k) {
         const std::size_t sample = samples[k * samples.size() / count];
         const Scan scan = store.decode(sample, store.scans(sample, sensor).front());
-        ofScans[k] = countScan(scan, static_cast<std::uint32_t>(k), options);
+        scanMeasures[k] = measureScan(scan, static_cast<std::uint32_t>(k), options);
       }
     });
     double points = 0;
-    for (std::size_t k = start; k < start + size; ++k) points += static_cast<double>(ofScans[k].points);
+    for (std::size_t k = start; k < start + size; ++k) points += static_cast<double>(scanMeasures[k].points);
     progress.advance(size, points);
     if (options.stop != nullptr && *options.stop) throw Error("stopped: nothing was written");
   }
   std::optional<Ontology> ontology;
   if (store.ontology() != nullptr) ontology = *store.ontology();
-  ScanSet set = addUp(lastName(path), std::move(ofScans), std::move(ontology));
+  ScanSet set = combine(lastName(path), std::move(scanMeasures), std::move(ontology));
   set.stored = store.keys().size();
-  set.foundSensor = found;
+  set.foundSensor = foundSensor;
   if (set.points == 0) throw InputError({path.string()}, "has only scans without points, which cannot be compared");
   return set;
 }

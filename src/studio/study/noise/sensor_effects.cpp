@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "config/fields.h"
 #include "config/file_kind.h"
-#include "config/named_options.h"
 #include "config/value.h"
 #include "study/noise/fit_noise.h"
 

@@ -20,32 +20,33 @@ namespace {
 
 using ObjectCloud = std::vector<Vec3f>;  // points relative to the object's centre, along the world's axes (m)
 
-ObjectCloud cropToObject(const Scan& scan, const Shot& shot, const BoxedObject& thing, double margin) {
+// Returns the points of a scan that are within `margin` (m) of the object's bounding box. `shot`: the shot of the scan.
+ObjectCloud cropToObject(const Scan& scan, const Shot& shot, const BoxedObject& object, double margin) {
   ObjectCloud cloud;
-  const Vec3d middle = thing.center();
+  const Vec3d center = object.center();
   for (std::size_t i = 0; i < scan.size(); ++i) {
     // A point is in the sensor's frame at the time of its column, or at the start of the revolution if it is deskewed.
     const std::size_t step = shot.deskew ? 0 : shot.stepOf(scan[kColumn][i]);
     const Vec3d p = shot.worldFromSensor[step] * Vec3d(scan.position[i]);
-    if (thing.distance(p) <= margin) cloud.push_back(static_cast<Vec3f>(p - middle));
+    if (object.distance(p) <= margin) cloud.push_back(static_cast<Vec3f>(p - center));
   }
   return cloud;
 }
 
-// Two scans from one pose. `source` and `target` are indices into the clouds: level * number of scans + scan.
-struct ScanPair {
+// Two clouds from one pose: indices in the result of cloudsOf(), which are noise level * number of scans + scan.
+struct CloudPair {
   std::size_t source, target;
 };
 
-// Returns all ordered pairs, sorted by source level, target level, source and target. Pairs with the same seed are left
-// out, since their random numbers are the same.
-std::vector<ScanPair> scanPairs(std::size_t levels, std::size_t scans) {
-  std::vector<ScanPair> pairs;
-  for (std::size_t a = 0; a < levels; ++a) {
-    for (std::size_t b = 0; b < levels; ++b) {
-      for (std::size_t i = 0; i < scans; ++i) {
-        for (std::size_t j = 0; j < scans; ++j) {
-          if (i != j) pairs.push_back({a * scans + i, b * scans + j});
+// Returns all ordered pairs, sorted by source level, target level, source scan and target scan. Two scans with the same
+// index have the same seed; they form no pair, since their random numbers are the same.
+std::vector<CloudPair> cloudPairs(std::size_t levels, std::size_t scans) {
+  std::vector<CloudPair> pairs;
+  for (std::size_t sourceLevel = 0; sourceLevel < levels; ++sourceLevel) {
+    for (std::size_t targetLevel = 0; targetLevel < levels; ++targetLevel) {
+      for (std::size_t source = 0; source < scans; ++source) {
+        for (std::size_t target = 0; target < scans; ++target) {
+          if (source != target) pairs.push_back({sourceLevel * scans + source, targetLevel * scans + target});
         }
       }
     }
@@ -61,16 +62,18 @@ class RepeatabilityRun {
         options_(options),
         choice_(readRepeatabilityChoice(plan.pipeline)),
         channels_(repeatabilityChannels(plan.pipeline)),
-        pairs_(scanPairs(choice_.levels.size(), choice_.scans)),
+        pairs_(cloudPairs(choice_.levels.size(), choice_.scans)),
         progress_("repeatability", choice_.methods.size() * plan.pipeline.sensors.size() * plan.pipeline.frames(),
                   "poses", "poses", options.quiet) {}
 
+  // Measures every sequence with every method. Scenes are loaded once per sequence, so the loop over sequences is the
+  // outer one, while the result has the views of a method together.
   Repeatability run() {
     describe();
     const Pipeline& pipeline = plan_.pipeline;
     std::unique_ptr<Scene> scene;
     std::vector<std::unique_ptr<Method>> methods;
-    std::vector<BoxedObject> things;
+    std::vector<BoxedObject> objects;
     const std::size_t sensors = pipeline.sensors.size();
     for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
       const Sequence& sequence = pipeline.sequences[s];
@@ -79,16 +82,16 @@ class RepeatabilityRun {
         scene = std::make_unique<Scene>(source_.load(s));
         standStill(*scene, 0);
         for (const MethodSetting& setting : choice_.methods) methods.push_back(makeMethod(setting.choice, *scene));
-        things = boxedObjects(*scene);
+        objects = boxedObjects(*scene);
       }
       for (std::size_t m = 0; m < methods.size(); ++m) {
         const std::size_t firstView = (m * pipeline.sequences.size() + s) * sensors;
         for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) {
           const std::vector<Shot> shots = source_.frame(s, frame).shots;
           for (std::size_t sensor = 0; sensor < sensors; ++sensor) {
-            const Vec3d from = shots[sensor].worldFromSensor.front().translation;
-            const BoxedObject& thing = objectToScan(things, choice_.object, from, *scene);
-            result_.views[firstView + sensor].poses.push_back(measurePose(*methods[m], *scene, shots[sensor], thing));
+            const Vec3d sensorPosition = shots[sensor].worldFromSensor.front().translation;
+            const BoxedObject& object = objectToScan(objects, choice_.object, sensorPosition, *scene);
+            result_.views[firstView + sensor].poses.push_back(measurePose(*methods[m], *scene, shots[sensor], object));
             progress_.advance(1, 1);
           }
         }
@@ -100,7 +103,8 @@ class RepeatabilityRun {
   }
 
  private:
-  // Sets all members of the result but the measurements, with one view for each method, sequence and sensor.
+  // Sets all members of the result but the measurements. Adds an empty view for each method, sequence and sensor; the
+  // sensor changes fastest.
   void describe() {
     const Pipeline& pipeline = plan_.pipeline;
     result_.programVersion = kVersion;
@@ -122,10 +126,10 @@ class RepeatabilityRun {
           view.method = m;
           view.sensor = fmt::format("{} ({}{}{} x {} beams)", sensor.name, beams.model, beams.model.empty() ? "" : ", ",
                                     beams.rings, beams.columns);
-          const bool seeds = std::ranges::any_of(pipeline.sequences, [&](const Sequence& q) {
-            return q.scene == sequence.scene && q.sceneSeed != sequence.sceneSeed;
+          const bool severalSeeds = std::ranges::any_of(pipeline.sequences, [&](const Sequence& other) {
+            return other.scene == sequence.scene && other.sceneSeed != sequence.sceneSeed;
           });
-          view.name = seeds ? fmt::format("{} {}", sequence.scene, sequence.sceneSeed) : sequence.scene;
+          view.name = severalSeeds ? fmt::format("{} {}", sequence.scene, sequence.sceneSeed) : sequence.scene;
           view.name += " " + sequence.trajectoryName;
           if (pipeline.sensors.size() > 1) view.name += " " + sensor.name;
         }
@@ -133,26 +137,25 @@ class RepeatabilityRun {
     }
   }
 
+  // Warns if the object has no points at any noise level from some poses of a view.
   void warnOfPosesWithoutPoints() {
-    constexpr std::size_t kShown = 5;
+    constexpr std::size_t kShownPoses = 5;
     for (const RepeatedView& view : result_.views) {
-      std::vector<std::string> blind;
+      std::vector<std::string> blindPoses;  // frame and distance of each pose without points
       std::string object;
       for (const RepeatedPose& pose : view.poses) {
-        if (std::ranges::any_of(pose.points, [](const PointCount& c) { return c.most > 0; })) {
-          continue;
-        }
-        blind.push_back(fmt::format("{} ({:.4g} m)", pose.frame, pose.distance));
+        if (std::ranges::any_of(pose.points, [](const PointCount& c) { return c.most > 0; })) continue;
+        blindPoses.push_back(fmt::format("{} ({:.4g} m)", pose.frame, pose.distance));
         object = pose.object;
       }
-      if (blind.empty()) continue;
-      const std::size_t count = blind.size();
-      blind.resize(std::min(count, kShown));
+      if (blindPoses.empty()) continue;
+      const std::size_t count = blindPoses.size();
+      blindPoses.resize(std::min(count, kShownPoses));
       result_.warnings.push_back(
           fmt::format("{}{}: no point hits {} from {} of {} poses: frame {}{}; is the object in the sensor's field and "
                       "not occluded?",
                       view.name, result_.methods.size() > 1 ? ", " + result_.methods[view.method] : "", object, count,
-                      view.poses.size(), fmt::join(blind, ", "), count > kShown ? ", ..." : ""));
+                      view.poses.size(), fmt::join(blindPoses, ", "), count > kShownPoses ? ", ..." : ""));
     }
   }
 
@@ -160,40 +163,40 @@ class RepeatabilityRun {
   // warning, since equal scans are then intended.
   void warnOfNoiseThatMovesNothing() {
     for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
-      std::vector<std::string> names;
+      std::vector<std::string> effectNames;
       for (std::size_t s = 0; s < plan_.pipeline.sensors.size(); ++s) {
         for (const ChosenEffect& effect : *choice_.levels[level].effects[s]) {
-          appendNew({std::string(effect.entry->name)}, names);
+          appendNew({std::string(effect.entry->name)}, effectNames);
         }
       }
-      if (names.empty() && choice_.levels[level].named) continue;
-      bool any = false;
-      bool moves = false;
+      if (effectNames.empty() && !choice_.levels[level].fromPipeline) continue;
+      bool anyPair = false;
+      bool scansDiffer = false;
       for (const RepeatedView& view : result_.views) {
         for (const RepeatedPose& pose : view.poses) {
-          const FitnessSpread& same = result_.at(pose, level, level).unmoved;
-          any = any || same.count > 0;
-          moves = moves || same.high > 0;
+          const FitnessSpread& withinLevel = result_.at(pose, level, level).unmoved;
+          anyPair = anyPair || withinLevel.count > 0;
+          scansDiffer = scansDiffer || withinLevel.high > 0;
         }
       }
-      if (!any || moves) continue;
+      if (!anyPair || scansDiffer) continue;
       result_.warnings.push_back(fmt::format(
           "noise '{}': no effect of this noise moves points ({}), so that its scans are all the same: give shell, "
           "range_noise or angular_jitter",
-          result_.levels[level], names.empty() ? "it has no effects" : fmt::format("{}", fmt::join(names, ", "))));
+          result_.levels[level],
+          effectNames.empty() ? "it has no effects" : fmt::format("{}", fmt::join(effectNames, ", "))));
     }
   }
 
   bool stopped() const { return options_.stop != nullptr && *options_.stop; }
 
-  // Returns the object's points in the scans with all noise levels and seeds. Traces once, since the hits are the same
-  // for all.
-  std::vector<ObjectCloud> scansOf(const Method& method, const Scene& scene, const Shot& shot,
-                                   const BoxedObject& thing) const {
+  // Returns the object's points in each scan of the shot, by noise level, then by seed (see CloudPair). Traces once,
+  // since noise does not change the hits.
+  std::vector<ObjectCloud> cloudsOf(const Method& method, const Scene& scene, const Shot& shot,
+                                    const BoxedObject& object) const {
     Hits hits;
     method.trace(shot, channels_, hits);
-    const std::size_t levels = choice_.levels.size();
-    std::vector<ObjectCloud> clouds(levels * choice_.scans);
+    std::vector<ObjectCloud> clouds(choice_.levels.size() * choice_.scans);
     parallelFor(clouds.size(), choice_.scans, [&](std::size_t first, std::size_t last) {
       Shot repeated = shot;
       Returns scratch;
@@ -203,14 +206,16 @@ class RepeatabilityRun {
         const Effects& effects = *choice_.levels[c / choice_.scans].effects[shot.sensor];
         senseShot({method, channels_, {effects, scene.materials, repeatabilityLayout()}}, repeated, hits, scratch,
                   scan);
-        clouds[c] = cropToObject(scan, repeated, thing, choice_.margin);
+        clouds[c] = cropToObject(scan, repeated, object, choice_.margin);
       }
     });
     return clouds;
   }
 
-  RepeatedPose measurePose(const Method& method, const Scene& scene, const Shot& shot, const BoxedObject& thing) const {
-    const std::vector<ObjectCloud> clouds = scansOf(method, scene, shot, thing);
+  // Scans the object repeatedly from the pose of the shot and registers all pairs of scans.
+  RepeatedPose measurePose(const Method& method, const Scene& scene, const Shot& shot,
+                           const BoxedObject& object) const {
+    const std::vector<ObjectCloud> clouds = cloudsOf(method, scene, shot, object);
     std::vector<Registered> registered(pairs_.size());
     parallelFor(pairs_.size(), 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t p = first; p < last && !stopped(); ++p) {
@@ -219,19 +224,23 @@ class RepeatabilityRun {
     });
     if (stopped()) throw Error("stopped: nothing was written");
 
-    RepeatedPose pose{shot.frame, thing.name(), thing.distance(shot.worldFromSensor.front().translation), {}, {}};
-    for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
-      pose.points.push_back(countPoints(std::span(clouds).subspan(level * choice_.scans, choice_.scans)));
+    RepeatedPose pose{.frame = shot.frame,
+                      .object = object.name(),
+                      .distance = object.distance(shot.worldFromSensor.front().translation)};
+    for (std::size_t first = 0; first < clouds.size(); first += choice_.scans) {
+      pose.points.push_back(countPoints(std::span(clouds).subspan(first, choice_.scans)));
     }
-    const std::size_t perCell = std::size_t{choice_.scans} * (choice_.scans - 1);
-    for (std::size_t first = 0; first < registered.size(); first += perCell) {
-      pose.fitness.push_back(fitnessOf(std::span(registered).subspan(first, perCell)));
+    // The pairs of one source level and one target level follow each other.
+    const std::size_t pairsOfLevels = std::size_t{choice_.scans} * (choice_.scans - 1);
+    for (std::size_t first = 0; first < registered.size(); first += pairsOfLevels) {
+      pose.fitness.push_back(fitnessOf(std::span(registered).subspan(first, pairsOfLevels)));
     }
     return pose;
   }
 
+  // `clouds`: the object's points in all scans with one noise level; at least one scan.
   static PointCount countPoints(std::span<const ObjectCloud> clouds) {
-    PointCount count{0, clouds.front().size(), 0};
+    PointCount count{.mean = 0, .least = clouds.front().size(), .most = 0};
     for (const ObjectCloud& cloud : clouds) {
       count.mean += static_cast<double>(cloud.size()) / static_cast<double>(clouds.size());
       count.least = std::min<std::uint64_t>(count.least, cloud.size());
@@ -240,17 +249,15 @@ class RepeatabilityRun {
     return count;
   }
 
+  // Returns the statistics of pairs of scans. Pairs without a fitness, and in `registered` those for which ICP found no
+  // motion, count only in `pairs`.
   static LevelFitness fitnessOf(std::span<const Registered> pairs) {
-    std::vector<std::optional<double>> after, before;
-    LevelFitness cell;
-    for (const Registered& r : pairs) {
-      after.push_back(r.moved ? r.fitness : std::nullopt);
-      before.push_back(r.unmoved);
+    std::vector<std::optional<double>> registered, unmoved;
+    for (const Registered& pair : pairs) {
+      registered.push_back(pair.moved ? pair.fitness : std::nullopt);
+      unmoved.push_back(pair.unmoved);
     }
-    cell.pairs = pairs.size();
-    cell.registered = fitnessSpread(after);
-    cell.unmoved = fitnessSpread(before);
-    return cell;
+    return {.registered = fitnessSpread(registered), .unmoved = fitnessSpread(unmoved), .pairs = pairs.size()};
   }
 
   const Plan& plan_;
@@ -258,7 +265,7 @@ class RepeatabilityRun {
   const RepeatabilityOptions& options_;
   RepeatabilityChoice choice_;
   Channels channels_;
-  std::vector<ScanPair> pairs_;
+  std::vector<CloudPair> pairs_;
   Progress progress_;
   Repeatability result_;
 };

@@ -33,9 +33,9 @@ struct LevelFitness {
 struct RepeatedPose {
   std::uint32_t frame = 0;
   std::string object;
-  double distance = 0;                // distance from the sensor to the object's bounding box (m)
-  std::vector<PointCount> points;     // one per noise level
-  std::vector<LevelFitness> fitness;  // index: source level * number of levels + target level
+  double distance = 0;                  // distance from the sensor to the object's bounding box (m)
+  std::vector<PointCount> points{};     // one per noise level
+  std::vector<LevelFitness> fitness{};  // index: source level * number of levels + target level
 };
 
 struct RepeatedView {

@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kMostLevels = 32;
 constexpr std::int64_t kMostScans = 100;
 
+// Reads the list `repeatability.noise`. The names of levels must differ, since `reference` names one of them.
 std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
     throw InputError(list.where,
@@ -48,7 +49,8 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
   return levels;
 }
 
-std::size_t levelNamed(const std::vector<NoiseLevel>& levels, const Value& value) {
+// Returns the index of the level that `repeatability.reference` names.
+std::size_t readReference(const Value& value, const std::vector<NoiseLevel>& levels) {
   const std::string name = readText(value, "repeatability.reference");
   std::vector<std::string> names;
   for (const NoiseLevel& level : levels) {
@@ -69,12 +71,6 @@ IcpOptions readIcp(const Value& value) {
   return icp;
 }
 
-std::vector<MethodSetting> pipelinesOwnMethod(const Pipeline& pipeline) {
-  const std::string name(pipeline.method.entry->name);
-  const Value& options = pipeline.method.options;
-  return {{{settingName(name, options), name, flowText(options)}, pipeline.method}};
-}
-
 }  // namespace
 
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
@@ -85,14 +81,19 @@ RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
   if (const Value* levels = fields.find("noise")) {
     choice.levels = readLevels(*levels, pipeline);
   } else {
-    NoiseLevel& own = choice.levels.emplace_back();
-    own.name = "the pipeline's effects";
-    own.named = false;
-    for (const MountedSensor& sensor : pipeline.sensors) own.effects.push_back(sensor.effects);
+    NoiseLevel& level = choice.levels.emplace_back();
+    level.name = "the pipeline's effects";
+    level.fromPipeline = true;
+    for (const MountedSensor& sensor : pipeline.sensors) level.effects.push_back(sensor.effects);
   }
-  if (const Value* reference = fields.find("reference")) choice.reference = levelNamed(choice.levels, *reference);
-  const Value* methods = fields.find("methods");
-  choice.methods = methods == nullptr ? pipelinesOwnMethod(pipeline) : readSettings(*methods, "repeatability.methods");
+  if (const Value* reference = fields.find("reference")) choice.reference = readReference(*reference, choice.levels);
+  if (const Value* methods = fields.find("methods")) {
+    choice.methods = readSettings(*methods, "repeatability.methods");
+  } else {
+    const std::string name(pipeline.method.entry->name);
+    const Value& options = pipeline.method.options;
+    choice.methods = {{{settingName(name, options), name, flowText(options)}, pipeline.method}};
+  }
   choice.object = fields.text("object", "");
   choice.margin = fields.number("margin_m", {0, 1000}, choice.margin);
   if (const Value* icp = fields.find("icp")) choice.icp = readIcp(*icp);
@@ -114,44 +115,44 @@ Channels repeatabilityChannels(const Pipeline& pipeline) {
 BoxedObject::BoxedObject(std::string name, const Affine& worldFromMesh, const Box& box)
     : name_(std::move(name)), worldFromMesh_(worldFromMesh), meshFromWorld_(inverse(worldFromMesh)), box_(box) {}
 
-double BoxedObject::distance(const Vec3d& point) const {
-  const Vec3d p = meshFromWorld_ * point;
-  const Vec3d inside{std::clamp(p.x, box_.low.x, box_.high.x), std::clamp(p.y, box_.low.y, box_.high.y),
-                     std::clamp(p.z, box_.low.z, box_.high.z)};
-  return length(worldFromMesh_.linear * (p - inside));
+double BoxedObject::distance(const Vec3d& worldPoint) const {
+  const Vec3d p = meshFromWorld_ * worldPoint;
+  const Vec3d nearestInBox{std::clamp(p.x, box_.low.x, box_.high.x), std::clamp(p.y, box_.low.y, box_.high.y),
+                           std::clamp(p.z, box_.low.z, box_.high.z)};
+  return length(worldFromMesh_.linear * (p - nearestInBox));
 }
 
 std::vector<BoxedObject> boxedObjects(const Scene& scene) {
   std::vector<std::vector<Box>> boxes;  // indexed by mesh and object
   for (const Mesh& mesh : scene.meshes) boxes.push_back(objectBoxes(mesh));
-  std::vector<BoxedObject> things;
+  std::vector<BoxedObject> objects;
   for (const Instance& instance : scene.instances) {
     for (const Box& box : boxes[instance.mesh]) {
-      if (!box.empty()) things.emplace_back(instance.name, instance.worldFromMesh, box);
+      if (!box.empty()) objects.emplace_back(instance.name, instance.worldFromMesh, box);
     }
   }
-  return things;
+  return objects;
 }
 
-const BoxedObject& objectToScan(const std::vector<BoxedObject>& things, const std::string& name, const Vec3d& from,
-                                const Scene& scene) {
-  const BoxedObject* nearestThing = nullptr;
-  double least = 0;
-  std::vector<std::string> names;
-  for (const BoxedObject& thing : things) {
-    appendNew({thing.name()}, names);
-    if (!name.empty() && thing.name() != name) continue;
-    const double distance = thing.distance(from);
-    if (nearestThing != nullptr && distance >= least) continue;
-    nearestThing = &thing;
-    least = distance;
+const BoxedObject& objectToScan(const std::vector<BoxedObject>& objects, const std::string& name,
+                                const Vec3d& sensorPosition, const Scene& scene) {
+  const BoxedObject* nearest = nullptr;
+  double leastDistance = 0;  // of `nearest`
+  std::vector<std::string> objectNames;
+  for (const BoxedObject& object : objects) {
+    appendNew({object.name()}, objectNames);
+    if (!name.empty() && object.name() != name) continue;
+    const double distance = object.distance(sensorPosition);
+    if (nearest != nullptr && distance >= leastDistance) continue;
+    nearest = &object;
+    leastDistance = distance;
   }
-  if (nearestThing != nullptr) return *nearestThing;
-  if (things.empty()) {
+  if (nearest != nullptr) return *nearest;
+  if (objects.empty()) {
     throw InputError({scene.file.string()},
                      "has no thing to scan repeatedly: give an object a class of things, such as `object` or `car`");
   }
-  throw InputError({scene.file.string()}, fmt::format("has no thing '{}'{}", name, suggestion(name, names)));
+  throw InputError({scene.file.string()}, fmt::format("has no thing '{}'{}", name, suggestion(name, objectNames)));
 }
 
 }  // namespace scanmill

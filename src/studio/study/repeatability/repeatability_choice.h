@@ -31,13 +31,13 @@ namespace scanmill {
 struct NoiseLevel {
   std::string name;
   std::vector<std::shared_ptr<const Effects>> effects;  // one list per sensor
-  bool named = true;                                    // false: the level has the pipeline's effects and no name
+  bool fromPipeline = false;                            // true: `noise` is absent; the level has the pipeline's effects
 };
 
 struct RepeatabilityChoice {
   std::uint32_t scans = 5;
   std::vector<NoiseLevel> levels;
-  std::size_t reference = 0;  // index of the reference level in `levels`
+  std::size_t reference = 0;  // index in `levels` of the level that the first charts show
   std::vector<MethodSetting> methods;
   std::string object;   // name of an object; empty: the object nearest to the sensor
   double margin = 0.1;  // distance (m) from the object's bounding box within which points are kept
@@ -62,7 +62,7 @@ class BoxedObject {
   Vec3d center() const { return worldFromMesh_ * box_.center(); }
   // Returns the distance (m) from a point in the world frame to the bounding box; 0 inside of the box. The result is
   // exact if the mesh's axes are perpendicular in the world frame too.
-  double distance(const Vec3d& point) const;
+  double distance(const Vec3d& worldPoint) const;
 
  private:
   std::string name_;
@@ -73,9 +73,10 @@ class BoxedObject {
 // Returns all object instances of a scene, sorted by instance id.
 std::vector<BoxedObject> boxedObjects(const Scene& scene);
 
-// Returns the object with this name that is nearest to the point `from` (world frame, m); if the name is empty, the
-// nearest of all objects. Throws InputError with the scene's name if there is no such object.
-const BoxedObject& objectToScan(const std::vector<BoxedObject>& things, const std::string& name, const Vec3d& from,
-                                const Scene& scene);
+// Returns the object with this name that is nearest to the sensor's position (world frame, m); if the name is empty,
+// the nearest of all objects. `scene`: the scene of the objects, which messages name. Throws InputError if no object
+// has the name, or if the scene has no objects.
+const BoxedObject& objectToScan(const std::vector<BoxedObject>& objects, const std::string& name,
+                                const Vec3d& sensorPosition, const Scene& scene);
 
 }  // namespace scanmill

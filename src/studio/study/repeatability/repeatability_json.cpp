@@ -17,6 +17,7 @@ OrderedJson spreadJson(const FitnessSpread& spread) {
           {"max", spread.high}};
 }
 
+// Returns a pose with the points at each noise level and the fitness between each two levels.
 OrderedJson poseJson(const Repeatability& result, const RepeatedPose& pose) {
   OrderedJson json{{"frame", pose.frame}, {"object", pose.object}, {"distance_m", pose.distance}};
   json["points"] = OrderedJson::array();

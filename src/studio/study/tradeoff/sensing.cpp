@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stage_clock.h"
-#include "config/named_options.h"
+#include "config/fields.h"
 #include "pipeline/read/effects.h"
 #include "pipeline/run/run_shot.h"
 #include "study/tradeoff/study.h"

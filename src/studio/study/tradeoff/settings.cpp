@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "config/fields.h"
-#include "config/named_options.h"
 
 namespace scanmill {
 

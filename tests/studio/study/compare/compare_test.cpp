@@ -146,7 +146,7 @@ TEST(Compare, ClassesMeetByTheirNamesAndAliases) {
   const SetComparison found =
       compareSets(measureScans("a", flawedScans({}, 1), real, {}), measureScans("b", scans, other, {}));
   ASSERT_TRUE(found.byClass);
-  EXPECT_THAT(found.unknown, ElementsAre("lamp"));
+  EXPECT_THAT(found.unknownClasses, ElementsAre("lamp"));
   for (const GroupComparison& group : found.groups) {
     if (group.name == "ground" || group.name == "wall") {
       EXPECT_NEAR(group.realShare, group.simulatedShare, 0.02) << group.name;
@@ -170,7 +170,7 @@ TEST(Compare, TheCoarserClassesHoldWhicheverSetComesFirst) {
   const auto other = [&] { return measureScans("coarse", scans, coarse, {}); };
   for (const SetComparison& found : {compareSets(fine(), other()), compareSets(other(), fine())}) {
     ASSERT_TRUE(found.byClass);
-    EXPECT_TRUE(found.unknown.empty());
+    EXPECT_TRUE(found.unknownClasses.empty());
     ASSERT_EQ(found.groups.size(), 2u);
     for (const GroupComparison& group : found.groups) EXPECT_NEAR(group.realShare, group.simulatedShare, 0.02);
   }
