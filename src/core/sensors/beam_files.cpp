@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -13,32 +14,33 @@
 namespace scanmill {
 namespace {
 
-// Returns the rows of a table in the order of its channels, or as they are if it has none. Channels are numbered from
-// 1, or from 0 if the table has a channel 0.
+constexpr std::array<std::string_view, 4> kChannelNames{"channel", "laserid", "laser_id", "ring"};
+
+// Returns the indices of a table's rows, sorted by channel, or in the file's order if the table has no channels.
+// Channels are numbered without gaps from 1, or from 0 if the table has a channel 0; otherwise InputError is thrown.
 std::vector<std::size_t> rowsByChannel(const TextTable& table) {
   std::vector<std::size_t> rows(table.size());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
-  const auto name = std::find_if(table.names().begin(), table.names().end(), [](const std::string& n) {
-    return n == "channel" || n == "laserid" || n == "laser_id" || n == "ring";
-  });
+  const auto name = std::ranges::find_first_of(table.names(), kChannelNames);
   if (name == table.names().end()) return rows;
   std::vector<double> channels;
   for (std::size_t row = 0; row < table.size(); ++row) channels.push_back(table.number(row, *name));
-  const double least = std::find(channels.begin(), channels.end(), 0) == channels.end() ? 1 : 0;
-  std::vector<bool> known(table.size());
+  const double firstChannel = std::ranges::find(channels, 0) == channels.end() ? 1 : 0;
+  const double lastChannel = firstChannel + static_cast<double>(table.size()) - 1;
+  std::vector<bool> isTaken(table.size());  // by channel, from the first one
   for (std::size_t row = 0; row < table.size(); ++row) {
-    const double at = channels[row] - least;
-    if (at != std::floor(at) || at < 0 || at >= static_cast<double>(table.size())) {
+    const double channel = channels[row];
+    if (channel != std::floor(channel) || channel < firstChannel || channel > lastChannel) {
       throw InputError(table.where(row),
                        fmt::format("has the channel {:g}, but a table of {} lines has the channels {:g} to {:g}",
-                                   channels[row], table.size(), least, least + static_cast<double>(table.size()) - 1));
+                                   channel, table.size(), firstChannel, lastChannel));
     }
-    const auto place = static_cast<std::size_t>(at);
-    if (known[place]) {
+    const auto index = static_cast<std::size_t>(channel - firstChannel);
+    if (isTaken[index]) {
       throw InputError(table.where(row), "has the channel of an earlier line: give each channel one line");
     }
-    known[place] = true;
-    rows[place] = row;
+    isTaken[index] = true;
+    rows[index] = row;
   }
   return rows;
 }
@@ -59,55 +61,56 @@ const FormatSupport& beamTableFormat() {
 
 std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   const TextTable table(file);
-  const bool own = table.has("elevation_deg");
-  if (!own && !table.has("elevation")) {
+  // A table of Hesai's, whose azimuths are clockwise, has the column elevation instead of elevation_deg.
+  const bool hesai = !table.has("elevation_deg");
+  if (hesai && !table.has("elevation")) {
     throw InputError(table.head(),
                      "must name the columns, such as Channel,Elevation,Azimuth (Hesai) or "
                      "elevation_deg,azimuth_offset_deg");
   }
-  std::vector<std::string> known{"channel", "laserid", "laser_id", "ring"};
-  if (own) {
-    known.insert(known.end(),
-                 {"elevation_deg", "azimuth_offset_deg", "origin_left_m", "origin_up_m", "firing_time_us"});
+  std::vector<std::string> columns(kChannelNames.begin(), kChannelNames.end());
+  if (hesai) {
+    columns.insert(columns.end(), {"elevation", "azimuth"});
   } else {
-    known.insert(known.end(), {"elevation", "azimuth"});
+    columns.insert(columns.end(),
+                   {"elevation_deg", "azimuth_offset_deg", "origin_left_m", "origin_up_m", "firing_time_us"});
   }
-  table.expectOnly(known);
+  table.expectOnly(columns);
   std::vector<Laser> lasers;
   for (const std::size_t row : rowsByChannel(table)) {
-    const auto figure = [&](const char* name, double most) { return table.number(row, name, {-most, most}); };
-    if (own) {
-      lasers.push_back({figure("elevation_deg", 90), std::remainder(figure("azimuth_offset_deg", 360), 360.0),
-                        figure("origin_left_m", 10), figure("origin_up_m", 10), figure("firing_time_us", 1e8)});
-    } else {
-      lasers.push_back({figure("elevation", 90), std::remainder(0 - figure("azimuth", 360), 360.0), 0, 0, 0});
-    }
+    // Returns 0 for a column that the table lacks.
+    const auto number = [&](const char* name, double limit) { return table.number(row, name, {-limit, limit}); };
+    const double azimuth = hesai ? 0 - number("azimuth", 360) : number("azimuth_offset_deg", 360);
+    lasers.push_back({.elevation = number(hesai ? "elevation" : "elevation_deg", 90),
+                      .azimuth = std::remainder(azimuth, 360.0),
+                      .left = number("origin_left_m", 10),
+                      .up = number("origin_up_m", 10),
+                      .firing = number("firing_time_us", 1e8)});
   }
   return lasers;
 }
 
 std::vector<double> readFiringTable(const std::filesystem::path& file) {
   const TextTable table(file);
-  const char* name = "";
-  for (const char* known : {"firing_time_us", "firetime_us", "even_firetime_ns", "firetime_ns"}) {
-    if (*name == '\0' && table.has(known)) name = known;
-  }
-  if (*name == '\0') {
+  constexpr std::array<std::string_view, 4> kTimeNames{"firing_time_us", "firetime_us", "even_firetime_ns",
+                                                       "firetime_ns"};
+  const auto* const name = std::ranges::find_if(kTimeNames, [&](std::string_view n) { return table.has(n); });
+  if (name == kTimeNames.end()) {
     throw InputError(table.head(),
                      "must name the columns, such as Channel,fire time(us) or fire time(ns); files with several firing "
                      "states are not read: put the times of one state into a table with the column firing_time_us");
   }
   std::vector<double> times;
   for (const std::size_t row : rowsByChannel(table)) {
-    times.push_back(table.number(row, name));
+    times.push_back(table.number(row, *name));
     if (table.has("odd_firetime_ns") && table.number(row, "odd_firetime_ns") != times.back()) {
       throw InputError(table.head(),
                        "has two firing states, even and odd, with different times: put the times of one state into a "
                        "table with the column firing_time_us");
     }
   }
-  const double first = *std::min_element(times.begin(), times.end());
-  for (double& time : times) time = (time - first) * (std::string_view(name).ends_with("us") ? 1 : 1e-3);
+  const double earliest = std::ranges::min(times);
+  for (double& time : times) time = (time - earliest) * (name->ends_with("us") ? 1 : 1e-3);
   return times;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace scanmill {
 
@@ -34,56 +35,51 @@ BeamGrid::BeamGrid(const BeamTable& beams) : directions_(beams.direction), first
     cells.push_back(rowOf(elevationOf(d)) * kAcross + columnOf(std::atan2(d.y, d.x)));
     ++firstOf_[cells.back() + 1];
   }
-  for (std::size_t c = 1; c < firstOf_.size(); ++c) firstOf_[c] += firstOf_[c - 1];
+  // The sums of the counts are the positions at which the cells begin in beams_.
+  std::partial_sum(firstOf_.begin(), firstOf_.end(), firstOf_.begin());
   beams_.resize(cells.size());
-  std::vector<std::uint32_t> next(firstOf_.begin(), firstOf_.end() - 1);
-  for (std::uint32_t b = 0; b < cells.size(); ++b) beams_[next[cells[b]]++] = b;
+  std::vector<std::uint32_t> nextOf(firstOf_.begin(), firstOf_.end() - 1);  // by cell: index for its next beam
+  for (std::uint32_t b = 0; b < cells.size(); ++b) beams_[nextOf[cells[b]]++] = b;
 
   for (const Vec3f& origin : beams.origin) farthestOrigin_ = std::max(farthestOrigin_, double{length(origin)});
 
   // Take a percentile of the angles between neighbouring beams instead of the largest: some patterns have a few wide
-  // gaps.
-  std::vector<double> gaps;
+  // gaps. Every 16th column is enough to estimate the percentile.
+  std::vector<double> angles;  // rad
   for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
     for (std::uint32_t column = 0; column < beams.columns; column += 16) {
-      const Vec3d& own = directions_[std::size_t{ring} * beams.columns + column];
-      if (column + 1 < beams.columns) {
-        gaps.push_back(angleBetween(own, directions_[std::size_t{ring} * beams.columns + column + 1]));
-      }
-      if (ring + 1 < beams.rings) {
-        gaps.push_back(angleBetween(own, directions_[std::size_t{ring + 1} * beams.columns + column]));
-      }
+      const std::size_t beam = std::size_t{ring} * beams.columns + column;
+      const Vec3d& direction = directions_[beam];
+      if (column + 1 < beams.columns) angles.push_back(angleBetween(direction, directions_[beam + 1]));
+      if (ring + 1 < beams.rings) angles.push_back(angleBetween(direction, directions_[beam + beams.columns]));
     }
   }
-  if (gaps.empty()) return;
-  const auto most = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() * 99 / 100);
-  std::nth_element(gaps.begin(), most, gaps.end());
-  reach_ = std::min(1.5 * *most, radians(10));
+  if (angles.empty()) return;
+  const auto percentile = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() * 99 / 100);
+  std::nth_element(angles.begin(), percentile, angles.end());
+  neighbourAngle_ = std::min(1.5 * *percentile, radians(10));
 }
 
-void BeamGrid::cellsOf(const Vec3d& direction, double angle, std::uint32_t& low, std::uint32_t& high,
-                       std::uint32_t& first, std::uint32_t& count) {
+BeamGrid::CellRange BeamGrid::cellsAround(const Vec3d& direction, double angle) {
   const double elevation = elevationOf(direction);
-  low = rowOf(elevation - angle);
-  high = rowOf(elevation + angle);
+  CellRange cells{.firstRow = rowOf(elevation - angle), .lastRow = rowOf(elevation + angle)};
   // A cone that contains a pole covers all azimuths. Any other cone covers asin(sin(angle) / cos(elevation)) on each
   // side of its axis.
-  const double wide = std::abs(elevation) + angle >= kPi / 2 ? 2.0 : std::sin(angle) / std::cos(elevation);
-  if (!(wide < 1)) {
-    first = 0;
-    count = kAcross;
-    return;
+  const double sine = std::sin(angle) / std::cos(elevation);
+  if (std::abs(elevation) + angle >= kPi / 2 || !(sine < 1)) {
+    cells.columns = kAcross;
+    return cells;
   }
-  const double half = std::asin(wide);
-  const double azimuth = std::atan2(direction.y, direction.x);
-  first = columnOf(azimuth - half);
-  count = std::min<std::uint32_t>(kAcross, static_cast<std::uint32_t>(2 * half / (2 * kPi) * kAcross) + 2);
+  const double halfWidth = std::asin(sine);  // rad of azimuth
+  cells.firstColumn = columnOf(std::atan2(direction.y, direction.x) - halfWidth);
+  cells.columns = std::min<std::uint32_t>(kAcross, static_cast<std::uint32_t>(2 * halfWidth / (2 * kPi) * kAcross) + 2);
+  return cells;
 }
 
 bool BeamGrid::looksInto(const Vec3d& direction) const {
-  const double least = std::cos(reach_);
-  return forBeamsNear(direction, reach_,
-                      [&](std::uint32_t beam) { return dot(directions_[beam], direction) >= least; });
+  const double leastCosine = std::cos(neighbourAngle_);
+  return forBeamsNear(direction, neighbourAngle_,
+                      [&](std::uint32_t beam) { return dot(directions_[beam], direction) >= leastCosine; });
 }
 
 }  // namespace scanmill

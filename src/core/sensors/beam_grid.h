@@ -18,11 +18,10 @@ class BeamGrid {
   // until it returns true. The order of the calls is fixed. Returns true if visit() has.
   template <class Visit>
   bool forBeamsNear(const Vec3d& direction, double angle, const Visit& visit) const {
-    std::uint32_t low = 0, high = 0, first = 0, count = 0;
-    cellsOf(direction, angle, low, high, first, count);
-    for (std::uint32_t row = low; row <= high; ++row) {
-      for (std::uint32_t i = 0; i < count; ++i) {
-        const std::uint32_t cell = row * kAcross + (first + i) % kAcross;
+    const CellRange cells = cellsAround(direction, angle);
+    for (std::uint32_t row = cells.firstRow; row <= cells.lastRow; ++row) {
+      for (std::uint32_t i = 0; i < cells.columns; ++i) {
+        const std::uint32_t cell = row * kAcross + (cells.firstColumn + i) % kAcross;
         for (std::uint32_t b = firstOf_[cell]; b < firstOf_[cell + 1]; ++b) {
           if (visit(beams_[b])) return true;
         }
@@ -44,16 +43,21 @@ class BeamGrid {
   static constexpr std::uint32_t kAcross = 360;
   static constexpr std::uint32_t kUp = 180;
 
+  // Return the row and the column of the cells with an elevation and an azimuth (rad, in any turn).
   static std::uint32_t rowOf(double elevation);
   static std::uint32_t columnOf(double azimuth);
-  static void cellsOf(const Vec3d& direction, double angle, std::uint32_t& low, std::uint32_t& high,
-                      std::uint32_t& first, std::uint32_t& count);
+  // Rows from firstRow to lastRow; in each of them `columns` cells from firstColumn on, across azimuth 0 if need be.
+  struct CellRange {
+    std::uint32_t firstRow = 0, lastRow = 0, firstColumn = 0, columns = 0;
+  };
+  // Returns the cells that a cone about `direction` with the half angle `angle` (rad) may touch.
+  static CellRange cellsAround(const Vec3d& direction, double angle);
 
   const std::vector<Vec3d>& directions_;
   std::vector<std::uint32_t> firstOf_;  // by cell: index in beams_ of the cell's first beam; last entry: size of beams_
   std::vector<std::uint32_t> beams_;    // indices of the beams, sorted by cell
   double farthestOrigin_ = 0;
-  double reach_ = 0;  // rad, largest angle to the nearest beam for which looksInto() returns true
+  double neighbourAngle_ = 0;  // rad, largest angle to the nearest beam for which looksInto() returns true
 };
 
 }  // namespace scanmill

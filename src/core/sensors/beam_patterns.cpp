@@ -25,43 +25,48 @@ void checkColumns(const TextTable& table) {
     throw InputError(table.head(), "the table has only one of the columns ring and column: give both or none");
 }
 
-struct Row {
-  double azimuth, elevation, time;
-  Vec3f origin;
+struct BeamRow {
+  double azimuth, elevation;  // rad
+  double time;                // s since the start of the revolution
+  Vec3f origin;               // m
   std::uint32_t ring, column;
   Location where;
 };
 
-std::uint32_t countOf(double number, const Location& where) {
+std::uint32_t toIndex(double number, const Location& where) {
   if (number != std::floor(number)) throw InputError(where, "ring and column must be whole numbers");
   return static_cast<std::uint32_t>(number);
 }
 
-// Returns a row of the table. Without rings, the rows are the columns of one ring.
-Row rowOf(const TextTable& table, std::size_t i) {
-  const auto number = [&](const char* name, Range range) { return table.number(i, name, range); };
+// Returns a row of the table. Without rings, the rows are the columns of one ring. A column that the table lacks is 0.
+BeamRow readRow(const TextTable& table, std::size_t row) {
+  const auto number = [&](const char* name, Range range) { return table.number(row, name, range); };
   const auto origin = [&](const char* name) { return static_cast<float>(number(name, {-10, 10})); };
-  const Location& where = table.where(i);
+  const Location& where = table.where(row);
   const double elevation =
       table.has("zenith_deg") ? 90 - number("zenith_deg", {0, 180}) : number("elevation_deg", {-90, 90});
-  return {radians(number("azimuth_deg", {-360, 360})),
-          radians(elevation),
-          table.time(i, {0, 100}),
-          {origin("origin_x_m"), origin("origin_y_m"), origin("origin_z_m")},
-          countOf(number("ring", {0, kMostRings - 1}), where),
-          table.has("ring") ? countOf(number("column", {0, kMostColumns - 1}), where) : static_cast<std::uint32_t>(i),
-          where};
+  return {
+      .azimuth = radians(number("azimuth_deg", {-360, 360})),
+      .elevation = radians(elevation),
+      .time = table.time(row, {0, 100}),
+      .origin = {origin("origin_x_m"), origin("origin_y_m"), origin("origin_z_m")},
+      .ring = toIndex(number("ring", {0, kMostRings - 1}), where),
+      .column =
+          table.has("ring") ? toIndex(number("column", {0, kMostColumns - 1}), where) : static_cast<std::uint32_t>(row),
+      .where = where,
+  };
 }
 
-// Returns the beams by ring and column. Throws InputError if two rows have the same ring and column.
-ListedBeams inOrder(const std::vector<Row>& rows, std::uint32_t columns) {
+// Returns the beams sorted by ring and column. There must be as many rows as rings * columns. Throws InputError if two
+// rows have the same ring and column.
+ListedBeams sortedBeams(const std::vector<BeamRow>& rows, std::uint32_t columns) {
   ListedBeams beams;
   beams.azimuth.resize(rows.size());
   beams.elevation.resize(rows.size());
   beams.time.resize(rows.size());
   beams.origin.resize(rows.size());
   std::vector<bool> isSet(rows.size());
-  for (const Row& row : rows) {
+  for (const BeamRow& row : rows) {
     const std::size_t beam = std::size_t{row.ring} * columns + row.column;
     if (isSet[beam]) {
       throw InputError(row.where, fmt::format("has ring {}, column {} of an earlier line: give each beam one line",
@@ -79,24 +84,28 @@ ListedBeams inOrder(const std::vector<Row>& rows, std::uint32_t columns) {
 
 }  // namespace
 
+std::vector<double> scaledBy(double factor, std::vector<double> values) {
+  for (double& value : values) value *= factor;
+  return values;
+}
+
 ListedSensor readListedBeams(const std::filesystem::path& file) {
   const TextTable table(file);
   checkColumns(table);
-  std::vector<Row> rows;
-  ListedSensor sensor{1, 0, {}};
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    rows.push_back(rowOf(table, i));
+  std::vector<BeamRow> rows;
+  ListedSensor sensor{.rings = 1, .columns = 0, .beams = {}};
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    rows.push_back(readRow(table, row));
     sensor.rings = std::max(sensor.rings, rows.back().ring + 1);
     sensor.columns = std::max(sensor.columns, rows.back().column + 1);
   }
-  const std::size_t beams = std::size_t{sensor.rings} * sensor.columns;
-  if (rows.size() != beams || sensor.columns > kMostColumns) {
+  if (rows.size() != std::size_t{sensor.rings} * sensor.columns || sensor.columns > kMostColumns) {
     throw InputError({file.string()},
                      fmt::format("has {} beams, but {} rings of {} columns (at most {}) need one line for each beam: a "
                                  "file with the beams of several revolutions must be cut to those of one",
                                  rows.size(), sensor.rings, sensor.columns, kMostColumns));
   }
-  sensor.beams = inOrder(rows, sensor.columns);
+  sensor.beams = sortedBeams(rows, sensor.columns);
   const std::vector<double> starts = sensor.beams.columnStarts(sensor.columns);
   for (std::uint32_t c = 1; c < sensor.columns; ++c) {
     if (starts[c] >= starts[c - 1]) continue;
@@ -109,25 +118,42 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
 ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32_t columns,
                        const std::vector<double>& elevation) {
   ListedBeams beams;
-  for (const double up : elevation) {
-    for (std::uint32_t c = 0; c < columns; ++c) {
-      const double across =
-          columns == 1 ? 0 : std::tan(field / 2) * (2.0 * c / (columns - 1) - 1) * (clockwise ? -1 : 1);
-      beams.azimuth.push_back(azimuth + std::atan(across));
-      beams.elevation.push_back(std::atan2(std::tan(up), std::hypot(1, across)));
+  for (const double middleElevation : elevation) {
+    for (std::uint32_t column = 0; column < columns; ++column) {
+      // The pixel's position on a plane at distance 1: to the left, and at the height tan(middleElevation).
+      const double left =
+          columns == 1 ? 0 : std::tan(field / 2) * (2.0 * column / (columns - 1) - 1) * (clockwise ? -1 : 1);
+      beams.azimuth.push_back(azimuth + std::atan(left));
+      beams.elevation.push_back(std::atan2(std::tan(middleElevation), std::hypot(1, left)));
       beams.time.push_back(0);
     }
   }
   return beams;
 }
 
+namespace {
+
+constexpr Range kTurnsHz{-1e4, 1e4};
+constexpr Range kPhasesDeg{-360, 360};
+
+// Reads the deflections of the lasers, {laser_azimuth_deg: [...], laser_elevation_deg: [...]}; both keys are optional.
+void readLaserDeflections(Fields& f, Rosette& rosette) {
+  if (f.has("laser_azimuth_deg")) rosette.left = scaledBy(radians(1), f.numbers("laser_azimuth_deg", {-60, 60}));
+  if (f.has("laser_elevation_deg")) rosette.up = scaledBy(radians(1), f.numbers("laser_elevation_deg", {-60, 60}));
+  if (rosette.left.empty()) rosette.left.resize(rosette.up.size());
+  if (rosette.up.empty()) rosette.up.resize(rosette.left.size());
+  if (rosette.left.size() == rosette.up.size()) return;
+  throw InputError(f.where(), fmt::format("laser_azimuth_deg has {} angles, but laser_elevation_deg has {}",
+                                          rosette.left.size(), rosette.up.size()));
+}
+
+}  // namespace
+
 Rosette readRosette(const Value& value) {
   constexpr std::size_t kMostPrisms = 4;
-  constexpr Range kTurns{-1e4, 1e4};
-  constexpr Range kPhases{-360, 360};
   Fields f(value, "rosette");
   Rosette rosette;
-  rosette.speed = f.numbers("turns_hz", kTurns);
+  rosette.speed = scaledBy(2 * kPi, f.numbers("turns_hz", kTurnsHz));
   const std::size_t prisms = rosette.speed.size();
   if (prisms < 1 || prisms > kMostPrisms) {
     throw InputError(f.require("turns_hz").where, "turns_hz must be one to four frequencies, such as [121.6, -77.7]");
@@ -145,23 +171,15 @@ Rosette readRosette(const Value& value) {
       f.has("deflection_deg")
           ? perPrism("deflection_deg", {0, 85})
           : std::vector<double>(prisms, f.number("field_deg", {0.01, 170}) / 2 / static_cast<double>(prisms));
-  rosette.phase = f.has("phase_deg") ? perPrism("phase_deg", kPhases) : std::vector<double>(prisms, 0);
-  if (f.has("laser_azimuth_deg")) rosette.left = f.numbers("laser_azimuth_deg", {-60, 60});
-  if (f.has("laser_elevation_deg")) rosette.up = f.numbers("laser_elevation_deg", {-60, 60});
-  if (rosette.left.empty()) rosette.left.resize(rosette.up.size());
-  if (rosette.up.empty()) rosette.up.resize(rosette.left.size());
-  if (rosette.left.size() != rosette.up.size()) {
-    throw InputError(value.where, fmt::format("laser_azimuth_deg has {} angles, but laser_elevation_deg has {}",
-                                              rosette.left.size(), rosette.up.size()));
-  }
-  for (double& speed : rosette.speed) speed *= 2 * kPi;
-  for (std::vector<double>* angles : {&rosette.angle, &rosette.phase, &rosette.left, &rosette.up}) {
-    for (double& angle : *angles) angle = radians(angle);
-  }
+  rosette.angle = scaledBy(radians(1), std::move(rosette.angle));
+  rosette.phase =
+      f.has("phase_deg") ? scaledBy(radians(1), perPrism("phase_deg", kPhasesDeg)) : std::vector<double>(prisms, 0);
+  readLaserDeflections(f, rosette);
   if (const Value* mirror = f.find("mirror")) {
     Fields m(*mirror, "mirror");
-    rosette.mirror = {radians(m.number("tilt_deg", {0, 90})), m.number("turns_hz", kTurns) * 2 * kPi,
-                      radians(m.number("phase_deg", kPhases, 0))};
+    rosette.mirror = {.tilt = radians(m.number("tilt_deg", {0, 90})),
+                      .speed = m.number("turns_hz", kTurnsHz) * 2 * kPi,
+                      .phase = radians(m.number("phase_deg", kPhasesDeg, 0))};
     m.finish();
   }
   f.finish();
@@ -175,7 +193,7 @@ RasterScan readRasterScan(const Value& value) {
   if (raster.zones.empty()) {
     throw InputError(value.where, "zones_deg must be the azimuths of the zones' middles, such as [24, 0, -24]");
   }
-  for (double& zone : raster.zones) zone = radians(zone);
+  raster.zones = scaledBy(radians(1), std::move(raster.zones));
   raster.width = radians(f.number("width_deg", {0.01, 180}));
   raster.top = radians(f.number("top_deg", {-90, 90}));
   raster.bottom = radians(f.number("bottom_deg", {-90, 90}));
@@ -188,19 +206,20 @@ RasterScan readRasterScan(const Value& value) {
 }
 
 ListedBeams rasterBeams(const RasterScan& raster, std::uint32_t columns, double period) {
-  const std::uint32_t across = columns / raster.lines;
-  const double line = period / raster.lines;
-  const double step = raster.lineTime > 0 ? std::min(raster.lineTime, line) / (across - 1) : line / across;
+  const std::uint32_t beamsPerLine = columns / raster.lines;
+  const double linePeriod = period / raster.lines;  // s, from the start of a line to the start of the next line
+  const double timeStep = raster.lineTime > 0 ? std::min(raster.lineTime, linePeriod) / (beamsPerLine - 1)
+                                              : linePeriod / beamsPerLine;  // s, from beam to beam
   ListedBeams beams;
   for (const double zone : raster.zones) {
     for (std::uint32_t column = 0; column < columns; ++column) {
-      const std::uint32_t row = column / across;
-      const std::uint32_t place = column % across;
-      const double turned = raster.width * place / (across - 1);
-      const bool back = raster.alternate && row % 2 == 1;
-      beams.azimuth.push_back(zone + (raster.width / 2 - turned) * (back ? -1 : 1));
-      beams.elevation.push_back(std::lerp(raster.top, raster.bottom, static_cast<double>(row) / (raster.lines - 1)));
-      beams.time.push_back(row * line + place * step);
+      const std::uint32_t line = column / beamsPerLine;
+      const std::uint32_t beamInLine = column % beamsPerLine;
+      const double angleFromFirst = raster.width * beamInLine / (beamsPerLine - 1);
+      const bool rightToLeft = raster.alternate && line % 2 == 1;
+      beams.azimuth.push_back(zone + (raster.width / 2 - angleFromFirst) * (rightToLeft ? -1 : 1));
+      beams.elevation.push_back(std::lerp(raster.top, raster.bottom, static_cast<double>(line) / (raster.lines - 1)));
+      beams.time.push_back(line * linePeriod + beamInLine * timeStep);
     }
   }
   return beams;

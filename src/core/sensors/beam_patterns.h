@@ -23,6 +23,9 @@ struct ListedSensor {
 };
 ListedSensor readListedBeams(const std::filesystem::path& file);
 
+// Returns the values times the factor, for changes of units.
+std::vector<double> scaledBy(double factor, std::vector<double> values);
+
 // Returns the pixels of a flash sensor, which all fire at once. The beams form an even grid in the plane perpendicular
 // to the middle of the field of view, as the pixels of a pinhole camera do. `azimuth` (rad): middle of the field of
 // view. `field` (rad, below pi): angle from the middle of the first column to the middle of the last column. Columns go

@@ -9,6 +9,7 @@ namespace scanmill {
 
 namespace {
 
+// Returns the unit vector with an azimuth and an elevation (rad).
 Vec3d towards(double azimuth, double elevation) {
   return {std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)};
 }
@@ -25,31 +26,33 @@ void fillListed(BeamTable& table) {
   table.columnStart = listed.columnStarts(table.columns);
 }
 
-// Returns the orientation (rad) at a time (s). Complete turns are subtracted first, so that the angle is still exact
-// after hours.
+// Returns the orientation (rad) at a time (s) of a body that rotates at `speed` (rad/s) from `phase` (rad). Complete
+// turns are subtracted first, so that the angle is still exact after hours.
 double orientationAt(double speed, double phase, double time) {
   return std::fmod(time * (speed / (2 * kPi)), 1.0) * 2 * kPi + phase;
 }
 
 // Returns the direction of a laser's beam that leaves the prisms, and the mirror if there is one, at a time (s since
 // the start of the drive).
-Vec3d rosetteDirection(const Rosette& r, std::uint32_t laser, double time) {
-  double left = r.left.empty() ? 0 : r.left[laser];
-  double up = r.up.empty() ? 0 : r.up[laser];
-  for (std::size_t prism = 0; prism < r.angle.size(); ++prism) {
-    const double orientation = orientationAt(r.speed[prism], r.phase[prism], time);
-    left += r.angle[prism] * std::cos(orientation);
-    up += r.angle[prism] * std::sin(orientation);
+Vec3d rosetteDirection(const Rosette& rosette, std::uint32_t laser, double time) {
+  double left = rosette.left.empty() ? 0 : rosette.left[laser];
+  double up = rosette.up.empty() ? 0 : rosette.up[laser];
+  for (std::size_t prism = 0; prism < rosette.angle.size(); ++prism) {
+    const double orientation = orientationAt(rosette.speed[prism], rosette.phase[prism], time);
+    left += rosette.angle[prism] * std::cos(orientation);
+    up += rosette.angle[prism] * std::sin(orientation);
   }
   const double deflection = std::hypot(left, up);  // rad, from the sensor's axis
-  const double across = deflection > 1e-12 ? std::sin(deflection) / deflection : 1;
-  if (!r.mirror) return {std::cos(deflection), left * across, up * across};
-  const Vec3d incoming{left * across, up * across, std::cos(deflection)};
-  const double azimuth = orientationAt(r.mirror->speed, r.mirror->phase, time);
-  const Vec3d normal = towards(azimuth, r.mirror->tilt - kPi / 2);
+  // A direction at an angle to an axis is cos(angle) along the axis and sin(angle) across it.
+  const double sineOverAngle = deflection > 1e-12 ? std::sin(deflection) / deflection : 1;
+  if (!rosette.mirror) return {std::cos(deflection), left * sineOverAngle, up * sineOverAngle};
+  const Vec3d incoming{left * sineOverAngle, up * sineOverAngle, std::cos(deflection)};
+  const double azimuth = orientationAt(rosette.mirror->speed, rosette.mirror->phase, time);
+  const Vec3d normal = towards(azimuth, rosette.mirror->tilt - kPi / 2);
   return incoming - normal * (2 * dot(incoming, normal));
 }
 
+// Sets direction and time of each beam for the revolution that starts at BeamTable::start. All origins are zero.
 void fillRosette(BeamTable& table) {
   table.direction.resize(table.size());
   table.time.resize(table.size());
@@ -87,14 +90,10 @@ double BeamTable::azimuth(std::uint32_t columnOfRays) const {
   if (const auto beams = listed()) return beams->azimuth[column];
   const std::uint32_t beams = columns / raysPerBeam;
   // In a full revolution the last column is one step before the first azimuth; in a partial field the first and last
-  // column are at the two edges.
-  double swept = 0.5;
-  if (fullTurn()) {
-    swept = static_cast<double>(column) / beams;
-  } else if (beams > 1) {
-    swept = static_cast<double>(column) / (beams - 1);
-  }
-  return firstAzimuth + (clockwise ? -field : field) * swept;
+  // column are at the two edges, and a single column is in the middle.
+  const std::uint32_t steps = fullTurn() ? beams : beams - 1;
+  const double fieldFraction = steps == 0 ? 0.5 : static_cast<double>(column) / steps;
+  return firstAzimuth + (clockwise ? -field : field) * fieldFraction;
 }
 
 // Computes the beams of rings that lie on cones. With the head at encoder angle t, offset a and elevation e of the
@@ -110,37 +109,41 @@ void fillBeams(BeamTable& table) {
   if (table.listed() != nullptr) return fillListed(table);
   if (table.rosette() != nullptr) return fillRosette(table);
   const std::size_t columns = table.columns;
-  std::vector<double> cosine(columns);
-  std::vector<double> sine(columns);
+  std::vector<double> cosAzimuth(columns);
+  std::vector<double> sinAzimuth(columns);
   for (std::uint32_t column = 0; column < table.columns; ++column) {
     const double azimuth = table.azimuth(column);
-    cosine[column] = std::cos(azimuth);
-    sine[column] = std::sin(azimuth);
+    cosAzimuth[column] = std::cos(azimuth);
+    sinAzimuth[column] = std::sin(azimuth);
   }
 
   const bool shifted = !table.originLeft.empty() || !table.originUp.empty();
   const bool offAxis = shifted || table.originOffset != 0 || table.originHeight != 0;
-  table.direction.assign(table.size(), {});
-  table.origin.assign(offAxis ? table.size() : 0, {});
-  table.time.assign(table.size(), 0.0f);
+  table.direction.resize(table.size());
+  table.origin.resize(offAxis ? table.size() : 0);
+  table.time.resize(table.size());
   parallelFor(table.rings, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t ring = first; ring < last; ++ring) {
       const double cosOffset = std::cos(table.azimuthOffset[ring]);
       const double sinOffset = std::sin(table.azimuthOffset[ring]);
-      const double flat = std::cos(table.elevation[ring]);
-      const double up = std::sin(table.elevation[ring]);
-      const double toLeft = table.originLeft.empty() ? 0 : table.originLeft[ring];
-      const double toUp = table.originUp.empty() ? 0 : table.originUp[ring];
+      const double cosElevation = std::cos(table.elevation[ring]);
+      const double sinElevation = std::sin(table.elevation[ring]);
+      const double leftShift = table.originLeft.empty() ? 0 : table.originLeft[ring];
+      const double upShift = table.originUp.empty() ? 0 : table.originUp[ring];
       for (std::size_t column = 0; column < columns; ++column) {
         const std::size_t beam = ring * columns + column;
-        const double x = cosine[column] * cosOffset - sine[column] * sinOffset;
-        const double y = sine[column] * cosOffset + cosine[column] * sinOffset;
-        table.direction[beam] = {x * flat, y * flat, up};
+        // The beam's horizontal direction (x, y): the column's azimuth plus the ring's offset.
+        const double x = cosAzimuth[column] * cosOffset - sinAzimuth[column] * sinOffset;
+        const double y = sinAzimuth[column] * cosOffset + cosAzimuth[column] * sinOffset;
+        table.direction[beam] = {x * cosElevation, y * cosElevation, sinElevation};
         table.time[beam] =
             static_cast<float>(table.columnTime(static_cast<std::uint32_t>(column)) + table.firingOffset[ring]);
         if (offAxis) {
-          Vec3d origin{table.originOffset * cosine[column], table.originOffset * sine[column], table.originHeight};
-          if (shifted) origin = origin + Vec3d{-y, x, 0} * toLeft + Vec3d{-x * up, -y * up, flat} * toUp;
+          Vec3d origin{table.originOffset * cosAzimuth[column], table.originOffset * sinAzimuth[column],
+                       table.originHeight};
+          if (shifted)
+            origin = origin + Vec3d{-y, x, 0} * leftShift +
+                     Vec3d{-x * sinElevation, -y * sinElevation, cosElevation} * upShift;
           table.origin[beam] = static_cast<Vec3f>(origin);
         }
       }
@@ -149,25 +152,25 @@ void fillBeams(BeamTable& table) {
 }
 
 Destagger destagger(std::span<const double> offset, double step, std::uint32_t columns, bool fullTurn) {
-  // Added before rounding (columns), so that offsets halfway between two columns are rounded in the same direction in
-  // all rings, despite floating-point errors.
+  // Is added before rounding (in columns), so that offsets halfway between two columns are rounded in the same
+  // direction in all rings, despite floating-point errors.
   constexpr double kTie = 1e-6;
   std::vector<std::int64_t> shifts;
   shifts.reserve(offset.size());
   for (const double angle : offset) {
     shifts.push_back(step == 0 ? 0 : static_cast<std::int64_t>(std::floor(angle / step + 0.5 + kTie)));
   }
-  Destagger image{{}, columns};
+  Destagger image{.shift = {}, .width = columns};
   if (shifts.empty()) return image;
-  std::int64_t zero = 0;
+  std::int64_t leastShift = 0;  // stays 0 in a full turn, where the image's columns wrap around
   if (!fullTurn) {
     const auto [least, most] = std::ranges::minmax(shifts);
-    zero = least;
+    leastShift = least;
     image.width += static_cast<std::uint32_t>(most - least);
   }
   const auto width = std::int64_t{image.width};
   for (const std::int64_t shift : shifts) {
-    image.shift.push_back(static_cast<std::uint32_t>(((shift - zero) % width + width) % width));
+    image.shift.push_back(static_cast<std::uint32_t>(((shift - leastShift) % width + width) % width));
   }
   return image;
 }

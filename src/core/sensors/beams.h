@@ -131,7 +131,8 @@ struct BeamTable {
   }
 };
 
-// Computes direction, origin and time of every beam from the table's compact description.
+// Computes direction, origin and time of every beam from the table's compact description. The table must have one ray
+// per beam.
 void fillBeams(BeamTable& table);
 
 // Returns the beams of the revolution that starts at `time` (s since the start of the drive). The result is `table`
@@ -143,13 +144,13 @@ void fillBeams(BeamTable& table);
 // and columns upright edges are therefore zigzags. Shifting each row straightens them, which vendors call destaggering.
 //
 //   const Destagger image = destagger(*beams);
-//   const std::uint32_t x = image.place(ring, column);  // row: ring; 0 <= x < image.width
+//   const std::uint32_t x = image.columnOf(ring, column);  // row: ring; 0 <= x < image.width
 struct Destagger {
   std::vector<std::uint32_t> shift;  // columns to add in each ring
   std::uint32_t width = 0;           // columns of the image
 
-  // Returns the image's column of a beam. Different columns of a ring have different places.
-  std::uint32_t place(std::size_t ring, std::uint32_t column) const { return (column + shift[ring]) % width; }
+  // Returns the image's column of a beam. Different columns of a ring have different columns in the image.
+  std::uint32_t columnOf(std::size_t ring, std::uint32_t column) const { return (column + shift[ring]) % width; }
 };
 
 // Returns shifts that place each beam within half a column of the direction of its column in the image. `offset`:

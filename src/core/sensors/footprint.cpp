@@ -23,22 +23,25 @@ struct GridPoint {
 // both beam shapes: the power exp(-2 r^2) in the plane, and a constant power in the unit disc.
 constexpr double kSecondMoment = 0.5;
 
+// Returns the points of a hexagonal grid about the beam's axis, the point on the axis first. Their weights add up to 1.
+// `rays`: one of kFootprintRays.
 std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
-  int rings = 0;
+  int rings = 0;  // rings of points around the middle point; k rings have 1 + 3 k (k + 1) points
   while (1 + 3 * rings * (rings + 1) < static_cast<int>(rays)) ++rings;
   // With k rings of points, the corners of the hexagon are 2 k / (k + 1) half widths from the axis, before `scale` is
   // applied. Thus more rays sample a wider part of the beam.
   const double spacing = 2.0 / (rings + 1);
   std::vector<GridPoint> points;
-  double sum = 0;
-  double moment = 0;
+  double sum = 0;     // of the weights
+  double moment = 0;  // sum of the weights times r^2
+  // q and r count the steps along two axes of the grid, which are 60 degrees apart.
   for (int q = -rings; q <= rings; ++q) {
     for (int r = std::max(-rings, -q - rings); r <= std::min(rings, -q + rings); ++r) {
       GridPoint p{(q + 0.5 * r) * spacing, std::sqrt(0.75) * r * spacing, 1};
-      const double square = p.x * p.x + p.y * p.y;
-      if (!uniform) p.weight = std::exp(-2 * square);
+      const double radiusSquared = p.x * p.x + p.y * p.y;
+      if (!uniform) p.weight = std::exp(-2 * radiusSquared);
       sum += p.weight;
-      moment += p.weight * square;
+      moment += p.weight * radiusSquared;
       points.push_back(p);
     }
   }
@@ -74,13 +77,14 @@ Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam) {
       const Vec3d direction = beams.direction[beam];
       const Vec3d origin = beams.originOf(beam);
       // Two unit vectors perpendicular to the beam: one horizontal, one upwards.
-      const double level = std::hypot(direction.x, direction.y);
-      const Vec3d across = level > 1e-9 ? Vec3d{-direction.y / level, direction.x / level, 0} : Vec3d{0, 1, 0};
+      const double horizontal = std::hypot(direction.x, direction.y);
+      const Vec3d across =
+          horizontal > 1e-9 ? Vec3d{-direction.y / horizontal, direction.x / horizontal, 0} : Vec3d{0, 1, 0};
       const Vec3d up = cross(direction, across);
       const RandomBlock words = randomBlock({.beam = static_cast<std::uint32_t>(beam), .purpose = Purpose::Footprint});
-      const double turn = 2 * kPi * uniform(words[0]);
-      const double c = std::cos(turn);
-      const double s = std::sin(turn);
+      const double rotation = 2 * kPi * uniform(words[0]);
+      const double c = std::cos(rotation);
+      const double s = std::sin(rotation);
       for (std::uint32_t k = 0; k < raysPerBeam; ++k) {
         const double x = c * grid[k].x - s * grid[k].y;
         const double y = s * grid[k].x + c * grid[k].y;
@@ -102,9 +106,10 @@ void joinRays(const Footprint& footprint, Hits& hits) {
   hits.columns = footprint.rays->columns / rays;
   hits.beamOfRay.resize(hits.rays());
   hits.weightOfRay.resize(hits.rays());
-  // Writes the rays of many beams at once: copies of what the rays of the first beams have.
+  // Arrays for the rays of the first 64 beams are computed once and copied block by block, which is faster than a
+  // division for each ray.
   constexpr std::size_t kBeams = 64;
-  std::vector<std::uint32_t> beamOf;
+  std::vector<std::uint32_t> beamOf;  // by ray of the block: index of its beam in the block
   std::vector<float> weights;
   for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
     beamOf.insert(beamOf.end(), rays, beam);

@@ -27,43 +27,41 @@ constexpr const char* kWheelAdvice =
     "alone";
 constexpr std::array<std::string_view, 4> kWheels{"front left", "front right", "rear left", "rear right"};
 
-// Returns where the wheels of a vehicle with this wheelbase and track (m) are, in the order of kWheels, at the height
-// of the pose.
+// Returns the positions of a vehicle's wheels, in the order of kWheels, at the height of the pose. `size`: wheelbase
+// and track (m).
 std::array<Vec3d, 4> wheelsAt(const std::array<double, 2>& size, const Pose& pose) {
   const double yaw = headingOf(pose.rotation);
   const Vec3d ahead = Vec3d{std::cos(yaw), std::sin(yaw), 0} * (size[0] / 2);
   const Vec3d left = Vec3d{-std::sin(yaw), std::cos(yaw), 0} * (size[1] / 2);
-  const Vec3d& at = pose.translation;
-  return {at + ahead + left, at + ahead + -left, at + -ahead + left, at + -ahead + -left};
+  const Vec3d& center = pose.translation;
+  return {center + ahead + left, center + ahead + -left, center + -ahead + left, center + -ahead + -left};
 }
 
 // Returns the height and slopes of the plane that best fits the ground under the four wheels; nothing if more than one
 // wheel has no ground. Without wheels, the plane is horizontal and touches the ground under the pose. `height` returns
 // the height of the ground at a position in the world frame.
 template <typename Height>
-std::optional<GroundSample> standAt(const GroundOptions& options, const Pose& pose, const Height& height) {
-  const Vec3d& at = pose.translation;
+std::optional<GroundSample> sampleAt(const GroundOptions& options, const Pose& pose, const Height& height) {
   if (!options.wheels) {
-    const std::optional<double> z = height(at);
-    return z ? std::optional<GroundSample>({*z, 0, 0}) : std::nullopt;
+    const std::optional<double> z = height(pose.translation);
+    return z ? std::optional(GroundSample{.height = *z}) : std::nullopt;
   }
   const std::array<Vec3d, 4> wheels = wheelsAt(*options.wheels, pose);
-  std::array<double, 4> wheel{};  // m, heights of the ground, in the order of kWheels
-  std::optional<std::size_t> hangs;
+  std::array<double, 4> z{};           // m, heights of the ground, in the order of kWheels
+  std::optional<std::size_t> hanging;  // index of the wheel that has no ground
   for (std::size_t i = 0; i < wheels.size(); ++i) {
-    const std::optional<double> z = height(wheels[i]);
-    if (!z && hangs) return std::nullopt;
-    if (z) {
-      wheel[i] = *z;
-    } else {
-      hangs = i;
-    }
+    const std::optional<double> ground = height(wheels[i]);
+    if (!ground && hanging) return std::nullopt;
+    if (!ground) hanging = i;
+    z[i] = ground.value_or(0);
   }
-  // A wheel without ground is put into the plane of the other three wheels.
-  if (hangs) wheel[*hangs] = wheel[*hangs ^ 1] + wheel[*hangs ^ 2] - wheel[*hangs ^ 3];
-  return GroundSample{(wheel[0] + wheel[1] + wheel[2] + wheel[3]) / 4,
-                      (wheel[0] + wheel[1] - wheel[2] - wheel[3]) / (2 * (*options.wheels)[0]),
-                      (wheel[0] + wheel[2] - wheel[1] - wheel[3]) / (2 * (*options.wheels)[1])};
+  // A wheel without ground is put into the plane of the other three wheels. In the order of kWheels, index ^ 1 is the
+  // wheel on the other side, index ^ 2 the wheel before or behind, and index ^ 3 the wheel diagonally opposite.
+  if (hanging) z[*hanging] = z[*hanging ^ 1] + z[*hanging ^ 2] - z[*hanging ^ 3];
+  const auto [wheelbase, track] = *options.wheels;
+  return GroundSample{.height = (z[0] + z[1] + z[2] + z[3]) / 4,
+                      .along = (z[0] + z[1] - z[2] - z[3]) / (2 * wheelbase),
+                      .left = (z[0] + z[2] - z[1] - z[3]) / (2 * track)};
 }
 
 // Returns the rotation of a vehicle with heading `yaw` (rad) on a plane with the slopes `along` (ahead) and `left`.
@@ -71,6 +69,48 @@ Quat onSlope(double yaw, double along, double left) {
   const Vec3d x = normalized(Vec3d{1, 0, along});
   const Vec3d z = normalized(Vec3d{-along, -left, 1});
   return fromYawPitchRoll(yaw, 0, 0) * fromMatrix({x, cross(z, x), z});
+}
+
+// Fits a line by least squares to the values of 2 * reach + 1 samples, over their distances along the path, and returns
+// the line's values at the sample in the middle. A line preserves constant slopes for any spacing of the samples.
+// `driven`: m along the path, by sample.
+GroundSample fitAt(std::size_t middle, std::size_t reach, const std::vector<GroundSample>& samples,
+                   const std::vector<double>& driven) {
+  double sumD = 0, sumDD = 0;   // sums of the distances from the middle sample (m) and of their squares
+  GroundSample sum, sumTimesD;  // sums of the values, and of the values times the distances
+  for (std::size_t k = middle - reach; k <= middle + reach; ++k) {
+    const GroundSample& s = samples[k];
+    const double d = driven[k] - driven[middle];
+    sumD += d;
+    sumDD += d * d;
+    sum = {sum.height + s.height, sum.along + s.along, sum.left + s.left};
+    sumTimesD = {sumTimesD.height + d * s.height, sumTimesD.along + d * s.along, sumTimesD.left + d * s.left};
+  }
+  const auto count = static_cast<double>(2 * reach + 1);
+  const double spread = count * sumDD - sumD * sumD;
+  const auto fitted = [&](double valueSum, double valueTimesDSum) {
+    return spread > 1e-9 ? (valueSum * sumDD - valueTimesDSum * sumD) / spread : valueSum / count;
+  };
+  return {fitted(sum.height, sumTimesD.height), fitted(sum.along, sumTimesD.along), fitted(sum.left, sumTimesD.left)};
+}
+
+// Smooths each sample over its neighbours on the path, up to kSmooth before and behind the sample. `driven`: m along
+// the path, by sample.
+std::vector<GroundSample> smoothed(const std::vector<GroundSample>& samples, const std::vector<double>& driven) {
+  std::vector<GroundSample> means;
+  means.reserve(samples.size());
+  const std::size_t last = samples.size() - 1;
+  for (std::size_t i = 0; i <= last; ++i) {
+    // Take the same number of samples on both sides, so that constant slopes are preserved even at the ends of the
+    // path.
+    std::size_t reach = 0;  // samples on each side
+    while (reach < std::min({i, last - i, kMostSmoothed}) && driven[i] - driven[i - reach - 1] <= kSmooth &&
+           driven[i + reach + 1] - driven[i] <= kSmooth) {
+      ++reach;
+    }
+    means.push_back(fitAt(i, reach, samples, driven));
+  }
+  return means;
 }
 
 }  // namespace
@@ -105,42 +145,41 @@ GroundOptions readGround(const Value& value) {
 GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> positions,
                              const Ground& ground)
     : positions_(std::move(positions)) {
-  std::vector<std::optional<GroundSample>> found(positions_.size());
-  std::vector<double> driven(positions_.size(), 0.0);  // m driven up to each position
-  std::optional<double> last;
-  double lastAt = 0;  // m driven up to the latest sample that has ground
-  Vec3d before = poseOnPath(0).translation;
+  std::vector<std::optional<GroundSample>> samples(positions_.size());  // nothing: no ground
+  std::vector<double> driven(positions_.size(), 0.0);                   // m driven up to each position
+  std::optional<double> lastHeight;  // m, height of the latest sample that has ground
+  double lastDriven = 0;             // m driven up to this sample
+  Vec3d previousPoint = poseOnPath(0).translation;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     const Pose pose = poseOnPath(positions_[i]);
-    const Vec3d step = pose.translation - before;
+    const Vec3d step = pose.translation - previousPoint;
     driven[i] = (i > 0 ? driven[i - 1] : 0) + std::hypot(step.x, step.y);
-    before = pose.translation;
-    const bool lost = !last || driven[i] - lastAt > kBareUntilLost;
+    previousPoint = pose.translation;
+    const bool acceptAnyHeight = !lastHeight || driven[i] - lastDriven > kBareUntilLost;
     const auto height = [&](Vec3d point) {
-      if (last) point.z = *last;
-      const std::optional<double> z = last ? ground.near(point) : std::nullopt;
-      return z || !lost ? z : ground.under(point);
+      point.z = lastHeight.value_or(point.z);
+      const std::optional<double> z = lastHeight ? ground.near(point) : std::nullopt;
+      return z || !acceptAnyHeight ? z : ground.under(point);
     };
-    found[i] = standAt(options, pose, height);
-    if (found[i]) {
-      last = found[i]->height;
-      lastAt = driven[i];
-    }
+    samples[i] = sampleAt(options, pose, height);
+    if (!samples[i]) continue;
+    lastHeight = samples[i]->height;
+    lastDriven = driven[i];
   }
-  if (!last) {
+  if (!lastHeight) {
     throw InputError(options.where,
                      fmt::format("no part of the path, which begins at {}, has ground above or below it: `scanmill "
                                  "info` of the scene prints its bounds (`start` moves recorded poses){}",
                                  shortPosition(poseOnPath(0).translation), options.wheels ? kWheelAdvice : ""));
   }
-  const auto bare = std::count(found.begin(), found.end(), std::nullopt);
-  bare_ = static_cast<double>(bare) / static_cast<double>(positions_.size());
+  const auto bareSamples = std::count(samples.begin(), samples.end(), std::nullopt);
+  bareFraction_ = static_cast<double>(bareSamples) / static_cast<double>(positions_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
   // of the first sample with ground.
-  GroundSample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
-  for (const auto& sample : found) {
-    if (sample) known = *sample;
-    samples_.push_back({known.height + options.height, known.along, known.left});
+  GroundSample filled = **std::ranges::find_if(samples, [](const auto& sample) { return sample.has_value(); });
+  for (const auto& sample : samples) {
+    filled = sample.value_or(filled);
+    samples_.push_back({filled.height + options.height, filled.along, filled.left});
   }
   for (int pass = 0; pass < 2; ++pass) samples_ = smoothed(samples_, driven);
 }
@@ -150,7 +189,7 @@ std::vector<double> GroundProfile::samplePositions(const PoseOnPath& poseOnPath,
   std::vector<double> positions{knots.front()};
   for (std::size_t i = 1; i < knots.size(); ++i) {
     const double from = knots[i - 1];
-    const double span = knots[i] - from;
+    const double span = knots[i] - from;  // m or s, as the positions
     const double metres = length(poseOnPath(knots[i]).translation - poseOnPath(from).translation);
     const double steps = std::max(std::ceil(metres / kSpacing), 1.0);
     if (static_cast<double>(positions.size()) + steps > static_cast<double>(kMostSamples)) {
@@ -165,53 +204,14 @@ std::vector<double> GroundProfile::samplePositions(const PoseOnPath& poseOnPath,
   return positions;
 }
 
-// Smooths each sample over its neighbours on the path, up to kSmooth before and behind the sample.
-std::vector<GroundSample> GroundProfile::smoothed(const std::vector<GroundSample>& samples,
-                                                  const std::vector<double>& driven) {
-  std::vector<GroundSample> means;
-  means.reserve(samples.size());
-  const std::size_t last = samples.size() - 1;
-  for (std::size_t i = 0; i <= last; ++i) {
-    // Take the same number of samples on both sides, so that constant slopes are preserved even at the ends of the
-    // path.
-    std::size_t reach = 0;  // samples on each side
-    while (reach < std::min({i, last - i, kMostSmoothed}) && driven[i] - driven[i - reach - 1] <= kSmooth &&
-           driven[i + reach + 1] - driven[i] <= kSmooth) {
-      ++reach;
-    }
-    // Fit a line by least squares and evaluate the line at the sample's position on the path: this preserves constant
-    // slopes for any spacing of the samples.
-    double sumD = 0;
-    double sumDD = 0;
-    GroundSample sum;
-    GroundSample sumTimesD;  // sums of the values times their distances from the sample
-    for (std::size_t k = i - reach; k <= i + reach; ++k) {
-      const GroundSample& s = samples[k];
-      const double d = driven[k] - driven[i];
-      sumD += d;
-      sumDD += d * d;
-      sum = {sum.height + s.height, sum.along + s.along, sum.left + s.left};
-      sumTimesD = {sumTimesD.height + d * s.height, sumTimesD.along + d * s.along, sumTimesD.left + d * s.left};
-    }
-    const auto count = static_cast<double>(2 * reach + 1);
-    const double spread = count * sumDD - sumD * sumD;
-    const auto fitted = [&](double values, double by) {
-      return spread > 1e-9 ? (values * sumDD - by * sumD) / spread : values / count;
-    };
-    means.push_back(
-        {fitted(sum.height, sumTimesD.height), fitted(sum.along, sumTimesD.along), fitted(sum.left, sumTimesD.left)});
-  }
-  return means;
-}
-
-Pose GroundProfile::place(const Pose& pose, double at) const {
-  const auto later = std::upper_bound(positions_.begin(), positions_.end(), at);
-  const auto behind = static_cast<std::size_t>(later - positions_.begin());
-  const std::size_t j = std::min(behind, positions_.size() - 1);
-  const std::size_t i = behind == 0 ? 0 : behind - 1;
+Pose GroundProfile::place(const Pose& pose, double position) const {
+  // Interpolate between the samples i and j around the position; both are the same sample at the path's ends.
+  const auto next = static_cast<std::size_t>(std::ranges::upper_bound(positions_, position) - positions_.begin());
+  const std::size_t j = std::min(next, positions_.size() - 1);
+  const std::size_t i = next == 0 ? 0 : next - 1;
   const GroundSample& a = samples_[i];
   const GroundSample& b = samples_[j];
-  const double u = i == j ? 0 : std::clamp((at - positions_[i]) / (positions_[j] - positions_[i]), 0.0, 1.0);
+  const double u = i == j ? 0 : std::clamp((position - positions_[i]) / (positions_[j] - positions_[i]), 0.0, 1.0);
   const auto mix = [&](double from, double to) { return from + (to - from) * u; };
   Pose placed{onSlope(headingOf(pose.rotation), mix(a.along, b.along), mix(a.left, b.left)), pose.translation};
   placed.translation.z = mix(a.height, b.height);
@@ -219,11 +219,11 @@ Pose GroundProfile::place(const Pose& pose, double at) const {
 }
 
 Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground) {
-  const std::optional<GroundSample> stand =
-      standAt(options, pose, [&](const Vec3d& point) { return ground.under(point); });
-  const Vec3d& at = pose.translation;
-  if (!stand) {
-    std::string text = fmt::format("the pose at [{:g}, {:g}, {:g}] has no ground above or below it", at.x, at.y, at.z);
+  const std::optional<GroundSample> sample =
+      sampleAt(options, pose, [&](const Vec3d& point) { return ground.under(point); });
+  const auto [x, y, z] = pose.translation;
+  if (!sample) {
+    std::string text = fmt::format("the pose at [{:g}, {:g}, {:g}] has no ground above or below it", x, y, z);
     const std::array<Vec3d, 4> wheels = options.wheels ? wheelsAt(*options.wheels, pose) : std::array<Vec3d, 4>{};
     for (std::size_t i = 0; options.wheels && i < wheels.size(); ++i) {
       if (ground.under(wheels[i])) continue;
@@ -232,8 +232,8 @@ Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& grou
     throw InputError(options.where, text + (options.wheels ? kWheelAdvice : ""));
   }
   const double yaw = headingOf(pose.rotation);
-  const Quat own = inverse(Pose{fromYawPitchRoll(yaw, 0, 0), {}}).rotation * pose.rotation;
-  return {onSlope(yaw, stand->along, stand->left) * own, {at.x, at.y, stand->height + options.height}};
+  const Quat pitchAndRoll = inverse(Pose{fromYawPitchRoll(yaw, 0, 0), {}}).rotation * pose.rotation;
+  return {onSlope(yaw, sample->along, sample->left) * pitchAndRoll, {x, y, sample->height + options.height}};
 }
 
 }  // namespace scanmill

@@ -17,12 +17,12 @@ namespace scanmill {
 class Ground {
  public:
   virtual ~Ground() = default;
-  // Returns the height (m) of the highest surface that is below `place` or at most 0.5 m above it. If no surface is
-  // that low, returns the height of the lowest surface above `place`; nothing if there is no surface at all.
-  virtual std::optional<double> under(const Vec3d& place) const = 0;
-  // Returns the height (m) of the surface nearest to `place`, at most 1.5 m below or above it; nothing if no surface is
+  // Returns the height (m) of the highest surface that is below `point` or at most 0.5 m above it. If no surface is
+  // that low, returns the height of the lowest surface above `point`; nothing if there is no surface at all.
+  virtual std::optional<double> under(const Vec3d& point) const = 0;
+  // Returns the height (m) of the surface nearest to `point`, at most 1.5 m below or above it; nothing if no surface is
   // that near.
-  virtual std::optional<double> near(const Vec3d& place) const = 0;
+  virtual std::optional<double> near(const Vec3d& point) const = 0;
 };
 
 // How a vehicle stands on the ground. In YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
@@ -61,16 +61,13 @@ class GroundProfile {
                                              const Location& where);
 
   // Places a pose on the ground: the result has the pose's horizontal position and heading, the ground's pitch and
-  // roll, and lies GroundOptions::height above the ground. `at`: the position on the path.
-  [[nodiscard]] Pose place(const Pose& pose, double at) const;
+  // roll, and lies GroundOptions::height above the ground. `position`: the position on the path.
+  [[nodiscard]] Pose place(const Pose& pose, double position) const;
   // Returns the fraction of the path's samples for which no ground was found, and which copy another sample.
-  double bare() const { return bare_; }
+  double bareFraction() const { return bareFraction_; }
 
  private:
-  static std::vector<GroundSample> smoothed(const std::vector<GroundSample>& samples,
-                                            const std::vector<double>& driven);
-
-  double bare_ = 0;
+  double bareFraction_ = 0;
   std::vector<double> positions_;
   std::vector<GroundSample> samples_;  // with GroundOptions::height added
 };

@@ -46,53 +46,56 @@ class Reader {
     }
     return nullptr;
   }
+  // Returns the value of a key of the packets' format; null if the file lacks the key.
   const Value* format(const char* key) const {
     const Value* const found = find("lidar_data_format", key);
     return found != nullptr ? found : find("data_format", key);
   }
 
+  // Sets elevation and azimuth. A laser whose two angles are 0 counts as unused if there are several of them.
   void readBeams(OusterMetadata& m) const {
-    const Value* const altitude = find("beam_intrinsics", "beam_altitude_angles");
-    const Value* const azimuth = find("beam_intrinsics", "beam_azimuth_angles");
-    if (altitude == nullptr || azimuth == nullptr) {
+    const Value* const altitudeValue = find("beam_intrinsics", "beam_altitude_angles");
+    const Value* const azimuthValue = find("beam_intrinsics", "beam_azimuth_angles");
+    if (altitudeValue == nullptr || azimuthValue == nullptr) {
       fail("has no beam_altitude_angles and beam_azimuth_angles: is it the metadata of an Ouster sensor?");
     }
-    if (!altitude->items.empty() && altitude->items.front().kind == Value::Kind::Sequence) {
+    if (!altitudeValue->items.empty() && altitudeValue->items.front().kind == Value::Kind::Sequence) {
       fail("has an angle for each pixel, as of a flash sensor (DF, ES): only metadata of spinning sensors is read");
     }
-    const std::vector<double> up = readNumbers(*altitude, "beam_altitude_angles");
-    const std::vector<double> around = readNumbers(*azimuth, "beam_azimuth_angles");
-    if (up.empty() || up.size() != around.size()) {
-      fail(fmt::format("has {} beam_altitude_angles and {} beam_azimuth_angles", up.size(), around.size()));
+    const std::vector<double> altitudes = readNumbers(*altitudeValue, "beam_altitude_angles");
+    const std::vector<double> azimuths = readNumbers(*azimuthValue, "beam_azimuth_angles");
+    if (altitudes.empty() || altitudes.size() != azimuths.size()) {
+      fail(fmt::format("has {} beam_altitude_angles and {} beam_azimuth_angles", altitudes.size(), azimuths.size()));
     }
     std::size_t unused = 0;
-    for (std::size_t i = 0; i < up.size(); ++i) unused += up[i] == 0 && around[i] == 0 ? 1 : 0;
-    for (std::size_t i = 0; i < up.size(); ++i) {
-      if (unused > 1 && up[i] == 0 && around[i] == 0) continue;
-      if (std::fabs(up[i]) > 90 || std::fabs(around[i]) > 180) {
-        fail(fmt::format("beam {} has the altitude {:g} and the azimuth {:g} deg", i, up[i], around[i]));
+    for (std::size_t i = 0; i < altitudes.size(); ++i) unused += altitudes[i] == 0 && azimuths[i] == 0 ? 1 : 0;
+    for (std::size_t i = 0; i < altitudes.size(); ++i) {
+      if (unused > 1 && altitudes[i] == 0 && azimuths[i] == 0) continue;
+      if (std::fabs(altitudes[i]) > 90 || std::fabs(azimuths[i]) > 180) {
+        fail(fmt::format("beam {} has the altitude {:g} and the azimuth {:g} deg", i, altitudes[i], azimuths[i]));
       }
-      m.elevation.push_back(up[i]);
-      m.azimuth.push_back(around[i] == 0 ? 0 : -around[i]);
+      m.elevation.push_back(altitudes[i]);
+      m.azimuth.push_back(azimuths[i] == 0 ? 0 : -azimuths[i]);
     }
     if (m.elevation.empty()) fail("gives all beams the angles 0");
-    const Value* const rows = format("pixels_per_column");
-    const double pixels = rows == nullptr ? 0 : readNumber(*rows, "pixels_per_column");
-    if (rows != nullptr && pixels != static_cast<double>(m.elevation.size()) &&
-        pixels != static_cast<double>(up.size())) {
-      fail(fmt::format("has angles of {} beams, {} of which are unused, but its pixels_per_column are {:g}", up.size(),
-                       up.size() - m.elevation.size(), pixels));
+    const Value* const pixelCount = format("pixels_per_column");
+    const double pixels = pixelCount == nullptr ? 0 : readNumber(*pixelCount, "pixels_per_column");
+    if (pixelCount != nullptr && pixels != static_cast<double>(m.elevation.size()) &&
+        pixels != static_cast<double>(altitudes.size())) {
+      fail(fmt::format("has angles of {} beams, {} of which are unused, but its pixels_per_column are {:g}",
+                       altitudes.size(), altitudes.size() - m.elevation.size(), pixels));
     }
   }
 
-  // Early firmware may lack the mode; the columns and the rate then stand in the format of the packets, or nowhere.
+  // Sets columns and rate from the mode, such as 1024x10. Early firmware may lack the mode; the columns and the rate
+  // then stand in the format of the packets, or nowhere.
   void readMode(OusterMetadata& m) const {
     const Value* const mode = find("config_params", "lidar_mode");
     const std::string text = mode == nullptr ? "" : mode->text;
     if (!text.empty()) {
-      char rest = 0;
+      char trailing = 0;
       unsigned rate = 0;
-      if (std::sscanf(text.c_str(), "%ux%u%c", &m.columns, &rate, &rest) != 2 || m.columns == 0 || rate == 0 ||
+      if (std::sscanf(text.c_str(), "%ux%u%c", &m.columns, &rate, &trailing) != 2 || m.columns == 0 || rate == 0 ||
           m.columns > kMostColumns || rate > kHighestRate) {
         fail(fmt::format("has the lidar_mode '{}', but it must be columns x revolutions per second, such as 1024x10",
                          text));
@@ -100,11 +103,11 @@ class Reader {
       m.rate = rate;
     }
     if (const Value* const fps = format("fps")) {
-      const double said = readNumber(*fps, "fps", {0.01, kHighestRate});
-      if (m.rate != 0 && said != m.rate) {
-        fail(fmt::format("has fps {:g} and the lidar_mode '{}': correct one of them", said, text));
+      const double hertz = readNumber(*fps, "fps", {0.01, kHighestRate});
+      if (m.rate != 0 && hertz != m.rate) {
+        fail(fmt::format("has fps {:g} and the lidar_mode '{}': correct one of them", hertz, text));
       }
-      m.rate = said;
+      m.rate = hertz;
     }
     const Value* const columns = format("columns_per_frame");
     if (columns == nullptr) return;
@@ -115,27 +118,32 @@ class Reader {
     m.columns = static_cast<std::uint32_t>(count);
   }
 
+  // Sets firstColumn and windowColumns. readMode() must have set the columns. The window may contain the last and the
+  // first column of the revolution.
   void readWindow(OusterMetadata& m) {
     m.windowColumns = m.columns;
     const Value* const window = format("column_window");
     const Value* const azimuths = find("config_params", "azimuth_window");
-    using Ends = std::vector<double>;
-    const Ends turn = azimuths == nullptr ? Ends{0, 360e3} : readNumbers(*azimuths, "azimuth_window");
-    const Ends ends = window == nullptr ? Ends{0, m.columns - 1.0} : readNumbers(*window, "column_window");
-    // Firmware 1.13 counts in hundredths of a degree, later firmware in thousandths.
-    const bool full = turn == Ends{0, 36e3} || turn == Ends{0, 360e3};
-    if (!full && ends == Ends{0, m.columns - 1.0}) leftOut_.addKeyword(ousterFormat(), "azimuth_window");
+    using Ends = std::vector<double>;  // the first and the last of a window
+    const Ends allColumns{0, m.columns - 1.0};
+    const Ends columns = window == nullptr ? allColumns : readNumbers(*window, "column_window");
+    // Firmware 1.13 counts azimuths in hundredths of a degree, later firmware in thousandths.
+    const Ends azimuthEnds = azimuths == nullptr ? Ends{0, 360e3} : readNumbers(*azimuths, "azimuth_window");
+    const bool allAzimuths = azimuthEnds == Ends{0, 36e3} || azimuthEnds == Ends{0, 360e3};
+    if (!allAzimuths && columns == allColumns) leftOut_.addKeyword(ousterFormat(), "azimuth_window");
     if (window == nullptr || m.columns == 0) return;
     const auto isColumn = [&](double c) { return c >= 0 && c < m.columns && c == std::floor(c); };
-    if (ends.size() != 2 || !isColumn(ends[0]) || !isColumn(ends[1])) {
+    if (columns.size() != 2 || !isColumn(columns[0]) || !isColumn(columns[1])) {
       fail(fmt::format("has a column_window that is not [first, last] within its {} columns", m.columns));
     }
-    m.firstColumn = static_cast<std::uint32_t>(ends[0]);
-    const auto last = static_cast<std::uint32_t>(ends[1]);
+    m.firstColumn = static_cast<std::uint32_t>(columns[0]);
+    const auto last = static_cast<std::uint32_t>(columns[1]);
     m.windowColumns = (last + m.columns - m.firstColumn) % m.columns + 1;
     if (m.windowColumns == 1 && m.columns > 1) fail("has a column_window of one column, but it must have at least two");
   }
 
+  // Sets originOffset, originHeight and firstAzimuth. The transforms are 4 x 4 matrices, listed row by row: [0] and [4]
+  // are the cosine and the sine of the rotation about z; [3], [7] and [11] are the shift (mm).
   void readOrigin(OusterMetadata& m) {
     // These are the default values of ouster-sdk.
     m.originOffset = m.model.starts_with("OS-0")   ? 0.02767
@@ -159,10 +167,11 @@ class Reader {
       if (std::fabs((*t)[0] - 1) > kRounding || (*t)[7] != 0) failTransform("beam_to_lidar_transform");
     }
     const Value* const mount = find("ouster-sdk", "extrinsic");
-    const std::vector<double> none{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    if (mount != nullptr && readNumbers(*mount, "extrinsic") != none) leftOut_.addKeyword(ousterFormat(), "extrinsic");
-    const Value* const start = find("config_params", "lidar_frame_azimuth_offset");
-    if (start != nullptr && readNumber(*start, "lidar_frame_azimuth_offset") != 0) {
+    const std::vector<double> identity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    if (mount != nullptr && readNumbers(*mount, "extrinsic") != identity)
+      leftOut_.addKeyword(ousterFormat(), "extrinsic");
+    const Value* const azimuthOffset = find("config_params", "lidar_frame_azimuth_offset");
+    if (azimuthOffset != nullptr && readNumber(*azimuthOffset, "lidar_frame_azimuth_offset") != 0) {
       leftOut_.addKeyword(ousterFormat(), "lidar_frame_azimuth_offset");
     }
   }
@@ -174,20 +183,21 @@ class Reader {
                     key));
   }
 
-  // Returns the 16 numbers of a transform, row by row; nullopt if the file has none. Throws InputError unless the
-  // transform rotates about z alone.
+  // Returns the 16 numbers of a transform, row by row; nullopt if the file lacks it. Throws InputError unless the
+  // transform's rotation is about z.
   std::optional<std::vector<double>> transform(const char* group, const char* key) const {
     const Value* const found = find(group, key);
     if (found == nullptr) return std::nullopt;
     const std::vector<double> t = readNumbers(*found, key);
     if (t.size() != 16) fail(fmt::format("{} must have 16 numbers", key));
-    const double off = std::fabs(t[0] - t[5]) + std::fabs(t[1] + t[4]) + std::fabs(t[0] * t[0] + t[4] * t[4] - 1) +
-                       std::fabs(t[2]) + std::fabs(t[6]) + std::fabs(t[8]) + std::fabs(t[9]) + std::fabs(t[10] - 1);
-    if (off > kRounding) failTransform(key);
+    const double deviation = std::fabs(t[0] - t[5]) + std::fabs(t[1] + t[4]) +
+                             std::fabs(t[0] * t[0] + t[4] * t[4] - 1) + std::fabs(t[2]) + std::fabs(t[6]) +
+                             std::fabs(t[8]) + std::fabs(t[9]) + std::fabs(t[10] - 1);
+    if (deviation > kRounding) failTransform(key);
     return t;
   }
 
-  static constexpr double kRounding = 1e-3;
+  static constexpr double kRounding = 1e-3;        // largest error of a transform's numbers, which are rounded
   static constexpr double kFarthestOrigin = 1000;  // mm
   static constexpr std::uint32_t kMostColumns = 65536;
   static constexpr double kHighestRate = 1000;  // revolutions per second

@@ -19,28 +19,34 @@
 namespace scanmill {
 namespace {
 
+// Files state rotations with few digits; a larger sum of the errors of a matrix, or error of a quaternion's length, is
+// a mistake in the file.
+constexpr double kMostRotationError = 1e-2;
+
+// Returns the numbers of a text, which blanks separate. `description` says in messages what the numbers are.
 template <std::size_t N>
-std::array<double, N> numbersOf(std::string_view text, const Location& where, const char* what) {
-  const std::vector<std::string_view> cells = wordsOf(text);
-  if (cells.size() != N) {
-    throw InputError(where, fmt::format("has {} numbers, but must have {}: {}", cells.size(), N, what));
+std::array<double, N> numbersOf(std::string_view text, const Location& where, const char* description) {
+  const std::vector<std::string_view> words = wordsOf(text);
+  if (words.size() != N) {
+    throw InputError(where, fmt::format("has {} numbers, but must have {}: {}", words.size(), N, description));
   }
   std::array<double, N> numbers;
-  for (std::size_t i = 0; i < N; ++i) numbers[i] = numberOf(cells[i], where);
+  for (std::size_t i = 0; i < N; ++i) numbers[i] = numberOf(words[i], where);
   return numbers;
 }
 
 // Returns the transform whose matrix has the 12 numbers of a text as its first three rows. Throws InputError if the
 // transform is not rigid.
-Affine rigid(std::string_view text, const Location& where) {
+Affine readRigidTransform(std::string_view text, const Location& where) {
   const auto m = numbersOf<12>(text, where, "a matrix of 3 rows and 4 columns");
   const Affine affine{{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}}, {m[3], m[7], m[11]}};
+  // The transpose of a rotation times the rotation is the identity.
   const Mat3 product = transposed(affine.linear) * affine.linear;
-  double off = std::fabs(determinant(affine.linear) - 1);
+  double deviation = std::fabs(determinant(affine.linear) - 1);
   for (const Vec3d& d : {product.x - Vec3d{1, 0, 0}, product.y - Vec3d{0, 1, 0}, product.z - Vec3d{0, 0, 1}}) {
-    off += std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
+    deviation += std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
   }
-  if (!(off < 1e-2)) {
+  if (!(deviation < kMostRotationError)) {
     throw InputError(where,
                      fmt::format("is not a rigid transform: its first three columns must be orthogonal unit "
                                  "vectors{}",
@@ -51,34 +57,35 @@ Affine rigid(std::string_view text, const Location& where) {
 
 // Sets each pose's rotation to the direction of travel: from the last mark before the pose to the first mark after it.
 // Marks are poses at least 5 cm apart, so that a vehicle that stands still heads for its next mark.
-void headAlong(std::vector<StampedPose>& poses) {
-  constexpr double kMoves = 0.05;  // m, least distance from a mark to the next mark
+void setHeadingsOfTravel(std::vector<StampedPose>& poses) {
+  constexpr double kMarkSpacing = 0.05;  // m, least distance from a mark to the next mark
   const auto positionOf = [&](std::size_t i) { return poses[i].pose.translation; };
-  std::vector<std::size_t> marks{0};  // indices of poses at least kMoves apart
+  std::vector<std::size_t> marks{0};  // indices of poses at least kMarkSpacing apart
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const Vec3d step = positionOf(i) - positionOf(marks.back());
-    if (std::hypot(step.x, step.y) >= kMoves) marks.push_back(i);
+    if (std::hypot(step.x, step.y) >= kMarkSpacing) marks.push_back(i);
   }
   if (marks.size() < 2) return;
   std::size_t mark = 0;  // index in `marks` of the last mark at or before the pose
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (mark + 1 < marks.size() && marks[mark + 1] <= i) ++mark;
-    const std::size_t ahead = std::min(mark + 1, marks.size() - 1);
-    const std::size_t from = (marks[mark] == i || ahead == mark) && mark > 0 ? mark - 1 : mark;
-    const Vec3d step = positionOf(marks[ahead]) - positionOf(marks[from]);
+    const std::size_t markAfter = std::min(mark + 1, marks.size() - 1);
+    // The mark before the pose: not a mark at the pose itself, and not the same as markAfter.
+    const std::size_t markBefore = (marks[mark] == i || markAfter == mark) && mark > 0 ? mark - 1 : mark;
+    const Vec3d step = positionOf(marks[markAfter]) - positionOf(marks[markBefore]);
     poses[i].pose.rotation =
         fromYawPitchRoll(std::atan2(step.y, step.x), -std::atan2(step.z, std::hypot(step.x, step.y)), 0);
   }
 }
 
-// Gives the columns of other programs the names of ours. The ground truth of the EuRoC dataset may not say that its
-// times are in ns.
+// Gives the columns that other programs write the names that readPoseTable() reads. The ground truth of the EuRoC
+// dataset, whose times are in ns, may name them without a unit.
 void renameColumns(TextTable& table) {
   constexpr std::pair<const char*, const char*> kEuroc[] = {
       {"timestamp", "time_ns"}, {"p_rs_r_x", "x"}, {"p_rs_r_y", "y"}, {"p_rs_r_z", "z"},
       {"q_rs_w", "qw"},         {"q_rs_x", "qx"},  {"q_rs_y", "qy"},  {"q_rs_z", "qz"}};
   if (table.has("p_rs_r_x")) {
-    for (const auto& [theirs, ours] : kEuroc) table.rename(theirs, ours);
+    for (const auto& [eurocName, name] : kEuroc) table.rename(eurocName, name);
   }
   for (const char* unit : {"s", "ms", "us", "ns"}) {
     table.rename(fmt::format("timestamp_{}", unit), fmt::format("time_{}", unit).c_str());
@@ -89,8 +96,9 @@ constexpr std::array kQuaternion{"qw", "qx", "qy", "qz"};
 
 enum class Rotations { None, Quaternions, Angles };
 
-// Returns how a table states rotations. Throws InputError if a column is missing, or if two state the same.
-Rotations checkColumnsOfPoses(const TextTable& table) {
+// Returns the kind of rotations that a table states. Throws InputError if a required column is missing, or if two
+// columns state the same angle.
+Rotations kindOfRotations(const TextTable& table) {
   if (table.timeName().empty()) {
     throw InputError(table.head(),
                      "the first line must name the columns time (s; or time_ms, time_us, time_ns), x, y, z and "
@@ -102,11 +110,10 @@ Rotations checkColumnsOfPoses(const TextTable& table) {
     rotations = Rotations::Quaternions;
     for (const char* name : kQuaternion) table.require(name);
   }
-  const bool quaternions = rotations == Rotations::Quaternions;
+  const int quaternions = rotations == Rotations::Quaternions ? 1 : 0;
   for (const std::string angle : {"yaw", "pitch", "roll"}) {
-    const int columns =
-        (table.has(angle) ? 1 : 0) + (table.has(angle + "_deg") ? 1 : 0) + (table.has(angle + "_rad") ? 1 : 0);
-    if (columns + (quaternions ? 1 : 0) > 1) {
+    const int columns = int{table.has(angle)} + int{table.has(angle + "_deg")} + int{table.has(angle + "_rad")};
+    if (columns + quaternions > 1) {
       throw InputError(table.head(), fmt::format("the table states {} by two columns: leave out one of them", angle));
     }
     if (columns > 0) rotations = Rotations::Angles;
@@ -114,7 +121,8 @@ Rotations checkColumnsOfPoses(const TextTable& table) {
   return rotations;
 }
 
-// Returns an angle of a row (rad). Throws InputError if the column without a unit holds more than a turn.
+// Returns an angle of a row (rad), from the columns `name` (rad), name_deg or name_rad; columns that are missing count
+// as 0. Throws InputError if the column without a unit holds more than a turn, which is probably meant in degrees.
 double angleOf(const TextTable& table, std::size_t row, const std::string& name) {
   constexpr double kTurn = 6.3;  // rad
   const double value = table.number(row, name);
@@ -128,19 +136,20 @@ double angleOf(const TextTable& table, std::size_t row, const std::string& name)
 }
 
 using Json = nlohmann::json;
-constexpr std::string_view kScans = "LIDAR_TOP";  // part of the file names of scans
+constexpr std::string_view kLidarScans = "LIDAR_TOP";  // part of the file names of scans
 
-// Calls `take` for each row of a table. Each row is freed after the call, because the largest table has millions of
-// rows.
-void readTableOfNuScenes(const std::filesystem::path& file, const std::function<void(const Json&)>& take) {
+// Calls visit(row) for each row of a table, a list of objects. Each row is freed after the call, because the largest
+// table has millions of rows.
+void readTableOfNuScenes(const std::filesystem::path& file, const std::function<void(const Json&)>& visit) {
   const std::string bytes = readFile(file);
   try {
-    const Json rest = Json::parse(bytes, [&](int depth, Json::parse_event_t event, Json& row) {
+    // The parser calls this function at the end of each value; false removes the value from the result.
+    const Json withoutRows = Json::parse(bytes, [&](int depth, Json::parse_event_t event, Json& row) {
       if (event != Json::parse_event_t::object_end || depth != 1) return true;
-      take(row);
+      visit(row);
       return false;
     });
-    if (!rest.is_array() || !rest.empty()) {
+    if (!withoutRows.is_array() || !withoutRows.empty()) {
       throw InputError({file.string()}, "is not a table of nuScenes: it must be a list of objects");
     }
   } catch (const nlohmann::json::exception& e) {
@@ -169,7 +178,7 @@ const FormatSupport& poseFormat() {
 
 Quat checkedRotation(const Quat& q, const Location& where) {
   const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  if (!(std::fabs(norm - 1) < 1e-2)) {
+  if (!(std::fabs(norm - 1) < kMostRotationError)) {
     throw InputError(where, fmt::format("the quaternion has the length {:.3g}, not 1: is the order of its numbers "
                                         "right?",
                                         norm));
@@ -180,7 +189,7 @@ Quat checkedRotation(const Quat& q, const Location& where) {
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
   std::vector<Affine> poses;
-  for (const TextLine& line : linesOf(bytes, file)) poses.push_back(rigid(line.text, line.where));
+  for (const TextLine& line : linesOf(bytes, file)) poses.push_back(readRigidTransform(line.text, line.where));
   return poses;
 }
 
@@ -196,7 +205,7 @@ Affine readKittiCalibration(const std::filesystem::path& file) {
   for (const TextLine& line : linesOf(bytes, file)) {
     const std::size_t colon = line.text.find(':');
     if (line.text.substr(0, colon) != "Tr" && line.text.substr(0, colon) != "Tr_velo_to_cam") continue;
-    return rigid(line.text.substr(colon + 1), line.where);
+    return readRigidTransform(line.text.substr(colon + 1), line.where);
   }
   throw InputError({file.string()}, "has no line `Tr: 12 numbers`, the transform from the scanner to the camera");
 }
@@ -211,9 +220,8 @@ std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
   }
   std::vector<StampedPose> poses;
   for (const TextLine& line : linesOf(bytes, file)) {
-    const auto n = numbersOf<8>(line.text, line.where, "time x y z qx qy qz qw");
-    poses.push_back(
-        {n[0], {checkedRotation({n[7], n[4], n[5], n[6]}, line.where), {n[1], n[2], n[3]}}, line.where.line});
+    const auto [time, x, y, z, qx, qy, qz, qw] = numbersOf<8>(line.text, line.where, "time x y z qx qy qz qw");
+    poses.push_back({time, {checkedRotation({qw, qx, qy, qz}, line.where), {x, y, z}}, line.where.line});
   }
   return poses;
 }
@@ -224,7 +232,7 @@ std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
   LeftOut leftOut;
   for (const std::string& name : table.names()) leftOut.addKeyword(poseFormat(), name);
   leftOut.warn(file.string());
-  const Rotations rotations = checkColumnsOfPoses(table);
+  const Rotations rotations = kindOfRotations(table);
   std::vector<StampedPose> poses;
   for (std::size_t row = 0; row < table.size(); ++row) {
     const auto number = [&](const char* name) { return table.number(row, name); };
@@ -235,43 +243,43 @@ std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
             : fromYawPitchRoll(angle("yaw"), angle("pitch"), angle("roll"));
     poses.push_back({table.time(row), {rotation, {number("x"), number("y"), number("z")}}, table.where(row).line});
   }
-  if (rotations == Rotations::None) headAlong(poses);
+  if (rotations == Rotations::None) setHeadingsOfTravel(poses);
   return poses;
 }
 
 std::vector<StampedPose> readNuScenesPoses(const std::filesystem::path& file, const std::string& scene) {
   const std::filesystem::path folder = file.parent_path();
-  std::string token;
-  std::vector<std::string> scenes;
+  std::string sceneToken;
+  std::vector<std::string> sceneNames;
   readTableOfNuScenes(folder / "scene.json", [&](const Json& row) {
-    scenes.push_back(row.at("name").get<std::string>());
-    if (scenes.back() == scene) token = row.at("token").get<std::string>();
+    sceneNames.push_back(row.at("name").get<std::string>());
+    if (sceneNames.back() == scene) sceneToken = row.at("token").get<std::string>();
   });
-  if (token.empty()) {
+  if (sceneToken.empty()) {
     throw InputError({(folder / "scene.json").string()},
-                     fmt::format("has no scene '{}'{}", scene, suggestion(scene, scenes)));
+                     fmt::format("has no scene '{}'{}", scene, suggestion(scene, sceneNames)));
   }
-  std::set<std::string> samples;
+  std::set<std::string> sampleTokens;
   readTableOfNuScenes(folder / "sample.json", [&](const Json& row) {
-    if (row.at("scene_token") == token) samples.insert(row.at("token").get<std::string>());
+    if (row.at("scene_token") == sceneToken) sampleTokens.insert(row.at("token").get<std::string>());
   });
-  std::set<std::string> wanted;
+  std::set<std::string> poseTokens;
   readTableOfNuScenes(folder / "sample_data.json", [&](const Json& row) {
-    if (row.at("filename").get_ref<const std::string&>().find(kScans) == std::string::npos) return;
-    if (samples.contains(row.at("sample_token").get_ref<const std::string&>())) {
-      wanted.insert(row.at("ego_pose_token").get<std::string>());
+    if (row.at("filename").get_ref<const std::string&>().find(kLidarScans) == std::string::npos) return;
+    if (sampleTokens.contains(row.at("sample_token").get_ref<const std::string&>())) {
+      poseTokens.insert(row.at("ego_pose_token").get<std::string>());
     }
   });
   std::vector<StampedPose> poses;
   readTableOfNuScenes(file, [&](const Json& row) {
-    if (!wanted.contains(row.at("token").get_ref<const std::string&>())) return;
+    if (!poseTokens.contains(row.at("token").get_ref<const std::string&>())) return;
     const auto q = row.at("rotation").get<std::array<double, 4>>();
     const auto t = row.at("translation").get<std::array<double, 3>>();
     const Location where{fmt::format("{}: the pose {}", file.string(), row.at("token").get<std::string>())};
     poses.push_back({row.at("timestamp").get<double>() * 1e-6,
                      {checkedRotation({q[0], q[1], q[2], q[3]}, where), {t[0], t[1], t[2]}}});
   });
-  std::sort(poses.begin(), poses.end(), [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
+  std::ranges::sort(poses, {}, &StampedPose::time);
   return poses;
 }
 

@@ -38,9 +38,12 @@ class RecordedPoses {
   std::string about() const;
   // Returns a warning about poses that are possible but probably wrong: too fast, tilted, or with a heading far from
   // the direction of travel. Empty if the poses are plausible.
-  std::string doubt() const;
+  std::string warning() const;
 
  private:
+  // Returns the velocity of the curve (m/s) at a pose.
+  Vec3d velocityAt(std::size_t index) const;
+
   std::vector<StampedPose> poses_;  // ascending in time; the time of the first pose is 0
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "config/fields.h"
 #include "config/file_kind.h"
@@ -19,15 +20,16 @@ constexpr double kMaxRings = 4096;
 constexpr double kMaxColumns = 65536;
 
 // Reads a count as a double, so that a value such as 1e12 can be refused with a message about the number of beams.
-double readCount(const Value& value, std::string_view what) {
-  const double count = readNumber(value, what);
+double readCount(const Value& value, std::string_view key) {
+  const double count = readNumber(value, key);
   if (count != std::floor(count)) {
-    throw InputError(value.where, fmt::format("{} must be a whole number, not {}", what, value.text));
+    throw InputError(value.where, fmt::format("{} must be a whole number, not {}", key, value.text));
   }
   return count;
 }
 
-// Returns the elevation of each ring (deg), in ring order.
+// Reads {top:, bottom:, rings:} and returns the elevations of the evenly spaced rings (deg), by ring. `order`: value of
+// the key ring_order, top_down or bottom_up; `orderWhere`: its place in the file.
 std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, const std::string& order,
                                       const Location& orderWhere) {
   Fields fields(value, "elevation_deg");
@@ -46,12 +48,14 @@ std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, c
   std::vector<double> elevation(rings, (top + bottom) / 2);
   for (std::uint32_t ring = 0; ring < rings && rings > 1; ++ring) {
     const std::uint32_t fromTop = order == "top_down" ? ring : rings - 1 - ring;
-    const double part = static_cast<double>(fromTop) / (rings - 1);
-    elevation[ring] = top * (1 - part) + bottom * part;
+    const double fraction = static_cast<double>(fromTop) / (rings - 1);
+    elevation[ring] = top * (1 - fraction) + bottom * fraction;
   }
   return elevation;
 }
 
+// Reads the elevation of each ring (deg) from a list. Throws InputError if the list contradicts `order`, the value of
+// the key ring_order.
 std::vector<double> listedElevations(const Value& value, const std::string& order) {
   std::vector<double> elevation = readNumbers(value, "elevation_deg", {-90, 90});
   for (std::size_t ring = 1; ring < elevation.size() && order != "unordered"; ++ring) {
@@ -71,19 +75,20 @@ std::vector<double> listedElevations(const Value& value, const std::string& orde
 // Returns the azimuth offset of each ring (deg), from a list that is repeated over the rings.
 std::vector<double> readAzimuthOffsets(const Value* value, std::uint32_t rings) {
   if (value == nullptr) return std::vector<double>(rings, 0.0);
-  std::vector<double> pattern = readNumbers(*value, "azimuth_offset_deg", {-180, 180});
+  const std::vector<double> pattern = readNumbers(*value, "azimuth_offset_deg", {-180, 180});
   if (pattern.empty() || rings % pattern.size() != 0) {
     throw InputError(value->where, fmt::format("azimuth_offset_deg has {} entries: give one per ring ({}), or a "
                                                "pattern whose length divides the number of rings",
                                                pattern.size(), rings));
   }
-  const std::size_t period = pattern.size();
-  pattern.resize(rings);
-  for (std::size_t ring = period; ring < rings; ++ring) pattern[ring] = pattern[ring - period];
-  return pattern;
+  std::vector<double> offsets(rings);
+  for (std::size_t ring = 0; ring < rings; ++ring) offsets[ring] = pattern[ring % pattern.size()];
+  return offsets;
 }
 
-// Returns the firing time of each ring (us).
+// Returns the firing time of each ring (us after the start of its column), from a list, a table in a file or a constant
+// step; zeros if `value` is null. The table must have its rings, columns, period, field and sweep. Throws InputError if
+// a ring would fire after the start of the next column.
 std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) {
   if (value == nullptr) return std::vector<double>(table.rings, 0.0);
   constexpr Range kMicroseconds{0, 1e8};
@@ -113,19 +118,19 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
       for (std::uint32_t ring = 0; ring < table.rings; ++ring) times.push_back(step * ring);
     }
   }
-  const double last = *std::max_element(times.begin(), times.end());
-  const double column = table.columnPeriod() * 1e6;
-  if (last >= column) {
+  const double lastFiring = std::ranges::max(times);
+  const double columnDuration = table.columnPeriod() * 1e6;  // us
+  if (lastFiring >= columnDuration) {
     throw InputError(value->where,
                      fmt::format("firing_time_us: the last ring fires {:.6g} us after the first, but a column lasts "
                                  "{:.6g} us (1 s / {:.6g} revolutions x {:.6g} of a revolution / {} columns)",
-                                 last, column, 1 / table.period, table.field / (2 * kPi), table.columns));
+                                 lastFiring, columnDuration, 1 / table.period, table.field / (2 * kPi), table.columns));
   }
   return times;
 }
 
-// Returns the shift of the beams' origin in each ring (m), read as one value per ring or one value for all rings; empty
-// if all are zero.
+// Returns the shift of the beams' origin by ring (m). The key has one value per ring or one for all rings. Empty if the
+// key is absent or all shifts are zero.
 std::vector<double> readOrigins(Fields& fields, std::string_view key, std::uint32_t rings) {
   const Value* value = fields.find(key);
   if (value == nullptr) return {};
@@ -136,13 +141,8 @@ std::vector<double> readOrigins(Fields& fields, std::string_view key, std::uint3
     throw InputError(value->where,
                      fmt::format("{} has {} entries for {} rings: give one per ring", key, origins.size(), rings));
   }
-  if (std::all_of(origins.begin(), origins.end(), [](double o) { return o == 0; })) origins.clear();
+  if (std::ranges::all_of(origins, [](double shift) { return shift == 0; })) origins.clear();
   return origins;
-}
-
-std::vector<double> scaled(std::vector<double> values, double factor) {
-  for (double& value : values) value *= factor;
-  return values;
 }
 
 void readRange(Fields& fields, BeamTable& table) {
@@ -155,28 +155,29 @@ void readRange(Fields& fields, BeamTable& table) {
   table.maxRange = limits[1];
 }
 
-// Reads the beam's widths across and up, as two values or one value for both, and multiplies them by `unit`. `most`:
-// the largest value allowed.
-std::array<double, 2> readWidths(Fields& fields, std::string_view key, double most, double unit) {
+// Reads the beam's widths across and up, given as two values or one value for both, from 0 to `largest`, in thousandths
+// (mrad or mm). Returns them in rad or m; zeros if the key is absent.
+std::array<double, 2> readWidths(Fields& fields, std::string_view key, double largest) {
   const Value* value = fields.find(key);
   if (value == nullptr) return {};
   if (value->kind != Value::Kind::Sequence) {
-    const double both = fields.number(key, {0, most}) * unit;
-    return {both, both};
+    const double width = fields.number(key, {0, largest}) * 1e-3;
+    return {width, width};
   }
-  const std::vector<double> widths = readNumbers(*value, std::string(key), {0, most});
+  const std::vector<double> widths = readNumbers(*value, std::string(key), {0, largest});
   if (widths.size() != 2) {
     throw InputError(value->where, fmt::format("{} must be one width, or the two widths [horizontal, vertical]", key));
   }
-  return {widths[0] * unit, widths[1] * unit};
+  return {widths[0] * 1e-3, widths[1] * 1e-3};
 }
 
-// Throws InputError if the number of a calibration's lasers differs from the number of the preset's rings.
-void checkSameLasers(const Value& preset, const Value& own) {
+// Throws InputError if the calibration that `sensor` names has not as many lasers as the preset has rings. A sensor
+// without calibration and a preset without rings on cones are not checked.
+void checkSameLasers(const Value& preset, const Value& sensor) {
   const Value* elevation = preset.find("elevation_deg");
-  const Value* calibration = Fields(own, "sensor").find("calibration");
+  const Value* calibration = Fields(sensor, "sensor").find("calibration");
   if (elevation == nullptr || calibration == nullptr) return;
-  const std::size_t lasers = withCalibration(own, &preset).find("elevation_deg")->items.size();
+  const std::size_t lasers = withCalibration(sensor, &preset).find("elevation_deg")->items.size();
   const auto rings = static_cast<std::size_t>(sensorSize(preset).rings);
   if (lasers == rings) return;
   throw InputError(calibration->where,
@@ -192,7 +193,7 @@ const std::initializer_list<std::string_view> kSensorKeys = {
     "origin_offset_m", "origin_height_m", "origin_left_m", "origin_up_m", "exit_width_mm",  "turns_while_firing",
     "divergence_mrad", "beam_shape",      "pulse_ns",      "effects"};
 
-// Sets a full circle, and fills the per-ring arrays with zeros, for patterns whose rings are not on cones.
+// Sets the members that describe cones (a full circle, zeros for each ring) for patterns whose rings are not on cones.
 void clearCones(BeamTable& table) {
   table.field = 2 * kPi;
   table.elevation.assign(table.rings, 0);
@@ -200,6 +201,8 @@ void clearCones(BeamTable& table) {
   table.firingOffset.assign(table.rings, 0);
 }
 
+// Each of the next four functions reads one kind of beams into a table that has its rings, columns and period. They
+// throw InputError for keys of the other kinds. readListed() reads a file with one line per beam, which `beams` names.
 void readListed(Fields& fields, BeamTable& table) {
   fields.refuse({"columns", "elevation_deg", "azimuth_offset_deg", "firing_time_us", "turns_while_firing", "field_deg",
                  "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
@@ -209,17 +212,16 @@ void readListed(Fields& fields, BeamTable& table) {
   const Value& where = fields.require("beams");
   const std::filesystem::path file = fields.path("beams");
   auto listed = std::make_shared<const ListedBeams>(readListedBeams(file).beams);
-  const double last = *std::max_element(listed->time.begin(), listed->time.end());
-  if (last >= table.period) {
+  const double lastFiring = std::ranges::max(listed->time);  // s since the start of the revolution
+  if (lastFiring >= table.period) {
     throw InputError(where.where,
                      fmt::format("the last beam of {} fires after {:.6g} s, but a revolution lasts {:.6g} s: "
                                  "lower rate_hz",
-                                 file.string(), last, table.period));
+                                 file.string(), lastFiring, table.period));
   }
   for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
-    double sum = 0;
-    for (std::uint32_t c = 0; c < table.columns; ++c) sum += listed->elevation[std::size_t{ring} * table.columns + c];
-    table.elevation[ring] = sum / table.columns;
+    const auto firstOfRing = listed->elevation.begin() + std::ptrdiff_t{ring} * table.columns;
+    table.elevation[ring] = std::accumulate(firstOfRing, firstOfRing + table.columns, 0.0) / table.columns;
   }
   table.topDown = table.elevation.front() > table.elevation.back();
   table.pattern = std::move(listed);
@@ -237,7 +239,7 @@ void readRosetteBeams(Fields& fields, BeamTable& table) {
   refuseKeysOfCones(fields, "rosette", "raster");
   clearCones(table);
   table.pattern = readRosette(fields.require("rosette"));
-  table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
+  table.firingOffset = scaledBy(1e-6, readFiringTimes(fields.find("firing_time_us"), table));
 }
 
 void readRasterBeams(Fields& fields, BeamTable& table) {
@@ -253,15 +255,16 @@ void readRasterBeams(Fields& fields, BeamTable& table) {
   table.topDown = true;
 }
 
-void readCones(Fields& fields, const Value& value, BeamTable& table) {
+// Reads rings on cones about the sensor's axis. `description`: the map that `fields` reads.
+void readCones(Fields& fields, const Value& description, BeamTable& table) {
   fields.require("columns");
   table.clockwise = fields.choice("direction", {"clockwise", "counterclockwise"}, "counterclockwise") == "clockwise";
   table.firstAzimuth = radians(fields.number("first_azimuth_deg", {-360, 360}, 0));
-  const double field = fields.number("field_deg", {0, 360}, 360);
-  if (field <= 0) throw InputError(fields.find("field_deg")->where, "field_deg must be above 0");
-  table.field = field < 360 ? radians(field) : 2 * kPi;
+  const double fieldDegrees = fields.number("field_deg", {0, 360}, 360);
+  if (fieldDegrees <= 0) throw InputError(fields.find("field_deg")->where, "field_deg must be above 0");
+  table.field = fieldDegrees < 360 ? radians(fieldDegrees) : 2 * kPi;
   if (const Value* sweep = fields.find("sweep_ms")) {
-    if (field >= 360) throw InputError(sweep->where, "sweep_ms has no effect in a full circle: leave it out");
+    if (fieldDegrees >= 360) throw InputError(sweep->where, "sweep_ms has no effect in a full circle: leave it out");
     table.sweep = fields.number("sweep_ms", {1e-3, table.period * 1e3}) * 1e-3;
   }
 
@@ -271,18 +274,16 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
   const std::vector<double> elevation =
       elevationValue.kind == Value::Kind::Sequence
           ? listedElevations(elevationValue, order)
-          : uniformElevations(elevationValue, table.rings, order, orderValue ? orderValue->where : value.where);
-  table.elevation = scaled(elevation, radians(1));
-  const double highest = *std::max_element(elevation.begin(), elevation.end());
-  table.topDown = order == "top_down" || (order == "unordered" && elevation.front() == highest);
-  table.azimuthOffset = scaled(readAzimuthOffsets(fields.find("azimuth_offset_deg"), table.rings), radians(1));
-  table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
+          : uniformElevations(elevationValue, table.rings, order, orderValue ? orderValue->where : description.where);
+  table.elevation = scaledBy(radians(1), elevation);
+  table.topDown = order == "top_down" || (order == "unordered" && elevation.front() == std::ranges::max(elevation));
+  table.azimuthOffset = scaledBy(radians(1), readAzimuthOffsets(fields.find("azimuth_offset_deg"), table.rings));
+  table.firingOffset = scaledBy(1e-6, readFiringTimes(fields.find("firing_time_us"), table));
   if (fields.boolean("turns_while_firing", false)) {
-    // The angular velocity of the head (rad/s).
     const double speed = table.sweep > 0 ? table.field / table.sweep : 2 * kPi / table.period;
-    const double turn = table.clockwise ? -speed : speed;
+    const double angularVelocity = table.clockwise ? -speed : speed;  // rad/s, of the head, counter-clockwise
     for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
-      table.azimuthOffset[ring] += turn * table.firingOffset[ring];
+      table.azimuthOffset[ring] += angularVelocity * table.firingOffset[ring];
     }
   }
   table.originOffset = fields.number("origin_offset_m", {0, 10}, 0);
@@ -291,7 +292,7 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
   table.originUp = readOrigins(fields, "origin_up_m", table.rings);
 }
 
-// Replaces the rings on cones by the pixels of a flash sensor.
+// Replaces the rings on cones, which readCones() has read, by the pixels of a flash sensor.
 void makeFlash(Fields& fields, BeamTable& table) {
   fields.refuse({"azimuth_offset_deg", "firing_time_us", "sweep_ms", "turns_while_firing", "origin_offset_m",
                  "origin_height_m", "origin_left_m", "origin_up_m"},
@@ -305,6 +306,32 @@ void makeFlash(Fields& fields, BeamTable& table) {
   table.pattern = std::make_shared<const ListedBeams>(
       flashBeams(middle, table.field, table.clockwise, table.columns, table.elevation));
   table.field = 2 * kPi;
+}
+
+struct RingCount {
+  double rings = 0;  // not yet checked against kMaxRings
+  Location where;    // of the value that gives the number
+};
+
+// Returns the number of rings of a sensor whose beams are not listed: from `elevation_deg` or, in its absence, the
+// lasers of `rosette` or the zones of `raster`.
+RingCount readRingCount(Fields& fields) {
+  if (!fields.has("elevation_deg") && fields.has("rosette")) {
+    const Value& rosette = fields.require("rosette");
+    return {static_cast<double>(readRosette(rosette).lasers()), rosette.where};
+  }
+  if (!fields.has("elevation_deg") && fields.has("raster")) {
+    const Value& raster = fields.require("raster");
+    return {static_cast<double>(readRasterScan(raster).zones.size()), raster.where};
+  }
+  const Value& elevation = fields.require("elevation_deg");
+  if (elevation.kind == Value::Kind::Sequence) return {static_cast<double>(elevation.items.size()), elevation.where};
+  if (elevation.kind == Value::Kind::Map) {
+    const Value& rings = Fields(elevation, "elevation_deg").require("rings");
+    return {readCount(rings, "rings"), rings.where};
+  }
+  throw InputError(elevation.where,
+                   "elevation_deg must be a list of angles, one per ring, or {top: 15, bottom: -15, rings: 16}");
 }
 
 }  // namespace
@@ -325,16 +352,16 @@ Value resolveSensor(const Value& value) {
   checkSameLasers(merged, value);
   for (const auto& entry : withCalibration(value, &merged).entries) {
     if (entry.key == "name" || entry.key == "preset" || entry.key == "mount") continue;
-    const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
-                                  [&](const auto& other) { return other.key == entry.key; });
-    if (old != merged.entries.end()) {
-      const bool fromCalibration = entry.key == "source" && value.find("source") == nullptr;
-      const std::string sourceOfPreset = fromCalibration ? old->value.text + "; " : "";
-      old->value = entry.value;
-      old->value.text = sourceOfPreset + old->value.text;
-    } else {
+    const auto inPreset = std::ranges::find(merged.entries, entry.key, &Value::Entry::key);
+    if (inPreset == merged.entries.end()) {
       merged.entries.push_back(entry);
+      continue;
     }
+    // withCalibration() may have added the key `source`, which then continues the preset's.
+    const bool sourceIsAdded = entry.key == "source" && value.find("source") == nullptr;
+    const std::string sourceOfPreset = sourceIsAdded ? inPreset->value.text + "; " : "";
+    inPreset->value = entry.value;
+    inPreset->value.text = sourceOfPreset + entry.value.text;
   }
   return merged;
 }
@@ -348,24 +375,10 @@ SensorSize sensorSize(const Value& description) {
   }
   const Value& columnValue = fields.require("columns");
   const double columns = readCount(columnValue, "columns");
-  const bool rosette = fields.has("rosette");
-  const bool cones = fields.has("elevation_deg") || !(rosette || fields.has("raster"));
-  const Value* ringValue = &fields.require(cones ? "elevation_deg" : rosette ? "rosette" : "raster");
-  double rings = 0;
-  if (!cones) {
-    rings = static_cast<double>(rosette ? readRosette(*ringValue).lasers() : readRasterScan(*ringValue).zones.size());
-  } else if (ringValue->kind == Value::Kind::Sequence) {
-    rings = static_cast<double>(ringValue->items.size());
-  } else if (ringValue->kind == Value::Kind::Map) {
-    ringValue = &Fields(*ringValue, "elevation_deg").require("rings");
-    rings = readCount(*ringValue, "rings");
-  } else {
-    throw InputError(ringValue->where,
-                     "elevation_deg must be a list of angles, one per ring, or {top: 15, bottom: -15, rings: 16}");
-  }
+  const auto [rings, ringsWhere] = readRingCount(fields);
   const bool ringsFit = rings >= 1 && rings <= kMaxRings;
   if (!ringsFit || columns < 1 || columns > kMaxColumns) {
-    throw InputError(ringsFit ? columnValue.where : ringValue->where,
+    throw InputError(ringsFit ? columnValue.where : ringsWhere,
                      fmt::format("rings x columns = {:.15g} x {:.15g} = {:.15g} beams per revolution, but a sensor has "
                                  "1 to {} rings and 1 to {} columns",
                                  rings, columns, rings * columns, kMaxRings, kMaxColumns));
@@ -396,8 +409,8 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
     if (pattern == "flash") makeFlash(fields, *table);
   }
   readRange(fields, *table);
-  table->divergence = readWidths(fields, "divergence_mrad", 200, 1e-3);
-  table->exitWidth = readWidths(fields, "exit_width_mm", 1000, 1e-3);
+  table->divergence = readWidths(fields, "divergence_mrad", 200);
+  table->exitWidth = readWidths(fields, "exit_width_mm", 1000);
   table->uniformBeam = fields.choice("beam_shape", {"gaussian", "uniform"}, "gaussian") == "uniform";
   table->pulse = fields.number("pulse_ns", {0, 1e4}, 0) * 1e-9;
   fields.also({"columns", "calibration", "effects"}).finish();

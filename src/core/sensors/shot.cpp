@@ -2,17 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "config/fields.h"
 #include "sensors/trajectory.h"
 
 namespace scanmill {
 
 Motion readMotion(const Value* value) {
-  Motion motion;
-  if (value == nullptr) return motion;
-  motion.where = value->where;
+  if (value == nullptr) return {};
+  Motion motion{.where = value->where};
   if (value->kind == Value::Kind::Scalar && value->text == "none") return motion;
   if (value->kind == Value::Kind::Scalar && value->text == "per_column") {
     motion.kind = MotionKind::PerColumn;
@@ -39,7 +36,12 @@ Motion readMotion(const Value* value) {
 
 Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
               const Pose& vehicleFromSensor, const Motion& motion, double begin) {
-  std::shared_ptr<const BeamTable> beams = beamsAt(table, trajectory.frameTime(frame) + begin);
+  Shot shot;
+  shot.frame = frame;
+  shot.time = trajectory.frameTime(frame) + begin;
+  shot.beams = beamsAt(table, shot.time);
+  shot.deskew = motion.deskew;
+  const BeamTable* const beams = shot.beams.get();
   std::uint64_t steps = 1;
   if (motion.kind == MotionKind::PerColumn) steps = beams->columns;
   if (motion.kind == MotionKind::Steps) steps = motion.steps;
@@ -50,34 +52,27 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
             "motion has {} steps per revolution, but the sensor {} has {} columns: give at most {}, or per_column",
             steps, beams->model, beams->columns, beams->columns));
   }
-  const double duration = motion.kind == MotionKind::None ? 0 : beams->columnPeriod() * beams->columns;
-  // One pose is enough for a vehicle that stands still.
-  if (trajectory.still()) steps = 1;
-
-  Shot shot;
-  shot.frame = frame;
-  shot.time = trajectory.frameTime(frame) + begin;
-  shot.duration = duration;
+  if (motion.kind != MotionKind::None) shot.duration = beams->columnPeriod() * beams->columns;
   double interval = beams->period;  // s, from frame to frame
   if (trajectory.frames() > 1) {
     const std::uint32_t from = std::min(frame, trajectory.frames() - 2);
     interval = trajectory.frameTime(from + 1) - trajectory.frameTime(from);
   }
   shot.untilNext = interval - begin;
-  shot.deskew = motion.deskew;
+
+  if (trajectory.still()) steps = 1;  // one pose is enough for a vehicle that stands still
   shot.worldFromSensor.reserve(steps);
-  constexpr double kMoment = 1e-3;  // s, time over which velocities are computed
+  constexpr double kVelocityTime = 1e-3;  // s, time over which velocities are computed
   for (std::uint64_t step = 0; step < steps; ++step) {
     // The first column of the step, by the rule at Shot::worldFromSensor.
     const auto column = static_cast<std::uint32_t>((step * beams->columns + steps - 1) / steps);
     const double time = begin + beams->columnTime(column);
     shot.worldFromSensor.push_back(trajectory.pose(frame, time) * vehicleFromSensor);
     if (trajectory.still()) continue;
-    const Pose soon = trajectory.pose(frame, time + kMoment) * vehicleFromSensor;
-    const Vec3d moved = soon.translation - shot.worldFromSensor.back().translation;
-    shot.sensorVelocity.push_back(moved * (1 / kMoment));
+    const Pose laterPose = trajectory.pose(frame, time + kVelocityTime) * vehicleFromSensor;
+    const Vec3d displacement = laterPose.translation - shot.worldFromSensor.back().translation;
+    shot.sensorVelocity.push_back(displacement * (1 / kVelocityTime));
   }
-  shot.beams = std::move(beams);
   return shot;
 }
 

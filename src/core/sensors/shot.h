@@ -3,9 +3,9 @@
 // A shot: one revolution of one sensor at one time, from one pose or, if the sensor moves, several poses, with the
 // address of the shot's random numbers.
 //
-//   Shot still;  // the sensor stands 1.9 m above the world's origin
-//   still.beams = beams;
-//   still.worldFromSensor = {Pose{.rotation = {}, .translation = {0, 0, 1.9}}};
+//   Shot shot;  // the sensor stands still, 1.9 m above the world's origin
+//   shot.beams = beams;
+//   shot.worldFromSensor = {Pose{.rotation = {}, .translation = {0, 0, 1.9}}};
 
 #include <cstdint>
 #include <memory>

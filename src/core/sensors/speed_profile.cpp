@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kStep = 0.25;   // m, largest distance between the positions where the speed is computed
 constexpr double kReach = 2;     // m; the curvature is measured from this far before to this far behind a position
-constexpr double kCrawl = 1e-3;  // m/s; least mean speed between two places, so that a vehicle that starts or stops
+constexpr double kCrawl = 1e-3;  // m/s; least mean speed between two positions, so that a vehicle that starts or stops
                                  // takes a finite time
 
 }  // namespace
@@ -21,39 +21,44 @@ constexpr double kCrawl = 1e-3;  // m/s; least mean speed between two places, so
 SpeedProfile::SpeedProfile(double length, double speed) : nodes_{{0, 0, speed}, {length / speed, length, speed}} {}
 
 SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, const std::vector<DriveStop>& stops) {
-  // `places`: positions on the path (m), including the stops and both ends. `fastest`: largest speed at each position.
-  std::vector<double> places;
-  const auto pieces = static_cast<int>(std::ceil(path.length() / kStep));
-  for (int k = 0; k <= pieces; ++k) places.push_back(path.length() * k / pieces);
-  for (const DriveStop& stop : stops) places.push_back(stop.at);
-  std::sort(places.begin(), places.end());
-  places.erase(std::unique(places.begin(), places.end()), places.end());
-  std::vector<double> fastest;
-  fastest.reserve(places.size());
-  for (const double at : places) {
-    fastest.push_back(std::min(speed, std::sqrt(kSideways / std::max(std::abs(path.curvature(at, kReach)), 1e-9))));
+  std::vector<double> positions;  // m along the path, ascending; with the stops and both ends
+  const auto steps = static_cast<int>(std::ceil(path.length() / kStep));
+  for (int k = 0; k <= steps; ++k) positions.push_back(path.length() * k / steps);
+  for (const DriveStop& stop : stops) positions.push_back(stop.position);
+  std::ranges::sort(positions);
+  positions.erase(std::unique(positions.begin(), positions.end()), positions.end());
+  // The speed is first limited by curvature, ends and stops, then by the acceleration from the position before and by
+  // the braking to the position behind.
+  std::vector<double> speeds;  // m/s, by position
+  speeds.reserve(positions.size());
+  for (const double position : positions) {
+    const double curvature = std::max(std::abs(path.curvature(position, kReach)), 1e-9);
+    speeds.push_back(std::min(speed, std::sqrt(kSideways / curvature)));
   }
-  fastest.front() = fastest.back() = 0;
+  speeds.front() = speeds.back() = 0;
   for (const DriveStop& stop : stops) {
-    const auto at = std::lower_bound(places.begin(), places.end(), stop.at) - places.begin();
-    fastest[static_cast<std::size_t>(at)] = 0;
+    const auto index = std::ranges::lower_bound(positions, stop.position) - positions.begin();
+    speeds[static_cast<std::size_t>(index)] = 0;
   }
-  const auto reached = [&](double from, double over) { return std::sqrt(from * from + 2 * acceleration * over); };
-  for (std::size_t i = 1; i < places.size(); ++i) {
-    fastest[i] = std::min(fastest[i], reached(fastest[i - 1], places[i] - places[i - 1]));
+  const auto speedAfter = [&](double start, double metres) {
+    return std::sqrt(start * start + 2 * acceleration * metres);
+  };
+  for (std::size_t i = 1; i < positions.size(); ++i) {
+    speeds[i] = std::min(speeds[i], speedAfter(speeds[i - 1], positions[i] - positions[i - 1]));
   }
-  for (std::size_t i = places.size() - 1; i-- > 0;) {
-    fastest[i] = std::min(fastest[i], reached(fastest[i + 1], places[i + 1] - places[i]));
+  for (std::size_t i = positions.size() - 1; i-- > 0;) {
+    speeds[i] = std::min(speeds[i], speedAfter(speeds[i + 1], positions[i + 1] - positions[i]));
   }
   nodes_.push_back({0, 0, 0});
   auto stop = stops.begin();
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     if (i > 0) {
-      const double mean = std::max((fastest[i] + fastest[i - 1]) / 2, kCrawl);
-      nodes_.push_back({nodes_.back().time + (places[i] - places[i - 1]) / mean, places[i], fastest[i]});
+      const double meanSpeed = std::max((speeds[i] + speeds[i - 1]) / 2, kCrawl);
+      const double time = nodes_.back().time + (positions[i] - positions[i - 1]) / meanSpeed;
+      nodes_.push_back({.time = time, .distance = positions[i], .speed = speeds[i]});
     }
-    for (; stop != stops.end() && stop->at <= places[i]; ++stop) {
-      nodes_.push_back({nodes_.back().time + stop->wait, places[i], 0});
+    for (; stop != stops.end() && stop->position <= positions[i]; ++stop) {
+      nodes_.push_back({.time = nodes_.back().time + stop->duration, .distance = positions[i], .speed = 0});
     }
   }
 }
@@ -84,9 +89,9 @@ double SpeedProfile::timeAt(double distance) const {
   const Node& b = *next;
   // Solve v t + a t^2 / 2 = s for t, in a form that is exact for small a too.
   const double acceleration = (b.speed - a.speed) / (b.time - a.time);
-  const double driven = distance - a.distance;  // since node a
-  const double now = std::sqrt(std::max(0.0, a.speed * a.speed + 2 * acceleration * driven));
-  return std::min(a.time + (a.speed + now > 0 ? 2 * driven / (a.speed + now) : b.time - a.time), b.time);
+  const double driven = distance - a.distance;  // m since node a
+  const double speed = std::sqrt(std::max(0.0, a.speed * a.speed + 2 * acceleration * driven));
+  return std::min(a.time + (a.speed + speed > 0 ? 2 * driven / (a.speed + speed) : b.time - a.time), b.time);
 }
 
 Sway::Sway(const Value& value, std::uint64_t seed) {
@@ -95,29 +100,30 @@ Sway::Sway(const Value& value, std::uint64_t seed) {
   roll_ = radians(f.number("roll_deg", {0, 10}, 0));
   pitch_ = radians(f.number("pitch_deg", {0, 10}, 0));
   heave_ = f.number("heave_m", {0, 1}, 0);
-  constexpr double kSlowest = 0.6;  // Hz, lowest frequency of the sinusoids
-  constexpr double kQuickest = 2;
+  constexpr double kLowest = 0.6;  // Hz, limits of the sinusoids' frequencies
+  constexpr double kHighest = 2;
   for (std::uint32_t axis = 0; axis < waves_.size(); ++axis) {
     for (std::uint32_t k = 0; k < kWaves; ++k) {
       const std::uint32_t wave = axis * static_cast<std::uint32_t>(kWaves) + k;
       const RandomBlock block = randomBlock({.seed = seed, .beam = wave, .purpose = Purpose::Sway});
-      waves_[axis][k] = {2 * kPi * (kSlowest + (kQuickest - kSlowest) * (k + uniform(block[0])) / kWaves),
-                         2 * kPi * uniform(block[1])};
+      const double hertz = kLowest + (kHighest - kLowest) * (k + uniform(block[0])) / kWaves;
+      waves_[axis][k] = {.frequency = 2 * kPi * hertz, .phase = 2 * kPi * uniform(block[1])};
     }
   }
 }
 
 // Returns a sum of sinusoids at a time (s), scaled so that its variance over time is 1.
 double Sway::sum(const Waves& waves, double time) {
-  double all = 0;
-  for (const Wave& w : waves) all += std::sin(w.frequency * time + w.phase);
-  return all * std::sqrt(2.0 / kWaves);
+  double sines = 0;
+  for (const Wave& wave : waves) sines += std::sin(wave.frequency * time + wave.phase);
+  return sines * std::sqrt(2.0 / kWaves);
 }
 
-Pose Sway::at(double time, double part) const {
+Pose Sway::at(double time, double speedFraction) const {
   if (roll_ == 0 && pitch_ == 0 && heave_ == 0) return {};
-  return {fromYawPitchRoll(0, part * pitch_ * sum(waves_[1], time), part * roll_ * sum(waves_[0], time)),
-          {0, 0, part * heave_ * sum(waves_[2], time)}};
+  const double roll = speedFraction * roll_ * sum(waves_[0], time);
+  const double pitch = speedFraction * pitch_ * sum(waves_[1], time);
+  return {fromYawPitchRoll(0, pitch, roll), {0, 0, speedFraction * heave_ * sum(waves_[2], time)}};
 }
 
 }  // namespace scanmill

@@ -13,10 +13,10 @@ namespace scanmill {
 
 class Path;
 
-// A place on the path at which a vehicle stops for some time.
+// A stop of a vehicle on its path.
 struct DriveStop {
-  double at = 0;    // m along the path
-  double wait = 0;  // s, duration of the stop
+  double position = 0;  // m along the path
+  double duration = 0;  // s
 };
 
 class SpeedProfile {
@@ -38,11 +38,13 @@ class SpeedProfile {
   double timeAt(double distance) const;
 
  private:
-  // The state of the vehicle at a place on the path; between two nodes the acceleration is constant.
+  // The state of the vehicle at a position on its path; between two nodes the acceleration is constant.
   struct Node {
-    double time, distance, speed;
+    double time;      // s
+    double distance;  // m along the path
+    double speed;     // m/s
   };
-  std::vector<Node> nodes_;
+  std::vector<Node> nodes_;  // ascending in time and distance
 };
 
 // Roll, pitch and heave as sums of sinusoids of 0.6 to 2 Hz, the resonance frequencies of car bodies. Frequencies and
@@ -54,9 +56,9 @@ class Sway {
   // full speed of its drive. Throws InputError.
   Sway(const Value& value, std::uint64_t seed);
 
-  // Returns the pose of the swaying vehicle in the frame of the vehicle without sway, at a time (s). `part`: the
-  // vehicle's speed as a fraction of the full speed, with which the sway is scaled.
-  Pose at(double time, double part) const;
+  // Returns the pose of the swaying vehicle in the frame of the vehicle without sway, at a time (s). `speedFraction`:
+  // the vehicle's speed as a fraction of the full speed, with which the sway is scaled.
+  Pose at(double time, double speedFraction) const;
 
  private:
   static constexpr std::size_t kWaves = 10;

@@ -20,18 +20,18 @@ struct TimeUnit {
 constexpr TimeUnit kTimes[] = {{"time", 1}, {"time_s", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
 
 // Returns the column's name for a heading, as described at TextTable: "Time [ms]" is time_ms.
-std::string nameOf(std::string_view cell) {
+std::string columnName(std::string_view heading) {
   static const std::map<std::string, std::string> kUnits{
       {"s", "_s"},   {"sec", "_s"}, {"ms", "_ms"}, {"us", "_us"},   {"\u00b5s", "_us"}, {"\u03bcs", "_us"},
       {"ns", "_ns"}, {"m", ""},     {"", ""},      {"deg", "_deg"}, {"\u00b0", "_deg"}, {"rad", "_rad"}};
-  std::string name = lowerCase(cell), unit;
+  std::string name = lowerCase(heading), unit;
   const std::size_t bracket = name.find_first_of("[(");
   const bool inBrackets = bracket != std::string::npos && name.ends_with(name[bracket] == '[' ? ']' : ')');
-  if (const std::size_t sign = inBrackets ? bracket : name.rfind('/'); sign != std::string::npos) {
-    unit = name.substr(sign + 1, name.size() - sign - (inBrackets ? 2 : 1));
-    const auto known = kUnits.find(unit);
-    unit = known == kUnits.end() ? "_" + unit : known->second;
-    name.resize(sign);
+  if (const std::size_t end = inBrackets ? bracket : name.rfind('/'); end != std::string::npos) {
+    unit = name.substr(end + 1, name.size() - end - (inBrackets ? 2 : 1));
+    const auto suffix = kUnits.find(unit);
+    unit = suffix == kUnits.end() ? "_" + unit : suffix->second;
+    name.resize(end);
   }
   name += unit;
   std::erase_if(name, [](char c) { return !('a' <= c && c <= 'z') && !('0' <= c && c <= '9') && c != '_'; });
@@ -64,9 +64,11 @@ double numberOf(std::string_view text, const Location& where) {
 }
 
 TextTable::TextTable(const std::filesystem::path& file) : bytes_(readFile(file)) {
-  if (const std::size_t at = bytes_.find_first_not_of("\xEF\xBB\xBF"); at < bytes_.size() && bytes_[at] == '#') {
-    const std::string_view next = linesOf(bytes_, file).front().text;
-    if (next.find_first_of("+-.0123456789") == 0) bytes_[at] = ' ';
+  // If the file begins with a comment that a line of numbers follows, the comment names the columns: remove its #.
+  if (const std::size_t start = bytes_.find_first_not_of("\xEF\xBB\xBF");
+      start < bytes_.size() && bytes_[start] == '#') {
+    const std::string_view firstLine = linesOf(bytes_, file).front().text;
+    if (firstLine.find_first_of("+-.0123456789") == 0) bytes_[start] = ' ';
   }
   const std::vector<TextLine> lines = linesOf(bytes_, file);
   head_ = lines.front().where;
@@ -75,8 +77,8 @@ TextTable::TextTable(const std::filesystem::path& file) : bytes_(readFile(file))
     const bool semicolons = line.text.find(';') != line.text.npos;
     splitCells(line.text, semicolons ? ';' : line.text.find(',') != line.text.npos ? ',' : ' ', cells);
     if (names_.empty()) {
-      for (const std::string_view cell : cells) names_.push_back(nameOf(cell));
-      while (!names_.empty() && names_.back().empty()) names_.pop_back();
+      for (const std::string_view cell : cells) names_.push_back(columnName(cell));
+      while (!names_.empty() && names_.back().empty()) names_.pop_back();  // of separators at the line's end
       continue;
     }
     if (&line == &lines.back() && isChecksum(cells.front())) continue;
@@ -98,19 +100,19 @@ std::optional<std::size_t> TextTable::find(std::string_view name) const {
   return static_cast<std::size_t>(found - names_.begin());
 }
 
-void TextTable::rename(std::string_view from, const char* to) {
-  const auto found = std::find(names_.begin(), names_.end(), from);
-  if (found != names_.end()) *found = to;
+void TextTable::rename(std::string_view oldName, const char* newName) {
+  const auto name = std::ranges::find(names_, oldName);
+  if (name != names_.end()) *name = newName;
 }
 
 void TextTable::require(std::string_view name) const {
   if (!has(name)) throw InputError(head_, fmt::format("the table has no column {}", name));
 }
 
-void TextTable::expectOnly(const std::vector<std::string>& known) const {
+void TextTable::expectOnly(const std::vector<std::string>& columns) const {
   for (const std::string& name : names_) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    throw InputError(head_, fmt::format("the column '{}' is unknown{}", name, suggestion(name, known)));
+    if (std::ranges::find(columns, name) != columns.end()) continue;
+    throw InputError(head_, fmt::format("the column '{}' is unknown{}", name, suggestion(name, columns)));
   }
 }
 

@@ -39,10 +39,12 @@ class TextTable {
   const Location& where(std::size_t row) const { return rows_[row].where; }
 
   bool has(std::string_view name) const { return find(name).has_value(); }
-  // Calls the first of the columns with the name `from`, if there is one, `to`.
-  void rename(std::string_view from, const char* to);
+  // Gives the first column with the name `oldName`, if there is one, a new name.
+  void rename(std::string_view oldName, const char* newName);
+  // Throws InputError if the table has no column with this name.
   void require(std::string_view name) const;
-  void expectOnly(const std::vector<std::string>& known) const;
+  // Throws InputError if the table has a column with another name.
+  void expectOnly(const std::vector<std::string>& columns) const;
   // Returns the number in a column, or 0 if the table has no such column.
   double number(std::size_t row, std::string_view name, Range range = {}) const;
   // Returns the time in a row (s), from the only column time, time_s, time_ms, time_us or time_ns; 0 without one.

@@ -19,7 +19,8 @@ constexpr Range kInterval{1e-9, 1e9};  // limits of every_s (s) and every_m (m)
 constexpr double kLastTurn = 1;        // s; the path must be known until at least this long after the last frame's
                                        // start; most revolutions are shorter
 
-std::vector<Pose> posesOf(const Value& value) {
+// Reads a list of poses, such as [{position: [0, 0, 2], yaw_deg: 90}].
+std::vector<Pose> readPoseList(const Value& value) {
   if (value.kind != Value::Kind::Sequence || value.items.empty()) {
     throw InputError(value.where, "poses must be a list such as [{position: [0, 0, 2], yaw_deg: 90}]");
   }
@@ -37,6 +38,7 @@ std::vector<Pose> posesOf(const Value& value) {
 const std::initializer_list<std::string_view> kKeysOfDrives = {
     "speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep", "from", "to"};
 
+// Reads the key `stops` of a drive along a path of this length (m); no stops if the key is absent.
 std::vector<DriveStop> readStops(Fields& fields, double length) {
   constexpr double kApart = 1;  // m, least distance of a stop from other stops and from the path's ends
   std::vector<DriveStop> stops;
@@ -52,16 +54,18 @@ std::vector<DriveStop> readStops(Fields& fields, double length) {
   for (const Value& item : list->items) {
     Fields f(item, "stop");
     f.also({"at", "wait"}).finish();
-    stops.push_back({f.number("at", {kApart, std::max(kApart, length - kApart)}), f.number("wait", {0, 3600}, 3)});
-    if (stops.size() > 1 && stops.back().at < stops[stops.size() - 2].at + kApart) {
+    stops.push_back({.position = f.number("at", {kApart, std::max(kApart, length - kApart)}),
+                     .duration = f.number("wait", {0, 3600}, 3)});
+    if (stops.size() > 1 && stops.back().position < stops[stops.size() - 2].position + kApart) {
       throw InputError(item.where, "stops must be in their order along the path and at least 1 m apart");
     }
   }
   return stops;
 }
 
-// Returns the number of frames from the path's start to its end, or `limit` if that is less.
-std::uint32_t countFrames(double duration, double interval, double pathLength, double speed, double limit,
+// Returns the number of frames from the path's start to its end, `interval` s apart, or `limit` if that is less.
+// `length` (m) and `speed` (m/s) are only for the message if the frames are too many.
+std::uint32_t countFrames(double duration, double interval, double limit, double length, double speed,
                           const Location& where) {
   // A frame that falls exactly on the end of the path counts; the terms 1e-12 and 1e-9 absorb rounding errors.
   const double count = std::min(std::floor(duration / interval * (1 + 1e-12) + 1e-9) + 1, limit);
@@ -69,7 +73,7 @@ std::uint32_t countFrames(double duration, double interval, double pathLength, d
     throw InputError(where,
                      fmt::format("{:.6g} m of path / {:.6g} m/s / {:.6g} s per frame = {:.6g} frames, more than {}: "
                                  "give every_s or frames, or, unless the drive is recorded, every_m or speed",
-                                 pathLength, speed, interval, count, Trajectory::kMaxFrames));
+                                 length, speed, interval, count, Trajectory::kMaxFrames));
   }
   return static_cast<std::uint32_t>(count);
 }
@@ -103,12 +107,12 @@ Pose Trajectory::poseOnPath(double position) const {
   Pose pose = path_->pose(position);
   if (laneChanges_.empty()) return pose;
   // The lateral offset follows the quintic 10 u^3 - 15 u^4 + 6 u^5, so that the steering angle changes smoothly.
-  double left = 0;
-  double slope = 0;
-  for (const LaneChange& c : laneChanges_) {
-    const double u = std::clamp((position - c.at) / c.over, 0.0, 1.0);
-    left += c.left * u * u * u * (10 + u * (6 * u - 15));
-    slope += c.left / c.over * 30 * u * u * (1 - u) * (1 - u);
+  double left = 0;   // m
+  double slope = 0;  // derivative of `left` by the position
+  for (const LaneChange& change : laneChanges_) {
+    const double u = std::clamp((position - change.start) / change.length, 0.0, 1.0);
+    left += change.left * u * u * u * (10 + u * (6 * u - 15));
+    slope += change.left / change.length * 30 * u * u * (1 - u) * (1 - u);
   }
   pose.translation = pose * Vec3d{0, left, 0};
   pose.rotation = pose.rotation * fromYawPitchRoll(std::atan(slope), 0, 0);
@@ -123,13 +127,13 @@ std::string Trajectory::about() const {
 
 Trajectory Trajectory::along(const std::vector<Vec3d>& waypoints) const {
   Trajectory driven = *this;
-  driven.setPath(Path(overGround(waypoints)));
+  driven.setPath(Path(levelled(waypoints)));
   return driven;
 }
 
 // Returns the waypoints, at equal heights if the vehicle is placed on the ground, so that its speed is measured
 // horizontally.
-std::vector<Vec3d> Trajectory::overGround(std::vector<Vec3d> waypoints) const {
+std::vector<Vec3d> Trajectory::levelled(std::vector<Vec3d> waypoints) const {
   if (!ground_) return waypoints;
   for (Vec3d& p : waypoints) p.z = waypoints.front().z;
   return waypoints;
@@ -149,11 +153,12 @@ void Trajectory::setProfile() {
 }
 
 Trajectory Trajectory::onGround(const Ground& ground) const {
-  Trajectory standing = *this;
+  Trajectory placed = *this;
   if (still()) {
-    for (Pose& pose : standing.poses_) pose = scanmill::onGround(*ground_, pose, ground);
-    return standing;
+    for (Pose& pose : placed.poses_) pose = scanmill::onGround(*ground_, pose, ground);
+    return placed;
   }
+  // Positions on the path, in s if it is recorded, otherwise in m: see positionAt().
   const double end =
       std::min(positionAt(frameTime(frames_ - 1) + lastTurn_), recorded_ ? recorded_->duration() : path_->length());
   const GroundProfile::PoseOnPath onPath = [this](double position) { return poseOnPath(position); };
@@ -168,9 +173,9 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
     for (std::size_t k = 1; k < steps; ++k) knots.push_back(end * static_cast<double>(k) / static_cast<double>(steps));
   }
   if (end > 0) knots.push_back(end);
-  standing.profileOfGround_ = std::make_shared<const GroundProfile>(
+  placed.profileOfGround_ = std::make_shared<const GroundProfile>(
       *ground_, onPath, GroundProfile::samplePositions(onPath, knots, ground_->where), ground);
-  return standing;
+  return placed;
 }
 
 double Trajectory::pathLength() const {
@@ -185,7 +190,9 @@ std::vector<Trajectory::LaneChange> Trajectory::readLaneChanges(const Value& val
   for (const Value& item : value.items) {
     Fields f(item, "lane change");
     f.also({"at", "left", "over"}).finish();
-    changes.push_back({f.number("at", {0, length}), f.number("left", {-50, 50}), f.number("over", {1, 1e4}, 30)});
+    changes.push_back({.start = f.number("at", {0, length}),
+                       .left = f.number("left", {-50, 50}),
+                       .length = f.number("over", {1, 1e4}, 30)});
   }
   return changes;
 }
@@ -193,7 +200,7 @@ std::vector<Trajectory::LaneChange> Trajectory::readLaneChanges(const Value& val
 void Trajectory::readPoses(Fields& fields, double period, double limit) {
   fields.refuse(kKeysOfDrives,
                 "is for paths that are driven: the vehicle stands still in each of `poses`, which are every_s apart");
-  poses_ = posesOf(fields.require("poses"));
+  poses_ = readPoseList(fields.require("poses"));
   interval_ = fields.number("every_s", kInterval, period);
   frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(poses_.size()), limit));
   poses_.resize(frames_);
@@ -205,7 +212,7 @@ void Trajectory::readRecorded(Fields& fields, double period, double limit) {
   recorded_ = std::make_shared<const RecordedPoses>(readRecordedPoses(value));
   interval_ = fields.number("every_s", kInterval, period);
   const double length = recorded_->length();
-  frames_ = countFrames(recorded_->duration(), interval_, length, length / recorded_->duration(), limit, value.where);
+  frames_ = countFrames(recorded_->duration(), interval_, limit, length, length / recorded_->duration(), value.where);
 }
 
 void Trajectory::readPath(Fields& fields, const SceneLanes* lanes) {
@@ -223,7 +230,7 @@ void Trajectory::readPath(Fields& fields, const SceneLanes* lanes) {
     throw InputError(fields.require("along").where,
                      "`along` follows the lanes of a town, but here is no town: give waypoints");
   }
-  setPath(Path(overGround(turns ? lanes->turns : lanes->lane)));
+  setPath(Path(levelled(turns ? lanes->turns : lanes->lane)));
   if (turns) turns_ = lanes->turnCount;
 }
 
@@ -245,22 +252,32 @@ void Trajectory::readDrive(Fields& fields, double period, double limit, std::uin
   if (const Value* sway = fields.find("sway")) sway_ = Sway(*sway, seed);
 
   if (const Value* on = fields.find("on")) {
-    if (!std::isfinite(limit)) {
-      throw InputError(on->where,
-                       "the length of a drive with `on` is known when its scene is loaded: give the number of "
-                       "`frames`");
-    }
-    if (fields.texts("on").empty()) throw InputError(on->where, "on must name classes, such as [road]");
-    fields.refuse({"path", "rounding"}, "is for waypoints: a random drive chooses its own path");
-    fields.refuse({"lane_changes"}, "are for given paths: leave them out of a random drive");
-    RandomPath random{fields.texts("on"), readRoadSide(fields), ((limit - 1) * interval_ + lastTurn_) * speed_,
-                      interval_ * speed_, on->where};
-    if (fields.has("from") || fields.has("to")) random.trip = readRoadTrip(fields);
-    stops_ = readStops(fields, random.length);
-    random_ = std::move(random);
-    frames_ = static_cast<std::uint32_t>(limit);
-    return;
+    readRandomDrive(fields, limit, on->where);
+  } else {
+    readPathDrive(fields, limit, lanes);
   }
+}
+
+void Trajectory::readRandomDrive(Fields& fields, double limit, const Location& where) {
+  if (!std::isfinite(limit)) {
+    throw InputError(where,
+                     "the length of a drive with `on` is known when its scene is loaded: give the number of "
+                     "`frames`");
+  }
+  RandomPath random{.classes = fields.texts("on"), .where = where};
+  if (random.classes.empty()) throw InputError(where, "on must name classes, such as [road]");
+  fields.refuse({"path", "rounding"}, "is for waypoints: a random drive chooses its own path");
+  fields.refuse({"lane_changes"}, "are for given paths: leave them out of a random drive");
+  random.keep = readRoadSide(fields);
+  random.length = ((limit - 1) * interval_ + lastTurn_) * speed_;
+  random.perFrame = interval_ * speed_;
+  if (fields.has("from") || fields.has("to")) random.trip = readRoadTrip(fields);
+  stops_ = readStops(fields, random.length);
+  random_ = std::move(random);
+  frames_ = static_cast<std::uint32_t>(limit);
+}
+
+void Trajectory::readPathDrive(Fields& fields, double limit, const SceneLanes* lanes) {
   fields.refuse({"keep", "from", "to"}, "is for drives that have `on`, such as `on: road`");
   readPath(fields, lanes);
   const double length = path_->length();
@@ -269,7 +286,7 @@ void Trajectory::readDrive(Fields& fields, double period, double limit, std::uin
   if (!stops_.empty()) setProfile();
   // A drive with every_m has as many frames with acceleration as at constant speed.
   const double duration = acceleration_ > 0 && everyMetres_ <= 0 ? profile_->duration() : length / speed_;
-  frames_ = countFrames(duration, interval_, length, speed_, limit,
+  frames_ = countFrames(duration, interval_, limit, length, speed_,
                         fields.require(fields.has("along") ? "along" : "waypoints").where);
 }
 

@@ -61,7 +61,7 @@ class Trajectory {
   // Returns a description of a recorded or random path for messages; empty for others.
   std::string about() const;
   // Returns a warning about recorded poses that are possible but probably wrong; otherwise empty.
-  std::string doubt() const { return recorded_ ? recorded_->doubt() : std::string(); }
+  std::string warning() const { return recorded_ ? recorded_->warning() : std::string(); }
 
   // Return what the trajectory needs before it has poses: a random path, and ground on which the vehicle is placed.
   // Null if the trajectory does not need it.
@@ -72,20 +72,27 @@ class Trajectory {
   // Returns this trajectory placed on the ground. Throws InputError if a listed pose or all of the path has no ground.
   [[nodiscard]] Trajectory onGround(const Ground& ground) const;
   // Returns the fraction of the path without ground; 0 before onGround().
-  double bareShare() const { return profileOfGround_ ? profileOfGround_->bare() : 0; }
+  double bareShare() const { return profileOfGround_ ? profileOfGround_->bareFraction() : 0; }
 
  private:
   friend Trajectory readTrajectory(const Value& value, const std::string& name, double period, const SceneLanes* lanes,
                                    std::uint64_t seed, std::uint32_t drive);
   struct LaneChange {
-    double at, left, over;  // m: start on the path, displacement to the left, length on the path
+    double start;   // m along the path
+    double left;    // m, displacement to the left
+    double length;  // m along the path
   };
   static std::vector<LaneChange> readLaneChanges(const Value& value, double length);
+  // Each of these reads one kind of trajectory. `period`: s, default of the time between frames. `limit`: the largest
+  // number of frames, or infinity. readTrajectory() has set name_, lastTurn_ and ground_ before.
   void readPoses(Fields& fields, double period, double limit);
   void readRecorded(Fields& fields, double period, double limit);
   void readDrive(Fields& fields, double period, double limit, std::uint64_t seed, const SceneLanes* lanes);
+  // Read the rest of a drive with `on`, and of a drive along waypoints or lanes: the path and the number of frames.
+  void readRandomDrive(Fields& fields, double limit, const Location& where);
+  void readPathDrive(Fields& fields, double limit, const SceneLanes* lanes);
   void readPath(Fields& fields, const SceneLanes* lanes);
-  std::vector<Vec3d> overGround(std::vector<Vec3d> waypoints) const;
+  std::vector<Vec3d> levelled(std::vector<Vec3d> waypoints) const;
   void setPath(Path path);
   void setProfile();
   // Returns the vehicle's position on its path at a time (s): in m, or in s if the path was recorded.

@@ -38,7 +38,7 @@ struct OutwardColumns {
   std::size_t start = 0;  // pixel column of column 0 of the destaggered image
 
   std::size_t pixelColumn(std::size_t ring, std::size_t column) const {
-    const std::size_t c = image.place(ring, static_cast<std::uint32_t>(column));
+    const std::size_t c = image.columnOf(ring, static_cast<std::uint32_t>(column));
     return (start + (mirrored ? image.width - c : c)) % image.width;
   }
 };

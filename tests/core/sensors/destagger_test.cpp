@@ -27,7 +27,7 @@ TEST_P(DestaggeredPreset, EachImageColumnLooksInOneDirection) {
     std::set<std::uint32_t> places;
     for (std::uint32_t column = 0; column < beams->columns; ++column) {
       const Vec3d& d = beams->direction[std::size_t{ring} * beams->columns + column];
-      const std::uint32_t place = image.place(ring, column);
+      const std::uint32_t place = image.columnOf(ring, column);
       ASSERT_LT(place, image.width);
       places.insert(place);
       const double azimuth = std::atan2(d.y, d.x);

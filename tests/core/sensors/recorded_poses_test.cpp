@@ -131,7 +131,7 @@ TEST_F(RecordedPosesFiles, DoubtsWhatCanHardlyBeMeant) {
            {"time,x,y,z,roll,pitch,yaw\n0,0,0,0,0.5,1,1.57\n1,0,5,0,0.5,1,1.57\n", "tilted by 62 degrees on average"},
            {"time,x,y,z,roll_deg\n0,0,0,0,180\n1,5,0,0,180\n", "tilted by 180 degrees"}}) {
     folder_.write("d.csv", poses);
-    const std::string doubt = drive("file: d.csv").doubt();
+    const std::string doubt = drive("file: d.csv").warning();
     EXPECT_THAT(doubt, HasSubstr(words)) << poses;
     EXPECT_EQ(doubt.empty(), *words == '\0') << poses << doubt;
   }
@@ -266,7 +266,7 @@ TEST_F(RecordedPosesFiles, TablesWithoutAHeadingHeadAlongAtAnyRate) {
       const Vec3d ahead = headingOf(drive.pose(0, t));
       EXPECT_NEAR(std::remainder(std::atan2(ahead.y, ahead.x) - 0.2 * t, 2 * kPi), 0, 0.01) << rate << " Hz, " << t;
     }
-    EXPECT_EQ(drive.doubt(), "");
+    EXPECT_EQ(drive.warning(), "");
   }
 }
 

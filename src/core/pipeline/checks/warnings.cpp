@@ -179,7 +179,7 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
     if (s.trajectory->turns()) ++turning;
     if (s.trajectory->turns() == 0) ++straight;
     if (const std::string line = intervalWarning(pipeline, s); !line.empty()) close[line].insert(s.trajectoryName);
-    const std::string doubt = s.trajectory->doubt();
+    const std::string doubt = s.trajectory->warning();
     if (!doubt.empty() && reported.insert(s.trajectoryName).second) {
       lines.push_back(fmt::format("the recorded drive '{}': {}", s.trajectoryName, doubt));
     }
