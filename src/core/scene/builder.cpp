@@ -25,10 +25,9 @@ SceneBuilder::SceneBuilder(std::string name, std::uint64_t seed, Ontology ontolo
   scene_.name = std::move(name);
   scene_.seed = seed;
   scene_.ontology = std::move(ontology);
-  const auto standard = std::ranges::find_if(library_.materials, [](const Material& m) { return m.name == "default"; });
-  Material plain;
-  plain.name = "default";
-  scene_.materials.push_back(standard != library_.materials.end() ? *standard : plain);
+  const auto tableDefault =
+      std::ranges::find_if(library_.materials, [](const Material& m) { return m.name == "default"; });
+  scene_.materials.push_back(tableDefault != library_.materials.end() ? *tableDefault : Material{.name = "default"});
 }
 
 std::uint16_t SceneBuilder::material(std::string_view name, const Location& where) {
@@ -39,10 +38,10 @@ void SceneBuilder::drawReflectances() {
   for (Material& m : library_.materials) {
     if (m.least >= m.greatest) continue;
     // The address has the name, so that the number does not depend on the order of the table.
-    const RandomBlock words =
+    const RandomBlock random =
         randomBlock({.seed = scene_.seed, .beam = fnv1a(m.name), .purpose = Purpose::Reflectance});
-    const double end = uniform(words[1]) < 0.5 ? m.least : m.greatest;
-    m.reflectance = static_cast<float>(m.reflectance * std::pow(end / m.reflectance, uniform(words[0])));
+    const double limit = uniform(random[1]) < 0.5 ? m.least : m.greatest;
+    m.reflectance = static_cast<float>(m.reflectance * std::pow(limit / m.reflectance, uniform(random[0])));
   }
 }
 
@@ -50,7 +49,7 @@ std::uint16_t SceneBuilder::addMaterial(const Material& material) {
   for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
     if (fieldsOf(scene_.materials[i]) == fieldsOf(material)) return static_cast<std::uint16_t>(i);
   }
-  if (scene_.materials.size() > 65535) {
+  if (scene_.materials.size() > std::numeric_limits<std::uint16_t>::max()) {
     throw InputError("the scene has more than 65536 materials: merge them with rules that name a material");
   }
   scene_.materials.push_back(material);
@@ -88,7 +87,7 @@ Instance& SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, s
   if (isSingular(linear)) {
     throw InputError(where, fmt::format("the transform of '{}' flattens it: no scale may be zero", name));
   }
-  std::uint32_t objects = scene_.meshes.at(mesh).objects;
+  std::uint32_t objects = scene_.meshes.at(mesh).objects;  // number of new instance ids
   if (animation != nullptr) {
     for (const std::uint32_t moment : animation->meshes) objects = std::max(objects, scene_.meshes.at(moment).objects);
   }
@@ -102,9 +101,9 @@ Instance& SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, s
                                           "`instances: object`, or leave out `thing`",
                                           name, objects, thing));
     }
-    const auto [known, added] = things_.emplace(thing, id);
-    id = known->second;
-    if (!added) objects = 0;
+    const auto [entry, isNew] = things_.emplace(thing, id);
+    id = entry->second;
+    if (!isNew) objects = 0;
   }
   const Affine start = movement == nullptr ? worldFromMesh : toAffine(movement->at(0)) * worldFromMesh;
   scene_.instances.push_back({mesh, start, id, std::move(name), std::move(movement), std::move(animation)});
@@ -112,17 +111,15 @@ Instance& SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, s
   return scene_.instances.back();
 }
 
-void SceneBuilder::countRule(const RuleUse& more) {
-  const auto key = [](const RuleUse& use) { return std::tie(use.where.file, use.where.line, use.where.column); };
-  std::vector<RuleUse>& all = scene_.rules;
-  const auto use = std::lower_bound(all.begin(), all.end(), more,
-                                    [&](const RuleUse& a, const RuleUse& b) { return key(a) < key(b); });
-  if (use == all.end() || key(*use) != key(more)) {
-    all.insert(use, more);
+void SceneBuilder::countRule(const RuleUse& use) {
+  const auto key = [](const RuleUse& u) { return std::tie(u.where.file, u.where.line, u.where.column); };
+  const auto sum = std::ranges::lower_bound(scene_.rules, key(use), {}, key);
+  if (sum == scene_.rules.end() || key(*sum) != key(use)) {
+    scene_.rules.insert(sum, use);
     return;
   }
-  use->matched += more.matched;
-  use->decided += more.decided;
+  sum->matched += use.matched;
+  sum->decided += use.decided;
 }
 
 Scene SceneBuilder::finish() {

@@ -58,10 +58,10 @@ class SceneBuilder {
   void addDropped(const Dropped& dropped) { scene_.dropped += dropped; }
 
   // Counts triangles to which no rule gives a class.
-  void addUnlabeled(const UnlabeledPart& what, std::uint64_t triangles) { scene_.unlabeled[what] += triangles; }
+  void addUnlabeled(const UnlabeledPart& part, std::uint64_t triangles) { scene_.unlabeled[part] += triangles; }
 
-  // Adds the counts of a rule to Scene::rules. RuleUse::where identifies the rule.
-  void countRule(const RuleUse& more);
+  // Adds the counts of a rule to those in Scene::rules. RuleUse::where identifies the rule.
+  void countRule(const RuleUse& use);
 
   // Sets Scene::about, the description of a random place.
   void describe(const std::string& about) { scene_.about = about; }

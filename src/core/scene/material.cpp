@@ -13,50 +13,74 @@ namespace {
 // Reads the reflectance at a wavelength: one number for all wavelengths, or a map from wavelength (nm) to number.
 float readReflectance(const Value& value, int wavelengthNm) {
   if (value.kind != Value::Kind::Map) return static_cast<float>(readNumber(value, "reflectance", {0, 1}));
-  Fields f(value, "reflectance");
-  float chosen = 0;
+  Fields fields(value, "reflectance");
+  float reflectance = 0;
   for (const int wavelength : {850, 905, 1064}) {
-    const double r = f.number(std::to_string(wavelength), {0, 1});
-    if (wavelength == wavelengthNm) chosen = static_cast<float>(r);
+    const double wavelengthReflectance = fields.number(std::to_string(wavelength), {0, 1});
+    if (wavelength == wavelengthNm) reflectance = static_cast<float>(wavelengthReflectance);
   }
-  f.finish();
-  return chosen;
+  fields.finish();
+  return reflectance;
 }
 
-// Reads `range`: the least and the greatest reflectance at 905 nm, from place to place. They are scaled to the
-// wavelength of `material`. `mean`: the reflectance at 905 nm.
-void readRange(Fields& m, float mean, Material& material) {
+// Sets Material::least and greatest from the key `range`: the least and the greatest reflectance at 905 nm, which are
+// scaled to the wavelength of Material::reflectance. `reflectanceAt905nm` is that of the material. Without the key both
+// are the reflectance.
+void readRange(Fields& fields, float reflectanceAt905nm, Material& material) {
   material.least = material.greatest = material.reflectance;
-  const Value* range = m.find("range");
+  const Value* range = fields.find("range");
   if (range == nullptr) return;
-  m.text("range_source");
-  const std::vector<double> ends = readNumbers(*range, "range", {0, 1});
-  if (ends.size() != 2 || ends[0] <= 0 || static_cast<float>(ends[0]) > mean || static_cast<float>(ends[1]) < mean) {
+  fields.text("range_source");
+  const std::vector<double> leastAndGreatest = readNumbers(*range, "range", {0, 1});
+  if (leastAndGreatest.size() != 2 || leastAndGreatest[0] <= 0 ||
+      static_cast<float>(leastAndGreatest[0]) > reflectanceAt905nm ||
+      static_cast<float>(leastAndGreatest[1]) < reflectanceAt905nm) {
     throw InputError(range->where,
                      fmt::format("range must be two reflectances at 905 nm, above 0, the first at most {0} "
                                  "and the second at least {0}, which is the material's reflectance",
-                                 mean));
+                                 reflectanceAt905nm));
   }
-  material.least = static_cast<float>(material.reflectance * ends[0] / mean);
-  material.greatest = std::min(1.0f, static_cast<float>(material.reflectance * ends[1] / mean));
+  material.least = static_cast<float>(material.reflectance * leastAndGreatest[0] / reflectanceAt905nm);
+  material.greatest =
+      std::min(1.0f, static_cast<float>(material.reflectance * leastAndGreatest[1] / reflectanceAt905nm));
 }
 
-// Reads a list of maps that each hold `size_m` and one other number.
-template <class Made>
-std::vector<Made> readSizes(const Value* list, std::string_view key, std::string_view number, const Range& range,
-                            std::size_t most, std::string_view example) {
-  std::vector<Made> made;
-  if (list == nullptr) return made;
-  if (list->kind != Value::Kind::Sequence || list->items.size() > most) {
-    throw InputError(list->where, fmt::format("{} must be a list of at most {} maps such as {}", key, most, example));
+// The key of a list of maps, each with `size_m` and one other number.
+struct SizeList {
+  std::string_view key;
+  std::size_t mostItems;
+  std::string_view number;  // key of the other number
+  Range range;              // of the other number
+  std::string_view example;
+};
+constexpr SizeList kVariations{.key = "variations",
+                               .mostItems = kMostVariations,
+                               .number = "contrast",
+                               .range = {0, 2},
+                               .example = "{size_m: 2, contrast: 0.15}"};
+constexpr SizeList kRelief{.key = "relief",
+                           .mostItems = kMostReliefs,
+                           .number = "height_m",
+                           .range = {0, 1},
+                           .example = "{size_m: 0.1, height_m: 0.02}"};
+
+// Reads a list of Variation or Relief, whose members are the size and the other number; empty without the key.
+template <class Item>
+std::vector<Item> readSizes(Fields& material, const SizeList& form) {
+  std::vector<Item> items;
+  const Value* list = material.find(form.key);
+  if (list == nullptr) return items;
+  if (list->kind != Value::Kind::Sequence || list->items.size() > form.mostItems) {
+    throw InputError(list->where, fmt::format("{} must be a list of at most {} maps such as {}", form.key,
+                                              form.mostItems, form.example));
   }
-  for (const Value& item : list->items) {
-    Fields f(item, std::string(key));
-    const auto size = static_cast<float>(f.number("size_m", {0.001, 1000}));
-    made.push_back({size, static_cast<float>(f.number(number, range))});
-    f.finish();
+  for (const Value& value : list->items) {
+    Fields fields(value, std::string(form.key));
+    const auto size = static_cast<float>(fields.number("size_m", {0.001, 1000}));
+    items.push_back({size, static_cast<float>(fields.number(form.number, form.range))});
+    fields.finish();
   }
-  return made;
+  return items;
 }
 
 }  // namespace
@@ -76,35 +100,31 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
   }
   const Value root = readYaml(path);
   expectKind(root, FileKind::Materials);
-  Fields f(root, "material table");
-  f.text("name", "");
-  const Value& list = f.require("materials");
+  Fields table(root, "material table");
+  table.text("name", "");
+  const Value& list = table.require("materials");
   if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "materials must be a list of materials");
-  f.finish();
+  table.finish();
   MaterialLibrary library;
   for (const Value& item : list.items) {
-    Fields m(item, "material");
+    Fields fields(item, "material");
     Material material;
-    material.name = m.text("name");
+    material.name = fields.text("name");
     if (material.name.empty()) throw InputError(item.where, "a material has an empty name");
-    material.reflectance = readReflectance(m.require("reflectance"), wavelengthNm);
-    readRange(m, readReflectance(m.require("reflectance"), 905), material);
-    material.source = m.text("source");
-    material.roughness = static_cast<float>(m.number("roughness", {0, 1}, 1));
-    material.metallic = static_cast<float>(m.number("metallic", {0, 1}, 0));
-    material.retroreflectance = static_cast<float>(m.number("retroreflectance", {0, 1e4}, 0));
-    material.transmission = static_cast<float>(m.number("transmission", {0, 1}, 0));
-    material.index = static_cast<float>(m.number("index", {1, 4}, 1.52));
-    material.textured = m.boolean("textured", false);
-    material.variations = readSizes<Variation>(m.find("variations"), "variations", "contrast", {0, 2}, kMostVariations,
-                                               "{size_m: 2, contrast: 0.15}");
-    material.relief = readSizes<Relief>(m.find("relief"), "relief", "height_m", {0, 1}, kMostReliefs,
-                                        "{size_m: 0.1, height_m: 0.02}");
-    m.finish();
-    for (const Material& other : library.materials) {
-      if (other.name == material.name) {
-        throw InputError(item.where, fmt::format("material '{}' is there twice", material.name));
-      }
+    material.reflectance = readReflectance(fields.require("reflectance"), wavelengthNm);
+    readRange(fields, readReflectance(fields.require("reflectance"), 905), material);
+    material.source = fields.text("source");
+    material.roughness = static_cast<float>(fields.number("roughness", {0, 1}, 1));
+    material.metallic = static_cast<float>(fields.number("metallic", {0, 1}, 0));
+    material.retroreflectance = static_cast<float>(fields.number("retroreflectance", {0, 1e4}, 0));
+    material.transmission = static_cast<float>(fields.number("transmission", {0, 1}, 0));
+    material.index = static_cast<float>(fields.number("index", {1, 4}, 1.52));
+    material.textured = fields.boolean("textured", false);
+    material.variations = readSizes<Variation>(fields, kVariations);
+    material.relief = readSizes<Relief>(fields, kRelief);
+    fields.finish();
+    if (std::ranges::find(library.materials, material.name, &Material::name) != library.materials.end()) {
+      throw InputError(item.where, fmt::format("material '{}' is there twice", material.name));
     }
     library.materials.push_back(std::move(material));
   }

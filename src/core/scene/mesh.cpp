@@ -15,12 +15,13 @@ namespace {
 constexpr double kCollinear = 1e-14;
 
 bool isDegenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  const Vec3d u = b - a;
-  const Vec3d v = c - a;
-  const Vec3d normal = cross(u, v);
+  const Vec3d ab = b - a;
+  const Vec3d ac = c - a;
+  const Vec3d normal = cross(ab, ac);
   // Squares decide nearly all triangles without square roots. The factor exceeds the rounding errors.
-  if (dot(normal, normal) > 1.001 * kCollinear * kCollinear * dot(u, u) * dot(v, v)) return false;
-  return !(length(normal) > kCollinear * length(u) * length(v));
+  constexpr double kRounding = 1.001;
+  if (dot(normal, normal) > kRounding * kCollinear * kCollinear * dot(ab, ab) * dot(ac, ac)) return false;
+  return !(length(normal) > kCollinear * length(ab) * length(ac));
 }
 
 }  // namespace
@@ -32,26 +33,27 @@ Dropped& Dropped::operator+=(const Dropped& o) {
   return *this;
 }
 
-// Ignores vertices that no triangle uses, since clean() leaves zeroed vertices behind. Loads four floats at each
-// vertex, of which the last is the next vertex's, except at the last vertex.
+// Ignores vertices that no triangle uses, since clean() leaves zeroed vertices behind. For speed, loads four floats at
+// each vertex, of which the fourth is the next vertex's and is ignored, except at the last vertex; and keeps bounds for
+// the first, the second and the third corners, so that the processor works on the three side by side.
 Box Mesh::bounds() const {
   typedef float Floats __attribute__((vector_size(16)));
   if (triangles.empty()) return {};
   const std::size_t last = positions.size() - 1;
-  const auto at = [&](std::uint32_t vertex) {
-    const Vec3f& own = positions[vertex];
-    if (vertex == last) return Floats{own.x, own.y, own.z, 0};
-    Floats p;
-    std::memcpy(&p, &own, sizeof p);
-    return p;
+  const auto load = [&](std::uint32_t vertex) {
+    const Vec3f& position = positions[vertex];
+    if (vertex == last) return Floats{position.x, position.y, position.z, 0};
+    Floats floats;
+    std::memcpy(&floats, &position, sizeof floats);
+    return floats;
   };
-  std::array<Floats, 3> low;  // of each corner, so that the processor works on the three side by side
+  std::array<Floats, 3> low;  // by corner of the triangles
   low.fill(Floats{INFINITY, INFINITY, INFINITY, INFINITY});
   std::array<Floats, 3> high;
   high.fill(-low[0]);
   for (const Triangle& t : triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Floats p = at(t[k]);
+      const Floats p = load(t[k]);
       low[k] = p < low[k] ? p : low[k];
       high[k] = p > high[k] ? p : high[k];
     }

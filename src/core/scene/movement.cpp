@@ -10,8 +10,8 @@ Movement::Movement(const Vec3d& velocity) : velocity_(velocity) {}
 
 Movement::Movement(std::shared_ptr<const Path> path, double start, double speed) : path_(std::move(path)) {
   interval_ = std::max(path_->length() - start, 0.0) / speed;
-  travelled_ = {start, path_->length()};
-  if (interval_ <= 0) travelled_.pop_back();
+  travelled_ = {start};
+  if (interval_ > 0) travelled_.push_back(path_->length());
 }
 
 Movement::Movement(std::shared_ptr<const Path> path, std::vector<double> travelled, double interval)
@@ -22,9 +22,9 @@ Pose Movement::at(double time) const {
   if (path_ == nullptr) return {{}, velocity_ * t};
   const double steps = t / interval_;
   if (!(steps < static_cast<double>(travelled_.size() - 1))) return path_->pose(travelled_.back());
-  const auto k = static_cast<std::size_t>(steps);
-  const double part = steps - static_cast<double>(k);
-  return path_->pose(travelled_[k] + (travelled_[k + 1] - travelled_[k]) * part);
+  const auto step = static_cast<std::size_t>(steps);
+  const double fraction = steps - static_cast<double>(step);
+  return path_->pose(travelled_[step] + (travelled_[step + 1] - travelled_[step]) * fraction);
 }
 
 bool Movement::moves() const {

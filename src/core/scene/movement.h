@@ -34,10 +34,10 @@ class Movement {
   bool moves() const;
 
  private:
-  Vec3d velocity_;
+  Vec3d velocity_;                    // m/s; only without a path
   std::shared_ptr<const Path> path_;  // null: the object moves in a straight line
-  std::vector<double> travelled_;
-  double interval_ = 1;
+  std::vector<double> travelled_;     // m, distances along the path at the times 0, interval_, 2 interval_, ...
+  double interval_ = 1;               // s
 };
 
 }  // namespace scanmill

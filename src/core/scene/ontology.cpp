@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "config/fields.h"
 #include "config/file_kind.h"
@@ -14,32 +13,64 @@
 namespace scanmill {
 namespace {
 
+// Reads [red, green, blue], whole numbers from 0 to 255.
 std::array<std::uint8_t, 3> readColor(const Value& value) {
-  const std::vector<double> parts = readNumbers(value, "color", {0, 255});
-  if (parts.size() != 3) {
-    throw InputError(value.where, fmt::format("color must be [red, green, blue], found {} numbers", parts.size()));
+  const std::vector<double> channels = readNumbers(value, "color", {0, 255});
+  if (channels.size() != 3) {
+    throw InputError(value.where, fmt::format("color must be [red, green, blue], found {} numbers", channels.size()));
   }
   std::array<std::uint8_t, 3> color{};
   for (std::size_t i = 0; i < 3; ++i) {
-    if (parts[i] != std::floor(parts[i])) {
-      throw InputError(value.where, fmt::format("color must be whole numbers from 0 to 255, found {}", parts[i]));
+    if (channels[i] != std::floor(channels[i])) {
+      throw InputError(value.where, fmt::format("color must be whole numbers from 0 to 255, found {}", channels[i]));
     }
-    color[i] = static_cast<std::uint8_t>(parts[i]);
+    color[i] = static_cast<std::uint8_t>(channels[i]);
   }
   return color;
 }
 
+// Reads a class, except `moving_of`, which needs the other classes.
 SemanticClass readClass(const Value& value) {
-  Fields f(value, "class");
+  Fields fields(value, "class");
   SemanticClass c;
-  c.id = static_cast<std::uint16_t>(f.integer("id", 0, 65535));
-  c.name = f.text("name");
-  c.color = readColor(f.require("color"));
-  c.thing = f.boolean("thing", false);
-  c.aliases = f.texts("aliases");
-  f.also({"moving_of"}).finish();
+  c.id = static_cast<std::uint16_t>(fields.integer("id", 0, 65535));
+  c.name = fields.text("name");
+  c.color = readColor(fields.require("color"));
+  c.thing = fields.boolean("thing", false);
+  c.aliases = fields.texts("aliases");
+  fields.also({"moving_of"}).finish();
   if (c.name.empty()) throw InputError(value.where, "a class has an empty name");
   return c;
+}
+
+// Adds the name and the aliases of a class to `classOfName`, with the name of the class. Throws InputError at `where`
+// if one of them is there already.
+void addNames(const SemanticClass& added, std::map<std::string, std::string>& classOfName, const Location& where) {
+  std::vector<std::string> names = added.aliases;
+  names.push_back(added.name);
+  for (const std::string& name : names) {
+    const auto [entry, isNew] = classOfName.emplace(name, added.name);
+    if (isNew) continue;
+    throw InputError(where, fmt::format("the name '{}' of class '{}' is already a name of class '{}'", name, added.name,
+                                        entry->second));
+  }
+}
+
+// Reads `moving_of`: sets SemanticClass::movingOf of the class with this index.
+void readMovingOf(const Value& movingOf, Ontology& ontology, std::size_t index) {
+  const SemanticClass& still = ontology.require(readText(movingOf, "moving_of"), movingOf.where);
+  SemanticClass& moving = ontology.classes[index];
+  if (!still.thing || !moving.thing || still.id == moving.id) {
+    throw InputError(movingOf.where,
+                     "moving_of names the class of the same things while they stand still: both need "
+                     "`thing: true`");
+  }
+  for (const SemanticClass& c : ontology.classes) {
+    if (c.movingOf == still.id) {
+      throw InputError(movingOf.where, fmt::format("the class '{}' is moving_of '{}' already", c.name, still.name));
+    }
+  }
+  moving.movingOf = still.id;
 }
 
 }  // namespace
@@ -79,71 +110,47 @@ bool sameClasses(const Ontology& a, const Ontology& b) {
                     });
 }
 
-std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to) {
-  std::map<std::uint16_t, std::vector<std::string>> sources;  // id of a class in `to` -> names in `from`
-  std::vector<std::string> homeless;
-  for (const SemanticClass& c : from.classes) {
-    if (const SemanticClass* const found = to.find(c.name)) {
-      sources[found->id].push_back(c.name);
+std::vector<std::string> lostBetween(const Ontology& oldOntology, const Ontology& newOntology) {
+  std::map<std::uint16_t, std::vector<std::string>> sources;  // names of the old classes, by id of the new class
+  std::vector<std::string> missing;
+  for (const SemanticClass& c : oldOntology.classes) {
+    if (const SemanticClass* const newClass = newOntology.find(c.name)) {
+      sources[newClass->id].push_back(c.name);
     } else {
-      homeless.push_back(c.name);
+      missing.push_back(c.name);
     }
   }
   std::vector<std::string> lines;
   for (const auto& [id, names] : sources) {
-    if (names.size() > 1) lines.push_back(fmt::format("{} become {}", fmt::join(names, ", "), to.find(id)->name));
+    if (names.size() > 1)
+      lines.push_back(fmt::format("{} become {}", fmt::join(names, ", "), newOntology.find(id)->name));
   }
-  if (!homeless.empty()) lines.push_back(fmt::format("no class for {}", fmt::join(homeless, ", ")));
+  if (!missing.empty()) lines.push_back(fmt::format("no class for {}", fmt::join(missing, ", ")));
   return lines;
 }
 
 Ontology readOntology(const std::filesystem::path& path) {
   const Value root = readYaml(path);
   expectKind(root, FileKind::Ontology);
-  Fields f(root, "ontology");
-  f.also({"name", "source", "classes"}).finish();
-  Ontology ontology;
-  ontology.name = f.text("name", path.stem().string());
-  ontology.source = f.text("source", "");
-  const std::vector<Value>& list = readList(f.require("classes"), "classes");
-  std::set<std::uint16_t> ids;
-  std::map<std::string, std::string> owner;  // name or alias -> name of its class
+  Fields fields(root, "ontology");
+  fields.also({"name", "source", "classes"}).finish();
+  Ontology ontology{.name = fields.text("name", path.stem().string()), .source = fields.text("source", "")};
+  const std::vector<Value>& list = readList(fields.require("classes"), "classes");
+  std::map<std::string, std::string> classOfName;
   for (const Value& item : list) {
     SemanticClass c = readClass(item);
-    if (!ids.insert(c.id).second) {
+    if (ontology.find(c.id) != nullptr) {
       throw InputError(item.where, fmt::format("class '{}' has id {}, as an earlier class", c.name, c.id));
     }
-    std::vector<std::string> words = c.aliases;
-    words.push_back(c.name);
-    for (const std::string& word : words) {
-      const auto [known, isNew] = owner.emplace(word, c.name);
-      if (!isNew) {
-        throw InputError(item.where, fmt::format("the name '{}' of class '{}' is already a name of class '{}'", word,
-                                                 c.name, known->second));
-      }
-    }
+    addNames(c, classOfName, item.where);
     ontology.classes.push_back(std::move(c));
   }
   for (std::size_t i = 0; i < list.size(); ++i) {
-    const Value* of = list[i].find("moving_of");
-    if (of == nullptr) continue;
-    const SemanticClass& still = ontology.require(readText(*of, "moving_of"), of->where);
-    SemanticClass& moving = ontology.classes[i];
-    if (!still.thing || !moving.thing || still.id == moving.id) {
-      throw InputError(of->where,
-                       "moving_of names the class of the same things while they stand still: both need "
-                       "`thing: true`");
-    }
-    for (const SemanticClass& c : ontology.classes) {
-      if (c.movingOf == still.id) {
-        throw InputError(of->where, fmt::format("the class '{}' is moving_of '{}' already", c.name, still.name));
-      }
-    }
-    moving.movingOf = still.id;
+    if (const Value* movingOf = list[i].find("moving_of")) readMovingOf(*movingOf, ontology, i);
   }
   const SemanticClass* zero = ontology.find(0);
   if (!zero || zero->name != "unlabeled") {
-    throw InputError(f.require("classes").where,
+    throw InputError(fields.require("classes").where,
                      "class 0 must be there and be named 'unlabeled': it is what no rule matched");
   }
   return ontology;

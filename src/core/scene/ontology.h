@@ -31,7 +31,7 @@ struct SemanticClass {
 struct Ontology {
   std::string name;
   std::string source;  // where the ids come from
-  std::vector<SemanticClass> classes;
+  std::vector<SemanticClass> classes = {};
 
   // Returns the class with this id, or null.
   const SemanticClass* find(std::uint16_t id) const;
@@ -44,9 +44,10 @@ struct Ontology {
 // Returns true if the ontologies have the same ids, names and `thing` flags in the same order. Other fields may differ.
 bool sameClasses(const Ontology& a, const Ontology& b);
 
-// Describes what is lost if the ontology `to` replaces `from`: one line for each class into which several merge, and
-// one line for all classes that `to` does not have (a scene that uses them would be refused). Empty if nothing is lost.
-std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to);
+// Describes what is lost if an ontology replaces another: one line for each new class into which several old ones
+// merge, and one line for all old classes that have no new one (a scene that uses them would be refused). Empty if
+// nothing is lost.
+std::vector<std::string> lostBetween(const Ontology& oldOntology, const Ontology& newOntology);
 
 // Reads an ontology's file. Ids, names and aliases must be unique, ids at most 65535, and colours [r, g, b] from 0 to
 // 255. Throws InputError with the place in the file.

@@ -6,22 +6,23 @@
 
 namespace scanmill {
 
-Affine RigidMotion::at(double after) const {
+Affine RigidMotion::at(double seconds) const {
   if (!moves()) return worldFromMesh;
   Affine placed = worldFromMesh;
   const double rate = length(turning);
   if (rate > 0) {
-    const double half = rate * after / 2;
-    const Vec3d axis = turning * (std::sin(half) / rate);
-    placed.linear = toMatrix(Quat{std::cos(half), axis.x, axis.y, axis.z}) * placed.linear;
+    const double halfAngle = rate * seconds / 2;
+    const Vec3d quaternionVector = turning * (std::sin(halfAngle) / rate);
+    placed.linear =
+        toMatrix(Quat{std::cos(halfAngle), quaternionVector.x, quaternionVector.y, quaternionVector.z}) * placed.linear;
   }
-  placed.translation = placed.translation + velocity * after;
+  placed.translation += velocity * seconds;
   return placed;
 }
 
 const RigidMotion* Placements::find(std::uint32_t instance) const {
-  const auto found = placed_.find(instance);
-  return found == placed_.end() ? nullptr : &found->second;
+  const auto entry = placed_.find(instance);
+  return entry == placed_.end() ? nullptr : &entry->second;
 }
 
 Affine worldFromMeshAt(const Instance& instance, std::uint32_t index, const Placements* placed, double time) {

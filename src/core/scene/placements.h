@@ -24,8 +24,8 @@ struct RigidMotion {
   Vec3d turning = {};         // rad/s, world axes: angular velocity about the mesh's origin
 
   bool moves() const { return velocity != Vec3d{} || turning != Vec3d{}; }
-  // Returns the transform `after` seconds after the start of the shot, at constant velocity and angular velocity.
-  Affine at(double after) const;
+  // Returns the transform `seconds` after the start of the shot, at constant velocity and angular velocity.
+  Affine at(double seconds) const;
 };
 
 class Placements {

@@ -1,6 +1,7 @@
 #include "scene/primitives.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 namespace scanmill {
@@ -42,34 +43,37 @@ class Appender {
 };
 
 struct ProfilePoint {
-  double radius;
-  double z;
+  double radius;  // m
+  double z;       // m
 };
 
 // Appends a closed solid of revolution about z. The profile starts at the bottom on the axis and ends at the top on the
 // axis. Each profile point on the axis becomes a single vertex, so that no triangle is degenerate and no edge is open.
-void appendRevolution(Appender& out, const std::vector<ProfilePoint>& profile, int segments) {
-  const auto n = static_cast<std::uint32_t>(std::max(segments, 3));
+void appendRevolution(Appender& appender, const std::vector<ProfilePoint>& profile, int segments) {
+  const auto segmentCount = static_cast<std::uint32_t>(std::max(segments, 3));
   struct Ring {
-    std::uint32_t first;
-    bool onAxis;
-    std::uint32_t at(std::uint32_t k, std::uint32_t count) const { return onAxis ? first : first + k % count; }
+    std::uint32_t first;  // index of its first vertex
+    bool onAxis;          // true: it is a single vertex
+    std::uint32_t vertex(std::uint32_t k, std::uint32_t count) const { return onAxis ? first : first + k % count; }
   };
   std::vector<Ring> rings;
   for (const ProfilePoint& p : profile) {
     const bool onAxis = !(p.radius > 0);
-    rings.push_back({out.vertex({onAxis ? 0 : p.radius, 0, p.z}), onAxis});
-    for (std::uint32_t k = 1; k < n && !onAxis; ++k) {
-      const double angle = 2 * kPi * k / n;
-      out.vertex({p.radius * std::cos(angle), p.radius * std::sin(angle), p.z});
+    rings.push_back({appender.vertex({onAxis ? 0 : p.radius, 0, p.z}), onAxis});
+    for (std::uint32_t k = 1; k < segmentCount && !onAxis; ++k) {
+      const double angle = 2 * kPi * k / segmentCount;
+      appender.vertex({p.radius * std::cos(angle), p.radius * std::sin(angle), p.z});
     }
   }
   for (std::size_t i = 0; i + 1 < rings.size(); ++i) {
     const Ring& low = rings[i];
     const Ring& high = rings[i + 1];
-    for (std::uint32_t k = 0; k < n; ++k) {
-      if (!low.onAxis) out.triangle(low.at(k, n), low.at(k + 1, n), high.at(k, n));
-      if (!high.onAxis) out.triangle(low.at(k + 1, n), high.at(k + 1, n), high.at(k, n));
+    for (std::uint32_t k = 0; k < segmentCount; ++k) {
+      if (!low.onAxis)
+        appender.triangle(low.vertex(k, segmentCount), low.vertex(k + 1, segmentCount), high.vertex(k, segmentCount));
+      if (!high.onAxis)
+        appender.triangle(low.vertex(k + 1, segmentCount), high.vertex(k + 1, segmentCount),
+                          high.vertex(k, segmentCount));
     }
   }
 }
@@ -77,17 +81,20 @@ void appendRevolution(Appender& out, const std::vector<ProfilePoint>& profile, i
 }  // namespace
 
 void appendBox(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, const Vec3d& size) {
-  Appender out(mesh, surface, meshFromShape);
-  std::uint32_t v[8];
+  Appender appender(mesh, surface, meshFromShape);
+  std::uint32_t
+      v[8];  // corner i has the greater x if bit 0 of i is set, the greater y for bit 1, the greater z for bit 2
   for (int i = 0; i < 8; ++i) {
-    v[i] = out.vertex({size.x * (i & 1 ? 0.5 : -0.5), size.y * (i & 2 ? 0.5 : -0.5), size.z * (i & 4 ? 0.5 : -0.5)});
+    v[i] =
+        appender.vertex({size.x * (i & 1 ? 0.5 : -0.5), size.y * (i & 2 ? 0.5 : -0.5), size.z * (i & 4 ? 0.5 : -0.5)});
   }
-  out.quad(v[0], v[2], v[3], v[1]);  // z low
-  out.quad(v[4], v[5], v[7], v[6]);  // z high
-  out.quad(v[0], v[1], v[5], v[4]);  // y low
-  out.quad(v[2], v[6], v[7], v[3]);  // y high
-  out.quad(v[0], v[4], v[6], v[2]);  // x low
-  out.quad(v[1], v[3], v[7], v[5]);  // x high
+  constexpr std::array<std::array<std::size_t, 4>, 6> kSides{{{0, 2, 3, 1},    // z low
+                                                              {4, 5, 7, 6},    // z high
+                                                              {0, 1, 5, 4},    // y low
+                                                              {2, 6, 7, 3},    // y high
+                                                              {0, 4, 6, 2},    // x low
+                                                              {1, 3, 7, 5}}};  // x high
+  for (const auto& [a, b, c, d] : kSides) appender.quad(v[a], v[b], v[c], v[d]);
 }
 
 void appendSphere(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, double radius, int segments) {
@@ -96,53 +103,53 @@ void appendSphere(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape
 
 void appendCylinder(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, double bottomRadius,
                     double topRadius, double height, int segments) {
-  Appender out(mesh, surface, meshFromShape);
+  Appender appender(mesh, surface, meshFromShape);
   std::vector<ProfilePoint> profile{{0, -height / 2}};
   if (bottomRadius > 0) profile.push_back({bottomRadius, -height / 2});
   if (topRadius > 0) profile.push_back({topRadius, height / 2});
   profile.push_back({0, height / 2});
-  appendRevolution(out, profile, segments);
+  appendRevolution(appender, profile, segments);
 }
 
 void appendCapsule(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, double radius, double height,
                    int segments) {
-  Appender out(mesh, surface, meshFromShape);
-  const int stacks = std::max(segments / 4, 1);  // number of stacks of each half sphere
+  Appender appender(mesh, surface, meshFromShape);
+  const int stackCount = std::max(segments / 4, 1);  // number of stacks of each half sphere
   std::vector<ProfilePoint> profile{{0, -height / 2 - radius}};
-  for (int i = 1; i <= stacks; ++i) {
-    const double latitude = kPi / 2 * (i - stacks) / stacks;
+  for (int k = 1; k <= stackCount; ++k) {
+    const double latitude = kPi / 2 * (k - stackCount) / stackCount;
     profile.push_back({radius * std::cos(latitude), radius * std::sin(latitude) - height / 2});
   }
-  for (int i = height > 0 ? 0 : 1; i < stacks; ++i) {
-    const double latitude = kPi / 2 * i / stacks;
+  for (int k = height > 0 ? 0 : 1; k < stackCount; ++k) {
+    const double latitude = kPi / 2 * k / stackCount;
     profile.push_back({radius * std::cos(latitude), radius * std::sin(latitude) + height / 2});
   }
   profile.push_back({0, height / 2 + radius});
-  appendRevolution(out, profile, segments);
+  appendRevolution(appender, profile, segments);
 }
 
 void appendPlane(Mesh& mesh, std::uint16_t surface, const Affine& meshFromShape, double sizeX, double sizeY,
                  int cells) {
-  Appender out(mesh, surface, meshFromShape);
-  const auto n = static_cast<std::uint32_t>(std::max(cells, 1));
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  for (std::uint32_t j = 0; j <= n; ++j) {
-    for (std::uint32_t i = 0; i <= n; ++i) {
-      out.vertex({sizeX * (double(i) / n - 0.5), sizeY * (double(j) / n - 0.5), 0});
+  Appender appender(mesh, surface, meshFromShape);
+  const auto cellCount = static_cast<std::uint32_t>(std::max(cells, 1));
+  const auto firstVertex = static_cast<std::uint32_t>(mesh.positions.size());
+  for (std::uint32_t row = 0; row <= cellCount; ++row) {
+    for (std::uint32_t column = 0; column <= cellCount; ++column) {
+      appender.vertex({sizeX * (double(column) / cellCount - 0.5), sizeY * (double(row) / cellCount - 0.5), 0});
     }
   }
-  for (std::uint32_t j = 0; j < n; ++j) {
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint32_t v = first + j * (n + 1) + i;
-      out.quad(v, v + 1, v + n + 2, v + n + 1);
+  for (std::uint32_t row = 0; row < cellCount; ++row) {
+    for (std::uint32_t column = 0; column < cellCount; ++column) {
+      const std::uint32_t corner = firstVertex + row * (cellCount + 1) + column;
+      appender.quad(corner, corner + 1, corner + cellCount + 2, corner + cellCount + 1);
     }
   }
 }
 
 void appendQuad(Mesh& mesh, std::uint16_t surface, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  Appender out(mesh, surface, {});
-  const std::uint32_t v[4] = {out.vertex(a), out.vertex(b), out.vertex(c), out.vertex(d)};
-  out.quad(v[0], v[1], v[2], v[3]);
+  Appender appender(mesh, surface, {});
+  const std::uint32_t v[4] = {appender.vertex(a), appender.vertex(b), appender.vertex(c), appender.vertex(d)};
+  appender.quad(v[0], v[1], v[2], v[3]);
 }
 
 }  // namespace scanmill

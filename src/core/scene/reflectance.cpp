@@ -13,19 +13,19 @@ float CompactMaterial::ofTexel(const std::uint8_t* texel) const {
 }
 
 CompactMaterial compact(const Material& material) {
-  CompactMaterial made{material.reflectance, 0, nullptr};
+  CompactMaterial compacted{.reflectance = material.reflectance};
   if (material.textured && material.texture != nullptr && material.textureMean > 0) {
-    made.texture = material.texture.get();
-    made.textureGain = material.reflectance / material.textureMean;
+    compacted.texture = material.texture.get();
+    compacted.textureGain = material.reflectance / material.textureMean;
   }
-  return made;
+  return compacted;
 }
 
 std::vector<CompactMaterial> compactMaterials(const Scene& scene) {
-  std::vector<CompactMaterial> made;
-  made.reserve(scene.materials.size());
-  for (const Material& material : scene.materials) made.push_back(compact(material));
-  return made;
+  std::vector<CompactMaterial> materials;
+  materials.reserve(scene.materials.size());
+  for (const Material& material : scene.materials) materials.push_back(compact(material));
+  return materials;
 }
 
 }  // namespace scanmill

@@ -24,28 +24,31 @@ struct CompactMaterial {
 };
 
 CompactMaterial compact(const Material& material);
+// Returns the compact materials of Scene::materials, in the same order.
 std::vector<CompactMaterial> compactMaterials(const Scene& scene);
 
 // Returns the barycentric coordinates of a point in a triangle's plane, clamped to the triangle: the weights of the
 // second and of the third corner. The edges ab and ac and the point are relative to the first corner (m, all in one
 // frame).
 inline Vec2d barycentric(const Vec3d& ab, const Vec3d& ac, const Vec3d& point) {
-  const Vec3d n = cross(ab, ac);
-  const double square = dot(n, n);
-  const double u = std::clamp(dot(n, cross(point, ac)) / square, 0.0, 1.0);
-  const double v = std::clamp(dot(n, cross(ab, point)) / square, 0.0, 1.0 - u);
+  const Vec3d normal = cross(ab, ac);
+  const double squaredLength = dot(normal, normal);
+  const double u = std::clamp(dot(normal, cross(point, ac)) / squaredLength, 0.0, 1.0);
+  const double v = std::clamp(dot(normal, cross(ab, point)) / squaredLength, 0.0, 1.0 - u);
   return {u, v};
 }
 
-// Returns the texture coordinates at barycentric coordinates of a triangle. `uvs` has one entry per vertex; if it is
-// empty, the result is (0, 0).
-inline Vec2f textureCoordinates(const std::vector<Vec2f>& uvs, const Triangle& corners, const Vec2d& at) {
+// Returns the texture coordinates at a point of a triangle with these barycentric() weights. `uvs` has one entry per
+// vertex; if it is empty, the result is (0, 0).
+inline Vec2f textureCoordinates(const std::vector<Vec2f>& uvs, const Triangle& corners, const Vec2d& weights) {
   if (uvs.empty()) return {};
   const Vec2f& a = uvs[corners[0]];
   const Vec2f& b = uvs[corners[1]];
   const Vec2f& c = uvs[corners[2]];
-  const double w = 1 - at.x - at.y;
-  return {static_cast<float>(w * a.x + at.x * b.x + at.y * c.x), static_cast<float>(w * a.y + at.x * b.y + at.y * c.y)};
+  const auto [weightB, weightC] = weights;
+  const double weightA = 1 - weightB - weightC;
+  return {static_cast<float>(weightA * a.x + weightB * b.x + weightC * c.x),
+          static_cast<float>(weightA * a.y + weightB * b.y + weightC * c.y)};
 }
 
 // True if an alpha-tested material lets beams pass at a texel (RGBA) of its texture.

@@ -15,89 +15,102 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kCell = 1;         // m, size of the cells of the search
-constexpr double kClear = 2.5;      // m, free height above the surface
-constexpr double kSteepest = 0.75;  // largest slope of a road, as a difference in height per distance
-constexpr double kHalfWidth = 1;    // m, half of a vehicle's width
-constexpr double kFromEdge = 2;     // m, wanted distance of the vehicle's middle from the edge of the road
-constexpr double kOpen = 12;        // m; where an edge is at least this far away, there is no road to keep to
-constexpr double kEdgeStep = 0.25;  // m, accuracy of the distance to an edge
-constexpr double kNearest = 20;     // m, largest distance from an end to the surface
-constexpr double kUncrowded = 2.5;  // m; paths avoid edges that are nearer
-constexpr std::size_t kMostSearched = 4'000'000;
-constexpr int kSmoothings = 6;
-constexpr double kApart = 2;  // m, distance between the points of the result
+// Chosen for cars on the shipped scenes, by eye; the header states most of them.
+constexpr double kCell = 1;            // m, size of the cells of the search
+constexpr double kClearance = 2.5;     // m, free height above the surface; also the height of a storey of the search
+constexpr double kSteepest = 0.75;     // largest slope of a road, as a difference in height per distance
+constexpr double kHalfWidth = 1;       // m, half of a vehicle's width
+constexpr double kEdgeDistance = 2;    // m, desired distance of the vehicle's middle from the edge of the road
+constexpr double kOpenDistance = 12;   // m; where an edge is at least this far away, there is no road to keep to
+constexpr double kEdgeStep = 0.25;     // m, accuracy of the distance to an edge
+constexpr double kSearchRadius = 20;   // m, largest distance from an end to the surface
+constexpr double kEasyDistance = 2.5;  // m; paths avoid edges that are nearer
+constexpr std::size_t kMostCells = 4'000'000;
+constexpr int kSmoothings = 6;  // before the path is moved to its side of the road; afterwards twice as many
+constexpr std::size_t kHeadingCells =
+    3;                                // the road's direction is measured over so many cells before and after a point
+constexpr double kPointDistance = 2;  // m, least distance between the points of the result
+constexpr int kDirections = 8;        // equally spaced directions in which room and edges are tested
 
+// Returns the point at a horizontal distance (m) from `center` in one of kDirections directions.
+Vec3d pointAround(const Vec3d& center, double distance, int direction) {
+  const double angle = direction * 2 * kPi / kDirections;
+  return {center.x + distance * std::cos(angle), center.y + distance * std::sin(angle), center.z};
+}
+
+// The surfaces of a trip's classes.
 class Road {
  public:
   Road(const SurfaceHeights& heights, const Ontology& ontology, const RoadTrip& trip)
       : heights_(heights), classes_(classIds(ontology, trip.classes, trip.where)), where_(trip.where) {}
 
   // Returns the height of the road at a point (m), if it is free up to kClear and climbs or falls at most by kSteepest
-  // from the height `z` at the distance `far` (m).
-  std::optional<double> height(double x, double y, double z, double far = kHalfWidth) const {
-    const std::optional<double> here = heightAt(x, y, z, far);
-    return here ? here : heightAt(x + kBesideSeam, y + kBesideSeam, z, far);
+  // from the height `z` at the horizontal distance `distance` (m).
+  std::optional<double> height(double x, double y, double z, double distance = kHalfWidth) const {
+    const std::optional<double> height = heightAt(x, y, z, distance);
+    return height ? height : heightAt(x + kBesideSeam, y + kBesideSeam, z, distance);
   }
 
   // Returns the distance (m) to the edge of the road in a direction (unit vector), at most kOpen.
-  double toEdge(const Vec3d& position, const Vec3d& direction) const {
-    double far = 0;
+  double edgeDistance(const Vec3d& position, const Vec3d& direction) const {
+    double distance = 0;
     double z = position.z;
-    while (far < kOpen) {
-      const Vec3d next = position + direction * (far + kEdgeStep);
+    while (distance < kOpenDistance) {
+      const Vec3d next = position + direction * (distance + kEdgeStep);
       const std::optional<double> height = this->height(next.x, next.y, z);
       if (!height) break;
       z = *height;
-      far += kEdgeStep;
+      distance += kEdgeStep;
     }
-    return far;
+    return distance;
   }
 
-  // Returns the road's point nearest to a point, by its height too if that is not 0.
-  Vec3d nearest(const Vec3d& point, const char* which) const {
-    std::optional<Vec3d> best;
-    double least = kNearest;
-    constexpr int kCells = static_cast<int>(kNearest / kCell);
+  // Returns the road's point with room for a vehicle that is nearest to `point`, horizontally if its height is 0.
+  // Throws InputError if there is none within kSearchRadius. `key` is the key of the point, for the message.
+  Vec3d nearestRoom(const Vec3d& point, const char* key) const {
+    std::optional<Vec3d> nearest;
+    double leastDistance = kSearchRadius;
+    constexpr int kCells = static_cast<int>(kSearchRadius / kCell);
     for (int i = -kCells; i <= kCells; ++i) {
       for (int j = -kCells; j <= kCells; ++j) {
         const double x = i * kCell;
         const double y = j * kCell;
         for (const SurfaceHeights::Surface& s : heights_.at(point.x + x, point.y + y)) {
-          const Vec3d at{point.x + x, point.y + y, s.height};
-          const double far = point.z == 0 ? std::hypot(x, y) : length(at - point);
-          if (far < least && isRoad(s) && hasRoom(at)) {
-            least = far;
-            best = at;
+          const Vec3d candidate{point.x + x, point.y + y, s.height};
+          const double distance = point.z == 0 ? std::hypot(x, y) : length(candidate - point);
+          if (distance < leastDistance && isRoad(s) && hasRoom(candidate)) {
+            leastDistance = distance;
+            nearest = candidate;
           }
         }
       }
     }
-    if (best) return *best;
+    if (nearest) return *nearest;
     throw InputError(
-        where_, fmt::format("`{}`: within {:g} m of [{:g}, {:g}] is no surface of `on` with room for a vehicle", which,
-                            kNearest, point.x, point.y));
+        where_, fmt::format("`{}`: within {:g} m of [{:g}, {:g}] is no surface of `on` with room for a vehicle", key,
+                            kSearchRadius, point.x, point.y));
   }
 
   // True if a vehicle has room at a point, whatever its heading.
   bool hasRoom(const Vec3d& p) const {
     if (!height(p.x, p.y, p.z)) return false;
-    for (int k = 0; k < 8; ++k) {
-      const double turn = k * kPi / 4;
-      if (!height(p.x + kHalfWidth * std::cos(turn), p.y + kHalfWidth * std::sin(turn), p.z)) return false;
+    for (int k = 0; k < kDirections; ++k) {
+      const Vec3d side = pointAround(p, kHalfWidth, k);
+      if (!height(side.x, side.y, side.z)) return false;
     }
     return true;
   }
 
  private:
-  static constexpr double kSame = 0.05;  // m; surfaces whose heights differ by less are the same surface
+  static constexpr double kSameHeight = 0.05;  // m; surfaces whose heights differ by less are the same surface
 
-  std::optional<double> heightAt(double x, double y, double z, double far) const {
-    const std::vector<SurfaceHeights::Surface> all = heights_.at(x, y);
-    for (auto s = all.rbegin(); s != all.rend(); ++s) {
-      if (std::fabs(s->height - z) > kSteepest * far || s->slope > kSteepestGround || !isRoad(*s)) continue;
-      const bool covered = std::ranges::any_of(all, [&](const SurfaceHeights::Surface& other) {
-        return other.height > s->height + kSame && other.height < s->height + kClear;
+  // Returns the lowest height that height() describes, without its second try.
+  std::optional<double> heightAt(double x, double y, double z, double distance) const {
+    const std::vector<SurfaceHeights::Surface> surfaces = heights_.at(x, y);  // the highest first
+    for (auto s = surfaces.rbegin(); s != surfaces.rend(); ++s) {
+      if (std::fabs(s->height - z) > kSteepest * distance || s->slope > kSteepestGround || !isRoad(*s)) continue;
+      const bool covered = std::ranges::any_of(surfaces, [&](const SurfaceHeights::Surface& above) {
+        return above.height > s->height + kSameHeight && above.height < s->height + kClearance;
       });
       if (!covered) return s->height;
     }
@@ -118,28 +131,27 @@ class Road {
 class CellSearch {
  public:
   CellSearch(const Road& road, const Vec3d& from, const Vec3d& to)
-      : road_(road), from_(from), to_(to), nearest_(from) {}
+      : road_(road), start_(from), goal_(to), nearestToGoal_(from) {}
 
-  // Returns the place nearest to the goal that the search has reached.
-  const Vec3d& nearest() const { return nearest_; }
+  // Returns the point nearest to the goal that run() has reached.
+  const Vec3d& nearestToGoal() const { return nearestToGoal_; }
 
   // Returns the points of the cells from the start to the goal; empty if the goal cannot be reached.
   std::vector<Vec3d> run() {
-    const Cell start{0, 0, 0};
-    nodes_[start] = {from_, 0, start, true};
-    open_.emplace(remaining(from_), start);
-    while (!open_.empty() && nodes_.size() < kMostSearched) {
+    nodes_[kStart] = {.position = start_, .cost = 0, .hasRoom = true};
+    open_.emplace(goalDistance(start_), kStart);
+    while (!open_.empty() && nodes_.size() < kMostCells) {
       const Cell cell = open_.top().second;
       open_.pop();
       Node& node = nodes_.at(cell);
       if (node.closed) continue;
       node.closed = true;
-      if (remaining(node.position) < remaining(nearest_)) nearest_ = node.position;
-      if (remaining(node.position) < kCell && std::fabs(node.position.z - to_.z) < 2 * kSteepest) return pathTo(cell);
-      const Node own = node;
+      if (goalDistance(node.position) < goalDistance(nearestToGoal_)) nearestToGoal_ = node.position;
+      if (goalDistance(node.position) < kCell && std::fabs(node.position.z - goal_.z) < 2 * kSteepest)
+        return pathTo(cell);
       for (int dx = -1; dx <= 1; ++dx) {
         for (int dy = -1; dy <= 1; ++dy) {
-          if (dx != 0 || dy != 0) visit(cell, own, dx, dy);
+          if (dx != 0 || dy != 0) visit(cell, node, dx, dy);
         }
       }
     }
@@ -147,54 +159,58 @@ class CellSearch {
   }
 
  private:
-  using Cell = std::array<std::int64_t, 3>;  // x, y and storey
+  // Indices along x and y from the start, and the height in units of kClearance: bridges are cells above those of the
+  // road below.
+  using Cell = std::array<std::int64_t, 3>;
+  static constexpr Cell kStart{0, 0, 0};
   struct Node {
     Vec3d position;          // m, world frame
-    double cost = INFINITY;  // of the cheapest path so far from the start
-    Cell before{};           // the cell before this one on that path
-    bool room = false;       // a vehicle has room here
+    double cost = INFINITY;  // m, of the cheapest path so far from the start: its length, with surcharges near edges
+    Cell previous{};         // the cell before this one on that path
+    bool hasRoom = false;    // a vehicle has room here
     bool closed = false;     // the path is final
   };
 
   // Returns the horizontal distance to the goal (m), which no path can be shorter than.
-  double remaining(const Vec3d& p) const { return std::hypot(p.x - to_.x, p.y - to_.y); }
+  double goalDistance(const Vec3d& p) const { return std::hypot(p.x - goal_.x, p.y - goal_.y); }
 
-  void visit(const Cell& cell, const Node& own, int dx, int dy) {
-    const double x = from_.x + static_cast<double>(cell[0] + dx) * kCell;
-    const double y = from_.y + static_cast<double>(cell[1] + dy) * kCell;
-    const std::optional<double> z = road_.height(x, y, own.position.z, kCell * std::hypot(dx, dy));
+  // Finds the road at a neighbour of a closed node, and opens the neighbour if the path over the node is its cheapest.
+  void visit(const Cell& cell, const Node& node, int dx, int dy) {
+    const double x = start_.x + static_cast<double>(cell[0] + dx) * kCell;
+    const double y = start_.y + static_cast<double>(cell[1] + dy) * kCell;
+    const double distance = kCell * std::hypot(dx, dy);
+    const std::optional<double> z = road_.height(x, y, node.position.z, distance);
     if (!z) return;
-    const Cell next{cell[0] + dx, cell[1] + dy, std::llround(*z / kClear)};
-    const auto [found, isNew] = nodes_.try_emplace(next);
-    Node& node = found->second;
+    const Cell neighborCell{cell[0] + dx, cell[1] + dy, std::llround(*z / kClearance)};
+    const auto [entry, isNew] = nodes_.try_emplace(neighborCell);
+    Node& neighbor = entry->second;
     if (isNew) {
-      node.position = {x, y, *z};
-      node.room = road_.hasRoom(node.position);
+      neighbor.position = {x, y, *z};
+      neighbor.hasRoom = road_.hasRoom(neighbor.position);
     }
-    if (!node.room || node.closed) return;
-    const double cost = own.cost + std::hypot(dx, dy) * kCell * (1 + crowded(node.position));
-    if (cost >= node.cost) return;
-    node.cost = cost;
-    node.before = cell;
-    open_.emplace(cost + remaining(node.position), next);
+    if (!neighbor.hasRoom || neighbor.closed) return;
+    const double cost = node.cost + distance * (1 + blockedFraction(neighbor.position));
+    if (cost >= neighbor.cost) return;
+    neighbor.cost = cost;
+    neighbor.previous = cell;
+    open_.emplace(cost + goalDistance(neighbor.position), neighborCell);
   }
 
-  // Returns the fraction of eight directions in which an edge is less than kUncrowded away.
-  double crowded(const Vec3d& p) const {
+  // Returns the fraction of the directions in which an edge is less than kEasyDistance away.
+  double blockedFraction(const Vec3d& p) const {
     int blocked = 0;
-    for (int k = 0; k < 8; ++k) {
-      const double turn = k * kPi / 4;
-      const double x = p.x + kUncrowded * std::cos(turn);
-      const double y = p.y + kUncrowded * std::sin(turn);
-      blocked += road_.height(x, y, p.z, kUncrowded) ? 0 : 1;
+    for (int k = 0; k < kDirections; ++k) {
+      const Vec3d side = pointAround(p, kEasyDistance, k);
+      blocked += road_.height(side.x, side.y, side.z, kEasyDistance) ? 0 : 1;
     }
-    return blocked / 8.0;
+    return static_cast<double>(blocked) / kDirections;
   }
 
+  // Returns the points from the start to a closed cell.
   std::vector<Vec3d> pathTo(Cell cell) const {
     std::vector<Vec3d> path{nodes_.at(cell).position};
-    while (cell != Cell{0, 0, 0}) {
-      cell = nodes_.at(cell).before;
+    while (cell != kStart) {
+      cell = nodes_.at(cell).previous;
       path.push_back(nodes_.at(cell).position);
     }
     std::ranges::reverse(path);
@@ -202,43 +218,46 @@ class CellSearch {
   }
 
   const Road& road_;
-  Vec3d from_, to_, nearest_;
+  Vec3d start_, goal_, nearestToGoal_;
   std::map<Cell, Node> nodes_;
+  // Open cells, first those with the least sum of cost and distance to the goal. A cell may have several entries: only
+  // the first that is taken out counts.
   using Entry = std::pair<double, Cell>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
 };
 
+// Replaces a point of a path by `moved`, at the road's height there, if a vehicle has room.
+void moveTo(const Road& road, Vec3d moved, Vec3d& point) {
+  const std::optional<double> height = road.height(moved.x, moved.y, point.z);
+  if (!height) return;
+  moved.z = *height;
+  if (road.hasRoom(moved)) point = moved;
+}
+
 // Averages each point with its neighbours, except the two ends, where the vehicle still has room.
 void smooth(const Road& road, std::vector<Vec3d>& path) {
-  const std::vector<Vec3d> before = path;
+  const std::vector<Vec3d> old = path;
   for (std::size_t i = 1; i + 1 < path.size(); ++i) {
-    Vec3d p = before[i - 1] * 0.25 + before[i] * 0.5 + before[i + 1] * 0.25;
-    const std::optional<double> z = road.height(p.x, p.y, before[i].z);
-    if (!z) continue;
-    p.z = *z;
-    if (road.hasRoom(p)) path[i] = p;
+    moveTo(road, old[i - 1] * 0.25 + old[i] * 0.5 + old[i + 1] * 0.25, path[i]);
   }
 }
 
-// Moves points sideways to the wanted distance from the road's edge.
+// Moves points sideways to kEdgeDistance from the road's edge on this side; to the middle of narrow roads.
 void keepToSide(const Road& road, RoadSide side, std::vector<Vec3d>& path) {
-  const std::vector<Vec3d> before = path;
+  const std::vector<Vec3d> old = path;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const Vec3d ahead = before[std::min(i + 3, path.size() - 1)] - before[i < 3 ? 0 : i - 3];
-    const double far = std::hypot(ahead.x, ahead.y);
-    if (far <= 0) continue;
-    const Vec3d toLeft{-ahead.y / far, ahead.x / far, 0};
-    const double left = road.toEdge(before[i], toLeft);
-    const double right = road.toEdge(before[i], toLeft * -1);
-    const double middle = (left + right) / 2;
-    if (left >= kOpen || right >= kOpen) continue;
-    const double wanted = side == RoadSide::Middle ? middle : std::min(kFromEdge, middle);
-    const double move = side == RoadSide::Left ? left - wanted : wanted - right;
-    Vec3d p = before[i] + toLeft * move;
-    const std::optional<double> z = road.height(p.x, p.y, before[i].z);
-    if (!z) continue;
-    p.z = *z;
-    if (road.hasRoom(p)) path[i] = p;
+    const Vec3d& before = old[i - std::min(i, kHeadingCells)];
+    const Vec3d along = old[std::min(i + kHeadingCells, path.size() - 1)] - before;
+    const double alongLength = std::hypot(along.x, along.y);
+    if (alongLength <= 0) continue;
+    const Vec3d leftward{-along.y / alongLength, along.x / alongLength, 0};
+    const double leftDistance = road.edgeDistance(old[i], leftward);
+    const double rightDistance = road.edgeDistance(old[i], leftward * -1);
+    if (leftDistance >= kOpenDistance || rightDistance >= kOpenDistance) continue;
+    const double halfWidth = (leftDistance + rightDistance) / 2;
+    const double edgeDistance = side == RoadSide::Middle ? halfWidth : std::min(kEdgeDistance, halfWidth);
+    const double shift = side == RoadSide::Left ? leftDistance - edgeDistance : edgeDistance - rightDistance;
+    moveTo(road, old[i] + leftward * shift, path[i]);
   }
 }
 
@@ -261,49 +280,50 @@ RoadTrip readRoadTrip(Fields& fields) {
   fields.require("from");
   trip.from = point("from");
   trip.to = point("to");
-  const Location on = fields.require("on").where;
+  const Location classesWhere = fields.require("on").where;
   trip.classes = fields.texts("on");
-  if (trip.classes.empty()) throw InputError(on, "on must name classes, such as [road]");
+  if (trip.classes.empty()) throw InputError(classesWhere, "on must name classes, such as [road]");
   trip.keep = readRoadSide(fields);
   return trip;
 }
 
 std::vector<Vec3d> findRoadPath(const SurfaceHeights& heights, const Ontology& ontology, const RoadTrip& trip) {
   const Road road(heights, ontology, trip);
-  const Vec3d from = road.nearest(trip.from, "from");
-  const Vec3d to = road.nearest(trip.to, "to");
+  const Vec3d from = road.nearestRoom(trip.from, "from");
+  const Vec3d to = road.nearestRoom(trip.to, "to");
   CellSearch search(road, from, to);
   std::vector<Vec3d> path = search.run();
   if (path.size() < 2) {
-    const Vec3d& end = search.nearest();
+    const Vec3d& reached = search.nearestToGoal();
     throw InputError(
         trip.where,
         fmt::format("there is no path on the surfaces of `on` from [{:.1f}, {:.1f}] to [{:.1f}, {:.1f}] with "
                     "room for a vehicle; the nearest place that can be reached is [{:.1f}, {:.1f}]: name more "
                     "classes, or other points",
-                    from.x, from.y, to.x, to.y, end.x, end.y));
+                    from.x, from.y, to.x, to.y, reached.x, reached.y));
   }
   for (int k = 0; k < kSmoothings; ++k) smooth(road, path);
   keepToSide(road, trip.keep, path);
   for (int k = 0; k < 2 * kSmoothings; ++k) smooth(road, path);
-  std::vector<Vec3d> apart{path.front()};
+  std::vector<Vec3d> points{path.front()};
   for (std::size_t i = 1; i + 1 < path.size(); ++i) {
-    const bool far = length(path[i] - apart.back()) >= kApart && length(path[i] - path.back()) >= kApart / 2;
-    if (far) apart.push_back(path[i]);
+    const bool isApart =
+        length(path[i] - points.back()) >= kPointDistance && length(path[i] - path.back()) >= kPointDistance / 2;
+    if (isApart) points.push_back(path[i]);
   }
-  apart.push_back(path.back());
-  return apart;
+  points.push_back(path.back());
+  return points;
 }
 
 std::vector<Vec3d> droppedOnGround(const SurfaceHeights& heights, const std::vector<Vec3d>& points,
                                    const Location& where) {
   std::vector<Vec3d> dropped;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3d& to = points[i];
-    const Vec3d& from = points[i == 0 ? 0 : i - 1];
-    const int parts = std::max(1, static_cast<int>(std::hypot(to.x - from.x, to.y - from.y) / kCell));
-    for (int k = i == 0 ? parts : 1; k <= parts; ++k) {
-      Vec3d p = from + (to - from) * (static_cast<double>(k) / parts);
+    const Vec3d& end = points[i];
+    const Vec3d& start = points[i == 0 ? 0 : i - 1];
+    const int steps = std::max(1, static_cast<int>(std::hypot(end.x - start.x, end.y - start.y) / kCell));
+    for (int step = i == 0 ? steps : 1; step <= steps; ++step) {
+      Vec3d p = start + (end - start) * (static_cast<double>(step) / steps);
       const auto ground = heights.under(p, [](const SurfaceHeights::Surface& s) { return !s.thing; });
       if (!ground) throw InputError(where, fmt::format("at [{:.1f}, {:.1f}] is no ground below", p.x, p.y));
       p.z = ground->height;

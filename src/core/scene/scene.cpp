@@ -6,9 +6,9 @@
 namespace scanmill {
 
 std::uint32_t Animation::at(double time) const {
-  const double turns = std::clamp(time, 0.0, until) / period;
+  const double periods = std::clamp(time, 0.0, until) / period;
   const auto count = static_cast<double>(meshes.size());
-  const double index = std::round((turns - std::floor(turns)) * count);
+  const double index = std::round((periods - std::floor(periods)) * count);
   return meshes[index < count ? static_cast<std::size_t>(index) : 0];
 }
 
@@ -43,12 +43,12 @@ std::uint64_t Scene::placedTriangles() const {
 }
 
 std::uint32_t Scene::things() const {
-  std::uint32_t last = 0;  // largest id so far; several instances may share an id
+  std::uint32_t largestId = 0;  // several instances may share an id
   for (const Instance& instance : instances) {
     const std::uint32_t objects = meshes[instance.mesh].objects;
-    if (objects > 0) last = std::max(last, instance.firstInstanceId + objects - 1);
+    if (objects > 0) largestId = std::max(largestId, instance.firstInstanceId + objects - 1);
   }
-  return last;
+  return largestId;
 }
 
 std::vector<std::uint64_t> Scene::copies() const {
@@ -66,20 +66,20 @@ Box Scene::bounds() const {
   for (const Mesh& mesh : meshes) meshBounds.push_back(mesh.bounds());
   Box box;
   for (const Instance& instance : instances) {
-    const Box& local = meshBounds[instance.mesh];
-    if (!local.empty()) box.add(boxAround(instance.worldFromMesh, local));
+    const Box& meshBox = meshBounds[instance.mesh];
+    if (!meshBox.empty()) box.add(boxAround(instance.worldFromMesh, meshBox));
   }
   return box;
 }
 
 Box boxAround(const Affine& transform, const Box& box) {
-  Box all;
+  Box bounds;
   for (const double z : {box.low.z, box.high.z}) {
     for (const double y : {box.low.y, box.high.y}) {
-      for (const double x : {box.low.x, box.high.x}) all.add(transform * Vec3d{x, y, z});
+      for (const double x : {box.low.x, box.high.x}) bounds.add(transform * Vec3d{x, y, z});
     }
   }
-  return all;
+  return bounds;
 }
 
 }  // namespace scanmill

@@ -73,6 +73,7 @@ struct Animation {
   double period = 1;  // s, time in which all meshes are shown once
   double until = 0;   // s, time at which the animation stops
 
+  // Returns the mesh shown at a time (s since the drive began; earlier times count as 0).
   std::uint32_t at(double time) const;
 };
 
@@ -116,8 +117,8 @@ struct UnreducedScene {
   Box bounds;  // m, in the world's frame at time 0
   bool moves = false;
   std::uint64_t placedTriangles = 0;
-  std::vector<std::uint64_t> copies;  // number of instances, by mesh
-  std::vector<std::string> absent;    // classes to be taken out that had no triangle in the scene
+  std::vector<std::uint64_t> copies = {};  // number of instances, by mesh
+  std::vector<std::string> absent = {};    // classes to be taken out that had no triangle in the scene
 };
 
 // Lanes of a scene's town: points on the road's surface, some metres apart (m, world frame).
@@ -168,12 +169,12 @@ Box boxAround(const Affine& transform, const Box& box);
 // Freezes every object in its pose and shape at a time (s since the drive began).
 void standStill(Scene& scene, double time);
 
-// Takes out of the scene what the items of `what` name, to get the same scans with and without it: the key `without` of
-// a pipeline's scene. A number takes out the thing with this instance id. A word takes out the objects with this name
-// and all their copies, the copy with this name (NAME#1), and the triangles of the class with this name. All other
-// things keep their ids, and all other hits stay the same to the last bit. Throws an InputError at the place of an item
-// that is neither a class of the scene's ontology nor in the scene.
-void takeOut(Scene& scene, const std::vector<Value>& what);
+// Takes objects and classes out of the scene, to get the same scans with and without them: the items of the key
+// `without` of a pipeline's scene. A number takes out the thing with this instance id. A word takes out the objects
+// with this name and all their copies, the copy with this name (NAME#1), and the triangles of the class with this name.
+// All other things keep their ids, and all other hits stay the same to the last bit. Throws an InputError at the place
+// of an item that is neither a class of the scene's ontology nor in the scene.
+void takeOut(Scene& scene, const std::vector<Value>& items);
 
 // Returns the scene with about the fraction `keep` of each mesh's triangles, as proxies such as collision meshes have
 // them. `keep` is above 0 and at most 1; 1 gives an unchanged scene. Edges are collapsed first where the shape changes

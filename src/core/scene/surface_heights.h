@@ -24,15 +24,15 @@ constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 constexpr double kBesideSeam = 1e-3;
 
 // Returns the ground under a point at the height `z` (m). `surfaces` are all surfaces above and below the point, the
-// highest first; `heightOf` returns the height of a surface, and `holds` is true for a surface that counts. The
+// highest first; `heightOf` returns the height of a surface, and `counts` is true for a surface that counts. The
 // result is the highest surface that counts and is at most kAboveGround higher than `z`; if all are higher, the lowest
 // that counts; null if no surface counts.
-template <class Surface, class HeightOf, class Holds>
+template <class Surface, class HeightOf, class Counts>
 const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const HeightOf& heightOf,
-                           const Holds& holds) {
+                           const Counts& counts) {
   const Surface* lowest = nullptr;
   for (const Surface& s : surfaces) {
-    if (!holds(s)) continue;
+    if (!counts(s)) continue;
     lowest = &s;
     if (heightOf(s) <= z + kAboveGround) break;
   }
@@ -63,15 +63,15 @@ class SurfaceHeights {
 
   // Returns all surfaces at a point (m, world frame) except vertical ones, the highest first.
   std::vector<Surface> at(double x, double y) const;
-  // Returns the result of groundUnder() among the surfaces that satisfy `holds` and are at most 60 degrees steep.
-  template <class Holds>
-  std::optional<Surface> under(const Vec3d& position, const Holds& holds) const {
-    for (const double beside : {0.0, kBesideSeam}) {
-      const std::vector<Surface> all = at(position.x + beside, position.y + beside);
-      const Surface* const found = groundUnder(
-          all, position.z, [](const Surface& s) { return s.height; },
-          [&](const Surface& s) { return s.slope <= kSteepestGround && holds(s); });
-      if (found != nullptr) return *found;
+  // Returns the result of groundUnder() among the surfaces that satisfy `condition` and are at most 60 degrees steep.
+  template <class Condition>
+  std::optional<Surface> under(const Vec3d& position, const Condition& condition) const {
+    for (const double offset : {0.0, kBesideSeam}) {
+      const std::vector<Surface> surfaces = at(position.x + offset, position.y + offset);
+      const Surface* const ground = groundUnder(
+          surfaces, position.z, [](const Surface& s) { return s.height; },
+          [&](const Surface& s) { return s.slope <= kSteepestGround && condition(s); });
+      if (ground != nullptr) return *ground;
     }
     return std::nullopt;
   }
@@ -83,20 +83,20 @@ class SurfaceHeights {
     double squareMetres() const { return sums_.empty() ? 0 : sums_.back(); }  // area as seen from above
     // Samples a point on the surfaces (m, world frame), uniformly by their area as seen from above, which must not be
     // 0. `u`: three random numbers from 0 to 1.
-    Vec3d place(const std::array<double, 3>& u) const;
+    Vec3d sample(const std::array<double, 3>& u) const;
 
    private:
     friend class SurfaceHeights;
     const Scene* scene_ = nullptr;
     std::vector<Facet> facets_;
-    std::vector<double> sums_;
+    std::vector<double> sums_;  // m^2, by facet: area of the facets up to this one, as seen from above
   };
   Area area(const std::vector<std::uint16_t>& classes) const;
 
  private:
   struct Hierarchy;
   const Scene& scene_;
-  std::size_t taken_ = 0;  // number of the scene's instances that update() has processed
+  std::size_t addedInstances_ = 0;  // number of the scene's instances that update() has processed
   std::unique_ptr<Hierarchy> hierarchy_;
 };
 
@@ -112,14 +112,15 @@ class SurfaceDistance {
   bool empty() const { return triangles_.empty(); }
 
  private:
+  // Returns the column and the row of the cell at or nearest to a point (m).
   std::array<std::size_t, 2> cellOf(double x, double y) const;
 
   std::vector<std::array<Vec3d, 3>> triangles_;    // corners (m, world frame); only x and y are used
   std::vector<std::vector<std::uint32_t>> cells_;  // indices of the triangles whose boxes overlap a cell, by cell
-  Vec3d low_;
-  double side_ = 1;  // m, edge of a cell, at least the reach
-  double reach_ = 0;
-  std::size_t across_ = 0, along_ = 0;
+  Vec3d low_;                                      // corner of the grid with the least x and y (m)
+  double edge_ = 1;                                // m, of a cell, at least the reach
+  double reach_ = 0;                               // m
+  std::size_t columns_ = 0, rows_ = 0;             // number of cells along x and y
 };
 
 }  // namespace scanmill

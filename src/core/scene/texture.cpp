@@ -19,9 +19,9 @@ namespace {
 std::shared_ptr<const Texture> textureOf(DecodedImage image, const std::string& name) {
   const std::size_t rowBytes = std::size_t{image.width} * 4;
   std::uint8_t* const pixels = image.rgba.data();
-  for (std::size_t top = 0, bottom = image.height; top + 1 < bottom; ++top) {
-    --bottom;
-    std::swap_ranges(pixels + top * rowBytes, pixels + (top + 1) * rowBytes, pixels + bottom * rowBytes);
+  for (std::size_t row = 0; row < image.height / 2; ++row) {
+    std::uint8_t* const mirrorRow = pixels + (image.height - 1 - row) * rowBytes;
+    std::swap_ranges(pixels + row * rowBytes, pixels + (row + 1) * rowBytes, mirrorRow);
   }
   auto texture = std::make_shared<Texture>();
   texture->file = name;
@@ -33,15 +33,16 @@ std::shared_ptr<const Texture> textureOf(DecodedImage image, const std::string& 
   return texture;
 }
 
-struct Cached {
-  std::filesystem::file_time_type time;
+// A texture that some scene may still use.
+struct CachedTexture {
+  std::filesystem::file_time_type time;  // when the file was last changed
   std::weak_ptr<const Texture> texture;
 };
 
 // Returns the index of the texel that contains `coordinate`, with repetition; 0 if the coordinate is not finite.
 std::uint32_t texelIndex(float coordinate, std::uint32_t size) {
-  const float part = coordinate - std::floor(coordinate);
-  return part > 0.0f ? std::min(static_cast<std::uint32_t>(part * static_cast<float>(size)), size - 1) : 0;
+  const float fraction = coordinate - std::floor(coordinate);
+  return fraction > 0.0f ? std::min(static_cast<std::uint32_t>(fraction * static_cast<float>(size)), size - 1) : 0;
 }
 
 }  // namespace
@@ -53,21 +54,21 @@ const std::uint8_t* Texture::texel(float u, float v) const {
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path) {
   recordFile(path);  // a cached texture belongs to the files of each scene that shows it
   static std::mutex mutex;
-  static std::map<std::string, Cached> cache;
+  static std::map<std::string, CachedTexture> cache;
   std::error_code error;
   const std::string key = std::filesystem::weakly_canonical(path, error).string();
   const auto time = std::filesystem::last_write_time(path, error);
-  const auto known = [&]() -> std::shared_ptr<const Texture> {
-    const auto found = cache.find(key);
-    return found != cache.end() && found->second.time == time ? found->second.texture.lock() : nullptr;
+  const auto cached = [&]() -> std::shared_ptr<const Texture> {
+    const auto entry = cache.find(key);
+    return entry != cache.end() && entry->second.time == time ? entry->second.texture.lock() : nullptr;
   };
   {
     const std::scoped_lock lock(mutex);
-    if (auto texture = known()) return texture;
+    if (auto texture = cached()) return texture;
   }
   auto texture = textureOf(readImage(path), path.string());
   const std::scoped_lock lock(mutex);
-  if (auto other = known()) return other;  // another thread has cached the texture meanwhile
+  if (auto cachedMeanwhile = cached()) return cachedMeanwhile;  // by another thread
   cache[key] = {time, texture};
   return texture;
 }
@@ -87,11 +88,11 @@ std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& 
     const float v = (static_cast<float>(row) + 0.5f) / static_cast<float>(texture->height);
     for (std::uint32_t column = 0; column < texture->width; ++column, out += 4) {
       const float u = (static_cast<float>(column) + 0.5f) / static_cast<float>(texture->width);
-      const std::uint8_t* map = opacity.texel(u, v);
-      const int value = opacity.hasAlpha ? map[3]
-                        : opacity.linear ? static_cast<int>(std::lround(255 * luminance(map)))
-                                         : (map[0] + map[1] + map[2] + 1) / 3;
-      out[3] = static_cast<std::uint8_t>(inverted ? 255 - value : value);
+      const std::uint8_t* mapTexel = opacity.texel(u, v);
+      const int alpha = opacity.hasAlpha ? mapTexel[3]
+                        : opacity.linear ? static_cast<int>(std::lround(255 * luminance(mapTexel)))
+                                         : (mapTexel[0] + mapTexel[1] + mapTexel[2] + 1) / 3;
+      out[3] = static_cast<std::uint8_t>(inverted ? 255 - alpha : alpha);
       if (color != nullptr) {
         std::copy_n(color->texel(u, v), 3, out);
       } else {

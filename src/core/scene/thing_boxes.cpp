@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -12,8 +13,10 @@ namespace scanmill {
 
 namespace {
 
-double turn(const Vec2d& o, const Vec2d& a, const Vec2d& b) {
-  return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
+// Returns a positive number if the path from `start` over `middle` to `end` turns left, a negative one if it turns
+// right.
+double turnDirection(const Vec2d& start, const Vec2d& middle, const Vec2d& end) {
+  return (middle.x - start.x) * (end.y - start.y) - (middle.y - start.y) * (end.x - start.x);
 }
 
 // Returns the convex hull, counter-clockwise: Andrew, "Another efficient algorithm for convex hulls in two dimensions",
@@ -21,21 +24,22 @@ double turn(const Vec2d& o, const Vec2d& a, const Vec2d& b) {
 std::vector<Vec2d> hullOf(std::vector<Vec2d> points) {
   std::ranges::sort(points, {}, [](const Vec2d& p) { return std::pair(p.x, p.y); });
   std::vector<Vec2d> hull;
-  const auto half = [&](auto from, auto to) {
-    const std::size_t first = hull.size();
-    for (; from != to; ++from) {
-      while (hull.size() >= first + 2 && turn(hull[hull.size() - 2], hull.back(), *from) <= 0) hull.pop_back();
-      hull.push_back(*from);
+  // Appends the lower or the upper half of the hull, without its last point, which is the first one of the other half.
+  const auto appendHalf = [&](const auto& sorted) {
+    const std::size_t start = hull.size();
+    for (const Vec2d& point : sorted) {
+      while (hull.size() >= start + 2 && turnDirection(hull[hull.size() - 2], hull.back(), point) <= 0) hull.pop_back();
+      hull.push_back(point);
     }
     hull.pop_back();
   };
-  half(points.begin(), points.end());
-  half(points.rbegin(), points.rend());
+  appendHalf(points);
+  appendHalf(std::views::reverse(points));
   return hull;
 }
 
 // Returns the rotation of a placed mesh without its scale: x keeps its direction, z is made perpendicular to x.
-Quat axesOf(const Mat3& linear) {
+Quat rotationOf(const Mat3& linear) {
   const Vec3d x = normalized(linear.x);
   const Vec3d z = normalized(linear.z - x * dot(linear.z, x));
   return fromMatrix({x, cross(z, x), z});
@@ -44,49 +48,50 @@ Quat axesOf(const Mat3& linear) {
 // The triangles of a mesh by object, so that a mesh of thousands of objects is not searched once for each object.
 class ObjectTriangles {
  public:
-  explicit ObjectTriangles(const Mesh& mesh) : mesh_(mesh), firstOf_(mesh.objects + std::size_t{2}) {
+  explicit ObjectTriangles(const Mesh& mesh) : mesh_(mesh), firstByObject_(mesh.objects + std::size_t{2}) {
     const auto objectOf = [&](std::size_t t) { return mesh.surfaces[mesh.surfaceOf[t]].object; };
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++firstOf_[objectOf(t) + std::size_t{1}];
-    for (std::size_t i = 1; i < firstOf_.size(); ++i) firstOf_[i] += firstOf_[i - 1];
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++firstByObject_[objectOf(t) + std::size_t{1}];
+    for (std::size_t i = 1; i < firstByObject_.size(); ++i) firstByObject_[i] += firstByObject_[i - 1];
     triangles_.resize(mesh.triangles.size());
-    std::vector<std::uint32_t> next(firstOf_.begin(), firstOf_.end() - 1);
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) triangles_[next[objectOf(t)]++] = t;
+    std::vector<std::uint32_t> nextIndex(firstByObject_.begin(), firstByObject_.end() - 1);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) triangles_[nextIndex[objectOf(t)]++] = t;
   }
 
+  // Calls visit(position) for each corner of each triangle of an object, in the mesh's frame (m).
   template <class Visit>
-  void forCorners(std::uint32_t object, const Visit& visit) const {
-    for (std::uint32_t i = firstOf_[object]; i < firstOf_[object + std::size_t{1}]; ++i) {
+  void forEachCorner(std::uint32_t object, const Visit& visit) const {
+    for (std::uint32_t i = firstByObject_[object]; i < firstByObject_[object + std::size_t{1}]; ++i) {
       for (const std::uint32_t corner : mesh_.triangles[triangles_[i]]) visit(Vec3d(mesh_.positions[corner]));
     }
   }
 
  private:
   const Mesh& mesh_;
-  std::vector<std::uint32_t> firstOf_;    // first index into triangles_, by object (0: stuff); last entry: size of
-                                          // triangles_
-  std::vector<std::uint32_t> triangles_;  // indices of triangles, ordered by their objects
+  std::vector<std::uint32_t> firstByObject_;  // first index into triangles_, by object (0: stuff); last entry: size of
+                                              // triangles_
+  std::vector<std::uint32_t> triangles_;      // indices of triangles, ordered by their objects
 };
 
-// The number of triangles of one object of a mesh, in total and by class, and the nodes that contain the object.
-struct Share {
-  std::uint64_t triangles = 0;
-  std::map<std::uint16_t, std::uint64_t> ofClass;
-  std::set<std::string> nodes;
+struct ObjectFacts {
+  std::uint64_t triangles = 0;  // number of the object's triangles
+  std::map<std::uint16_t, std::uint64_t> trianglesByClass;
+  std::set<std::string> nodes;  // names of the nodes that contain the object
 };
 
-std::vector<Share> sharesOf(const Mesh& mesh) {
-  std::vector<Share> shares(mesh.objects);
-  for (const std::uint16_t number : mesh.surfaceOf) {
-    const Surface& surface = mesh.surfaces[number];
+// Returns the facts of the objects of a mesh: object n has the index n - 1.
+std::vector<ObjectFacts> objectFactsOf(const Mesh& mesh) {
+  std::vector<ObjectFacts> facts(mesh.objects);
+  for (const std::uint16_t surfaceIndex : mesh.surfaceOf) {
+    const Surface& surface = mesh.surfaces[surfaceIndex];
     if (surface.object == 0) continue;
-    Share& share = shares[surface.object - 1];
-    ++share.triangles;
-    ++share.ofClass[surface.semantic];
+    ObjectFacts& object = facts[surface.object - 1];
+    ++object.triangles;
+    ++object.trianglesByClass[surface.semantic];
   }
   for (const Surface& surface : mesh.surfaces) {
-    if (surface.object != 0) shares[surface.object - 1].nodes.insert(surface.node);
+    if (surface.object != 0) facts[surface.object - 1].nodes.insert(surface.node);
   }
-  return shares;
+  return facts;
 }
 
 }  // namespace
@@ -94,43 +99,44 @@ std::vector<Share> sharesOf(const Mesh& mesh) {
 double longSideOf(std::vector<Vec2d> points) {
   if (points.empty()) return 0;
   const std::vector<Vec2d> hull = hullOf(std::move(points));
-  double best = std::numeric_limits<double>::infinity();
-  double heading = 0;
+  constexpr double kTie = 1e-9;  // among rectangles of nearly equal areas, the first counts, whatever the rounding
+  double leastArea = std::numeric_limits<double>::infinity();
+  double direction = 0;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Vec2d& a = hull[i];
     const Vec2d& b = hull[(i + 1) % hull.size()];
-    const double side = std::hypot(b.x - a.x, b.y - a.y);
-    if (!(side > 0)) continue;
-    const Vec2d along{(b.x - a.x) / side, (b.y - a.y) / side};
-    double low = 0, high = 0, deep = 0;
+    const double sideLength = std::hypot(b.x - a.x, b.y - a.y);
+    if (!(sideLength > 0)) continue;
+    const Vec2d along{(b.x - a.x) / sideLength, (b.y - a.y) / sideLength};
+    double low = 0, high = 0, depth = 0;
     for (const Vec2d& p : hull) {
-      const double x = (p.x - a.x) * along.x + (p.y - a.y) * along.y;
-      low = std::min(low, x);
-      high = std::max(high, x);
-      deep = std::max(deep, (p.y - a.y) * along.x - (p.x - a.x) * along.y);
+      const double offset = (p.x - a.x) * along.x + (p.y - a.y) * along.y;
+      low = std::min(low, offset);
+      high = std::max(high, offset);
+      depth = std::max(depth, (p.y - a.y) * along.x - (p.x - a.x) * along.y);
     }
-    const double area = (high - low) * deep;
-    if (area >= best * (1 - 1e-9)) continue;
-    best = area;
-    heading = std::atan2(along.y, along.x) + (high - low < deep ? kPi / 2 : 0);
+    const double area = (high - low) * depth;
+    if (area >= leastArea * (1 - kTie)) continue;
+    leastArea = area;
+    direction = std::atan2(along.y, along.x) + (high - low < depth ? kPi / 2 : 0);
   }
-  return heading;
+  return direction;
 }
 
 std::vector<Vec3d> OrientedBox::corners() const {
-  std::vector<Vec3d> all;
+  std::vector<Vec3d> corners;
   for (const double x : {-0.5, 0.5}) {
     for (const double y : {-0.5, 0.5}) {
-      for (const double z : {-0.5, 0.5}) all.push_back(worldFromBox * Vec3d{x * size.x, y * size.y, z * size.z});
+      for (const double z : {-0.5, 0.5}) corners.push_back(worldFromBox * Vec3d{x * size.x, y * size.y, z * size.z});
     }
   }
-  return all;
+  return corners;
 }
 
 class ThingBoxes::Builder {
  public:
   explicit Builder(const Scene& scene) : scene_(scene) {
-    for (const Mesh& mesh : scene.meshes) shares_.push_back(sharesOf(mesh));
+    for (const Mesh& mesh : scene.meshes) objectFacts_.push_back(objectFactsOf(mesh));
   }
 
   // Returns the parts of each thing by its id, the part with the most triangles first.
@@ -138,32 +144,33 @@ class ThingBoxes::Builder {
     std::map<std::uint32_t, std::vector<Part>> partsOf;
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const Instance& instance = scene_.instances[i];
-      for (std::uint32_t object = 1; object <= shares_[instance.mesh].size(); ++object) {
-        if (shares_[instance.mesh][object - 1].triangles == 0) continue;
+      for (std::uint32_t object = 1; object <= objectFacts_[instance.mesh].size(); ++object) {
+        if (objectFacts_[instance.mesh][object - 1].triangles == 0) continue;
         partsOf[instanceId(instance.firstInstanceId, object)].push_back({i, object});
       }
     }
     for (auto& [id, parts] : partsOf) {
-      std::ranges::stable_sort(parts, std::greater{}, [&](const Part& part) { return shareOf(part).triangles; });
+      std::ranges::stable_sort(parts, std::greater{}, [&](const Part& part) { return factsOf(part).triangles; });
     }
     return partsOf;
   }
 
+  // Describes a thing. `parts` are those of partsOfThings().
   Thing thingOf(std::uint32_t id, const std::vector<Part>& parts) const {
     const Instance& main = instanceOf(parts.front());
     Thing thing;
     thing.id = id;
     thing.name = main.name;
     thing.headingKnown = main.facing.has_value() || scene_.meshes[main.mesh].objects == 1;
-    std::map<std::uint16_t, std::uint64_t> ofClass;
+    std::map<std::uint16_t, std::uint64_t> trianglesByClass;
     std::set<std::string> nodes;
     for (const Part& part : parts) {
       thing.moves = thing.moves || instanceOf(part).everMoves();
-      for (const auto& [semantic, count] : shareOf(part).ofClass) ofClass[semantic] += count;
-      nodes.insert(shareOf(part).nodes.begin(), shareOf(part).nodes.end());
+      for (const auto& [semantic, count] : factsOf(part).trianglesByClass) trianglesByClass[semantic] += count;
+      nodes.insert(factsOf(part).nodes.begin(), factsOf(part).nodes.end());
     }
     thing.semantic =
-        std::ranges::max_element(ofClass, [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+        std::ranges::max_element(trianglesByClass, {}, [](const auto& entry) { return entry.second; })->first;
     thing.parts.assign(nodes.begin(), nodes.end());
     return thing;
   }
@@ -171,45 +178,45 @@ class ThingBoxes::Builder {
   // Returns the thing's pose at time 0: the axes of its first part, turned to its heading (see Thing::headingKnown).
   Pose worldFromThing(const Thing& thing, const std::vector<Part>& parts) {
     const Instance& main = instanceOf(parts.front());
-    Pose pose{axesOf(main.worldFromMesh.linear), main.worldFromMesh.translation};
+    Pose pose{rotationOf(main.worldFromMesh.linear), main.worldFromMesh.translation};
     if (main.facing) {
       pose.rotation = pose.rotation * fromYawPitchRoll(*main.facing, 0, 0);
     } else if (!thing.headingKnown) {
-      std::vector<Vec2d> ground;
+      std::vector<Vec2d> footprint;
       const Pose partFromWorld = inverse(pose);
       for (const Part& part : parts) {
         const Instance& instance = instanceOf(part);
-        trianglesOf(instance.mesh).forCorners(part.object, [&](const Vec3d& corner) {
+        trianglesOf(instance.mesh).forEachCorner(part.object, [&](const Vec3d& corner) {
           const Vec3d p = partFromWorld * (instance.worldFromMesh * corner);
-          ground.push_back({p.x, p.y});
+          footprint.push_back({p.x, p.y});
         });
       }
-      pose.rotation = pose.rotation * fromYawPitchRoll(longSideOf(std::move(ground)), 0, 0);
+      pose.rotation = pose.rotation * fromYawPitchRoll(longSideOf(std::move(footprint)), 0, 0);
     }
     return pose;
   }
 
-  // Sets Part::ofShape.
-  void addShapes(const Pose& worldFromThing, Part& part) {
+  // Sets Part::boxes.
+  void addBoxes(const Pose& worldFromThing, Part& part) {
     const Instance& instance = instanceOf(part);
     // This transform is the same at all times if the part moves like the first part; else at() moves the box.
     const Affine thingFromMesh = toAffine(inverse(worldFromThing)) * instance.worldFromMesh;
-    const std::vector<std::uint32_t> still{instance.mesh};
-    for (const std::uint32_t mesh : instance.animation == nullptr ? still : instance.animation->meshes) {
-      Box& box = part.ofShape.emplace_back();
-      trianglesOf(mesh).forCorners(part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
+    const std::vector<std::uint32_t> onlyMesh{instance.mesh};
+    for (const std::uint32_t mesh : instance.animation == nullptr ? onlyMesh : instance.animation->meshes) {
+      Box& box = part.boxes.emplace_back();
+      trianglesOf(mesh).forEachCorner(part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
     }
   }
 
  private:
   const Instance& instanceOf(const Part& part) const { return scene_.instances[part.instance]; }
-  const Share& shareOf(const Part& part) const { return shares_[instanceOf(part).mesh][part.object - 1]; }
+  const ObjectFacts& factsOf(const Part& part) const { return objectFacts_[instanceOf(part).mesh][part.object - 1]; }
   const ObjectTriangles& trianglesOf(std::uint32_t mesh) {
     return triangles_.try_emplace(mesh, scene_.meshes[mesh]).first->second;
   }
 
   const Scene& scene_;
-  std::vector<std::vector<Share>> shares_;              // by mesh and object
+  std::vector<std::vector<ObjectFacts>> objectFacts_;   // by mesh and object
   std::map<std::uint32_t, ObjectTriangles> triangles_;  // by mesh
 };
 
@@ -218,7 +225,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
   for (auto& [id, parts] : builder.partsOfThings()) {
     things_.push_back(builder.thingOf(id, parts));
     const Pose worldFromThing = builder.worldFromThing(things_.back(), parts);
-    for (Part& part : parts) builder.addShapes(worldFromThing, part);
+    for (Part& part : parts) builder.addBoxes(worldFromThing, part);
     placed_.push_back({worldFromThing, std::move(parts)});
   }
 }
@@ -236,22 +243,22 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
   Box box;
   for (const Part& part : placed.parts) {
     const Instance& instance = scene_.instances[part.instance];
-    std::size_t shape = 0;
+    std::size_t boxIndex = 0;
     if (instance.animation != nullptr) {
       const auto& meshes = instance.animation->meshes;
-      shape = static_cast<std::size_t>(std::ranges::find(meshes, instance.meshAt(time)) - meshes.begin());
+      boxIndex = static_cast<std::size_t>(std::ranges::find(meshes, instance.meshAt(time)) - meshes.begin());
     }
-    const Box& own = part.ofShape[shape];
-    if (own.empty()) continue;
+    const Box& partBox = part.boxes[boxIndex];
+    if (partBox.empty()) continue;
     if (instance.movement == main.movement) {
-      box.add(own);
+      box.add(partBox);
       continue;
     }
     // This part moves differently from the first part, so the corners of its moved box are added.
     const Pose thingFromStart = inverse(worldFromThing) * motion(instance, time) * placed.worldFromThing;
-    for (const double x : {own.low.x, own.high.x}) {
-      for (const double y : {own.low.y, own.high.y}) {
-        for (const double z : {own.low.z, own.high.z}) box.add(thingFromStart * Vec3d{x, y, z});
+    for (const double x : {partBox.low.x, partBox.high.x}) {
+      for (const double y : {partBox.low.y, partBox.high.y}) {
+        for (const double z : {partBox.low.z, partBox.high.z}) box.add(thingFromStart * Vec3d{x, y, z});
       }
     }
   }
@@ -263,9 +270,9 @@ Vec3d ThingBoxes::velocity(std::size_t thing, double time) const {
   const Placed& placed = placed_[thing];
   const Instance& main = scene_.instances[placed.parts.front().instance];
   if (main.movement == nullptr) return {};
-  const auto positionAt = [&](double when) { return (motion(main, when) * placed.worldFromThing).translation; };
-  const double from = std::max(time - kStep, 0.0);
-  return (positionAt(time + kStep) - positionAt(from)) * (1 / (time + kStep - from));
+  const auto positionAt = [&](double atTime) { return (motion(main, atTime) * placed.worldFromThing).translation; };
+  const double start = std::max(time - kStep, 0.0);
+  return (positionAt(time + kStep) - positionAt(start)) * (1 / (time + kStep - start));
 }
 
 }  // namespace scanmill

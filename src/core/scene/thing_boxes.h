@@ -55,9 +55,9 @@ class ThingBoxes {
  private:
   // A part of a thing: one object of one instance.
   struct Part {
-    std::uint32_t instance = 0;
+    std::uint32_t instance = 0;  // index in Scene::instances
     std::uint32_t object = 0;    // see Surface::object
-    std::vector<Box> ofShape{};  // m, in the thing's frame at time 0; one per mesh of an animation, else one
+    std::vector<Box> boxes{};    // m, in the thing's frame at time 0; one per mesh of an animation, else one
   };
   struct Placed {
     Pose worldFromThing;      // pose at time 0
@@ -70,7 +70,7 @@ class ThingBoxes {
 
   const Scene& scene_;
   std::vector<Thing> things_;
-  std::vector<Placed> placed_;
+  std::vector<Placed> placed_;  // by index in things_
 };
 
 }  // namespace scanmill

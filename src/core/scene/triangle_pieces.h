@@ -31,12 +31,12 @@ class TrianglePiece {
 
   // Returns the smallest and the largest coordinate along an axis.
   std::array<double, 2> extent(std::size_t axis) const {
-    std::array<double, 2> reach{INFINITY, -INFINITY};
+    double least = INFINITY, greatest = -INFINITY;
     for (std::size_t i = 0; i < count_; ++i) {
-      reach[0] = std::min(reach[0], corners_[i][axis]);
-      reach[1] = std::max(reach[1], corners_[i][axis]);
+      least = std::min(least, corners_[i][axis]);
+      greatest = std::max(greatest, corners_[i][axis]);
     }
-    return reach;
+    return {least, greatest};
   }
 
   double area() const {
@@ -53,14 +53,14 @@ class TrianglePiece {
   void split(std::size_t axis, double plane, TrianglePiece& below, TrianglePiece& above) const {
     below.count_ = above.count_ = 0;
     for (std::size_t i = 0; i < count_; ++i) {
-      const Corner& from = corners_[i];
-      const Corner& to = corners_[i + 1 < count_ ? i + 1 : 0];
-      const bool fromBelow = from[axis] < plane;
-      (fromBelow ? below : above).add(from);
-      if (fromBelow == (to[axis] < plane)) continue;
-      const double part = (plane - from[axis]) / (to[axis] - from[axis]);
+      const Corner& start = corners_[i];
+      const Corner& end = corners_[i + 1 < count_ ? i + 1 : 0];
+      const bool startsBelow = start[axis] < plane;
+      (startsBelow ? below : above).add(start);
+      if (startsBelow == (end[axis] < plane)) continue;
+      const double fraction = (plane - start[axis]) / (end[axis] - start[axis]);
       Corner cut;
-      for (std::size_t k = 0; k < 3; ++k) cut[k] = from[k] + (to[k] - from[k]) * part;
+      for (std::size_t k = 0; k < 3; ++k) cut[k] = start[k] + (end[k] - start[k]) * fraction;
       cut[axis] = plane;
       below.add(cut);
       above.add(cut);
@@ -92,27 +92,27 @@ void cutPiece(const TrianglePiece& piece, const VoxelRange& range, std::array<st
     const double area = piece.area();
     if (area > 0) visit(voxel, area);
   } else {
-    const auto [least, most] = piece.extent(Axis);
+    const auto [least, greatest] = piece.extent(Axis);
     const auto low = static_cast<double>(range.low[Axis]);
     const auto high = static_cast<double>(range.high[Axis]);
-    if (!(most >= low) || !(least < high)) return;
+    if (!(greatest >= low) || !(least < high)) return;
     const auto first = static_cast<std::int64_t>(std::floor(std::max(least, low)));
-    const auto last = static_cast<std::int64_t>(std::floor(std::min(most, high)));
+    const auto last = static_cast<std::int64_t>(std::floor(std::min(greatest, high)));
     voxel[Axis] = first;
     if (first == last && least >= low) return cutPiece<Axis + 1>(piece, range, voxel, visit);
-    TrianglePiece rest = piece;
+    TrianglePiece remaining = piece;
     TrianglePiece below;
     TrianglePiece above;
     if (least < low) {
       piece.split(Axis, low, below, above);
-      rest = above;
+      remaining = above;
     }
-    for (std::int64_t at = first; at < range.high[Axis] && !rest.empty(); ++at) {
-      voxel[Axis] = at;
-      if (at == last) return cutPiece<Axis + 1>(rest, range, voxel, visit);
-      rest.split(Axis, static_cast<double>(at + 1), below, above);
+    for (std::int64_t index = first; index < range.high[Axis] && !remaining.empty(); ++index) {
+      voxel[Axis] = index;
+      if (index == last) return cutPiece<Axis + 1>(remaining, range, voxel, visit);
+      remaining.split(Axis, static_cast<double>(index + 1), below, above);
       if (!below.empty()) cutPiece<Axis + 1>(below, range, voxel, visit);
-      std::swap(rest, above);
+      std::swap(remaining, above);
     }
   }
 }

@@ -37,20 +37,20 @@ inline std::array<Vec3d, 3> cornersOf(const Instance& instance, const Mesh& mesh
   return {corner(a), corner(b), corner(c)};
 }
 
-// Calls use(instance, triangle, corners) for each triangle of the classes: with the index of its instance, its index in
-// the mesh, and its corners in the world's frame (m). Skips moving instances, and instances with an index of `before`
-// or more.
-template <class Use>
-void forEachTriangleOf(const Scene& scene, const std::vector<std::uint16_t>& classes, std::size_t before,
-                       const Use& use) {
-  for (std::uint32_t i = 0; i < before; ++i) {
+// Calls visit(instance, triangle, corners) for each triangle of the classes in the first `instanceCount` instances:
+// with the index of its instance, its index in the mesh, and its corners in the world's frame (m). Skips moving
+// instances.
+template <class Visit>
+void forEachTriangleOf(const Scene& scene, const std::vector<std::uint16_t>& classes, std::size_t instanceCount,
+                       const Visit& visit) {
+  for (std::uint32_t i = 0; i < instanceCount; ++i) {
     const Instance& instance = scene.instances[i];
     if (instance.moves()) continue;
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
       if (std::ranges::find(classes, semantic) == classes.end()) continue;
-      use(i, t, cornersOf(instance, mesh, t));
+      visit(i, t, cornersOf(instance, mesh, t));
     }
   }
 }

@@ -41,7 +41,7 @@ struct VoxelGrid {
   // finite.
   std::optional<std::size_t> at(const Vec3d& position) const {
     const Vec3d p = inVoxels(position);
-    const auto inside = [](double along, std::uint32_t count) { return along >= 0 && along < count; };
+    const auto inside = [](double coordinate, std::uint32_t count) { return coordinate >= 0 && coordinate < count; };
     if (!inside(p.x, counts[0]) || !inside(p.y, counts[1]) || !inside(p.z, counts[2])) return std::nullopt;
     return index(static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y), static_cast<std::uint32_t>(p.z));
   }

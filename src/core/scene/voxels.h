@@ -39,15 +39,18 @@ class SceneVoxels {
 
  private:
   struct PlacedBlock;
-  struct Near;
+  struct Candidates;
 
-  Near nearOf(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
+  // Returns what may be in a grid at a time (s since the drive began).
+  Candidates candidatesFor(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
+  static void labelLayers(const VoxelGrid& grid, const Candidates& candidates, std::uint32_t firstX,
+                          std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled);
   std::vector<std::uint16_t> classesOf(const Instance& instance, const Mesh& mesh) const;
 
   const Scene& scene_;
   std::vector<std::vector<Box>> blocks_;                  // boxes of kBlock consecutive triangles, by mesh
   std::vector<Box> bounds_;                               // box of all triangles, by mesh
-  std::unordered_set<std::uint32_t> moving_;              // instance ids of objects that move at some time
+  std::unordered_set<std::uint32_t> movingIds_;           // instance ids of objects that move at some time
   std::map<std::uint16_t, std::uint16_t> movingClasses_;  // class of objects at rest -> class of moving objects
 };
 

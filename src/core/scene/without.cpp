@@ -16,11 +16,11 @@
 namespace scanmill {
 namespace {
 
-// Drops the triangles of a mesh whose surface satisfies `goes`.
-void drop(Mesh& mesh, const std::function<bool(const Surface&)>& goes) {
-  std::vector<bool> leaves(mesh.surfaces.size());
-  for (std::size_t s = 0; s < leaves.size(); ++s) leaves[s] = goes(mesh.surfaces[s]);
-  keepTriangles(mesh, [&](std::size_t t) { return !leaves[mesh.surfaceOf[t]]; });
+// Drops the triangles of a mesh whose surface satisfies the condition.
+void dropTriangles(Mesh& mesh, const std::function<bool(const Surface&)>& condition) {
+  std::vector<bool> isDropped;  // by surface
+  for (const Surface& surface : mesh.surfaces) isDropped.push_back(condition(surface));
+  keepTriangles(mesh, [&](std::size_t t) { return !isDropped[mesh.surfaceOf[t]]; });
 }
 
 bool hasObject(const Mesh& mesh, std::uint32_t object) {
@@ -28,12 +28,13 @@ bool hasObject(const Mesh& mesh, std::uint32_t object) {
 }
 
 // Takes a thing out of the scene; returns false if the scene does not have it. Every instance with a part of the thing
-// gets a copy of its mesh without that part, since other instances may share the mesh.
+// gets a copy of its mesh without that part, since other instances may share the mesh. UnreducedScene::copies gets an
+// entry for each of these meshes.
 bool takeOutThing(Scene& scene, std::uint32_t id, UnreducedScene& unreduced) {
-  bool found = false;
+  bool hasThing = false;
   const auto meshWithout = [&](std::uint32_t mesh, std::uint32_t object) {
     Mesh reduced = scene.meshes[mesh];
-    drop(reduced, [&](const Surface& surface) { return surface.object == object; });
+    dropTriangles(reduced, [&](const Surface& surface) { return surface.object == object; });
     scene.meshes.push_back(std::move(reduced));
     unreduced.copies.push_back(unreduced.copies[mesh]);
     return static_cast<std::uint32_t>(scene.meshes.size() - 1);
@@ -45,17 +46,17 @@ bool takeOutThing(Scene& scene, std::uint32_t id, UnreducedScene& unreduced) {
     if (instance.animation != nullptr) {
       auto reduced = std::make_shared<Animation>(*instance.animation);
       for (std::uint32_t& mesh : reduced->meshes) {
-        found = found || hasObject(scene.meshes[mesh], object);
+        hasThing = hasThing || hasObject(scene.meshes[mesh], object);
         mesh = meshWithout(mesh, object);
       }
       instance.mesh = reduced->meshes.front();
       instance.animation = std::move(reduced);
     } else if (hasObject(scene.meshes[instance.mesh], object)) {
-      found = true;
+      hasThing = true;
       instance.mesh = meshWithout(instance.mesh, object);
     }
   }
-  return found;
+  return hasThing;
 }
 
 bool isEmpty(const Scene& scene, const Instance& instance) {
@@ -75,6 +76,7 @@ bool belongsTo(const Instance& instance, const std::string& name) {
          suffix.find_first_not_of("0123456789", blank + 1) == std::string_view::npos;
 }
 
+// Takes an object with all its copies, or a copy, out of the scene; returns false if the scene does not have it.
 bool takeOutNamed(Scene& scene, const std::string& name) {
   return std::erase_if(scene.instances, [&](const Instance& i) { return belongsTo(i, name); }) > 0;
 }
@@ -86,13 +88,14 @@ std::optional<std::uint32_t> idOf(const Value& item) {
   return static_cast<std::uint32_t>(std::stoul(item.text));
 }
 
+// Throws the error for a name that is not in the scene, with a suggestion.
 [[noreturn]] void refuse(const Scene& scene, const Value& item) {
   std::set<std::string> names;  // of objects, without the number of their copies, and of classes
   for (const Instance& instance : scene.instances) names.insert(instance.name.substr(0, instance.name.find('#')));
   for (const SemanticClass& c : scene.ontology.classes) names.insert(c.name);
-  const std::string near = nearest(item.text, {names.begin(), names.end()});
-  const std::string hint = near.empty() ? "; names and ids stand in the objects of samples (output.objects)"
-                                        : fmt::format(" (did you mean '{}'?)", near);
+  const std::string nearestName = nearest(item.text, {names.begin(), names.end()});
+  const std::string hint = nearestName.empty() ? "; names and ids stand in the objects of samples (output.objects)"
+                                               : fmt::format(" (did you mean '{}'?)", nearestName);
   throw InputError(item.where,
                    fmt::format("without: {} is neither a class of the ontology '{}' nor the name of an object "
                                "of the scene '{}'{}",
@@ -101,33 +104,36 @@ std::optional<std::uint32_t> idOf(const Value& item) {
 
 }  // namespace
 
-void takeOut(Scene& scene, const std::vector<Value>& what) {
-  if (what.empty()) return;
+void takeOut(Scene& scene, const std::vector<Value>& items) {
+  if (items.empty()) return;
   auto unreduced = std::make_shared<UnreducedScene>();
   if (scene.unreduced != nullptr) {
     *unreduced = *scene.unreduced;
   } else {
-    *unreduced = {scene.bounds(), scene.moves(), scene.placedTriangles(), scene.copies(), {}};
+    *unreduced = {.bounds = scene.bounds(),
+                  .moves = scene.moves(),
+                  .placedTriangles = scene.placedTriangles(),
+                  .copies = scene.copies()};
   }
-  for (const Value& item : what) {
+  for (const Value& item : items) {
     if (const std::optional<std::uint32_t> id = idOf(item)) {
       if (takeOutThing(scene, *id, *unreduced)) continue;
       throw InputError(item.where,
                        fmt::format("without: no thing of the scene '{}' with the seed {} has the instance id {}",
                                    scene.name, scene.seed, item.text));
     }
-    std::size_t dropped = 0;
+    std::size_t droppedTriangles = 0;
     const SemanticClass* semantic = scene.ontology.find(item.text);
     if (semantic != nullptr) {
       for (Mesh& mesh : scene.meshes) {
-        const std::size_t before = mesh.triangles.size();
-        drop(mesh, [&](const Surface& surface) { return surface.semantic == semantic->id; });
-        dropped += before - mesh.triangles.size();
+        const std::size_t triangleCount = mesh.triangles.size();
+        dropTriangles(mesh, [&](const Surface& surface) { return surface.semantic == semantic->id; });
+        droppedTriangles += triangleCount - mesh.triangles.size();
       }
     }
-    const bool named = takeOutNamed(scene, item.text);
-    if (semantic == nullptr && !named) refuse(scene, item);
-    if (!named && dropped == 0) unreduced->absent.push_back(item.text);
+    const bool hasNamed = takeOutNamed(scene, item.text);
+    if (semantic == nullptr && !hasNamed) refuse(scene, item);
+    if (!hasNamed && droppedTriangles == 0) unreduced->absent.push_back(item.text);
   }
   std::erase_if(scene.instances, [&](const Instance& instance) { return isEmpty(scene, instance); });
   scene.unreduced = std::move(unreduced);

@@ -15,20 +15,22 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint64_t kTries = 30;       // tries per copy, if `count` is given without `distance_from`
-constexpr std::uint64_t kMisses = 30'000;  // rejected places in a row after which the search for a `count` ends
-constexpr double kOverhead = 0.05;         // m; a surface is covered if another surface lies more than this above it
-constexpr double kSame = 1e-3;             // m; surfaces whose heights differ by less are the same surface
+// Limits of the search for places, chosen by eye.
+constexpr std::uint64_t kTriesPerCopy = 30;         // if `count` is given without `distance_from`
+constexpr std::uint64_t kMostMissesInRow = 30'000;  // the search for a `count` ends after so many rejected places
+constexpr double kCoverHeight = 0.05;  // m; a surface is covered if another surface lies more than this above it
+constexpr double kSameHeight = 1e-3;   // m; surfaces whose heights differ by less are the same surface
 
 // Purposes of the random numbers of an object's copy. The values are part of their addresses and never change.
 enum class Draw : std::uint32_t { Place = 0, Pose = 1, Direction = 2, Variant = 3 };
 
 // Returns the random numbers of an object's n-th try (Draw::Place) or n-th copy.
-RandomBlock draw(std::uint64_t seed, std::uint32_t object, std::uint64_t n, Draw what) {
-  return randomBlock({seed, object, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(what),
+RandomBlock draw(std::uint64_t seed, std::uint32_t object, std::uint64_t n, Draw purpose) {
+  return randomBlock({seed, object, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(purpose),
                       static_cast<std::uint32_t>(n >> 32), 0, Purpose::Placement});
 }
 
+// Throws InputError if a scene may not have this number of copies.
 void refuseTooMany(double count, const Location& where) {
   if (count > static_cast<double>(Placement::mostCopies())) {
     throw InputError(where, fmt::format("{:.4g} copies are too many: {}", count, Placement::mostCopiesText()));
@@ -42,75 +44,79 @@ std::vector<std::uint16_t> readClasses(Fields& f, const char* key, const Ontolog
   return ids;
 }
 
-// Accepts a place if its horizontal distance from every place accepted before is at least `spacing` (m).
+// Accepts positions that keep a least horizontal distance `spacing` (m) from each other; 0: accepts all positions.
 class Spaced {
  public:
   explicit Spaced(double spacing) : spacing_(spacing) {}
-  bool take(const Vec3d& p) {
+
+  // Returns true, and remembers the position, if it is at least `spacing` from every position accepted before.
+  bool accept(const Vec3d& position) {
     if (spacing_ <= 0) return true;
-    const auto cell = [&](double d) { return static_cast<std::int64_t>(std::floor(d / spacing_)); };
-    for (std::int64_t i = cell(p.x) - 1; i <= cell(p.x) + 1; ++i) {
-      for (std::int64_t j = cell(p.y) - 1; j <= cell(p.y) + 1; ++j) {
-        const auto cellOf = places_.find({i, j});
-        if (cellOf == places_.end()) continue;
-        for (const Vec3d& other : cellOf->second) {
-          if (std::hypot(p.x - other.x, p.y - other.y) < spacing_) return false;
+    const auto column = static_cast<std::int64_t>(std::floor(position.x / spacing_));
+    const auto row = static_cast<std::int64_t>(std::floor(position.y / spacing_));
+    for (std::int64_t i = column - 1; i <= column + 1; ++i) {
+      for (std::int64_t j = row - 1; j <= row + 1; ++j) {
+        const auto cell = acceptedByCell_.find({i, j});
+        if (cell == acceptedByCell_.end()) continue;
+        for (const Vec3d& accepted : cell->second) {
+          if (std::hypot(position.x - accepted.x, position.y - accepted.y) < spacing_) return false;
         }
       }
     }
-    places_[{cell(p.x), cell(p.y)}].push_back(p);
+    acceptedByCell_[{column, row}].push_back(position);
     return true;
   }
 
  private:
   double spacing_;
-  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Vec3d>> places_;
+  // By column and row of square cells with the edge `spacing`: positions that are too near lie in neighbouring cells.
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Vec3d>> acceptedByCell_;
 };
 
+// Reads the key `distance_from`: {class: [least, most]} or {class: least}, in m.
 std::vector<Arrangement::Distance> readDistances(const Value& value, const Ontology& ontology) {
   if (value.kind != Value::Kind::Map || value.entries.empty()) {
     throw InputError(value.where, "distance_from must be {class: [least, most]} in m, or {class: least}");
   }
   std::vector<Arrangement::Distance> distances;
-  for (const auto& [name, ends] : value.entries) {
-    Arrangement::Distance d;
-    d.where = ends.where;
-    d.semantic = ontology.require(name, ends.where).id;
-    constexpr Range kMetres{0, 1000};
-    if (ends.kind == Value::Kind::Sequence) {
-      const std::vector<double> both = readNumbers(ends, "distance_from", kMetres);
-      if (both.size() != 2 || both[0] > both[1]) {
-        throw InputError(ends.where, "a distance must be [least, most] in m, or only the least");
+  for (const auto& [name, limits] : value.entries) {
+    Arrangement::Distance distance;
+    distance.where = limits.where;
+    distance.semantic = ontology.require(name, limits.where).id;
+    constexpr Range kDistances{0, 1000};  // m
+    if (limits.kind == Value::Kind::Sequence) {
+      const std::vector<double> leastAndMost = readNumbers(limits, "distance_from", kDistances);
+      if (leastAndMost.size() != 2 || leastAndMost[0] > leastAndMost[1]) {
+        throw InputError(limits.where, "a distance must be [least, most] in m, or only the least");
       }
-      d.least = both[0];
-      d.most = both[1];
+      distance.least = leastAndMost[0];
+      distance.most = leastAndMost[1];
     } else {
-      d.least = readNumber(ends, "distance_from", kMetres);
-      d.most = std::numeric_limits<double>::infinity();
+      distance.least = readNumber(limits, "distance_from", kDistances);
     }
-    distances.push_back(d);
+    distances.push_back(distance);
   }
   return distances;
 }
 
 Arrangement::Scatter readScatter(const Value& value, const Ontology& ontology) {
-  Fields f(value, "scatter");
-  f.also({"on", "count", "density", "spacing", "slope_deg", "within", "covered", "distance_from"}).finish();
-  Arrangement::Scatter s;
-  s.where = value.where;
-  s.classes = readClasses(f, "on", ontology);
-  if (f.has("count") == f.has("density")) {
+  Fields fields(value, "scatter");
+  fields.also({"on", "count", "density", "spacing", "slope_deg", "within", "covered", "distance_from"}).finish();
+  Arrangement::Scatter scatter;
+  scatter.where = value.where;
+  scatter.classes = readClasses(fields, "on", ontology);
+  if (fields.has("count") == fields.has("density")) {
     throw InputError(value.where, "scatter needs either `count` or `density` (copies per square metre)");
   }
-  const auto most = static_cast<std::int64_t>(Placement::mostCopies());
-  if (f.has("count")) s.count = static_cast<std::uint64_t>(f.integer("count", 1, most));
-  s.density = f.number("density", {1e-9, 1e4}, 0);
-  if (f.has("spacing")) s.spacing = f.number("spacing", {1e-3, 1e5});
-  s.slope = radians(f.number("slope_deg", {0, 90}, 90));
-  s.covered = f.boolean("covered", false);
-  if (const Value* from = f.find("distance_from")) s.distances = readDistances(*from, ontology);
-  if (const Value* within = f.find("within")) s.within = readRectangle(*within, "within");
-  return s;
+  const auto mostCopies = static_cast<std::int64_t>(Placement::mostCopies());
+  if (fields.has("count")) scatter.count = static_cast<std::uint64_t>(fields.integer("count", 1, mostCopies));
+  scatter.density = fields.number("density", {1e-9, 1e4}, 0);
+  if (fields.has("spacing")) scatter.spacing = fields.number("spacing", {1e-3, 1e5});
+  scatter.slope = radians(fields.number("slope_deg", {0, 90}, 90));
+  scatter.covered = fields.boolean("covered", false);
+  if (const Value* limits = fields.find("distance_from")) scatter.distances = readDistances(*limits, ontology);
+  if (const Value* within = fields.find("within")) scatter.within = readRectangle(*within, "within");
+  return scatter;
 }
 
 Arrangement::Along readAlong(const Value& value) {
@@ -119,58 +125,85 @@ Arrangement::Along readAlong(const Value& value) {
   if (f.has("to") == f.has("waypoints")) {
     throw InputError(value.where, "along needs either waypoints or, for a path on a road, from, to and on");
   }
-  Arrangement::Along along{{}, {}, f.number("every", {1e-3, 1e6}), f.number("left", {-1e5, 1e5}, 0), value.where};
+  Arrangement::Along along;
+  along.interval = f.number("every", {1e-3, 1e6});
+  along.leftOffset = f.number("left", {-1e5, 1e5}, 0);
+  along.where = value.where;
   if (f.has("to")) along.trip = readRoadTrip(f);
   if (f.has("waypoints")) along.waypoints = readWaypoints(f.require("waypoints"));
   return along;
 }
 
-// Returns the distances from the surfaces of each class that `s` names, in its order.
-std::vector<SurfaceDistance> distancesIn(const Scene& scene, const Arrangement::Scatter& s) {
-  std::vector<SurfaceDistance> from;
-  for (const Arrangement::Distance& d : s.distances) {
-    from.emplace_back(scene, std::vector{d.semantic}, std::isfinite(d.most) ? d.most : d.least);
-    if (!from.back().empty()) continue;
+// Returns the distances from the surfaces of the classes of `limits`, in the same order. Warns, or throws InputError if
+// a limit has a largest distance, if the scene has no triangles of a class.
+std::vector<SurfaceDistance> classDistances(const Scene& scene, const std::vector<Arrangement::Distance>& limits) {
+  std::vector<SurfaceDistance> distances;
+  for (const Arrangement::Distance& limit : limits) {
+    const double range = std::isfinite(limit.most) ? limit.most : limit.least;
+    if (!distances.emplace_back(scene, std::vector{limit.semantic}, range).empty()) continue;
     const std::string none = fmt::format("no earlier object of the list has triangles of the class {}",
-                                         scene.ontology.find(d.semantic)->name);
-    if (std::isfinite(d.most)) throw InputError(d.where, none + ", to which these copies must be near");
+                                         scene.ontology.find(limit.semantic)->name);
+    if (std::isfinite(limit.most)) throw InputError(limit.where, none + ", to which these copies must be near");
     warn(fmt::format("{}: {}, from which these copies must keep a distance: list the objects of this class first",
-                     d.where.text(), none));
+                     limit.where.text(), none));
   }
-  return from;
+  return distances;
 }
 
-// Returns the point of a surface that may get copies at x and y of `p`: the highest such surface or, without `within`,
-// the one at the height of `p`. Nothing if there is none, or if another surface covers it.
-std::optional<Vec3d> onSurface(const Arrangement::Scatter& s, const SurfaceHeights& heights, const Vec3d& p) {
-  const std::vector<SurfaceHeights::Surface> surfaces = heights.at(p.x, p.y);
+// True if a position keeps all limits. `distances` are classDistances() of the same limits.
+bool keepsDistances(const std::vector<Arrangement::Distance>& limits, const std::vector<SurfaceDistance>& distances,
+                    const Vec3d& position) {
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    const double distance = distances[i].at(position.x, position.y);
+    if (distance < limits[i].least || distance > limits[i].most) return false;
+  }
+  return true;
+}
+
+// Returns the number of copies that `count` or `density` asks for on an area. Throws InputError for none or too many.
+std::uint64_t requestedCopies(const Arrangement::Scatter& scatter, double squareMetres) {
+  const double copies = scatter.count ? static_cast<double>(*scatter.count) : scatter.density * squareMetres;
+  refuseTooMany(copies, scatter.where);
+  const auto rounded = static_cast<std::uint64_t>(std::llround(copies));
+  if (rounded > 0) return rounded;
+  throw InputError(scatter.where, fmt::format("gives {:.2g} copies on {:.4g} square metres: give a higher density, or "
+                                              "a count",
+                                              copies, squareMetres));
+}
+
+// Returns the point at x and y of `position` on a surface that may get copies: the highest such surface or, without
+// `within`, the one at the height of `position`. Nothing if there is none, or if another surface covers it.
+std::optional<Vec3d> scatterPoint(const Arrangement::Scatter& scatter, const SurfaceHeights& heights,
+                                  const Vec3d& position) {
+  const std::vector<SurfaceHeights::Surface> surfaces = heights.at(position.x, position.y);  // the highest first
   for (const SurfaceHeights::Surface& surface : surfaces) {
-    if (!s.covered && surface.height < surfaces.front().height - kOverhead) break;
-    const bool fits = std::ranges::find(s.classes, surface.semantic) != s.classes.end() && surface.slope <= s.slope &&
-                      (s.within || std::fabs(surface.height - p.z) < kSame);
-    if (fits) return Vec3d{p.x, p.y, surface.height};
+    if (!scatter.covered && surface.height < surfaces.front().height - kCoverHeight) break;
+    const bool hasClass = std::ranges::find(scatter.classes, surface.semantic) != scatter.classes.end();
+    const bool hasHeight = scatter.within || std::fabs(surface.height - position.z) < kSameHeight;
+    if (hasClass && hasHeight && surface.slope <= scatter.slope) return Vec3d{position.x, position.y, surface.height};
   }
   return std::nullopt;
 }
 
-// Turns, scales and moves copies at random, and leaves out those that are not present.
+// Returns the copies of which chance keeps (`presence`), each with a random rotation, scale and displacement. The
+// random numbers of a copy depend on its index in `copies`.
 std::vector<Arrangement::Copy> varied(const Arrangement::Vary& vary, const std::vector<Arrangement::Copy>& copies,
                                       std::uint64_t seed, std::uint32_t object) {
-  std::vector<Arrangement::Copy> present;
-  for (std::uint64_t n = 0; n < copies.size(); ++n) {
-    const RandomBlock b = draw(seed, object, n, Draw::Pose);
-    if (uniform(b[0]) >= vary.presence) continue;
-    const double yaw = vary.yaw.low + (vary.yaw.high - vary.yaw.low) * uniform(b[1]);
-    const double scale = vary.scale.low + (vary.scale.high - vary.scale.low) * uniform(b[2]);
-    const double far = vary.position * std::sqrt(uniform(b[3]));
-    const double around = 2 * kPi * uniform(draw(seed, object, n, Draw::Direction)[0]);
-    Arrangement::Copy copy = copies[n];
-    copy.worldFromMesh.translation += Vec3d{std::cos(around), std::sin(around), 0} * far;
+  std::vector<Arrangement::Copy> keptCopies;
+  for (std::uint64_t index = 0; index < copies.size(); ++index) {
+    const RandomBlock random = draw(seed, object, index, Draw::Pose);
+    if (uniform(random[0]) >= vary.presence) continue;
+    const double yaw = vary.yaw.low + (vary.yaw.high - vary.yaw.low) * uniform(random[1]);
+    const double scale = vary.scale.low + (vary.scale.high - vary.scale.low) * uniform(random[2]);
+    const double distance = vary.position * std::sqrt(uniform(random[3]));
+    const double direction = 2 * kPi * uniform(draw(seed, object, index, Draw::Direction)[0]);
+    Arrangement::Copy copy = copies[index];
+    copy.worldFromMesh.translation += Vec3d{std::cos(direction), std::sin(direction), 0} * distance;
     copy.worldFromMesh.linear =
         toMatrix(fromYawPitchRoll(yaw, 0, 0)) * copy.worldFromMesh.linear * Mat3::scale({scale, scale, scale});
-    present.push_back(copy);
+    keptCopies.push_back(copy);
   }
-  return present;
+  return keptCopies;
 }
 
 }  // namespace
@@ -186,146 +219,139 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
     if (along != nullptr) along_ = readAlong(*along);
   }
   if (const Value* value = object.find("vary")) {
-    Fields f(*value, "vary");
-    f.also({"yaw_deg", "scale", "position", "presence", "material"}).finish();
-    materials_ = f.texts("material");
-    Vary v;
-    const Range yaw = f.range("yaw_deg", {-360, 360}).value_or(Range{0, 0});
-    v.yaw = {radians(yaw.low), radians(yaw.high)};
-    v.scale = f.range("scale", {1e-3, 1e3}).value_or(Range{1, 1});
-    v.position = f.number("position", {0, 1e5}, 0);
-    v.presence = f.number("presence", {0, 1}, 1);
-    if (v.position > 0 && scatter_ && !object.has("stand_on")) {
-      throw InputError(f.require("position").where,
+    Fields fields(*value, "vary");
+    fields.also({"yaw_deg", "scale", "position", "presence", "material"}).finish();
+    materials_ = fields.texts("material");
+    Vary vary;
+    const Range yaw = fields.range("yaw_deg", {-360, 360}).value_or(Range{0, 0});
+    vary.yaw = {radians(yaw.low), radians(yaw.high)};
+    vary.scale = fields.range("scale", {1e-3, 1e3}).value_or(Range{1, 1});
+    vary.position = fields.number("position", {0, 1e5}, 0);
+    vary.presence = fields.number("presence", {0, 1}, 1);
+    if (vary.position > 0 && scatter_ && !object.has("stand_on")) {
+      throw InputError(fields.require("position").where,
                        "position would move scattered copies off their surface: leave it out, or add stand_on");
     }
-    vary_ = v;
+    vary_ = vary;
   }
   if (const Value* value = object.find("stand_on")) {
-    StandOn s;
-    s.where = value->where;
+    StandOn standOn;
+    standOn.where = value->where;
     const bool ground = value->kind == Value::Kind::Scalar && value->text == "ground" && !value->quoted;
-    if (!ground) s.classes = readClasses(object, "stand_on", ontology);
-    standOn_ = std::move(s);
+    if (!ground) standOn.classes = readClasses(object, "stand_on", ontology);
+    standOn_ = std::move(standOn);
   }
 }
 
+// Returns the poses of the scatter: random positions on the surfaces, with random yaws.
 std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
                                          std::uint32_t object) const {
-  const Scatter& s = *scatter_;
-  const SurfaceHeights::Area area = heights.area(s.classes);
+  const Scatter& scatter = *scatter_;
+  const SurfaceHeights::Area area = heights.area(scatter.classes);
   if (area.squareMetres() <= 0) {
-    throw InputError(s.where,
+    throw InputError(scatter.where,
                      "no surface to scatter on: no earlier object of the list has triangles of these classes that face "
                      "up (`scanmill info` of the scene lists its classes), and later objects are placed afterwards");
   }
-  const auto [left, front, right, back] = s.within.value_or(std::array<double, 4>{});
-  const double squareMetres = s.within ? (right - left) * (back - front) : area.squareMetres();
-  const double wanted = s.count ? static_cast<double>(*s.count) : s.density * squareMetres;
-  refuseTooMany(wanted, s.where);
-  const auto most = static_cast<std::uint64_t>(std::llround(wanted));
-  if (most == 0) {
-    throw InputError(s.where, fmt::format("gives {:.2g} copies on {:.4g} square metres: give a higher density, or a "
-                                          "count",
-                                          wanted, squareMetres));
-  }
-  const std::vector<SurfaceDistance> distances = distancesIn(scene, s);
-  const auto keepsDistances = [&](const Vec3d& p) {
-    for (std::size_t i = 0; i < distances.size(); ++i) {
-      const double distance = distances[i].at(p.x, p.y);
-      if (distance < s.distances[i].least || distance > s.distances[i].most) return false;
-    }
-    return true;
-  };
-  // A density gives each copy one try, and leaves out a copy whose place is not free. A count gives kTries tries per
-  // copy (kMisses with `distance_from`); after kMisses misses in a row the search ends.
-  const std::uint64_t tries = s.count ? (s.distances.empty() ? kTries : kMisses) * most : most;
-  std::uint64_t misses = 0;
+  const auto [lowX, lowY, highX, highY] = scatter.within.value_or(std::array<double, 4>{});
+  const std::uint64_t copies =
+      requestedCopies(scatter, scatter.within ? (highX - lowX) * (highY - lowY) : area.squareMetres());
+  const std::vector<SurfaceDistance> distances = classDistances(scene, scatter.distances);
+  // A density gives each copy one try, and leaves out a copy whose place is not free. A count gives several tries per
+  // copy; after kMostMissesInRow misses in a row the search ends.
+  const std::uint64_t triesPerCopy = !scatter.count ? 1 : scatter.distances.empty() ? kTriesPerCopy : kMostMissesInRow;
+  const std::uint64_t mostMisses = scatter.count ? kMostMissesInRow : std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t misses = 0;  // since the last accepted position
   std::vector<Pose> poses;
-  Spaced spaced(s.spacing);
-  for (std::uint64_t n = 0; n < tries && poses.size() < most && (!s.count || misses < kMisses); ++n) {
-    const RandomBlock b = draw(seed, object, n, Draw::Place);
-    const std::array<double, 3> u{uniform(b[0]), uniform(b[1]), uniform(b[2])};
-    const Vec3d random =
-        s.within ? Vec3d{left + (right - left) * u[0], front + (back - front) * u[1], 0} : area.place(u);
-    const std::optional<Vec3d> p = onSurface(s, heights, random);
+  Spaced spaced(scatter.spacing);
+  for (std::uint64_t n = 0; n < triesPerCopy * copies && poses.size() < copies && misses < mostMisses; ++n) {
+    const RandomBlock random = draw(seed, object, n, Draw::Place);
+    const std::array<double, 3> u{uniform(random[0]), uniform(random[1]), uniform(random[2])};
+    const Vec3d candidate =
+        scatter.within ? Vec3d{lowX + (highX - lowX) * u[0], lowY + (highY - lowY) * u[1], 0} : area.sample(u);
+    const std::optional<Vec3d> position = scatterPoint(scatter, heights, candidate);
     ++misses;
-    if (!p || !keepsDistances(*p) || !spaced.take(*p)) continue;
+    if (!position || !keepsDistances(scatter.distances, distances, *position) || !spaced.accept(*position)) continue;
     misses = 0;
-    poses.push_back({fromYawPitchRoll(2 * kPi * uniform(b[3]), 0, 0), *p});
+    poses.push_back({fromYawPitchRoll(2 * kPi * uniform(random[3]), 0, 0), *position});
   }
-  if (s.count && poses.size() < most) {
-    throw InputError(s.where, fmt::format("only {} of {} copies fit with the seed {}: give a smaller count or spacing, "
-                                          "wider distances, or more classes or a larger area to scatter on",
-                                          poses.size(), most, seed));
+  if (scatter.count && poses.size() < copies) {
+    throw InputError(scatter.where,
+                     fmt::format("only {} of {} copies fit with the seed {}: give a smaller count or spacing, "
+                                 "wider distances, or more classes or a larger area to scatter on",
+                                 poses.size(), copies, seed));
   }
   return poses;
 }
 
+// Returns level poses at equal distances along the path, with its heading. `heights` is only needed for a path on
+// roads.
 std::vector<Pose> Arrangement::alongPath(const Scene& scene, const SurfaceHeights* heights) const {
   const Path path(along_->trip ? findRoadPath(*heights, scene.ontology, *along_->trip) : along_->waypoints);
-  std::vector<Pose> places;
-  const double count = std::floor(path.length() / along_->every * (1 + 1e-12)) + 1;
+  constexpr double kRounding = 1 + 1e-12;  // a pose at the path's very end must not be lost by rounding
+  const double count = std::floor(path.length() / along_->interval * kRounding) + 1;
   refuseTooMany(count, along_->where);
+  std::vector<Pose> poses;
   for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count); ++i) {
-    const Pose on = path.pose(static_cast<double>(i) * along_->every);
-    const Quat level = fromYawPitchRoll(headingOf(on.rotation), 0, 0);
-    places.push_back({level, on.translation + toMatrix(level).y * along_->left});
+    const Pose onPath = path.pose(static_cast<double>(i) * along_->interval);
+    const Quat level = fromYawPitchRoll(headingOf(onPath.rotation), 0, 0);
+    poses.push_back({level, onPath.translation + toMatrix(level).y * along_->leftOffset});
   }
-  return places;
+  return poses;
 }
 
-std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, const Scene& scene,
+std::vector<Arrangement::Copy> Arrangement::copies(const Placement& placement, const Scene& scene,
                                                    const SurfaceHeights* heights, std::uint64_t seed,
                                                    std::uint32_t object, std::size_t variants,
-                                                   const std::function<double(const Copy&)>& lowest) const {
-  std::vector<Pose> outer{Pose{}};
-  if (scatter_) outer = scattered(scene, *heights, seed, object);
-  if (along_) outer = alongPath(scene, heights);
-  if (outer.size() * placement.count() > Placement::mostCopies()) {
+                                                   const std::function<double(const Copy&)>& lowestZ) const {
+  std::vector<Pose> basePoses{Pose{}};  // each gets all copies of `placement`
+  if (scatter_) basePoses = scattered(scene, *heights, seed, object);
+  if (along_) basePoses = alongPath(scene, heights);
+  if (basePoses.size() * placement.count() > Placement::mostCopies()) {
     const Location where = scatter_ ? scatter_->where : along_ ? along_->where : Location{};
-    throw InputError(where, fmt::format("{} places with {} copies each are too many: {}", outer.size(),
+    throw InputError(where, fmt::format("{} places with {} copies each are too many: {}", basePoses.size(),
                                         placement.count(), Placement::mostCopiesText()));
   }
   std::vector<Copy> copies;
-  for (const Pose& place : outer) {
-    placement.forEach([&](const Affine& copy) {
+  for (const Pose& basePose : basePoses) {
+    placement.forEach([&](const Affine& baseFromMesh) {
       const double u = variants > 1 ? uniform(draw(seed, object, copies.size(), Draw::Variant)[0]) : 0;
-      const auto chosen = static_cast<std::size_t>(u * static_cast<double>(variants));
-      copies.push_back({toAffine(place) * copy, std::min(chosen, variants - 1), copies.size() + 1});
+      const auto variant = std::min(static_cast<std::size_t>(u * static_cast<double>(variants)), variants - 1);
+      copies.push_back({toAffine(basePose) * baseFromMesh, variant, copies.size() + 1});
     });
   }
   if (vary_) copies = varied(*vary_, copies, seed, object);
-  return standOn_ ? standing(std::move(copies), *heights, seed, lowest) : copies;
+  return standOn_ ? stoodOnSurfaces(copies, *heights, seed, lowestZ) : copies;
 }
 
-std::vector<Arrangement::Copy> Arrangement::standing(std::vector<Copy> copies, const SurfaceHeights& heights,
-                                                     std::uint64_t seed,
-                                                     const std::function<double(const Copy&)>& lowest) const {
+// Returns the copies that have a surface of `stand_on` below or above them, moved vertically until their lowest points
+// touch it. Warns of the copies that have none, or throws InputError if none has one.
+std::vector<Arrangement::Copy> Arrangement::stoodOnSurfaces(const std::vector<Copy>& copies,
+                                                            const SurfaceHeights& heights, std::uint64_t seed,
+                                                            const std::function<double(const Copy&)>& lowestZ) const {
   const std::vector<std::uint16_t>& classes = standOn_->classes;
   const auto carries = [&](const SurfaceHeights::Surface& surface) {
     return classes.empty() ? !surface.thing : std::ranges::find(classes, surface.semantic) != classes.end();
   };
   std::vector<Copy> standing;
-  std::optional<Vec3d> first;  // position of the first copy that has no surface to stand on
-  for (Copy& copy : copies) {
+  std::optional<Vec3d> firstWithoutGround;  // its position
+  for (Copy copy : copies) {
     Vec3d& position = copy.worldFromMesh.translation;
-    const auto ground = heights.under(position, carries);
-    if (!ground) {
-      if (!first) first = position;
-      continue;
+    if (const auto ground = heights.under(position, carries)) {
+      position.z += ground->height - lowestZ(copy);
+      standing.push_back(copy);
+    } else if (!firstWithoutGround) {
+      firstWithoutGround = position;
     }
-    position.z += ground->height - lowest(copy);
-    standing.push_back(copy);
   }
-  if (!first) return standing;
-  const std::string why = fmt::format(
+  if (!firstWithoutGround) return standing;
+  const std::string reason = fmt::format(
       "no surface to stand on at [{:.6g}, {:.6g}]: earlier objects of the list have no surface there {}that is less "
       "than 60 degrees steep (later objects are placed afterwards)",
-      first->x, first->y, classes.empty() ? "" : "of these classes ");
-  if (standing.empty()) throw InputError(standOn_->where, why);
+      firstWithoutGround->x, firstWithoutGround->y, classes.empty() ? "" : "of these classes ");
+  if (standing.empty()) throw InputError(standOn_->where, reason);
   warn(fmt::format("{}: left out {} of {} copies with the seed {}: {}", standOn_->where.text(),
-                   copies.size() - standing.size(), copies.size(), seed, why));
+                   copies.size() - standing.size(), copies.size(), seed, reason));
   return standing;
 }
 

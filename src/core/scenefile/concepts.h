@@ -13,6 +13,7 @@
 
 namespace scanmill {
 
+// Ground; an object with all its parts; a part of such objects; geometry that does not belong to the world.
 enum class ConceptKind { Ground, Whole, Detail, Drop };
 
 struct Concept {
@@ -20,8 +21,8 @@ struct Concept {
   std::vector<std::string> classes;  // in order of preference: the first that the ontology has is used
   std::string material;              // a name in labels/materials.yaml; empty: none
   ConceptKind kind = ConceptKind::Whole;
-  // Only for a detail: names of the concepts that it belongs to. A detail without classes of its own gets theirs.
-  std::vector<std::string> of;
+  // Only for a detail: names of the concepts that have this detail. A detail without classes gets their classes.
+  std::vector<std::string> wholes;
   std::optional<Range> size;       // m, usual lengths of the longest edge of a thing's bounding box
   std::vector<std::string> words;  // words that state this concept in names, as foldedName() returns them
 };
@@ -30,7 +31,7 @@ struct Concept {
 std::vector<Concept> readConcepts(const std::filesystem::path& path);
 
 // Returns the first of a concept's classes that the ontology has, by name or alias; null if the ontology has none.
-const SemanticClass* classOf(const Concept& what, const Ontology& ontology);
+const SemanticClass* classOf(const Concept& nameConcept, const Ontology& ontology);
 
 // Returns a name in lower case, without accents, digits and signs, with blanks between its words: "Haupt-Straße_01",
 // "BusStop2" and "grass.001" become "haupt strasse", "bus stop" and "grass".

@@ -13,80 +13,81 @@
 namespace scanmill {
 namespace {
 
-// Returns the fraction of a box's footprint (as seen from above) that the footprint of another box covers, but at least
+// Returns the fraction of a box's footprint (as seen from above) that the footprint of `coverBox` covers, but at least
 // 1e-9; 0 if the boxes are more than `gap` (m) apart along some axis.
-double shareOver(const Box& box, const Box& other, double gap) {
+double coveredShare(const Box& box, const Box& coverBox, double gap) {
   const auto overlap = [&](double Vec3d::*axis) {
-    return std::min(box.high.*axis, other.high.*axis) - std::max(box.low.*axis, other.low.*axis);
+    return std::min(box.high.*axis, coverBox.high.*axis) - std::max(box.low.*axis, coverBox.low.*axis);
   };
   if (overlap(&Vec3d::x) < -gap || overlap(&Vec3d::y) < -gap || overlap(&Vec3d::z) < -gap) return 0;
-  const auto share = [&](double Vec3d::*axis) {
+  const auto shareAlong = [&](double Vec3d::*axis) {
     const double edge = box.high.*axis - box.low.*axis;
     return edge > 0 ? std::clamp(overlap(axis) / edge, 0.0, 1.0) : 1.0;
   };
-  return std::max(share(&Vec3d::x) * share(&Vec3d::y), 1e-9);
+  return std::max(shareAlong(&Vec3d::x) * shareAlong(&Vec3d::y), 1e-9);
 }
 
-// A grid that finds the boxes near a given box. Very large boxes are in a separate list, not in cells.
-class Cells {
+// A grid over `bounds` that finds the boxes near a given box. Very large boxes are in a separate list, not in cells.
+class BoxGrid {
  public:
-  explicit Cells(const Box& all) : low_(all.low), cells_(kSide * kSide * kSide) {
-    const Vec3d size = all.high - all.low;
-    const auto per = [](double edge) { return kSide / std::max(edge, 1e-9); };
-    perMetre_ = {per(size.x), per(size.y), per(size.z)};
+  explicit BoxGrid(const Box& bounds) : low_(bounds.low), cells_(kSide * kSide * kSide) {
+    const Vec3d size = bounds.high - bounds.low;
+    const auto cellsPerMetre = [](double edge) { return kSide / std::max(edge, 1e-9); };
+    cellsPerMetre_ = {cellsPerMetre(size.x), cellsPerMetre(size.y), cellsPerMetre(size.z)};
   }
 
   void add(const Box& box, std::uint32_t number) {
-    const Cell from = cellOf(box.low);
-    const Cell to = cellOf(box.high);
+    const Cell first = cellOf(box.low);
+    const Cell last = cellOf(box.high);
     std::size_t covered = 1;
-    for (std::size_t k = 0; k < 3; ++k) covered *= to[k] - from[k] + 1;
+    for (std::size_t k = 0; k < 3; ++k) covered *= last[k] - first[k] + 1;
     if (covered > kMostCovered) return large_.push_back(number);
     forEachCell(box, [&](std::size_t cell) { cells_[cell].push_back(number); });
   }
 
-  // Calls `use` with the number of each box near `box`, perhaps several times for the same number.
-  template <class Use>
-  void forEachNear(const Box& box, double gap, const Use& use) const {
+  // Calls `visit` with the number of each box within `gap` (m) of `box` and of some farther ones, perhaps several
+  // times.
+  template <class Visit>
+  void forEachNear(const Box& box, double gap, const Visit& visit) const {
     forEachCell({box.low - Vec3d{gap, gap, gap}, box.high + Vec3d{gap, gap, gap}}, [&](std::size_t cell) {
-      for (const std::uint32_t number : cells_[cell]) use(number);
+      for (const std::uint32_t number : cells_[cell]) visit(number);
     });
-    for (const std::uint32_t number : large_) use(number);
+    for (const std::uint32_t number : large_) visit(number);
   }
 
  private:
-  template <class Use>
-  void forEachCell(const Box& box, const Use& use) const {
-    const Cell from = cellOf(box.low);
-    const Cell to = cellOf(box.high);
-    for (std::size_t x = from[0]; x <= to[0]; ++x) {
-      for (std::size_t y = from[1]; y <= to[1]; ++y) {
-        for (std::size_t z = from[2]; z <= to[2]; ++z) use((x * kSide + y) * kSide + z);
+  template <class Visit>
+  void forEachCell(const Box& box, const Visit& visit) const {
+    const Cell first = cellOf(box.low);
+    const Cell last = cellOf(box.high);
+    for (std::size_t x = first[0]; x <= last[0]; ++x) {
+      for (std::size_t y = first[1]; y <= last[1]; ++y) {
+        for (std::size_t z = first[2]; z <= last[2]; ++z) visit((x * kSide + y) * kSide + z);
       }
     }
   }
 
-  static constexpr std::size_t kSide = 48;
-  static constexpr std::size_t kMostCovered = 4096;
+  static constexpr std::size_t kSide = 48;           // cells along each axis
+  static constexpr std::size_t kMostCovered = 4096;  // cells that a box may cover, or else it is in `large_`
   using Cell = std::array<std::size_t, 3>;
   Cell cellOf(const Vec3d& p) const {
-    const auto along = [](double d, double perMetre) {
-      return static_cast<std::size_t>(std::clamp(d * perMetre, 0.0, static_cast<double>(kSide - 1)));
+    const auto index = [](double offset, double cellsPerMetre) {
+      return static_cast<std::size_t>(std::clamp(offset * cellsPerMetre, 0.0, static_cast<double>(kSide - 1)));
     };
-    const Vec3d at = p - low_;
-    return {along(at.x, perMetre_.x), along(at.y, perMetre_.y), along(at.z, perMetre_.z)};
+    const Vec3d offset = p - low_;
+    return {index(offset.x, cellsPerMetre_.x), index(offset.y, cellsPerMetre_.y), index(offset.z, cellsPerMetre_.z)};
   }
 
   Vec3d low_;
-  Vec3d perMetre_;
-  std::vector<std::vector<std::uint32_t>> cells_;
-  std::vector<std::uint32_t> large_;
+  Vec3d cellsPerMetre_;
+  std::vector<std::vector<std::uint32_t>> cells_;  // by cell: numbers of the boxes that cover it
+  std::vector<std::uint32_t> large_;               // numbers of the boxes that cover many cells
 };
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kUnnumbered = std::numeric_limits<std::uint32_t>::max();
 
 // Sets of connected vertices of all parts, whose vertices are numbered continuously (union-find). At first, vertices at
-// the same position are connected; those at no position stay apart.
+// the same position are connected; a vertex with a NaN or infinite coordinate is connected to no other vertex.
 class VertexSets {
  public:
   explicit VertexSets(const std::vector<const AssetPart*>& parts) {
@@ -96,111 +97,106 @@ class VertexSets {
       for (const Vec3f& p : part->positions) positions.push_back(p + Vec3f{});
     }
     const std::size_t vertices = positions.size();
-    if (vertices > kNone) throw Error("a file has more than 4294967295 vertices: split it");
-    std::vector<std::uint32_t> positionOf(vertices);  // number of the vertex's position
-    const std::size_t different =
+    if (vertices > kUnnumbered) throw Error("a file has more than 4294967295 vertices: split it");
+    std::vector<std::uint32_t> positionOf(vertices);  // by vertex: number of its position
+    const std::size_t positionCount =
         meshopt_generateVertexRemap(positionOf.data(), nullptr, vertices, positions.data(), vertices, sizeof(Vec3f));
-    std::vector<std::uint32_t> firstAt(different, kNone);
+    std::vector<std::uint32_t> firstVertexAt(positionCount, kUnnumbered);
     parent_.resize(vertices);
-    for (std::uint32_t v = 0; v < vertices; ++v) {
-      std::uint32_t& first = firstAt[positionOf[v]];
-      if (first == kNone || !isFinite(positions[v])) first = v;
-      parent_[v] = first;
+    for (std::uint32_t vertex = 0; vertex < vertices; ++vertex) {
+      std::uint32_t& firstVertex = firstVertexAt[positionOf[vertex]];
+      if (firstVertex == kUnnumbered || !isFinite(positions[vertex])) firstVertex = vertex;
+      parent_[vertex] = firstVertex;
     }
   }
 
-  // Returns the vertex that stands for the set of a vertex.
-  std::uint32_t root(std::size_t v) {
-    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-    return static_cast<std::uint32_t>(v);
+  // Returns the vertex that represents the set of a vertex, and halves the path to it.
+  std::uint32_t root(std::size_t vertex) {
+    while (parent_[vertex] != vertex) vertex = parent_[vertex] = parent_[parent_[vertex]];
+    return static_cast<std::uint32_t>(vertex);
   }
 
-  // Connects the set of `other` to that of `v`.
-  void join(std::size_t v, std::size_t other) { parent_[root(other)] = root(v); }
+  void join(std::size_t vertex, std::size_t neighbor) { parent_[root(neighbor)] = root(vertex); }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> parent_;  // by vertex: a vertex of the same set that is nearer to the root
 };
 
 }  // namespace
 
 ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
   VertexSets sets(parts);
-  std::size_t first = 0;  // index of the part's first vertex among those of all parts
+  std::size_t firstVertex = 0;  // index of the part's first vertex among those of all parts
   for (const AssetPart* part : parts) {
     for (const Triangle& t : part->triangles) {
-      for (const std::uint32_t corner : {t[1], t[2]}) sets.join(first + t[0], first + corner);
+      for (const std::uint32_t corner : {t[1], t[2]}) sets.join(firstVertex + t[0], firstVertex + corner);
     }
-    first += part->positions.size();
+    firstVertex += part->positions.size();
   }
-  std::vector<std::uint32_t> numberOf(first, kNone);  // by root: the number of the connected part
-  ConnectedParts found;
-  first = 0;
+  std::vector<std::uint32_t> numberByRoot(firstVertex, kUnnumbered);
+  ConnectedParts connected;
+  firstVertex = 0;
   for (const AssetPart* part : parts) {
-    std::vector<std::uint32_t>& of = found.of.emplace_back();
-    of.reserve(part->triangles.size());
+    std::vector<std::uint32_t>& numbers = connected.numbers.emplace_back();
+    numbers.reserve(part->triangles.size());
     for (const Triangle& t : part->triangles) {
-      std::uint32_t& number = numberOf[sets.root(first + t[0])];
-      if (number == kNone) {
-        number = static_cast<std::uint32_t>(found.boxes.size());
-        found.boxes.emplace_back();
+      std::uint32_t& partNumber = numberByRoot[sets.root(firstVertex + t[0])];
+      if (partNumber == kUnnumbered) {
+        partNumber = static_cast<std::uint32_t>(connected.boxes.size());
+        connected.boxes.emplace_back();
       }
       for (const std::uint32_t corner : t) {
-        if (isFinite(part->positions[corner])) found.boxes[number].add(Vec3d(part->positions[corner]));
+        if (isFinite(part->positions[corner])) connected.boxes[partNumber].add(Vec3d(part->positions[corner]));
       }
-      of.push_back(number);
+      numbers.push_back(partNumber);
     }
-    first += part->positions.size();
+    firstVertex += part->positions.size();
   }
-  return found;
+  return connected;
 }
 
-std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
-  std::vector<std::uint32_t> order(connected.size());
-  std::iota(order.begin(), order.end(), 0U);
-  const auto diagonal = [&](std::uint32_t i) {
-    const Box& box = connected[i];
-    return box.empty() ? 0 : length(box.high - box.low);
-  };
+std::vector<std::uint32_t> groupIntoThings(const std::vector<Box>& boxes) {
+  constexpr double kMostGap = 0.05;        // m, largest distance between the boxes of two parts of a thing
+  constexpr double kLeastShare = 0.25;     // least overlap, as a fraction of the smaller part's footprint
+  constexpr double kSmallDiagonal = 0.15;  // largest diagonal of a small part, as a fraction of the larger part's
+  Box bounds;
+  for (const Box& box : boxes) {
+    if (box.empty()) continue;
+    bounds.add(box.low);
+    bounds.add(box.high);
+  }
+  if (bounds.empty()) return std::vector<std::uint32_t>(boxes.size());
+  const auto diagonal = [&](std::uint32_t i) { return boxes[i].empty() ? 0 : length(boxes[i].high - boxes[i].low); };
   // Larger boxes come first. Boxes of equal size are ordered by position, so that the result does not depend on the
   // order of the triangles.
-  const auto key = [&](std::uint32_t i) {
-    const Vec3d& low = connected[i].low;
+  std::vector<std::uint32_t> bySize(boxes.size());
+  std::iota(bySize.begin(), bySize.end(), 0U);
+  std::ranges::stable_sort(bySize, {}, [&](std::uint32_t i) {
+    const Vec3d& low = boxes[i].low;
     return std::tuple(-diagonal(i), low.x, low.y, low.z);
-  };
-  std::ranges::stable_sort(order, {}, key);
-  Box all;
-  for (const Box& box : connected) {
-    if (box.empty()) continue;
-    all.add(box.low);
-    all.add(box.high);
-  }
-  std::vector<std::uint32_t> owner(connected.size());
-  if (all.empty()) return owner;
-  constexpr double kGap = 0.05;    // m, largest distance between the boxes of two parts of a thing
-  constexpr double kShare = 0.25;  // least overlap, as a fraction of the smaller part's footprint
-  constexpr double kSmall = 0.15;  // largest diagonal of a small part, as a fraction of the larger part's diagonal
-  Cells largest(all);
-  for (const std::uint32_t i : order) {
-    owner[i] = i;
-    if (connected[i].empty()) continue;
-    double most = 0;
-    largest.forEachNear(connected[i], kGap, [&](std::uint32_t other) {
-      const double share = shareOver(connected[i], connected[other], kGap);
-      const bool belongs = share >= kShare || (share > 0 && diagonal(i) < kSmall * diagonal(other));
-      if (!belongs || share <= most) return;
-      most = share;
-      owner[i] = other;
+  });
+  // A part joins the main part that covers most of its footprint; a part without such a main part is one itself.
+  std::vector<std::uint32_t> mainPartOf(boxes.size());
+  BoxGrid mainParts(bounds);
+  for (const std::uint32_t i : bySize) {
+    mainPartOf[i] = i;
+    if (boxes[i].empty()) continue;
+    double largestShare = 0;
+    mainParts.forEachNear(boxes[i], kMostGap, [&](std::uint32_t mainPart) {
+      const double share = coveredShare(boxes[i], boxes[mainPart], kMostGap);
+      const bool belongs = share >= kLeastShare || (share > 0 && diagonal(i) < kSmallDiagonal * diagonal(mainPart));
+      if (!belongs || share <= largestShare) return;
+      largestShare = share;
+      mainPartOf[i] = mainPart;
     });
-    if (owner[i] == i) largest.add(connected[i], i);
+    if (mainPartOf[i] == i) mainParts.add(boxes[i], i);
   }
-  // Numbers the things in the order of the connected parts.
-  std::vector<std::uint32_t> number(connected.size(), kNone);
+  std::vector<std::uint32_t> numberByMainPart(boxes.size(), kUnnumbered);
   std::vector<std::uint32_t> things;
-  std::uint32_t next = 0;
-  for (const std::uint32_t o : owner) {
-    if (number[o] == kNone) number[o] = next++;
-    things.push_back(number[o]);
+  std::uint32_t thingCount = 0;
+  for (const std::uint32_t mainPart : mainPartOf) {
+    if (numberByMainPart[mainPart] == kUnnumbered) numberByMainPart[mainPart] = thingCount++;
+    things.push_back(numberByMainPart[mainPart]);
   }
   return things;
 }

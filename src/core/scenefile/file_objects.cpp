@@ -61,15 +61,15 @@ void FileObjects::checkNames(const std::vector<Rule>& rules) const {
 }
 
 // Returns the object's file; for {one_of: [...]}, every listed file and every file in a listed folder.
-std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& f) const {
-  const Value& value = f.require("file");
+std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& object) const {
+  const Value& value = object.require("file");
   if (value.kind == Value::Kind::Sequence) {
     throw InputError(value.where,
                      "file must be one file: write an object for each, or {one_of: [...]}, from which each copy is "
                      "one at random");
   }
   if (value.kind != Value::Kind::Map) {
-    const std::string name = f.text("file");
+    const std::string name = object.text("file");
     const std::filesystem::path path = assetPath(name, value);
     if (isFolder(path)) {
       throw InputError(
@@ -89,9 +89,10 @@ std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& f) const {
       files.emplace_back(path, name);
       continue;
     }
-    const std::vector<std::filesystem::path> inside = assetsIn(path);
-    if (inside.empty()) throw InputError(value.where, fmt::format("'{}' is a folder without 3D files", path.string()));
-    for (const std::filesystem::path& file : inside) {
+    const std::vector<std::filesystem::path> folderFiles = assetsIn(path);
+    if (folderFiles.empty())
+      throw InputError(value.where, fmt::format("'{}' is a folder without 3D files", path.string()));
+    for (const std::filesystem::path& file : folderFiles) {
       files.emplace_back(file, (std::filesystem::path(name) / file.lexically_relative(path)).string());
     }
   }
@@ -100,39 +101,39 @@ std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& f) const {
 }
 
 // Reads the keys that say how a file becomes an asset, whatever its kind.
-AssetOptions FileObjects::assetOptions(Fields& f) const {
-  AssetOptions asset;
-  asset.textures = textures_;
-  asset.metresPerUnit = f.number("unit", {1e-9, 1e9}, 1.0);
-  asset.unitStated = f.has("unit");
-  if (f.has("up")) asset.up = f.choice("up", {"x", "y", "z"}, "")[0];
-  const std::string alpha = f.choice("alpha", {"auto", "ignore", "test"}, "auto");
-  if (alpha != "auto") asset.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
-  asset.allowOutside = f.boolean("allow_outside", false);
-  asset.leaveOutMissing = f.choice("missing", {"refuse", "leave_out"}, "refuse") == "leave_out";
-  for (const std::string& name : f.texts("textures")) {
-    asset.textureFolders.push_back(assetPath(name, f.require("textures")));
-    if (!isFolder(asset.textureFolders.back())) {
-      throw InputError(f.require("textures").where,
-                       fmt::format("textures: '{}' is no folder", asset.textureFolders.back().string()));
+AssetOptions FileObjects::assetOptions(Fields& object) const {
+  AssetOptions options;
+  options.textures = textures_;
+  options.metresPerUnit = object.number("unit", {1e-9, 1e9}, 1.0);
+  options.unitStated = object.has("unit");
+  if (object.has("up")) options.up = object.choice("up", {"x", "y", "z"}, "")[0];
+  const std::string alpha = object.choice("alpha", {"auto", "ignore", "test"}, "auto");
+  if (alpha != "auto") options.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
+  options.allowOutside = object.boolean("allow_outside", false);
+  options.leaveOutMissing = object.choice("missing", {"refuse", "leave_out"}, "refuse") == "leave_out";
+  for (const std::string& name : object.texts("textures")) {
+    options.textureFolders.push_back(assetPath(name, object.require("textures")));
+    if (!isFolder(options.textureFolders.back())) {
+      throw InputError(object.require("textures").where,
+                       fmt::format("textures: '{}' is no folder", options.textureFolders.back().string()));
     }
   }
-  return asset;
+  return options;
 }
 
 // Returns all rules for an object in order of precedence: first its own rules, then one rule with its class and
 // material, then the scene's rules.
-std::vector<Rule> FileObjects::rulesOf(Fields& f) const {
+std::vector<Rule> FileObjects::rulesOf(Fields& object) const {
   std::vector<Rule> rules;
-  if (const Value* own = f.find("rules")) rules = readRules(*own);
+  if (const Value* objectRules = object.find("rules")) rules = readRules(*objectRules);
   Rule shorthand;
-  if (const Value* value = f.find("class")) {
+  if (const Value* value = object.find("class")) {
     shorthand.where = value->where;
-    shorthand.className = f.text("class");
+    shorthand.className = object.text("class");
   }
-  if (const Value* value = f.find("material")) {
+  if (const Value* value = object.find("material")) {
     if (shorthand.className.empty()) shorthand.where = value->where;
-    shorthand.materialName = f.text("material");
+    shorthand.materialName = object.text("material");
   }
   if (!shorthand.className.empty() || !shorthand.materialName.empty()) rules.push_back(std::move(shorthand));
   checkNames(rules);
@@ -142,43 +143,44 @@ std::vector<Rule> FileObjects::rulesOf(Fields& f) const {
 
 // Returns each file of the object with each of the `materials` of the key `vary` (once, if there are none): a copy of
 // the object gets one of these at random.
-std::vector<LabelledFile> FileObjects::variantsOf(Fields& f, const std::vector<NamedFile>& files,
+std::vector<LabelledFile> FileObjects::variantsOf(Fields& object, const std::vector<NamedFile>& files,
                                                   const std::vector<std::string>& materials) const {
-  const AssetOptions asset = assetOptions(f);
-  const std::vector<Rule> rules = rulesOf(f);
+  const AssetOptions asset = assetOptions(object);
+  const std::vector<Rule> rules = rulesOf(object);
   std::vector<LabelledFile> variants;
   for (const auto& [file, name] : files) {
     LabelledFile variant{file, asset, {}};
     const bool cloud = isCloud(file);
     variant.labelling.file = name;
-    variant.labelling.things = readThingBounds(f, cloud ? ThingBounds::By::Node : ThingBounds::By::Object);
+    variant.labelling.things = readThingBounds(object, cloud ? ThingBounds::By::Node : ThingBounds::By::Object);
     variant.labelling.things.byClass = cloud;
     variant.labelling.rules = rules;
-    readSurveyOptions(f, file, variant.asset);
+    readSurveyOptions(object, file, variant.asset);
     for (const std::string& material : materials) {
-      Rule coat;
-      coat.where = f.require("vary").where;
-      coat.materialName = material;
-      builder_.library().require(material, coat.where);
+      Rule materialRule;
+      materialRule.where = object.require("vary").where;
+      materialRule.materialName = material;
+      builder_.library().require(material, materialRule.where);
       variants.push_back(variant);
-      variants.back().labelling.rules.insert(variants.back().labelling.rules.begin(), std::move(coat));
+      variants.back().labelling.rules.insert(variants.back().labelling.rules.begin(), std::move(materialRule));
     }
     if (materials.empty()) variants.push_back(std::move(variant));
   }
   return variants;
 }
 
-void FileObjects::add(Fields& f) {
-  const Location& where = f.require("file").where;
-  const std::vector<NamedFile> files = filesOf(f);
-  const std::string name = f.text("name", files.front().first.stem().string());
-  Copies copies = placer_.read(f);
-  std::vector<LabelledFile> variants = variantsOf(f, files, copies.arrangement.materials());
-  const std::optional<Clip> clip = clipOf(f);
-  f.finish();
+// A looping clip is placed as an animation; other objects are placed as the meshes of their variants.
+void FileObjects::add(Fields& object) {
+  const Location& where = object.require("file").where;
+  const std::vector<NamedFile> files = filesOf(object);
+  const std::string name = object.text("name", files.front().first.stem().string());
+  Copies copies = placer_.read(object);
+  std::vector<LabelledFile> variants = variantsOf(object, files, copies.arrangement.materials());
+  const std::optional<Clip> clip = clipOf(object);
+  object.finish();
 
   if (clip && variants.size() > 1) {
-    throw InputError(f.require("animation").where, "animation is for objects of one file, which has the clip");
+    throw InputError(object.require("animation").where, "animation is for objects of one file, which has the clip");
   }
   if (clip && !clip->time) {
     const ThingBounds& things = variants.front().labelling.things;
@@ -189,13 +191,13 @@ void FileObjects::add(Fields& f) {
     }
     const std::shared_ptr<const Animation> animation = meshes_.playing(variants.front(), clip->name, where);
     if (animation->meshes.size() > 1) copies.animation = animation;
-    return placer_.place(std::vector<PlacedMesh>{{animation->meshes.front(), {}, {}}}, name, copies, f.where());
+    return placer_.place(std::vector<PlacedMesh>{{animation->meshes.front(), {}, {}}}, name, copies, object.where());
   }
   if (clip) variants.front().asset.clip = {clip->name, *clip->time};
   const auto meshesOf = [&](std::size_t variant) -> const std::vector<PlacedMesh>& {
     return meshes_.read(variants[variant], where);
   };
-  placer_.place(Variants{variants.size(), meshesOf}, name, copies, f.where());
+  placer_.place(Variants{variants.size(), meshesOf}, name, copies, object.where());
   meshes_.compareSurveys(variants.front(), copies.placement.object.pose.translation, where);
 }
 

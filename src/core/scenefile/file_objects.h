@@ -26,6 +26,7 @@
 
 namespace scanmill {
 
+// A file, how it is read, and how its triangles are labelled.
 struct LabelledFile {
   std::filesystem::path file;
   AssetOptions asset;
@@ -43,35 +44,35 @@ class FileMeshes {
 
   // Returns the meshes of a file. Throws InputError at `where` if the file cannot be read, and the errors of
   // addAsset().
-  const std::vector<PlacedMesh>& read(const LabelledFile& from, const Location& where);
+  const std::vector<PlacedMesh>& read(const LabelledFile& labelled, const Location& where);
 
   // Warns, once for all files, if a survey is placed at the position of an earlier one and does not fit it: their
   // coordinate systems differ, or one is in degrees and lies around its own middle. The file was read by read().
-  void compareSurveys(const LabelledFile& from, const Vec3d& position, const Location& where);
+  void compareSurveys(const LabelledFile& labelled, const Vec3d& position, const Location& where);
 
   // Returns a clip of a file as a looping animation that has one mesh per sampled moment.
-  std::shared_ptr<const Animation> playing(LabelledFile from, const std::string& clip, const Location& where);
+  std::shared_ptr<const Animation> playing(LabelledFile labelled, const std::string& clip, const Location& where);
 
  private:
   struct Survey {
     std::filesystem::path file;
-    std::string system;
-    bool ownMiddle = false;
+    std::string system;      // its coordinate system, see Asset::system
+    bool ownMiddle = false;  // see Asset::ownMiddle
     Vec3d origin;
   };
-  struct Known {
-    LabelledFile from;
-    std::vector<PlacedMesh> meshes;  // empty: not loaded
-    std::optional<Survey> survey;
-    std::shared_ptr<const Animation> animation;  // of the clip; null: not loaded
+  struct Entry {
+    LabelledFile labelled;
+    std::vector<PlacedMesh> meshes = {};  // empty: not loaded
+    std::optional<Survey> survey = {};
+    std::shared_ptr<const Animation> animation = nullptr;  // of the clip; null: not loaded
   };
 
-  Known& knownOf(const LabelledFile& from);
-  Asset load(const LabelledFile& from, const Location& where) const;
+  Entry& entryOf(const LabelledFile& labelled);
+  Asset load(const LabelledFile& labelled, const Location& where) const;
 
   SceneBuilder& builder_;
-  std::map<std::filesystem::path, std::list<Known>> known_;  // by file
-  std::map<std::array<double, 2>, const Survey*> firsts_;    // the first survey, by x and y of its position
+  std::map<std::filesystem::path, std::list<Entry>> cache_;      // by file
+  std::map<std::array<double, 2>, const Survey*> firstSurveys_;  // the first survey, by x and y of its position
   bool misfitReported_ = false;
 };
 

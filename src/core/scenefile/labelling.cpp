@@ -16,28 +16,43 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kMostSurfaces = std::numeric_limits<std::uint16_t>::max();  // largest number of surfaces of a
-                                                                                  // mesh
+constexpr std::size_t kMostSurfaces = std::numeric_limits<std::uint16_t>::max();  // of a mesh, see Mesh::surfaceOf
 
-// Returns the material `material` of a rule, adapted to a part whose file gives it the material `own`. The part keeps
-// the texture of `own` if `material` is textured, or if the texture's alpha decides which beams pass (cut-outs).
-Material withMaterial(const Material& material, const Material& own) {
-  Material m = material;
-  m.textured = material.textured && own.texture;
-  if (!m.textured && !own.alphaTested) return m;
-  m.texture = own.texture;
-  m.textureMean = own.textureMean;
-  m.alphaTested = own.alphaTested;
-  m.alphaCutoff = own.alphaCutoff;
-  m.name = fmt::format("{} ({})", material.name, own.name);
-  return m;
+// Returns the material of a rule, adapted to a part whose file gives it the material `fileMaterial`. The part keeps the
+// file's texture if `material` is textured, or if the texture's alpha decides which beams pass (cut-outs).
+Material withTextureOf(const Material& fileMaterial, const Material& material) {
+  Material adapted = material;
+  adapted.textured = material.textured && fileMaterial.texture;
+  if (!adapted.textured && !fileMaterial.alphaTested) return adapted;
+  adapted.texture = fileMaterial.texture;
+  adapted.textureMean = fileMaterial.textureMean;
+  adapted.alphaTested = fileMaterial.alphaTested;
+  adapted.alphaCutoff = fileMaterial.alphaCutoff;
+  adapted.name = fmt::format("{} ({})", material.name, fileMaterial.name);
+  return adapted;
 }
 
-// Triangles of a part that all get their class from the same rule and their material from the same rule.
+// The first of the rules that match a triangle and give it a class or a material.
+struct DecidingRules {
+  const Rule* classRule = nullptr;     // gives the class, or drops the triangle; null: no rule does
+  const Rule* materialRule = nullptr;  // gives the material; null: no rule does
+
+  auto operator<=>(const DecidingRules&) const = default;
+
+  // Considers the next rule that matches. Returns true if it decides on the class or the material.
+  bool add(const Rule& rule) {
+    const bool decidesClass = classRule == nullptr && rule.decides();
+    const bool decidesMaterial = materialRule == nullptr && !rule.materialName.empty();
+    if (decidesClass) classRule = &rule;
+    if (decidesMaterial) materialRule = &rule;
+    return decidesClass || decidesMaterial;
+  }
+};
+
+// Triangles of a part on which the same rules decide.
 struct LabelledPart {
   AssetPart part;
-  const Rule* classRule = nullptr;  // null if no rule gives these triangles a class or drops them
-  const Rule* materialRule = nullptr;
+  DecidingRules rules = {};
   const SemanticClass* semantic = nullptr;  // null: no class
   std::uint32_t object = 0;                 // the number of the triangles' thing; 0 if the class is not a thing class
 
@@ -46,25 +61,16 @@ struct LabelledPart {
 
 // Returns the indices of the rules whose name patterns match a part.
 std::vector<std::size_t> rulesFor(const AssetPart& part, const Labelling& labelling) {
-  std::vector<std::size_t> found;
+  std::vector<std::size_t> indices;
   for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
-    if (matchesNames(labelling.rules[r], {part.node, part.material, part.texture, labelling.file})) found.push_back(r);
+    const Names names{.node = part.node, .material = part.material, .texture = part.texture, .file = labelling.file};
+    if (matchesNames(labelling.rules[r], names)) indices.push_back(r);
   }
-  return found;
-}
-
-// Sets `classRule` to the rule if it is null and the rule gives a class or drops triangles, and `materialRule` if it is
-// null and the rule gives a material. Returns true if one of them was set.
-bool decide(const Rule& rule, const Rule*& classRule, const Rule*& materialRule) {
-  const bool decides = rule.decides() && classRule == nullptr;
-  const bool covers = !rule.materialName.empty() && materialRule == nullptr;
-  if (decides) classRule = &rule;
-  if (covers) materialRule = &rule;
-  return decides || covers;
+  return indices;
 }
 
 // Describes the class and material that a rule gives to triangles, for messages.
-std::string gives(const Rule& rule) {
+std::string resultOf(const Rule& rule) {
   std::string text = rule.drop ? "nothing: it drops them" : rule.className;
   if (!rule.materialName.empty()) text += (text.empty() ? "material " : ", material ") + rule.materialName;
   return text;
@@ -76,75 +82,72 @@ class TriangleCopier {
  public:
   explicit TriangleCopier(const AssetPart& part) : part_(part), copyOf_(part.positions.size(), kNotCopied) {}
 
+  // Returns a part with the triangles of these indices, in their order, and the look and the names of the part.
   AssetPart copy(const std::vector<std::size_t>& triangles) {
     AssetPart out;
+    static_cast<Look&>(out) = part_;
     out.node = part_.node;
     out.nodeIndex = part_.nodeIndex;
-    out.material = part_.material;
-    out.texture = part_.texture;
-    out.fileMaterial = part_.fileMaterial;
-    out.color = part_.color;
     out.ownClass = part_.ownClass;
-    std::vector<std::uint32_t> touched;
-    for (const std::size_t number : triangles) {
-      Triangle t = part_.triangles[number];
-      for (std::uint32_t& corner : t) {
-        std::uint32_t& to = copyOf_[corner];
-        if (to == kNotCopied) {
-          to = static_cast<std::uint32_t>(out.positions.size());
-          touched.push_back(corner);
+    std::vector<std::uint32_t> copiedVertices;
+    for (const std::size_t index : triangles) {
+      Triangle triangle = part_.triangles[index];
+      for (std::uint32_t& corner : triangle) {
+        std::uint32_t& cornerCopy = copyOf_[corner];
+        if (cornerCopy == kNotCopied) {
+          cornerCopy = static_cast<std::uint32_t>(out.positions.size());
+          copiedVertices.push_back(corner);
           out.positions.push_back(part_.positions[corner]);
           if (!part_.uvs.empty()) out.uvs.push_back(part_.uvs[corner]);
         }
-        corner = to;
+        corner = cornerCopy;
       }
-      out.triangles.push_back(t);
+      out.triangles.push_back(triangle);
     }
-    for (const std::uint32_t corner : touched) copyOf_[corner] = kNotCopied;
+    for (const std::uint32_t vertex : copiedVertices) copyOf_[vertex] = kNotCopied;
     return out;
   }
 
  private:
   static constexpr std::uint32_t kNotCopied = std::numeric_limits<std::uint32_t>::max();
   const AssetPart& part_;
-  std::vector<std::uint32_t> copyOf_;  // by vertex of the part: its number in the copy; kNotCopied: not copied yet
+  std::vector<std::uint32_t> copyOf_;  // by vertex of the part: its index in the current copy; or kNotCopied
 };
 
-// Appends a part to `out`, divided into groups of triangles with the same rules; counts the triangles of each rule.
+// Divides a part into groups of triangles on which the same rules decide, and appends the groups to `labelledParts`.
+// Adds the triangles of each rule to `uses`, which has one entry per rule of the labelling.
 void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, std::vector<RuleUse>& uses,
-                std::vector<LabelledPart>& out) {
-  const std::vector<std::size_t> named = rulesFor(part, labelling);
+                std::vector<LabelledPart>& labelledParts) {
+  const std::vector<std::size_t> matchingRules = rulesFor(part, labelling);
   const auto rule = [&](std::size_t r) -> const Rule& { return labelling.rules[r]; };
-  if (std::ranges::none_of(named, [&](std::size_t r) { return rule(r).byTriangle(); })) {
-    LabelledPart undivided;
-    for (const std::size_t r : named) {
+  if (std::ranges::none_of(matchingRules, [&](std::size_t r) { return rule(r).byTriangle(); })) {
+    DecidingRules deciding;
+    for (const std::size_t r : matchingRules) {
       uses[r].matched += part.triangles.size();
-      if (decide(rule(r), undivided.classRule, undivided.materialRule)) uses[r].decided += part.triangles.size();
+      if (deciding.add(rule(r))) uses[r].decided += part.triangles.size();
     }
-    undivided.part = std::move(part);
-    out.push_back(std::move(undivided));
+    labelledParts.push_back({std::move(part), deciding});
     return;
   }
-  const PartTraits traits(part, frame,
-                          std::ranges::any_of(named, [&](std::size_t r) { return rule(r).size.has_value(); }));
-  std::map<std::pair<const Rule*, const Rule*>, std::vector<std::size_t>> groups;
+  const bool testsSizes = std::ranges::any_of(matchingRules, [&](std::size_t r) { return rule(r).size.has_value(); });
+  const PartTraits traits(part, frame, testsSizes);
+  std::map<DecidingRules, std::vector<std::size_t>> groups;  // indices of the triangles
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
-    const TriangleTraits own = traits.at(t);
-    const Rule* classRule = nullptr;
-    const Rule* materialRule = nullptr;
-    for (const std::size_t r : named) {
-      if (!matchesTriangle(rule(r), own)) continue;
+    const TriangleTraits triangle = traits.at(t);
+    DecidingRules deciding;
+    for (const std::size_t r : matchingRules) {
+      if (!matchesTriangle(rule(r), triangle)) continue;
       ++uses[r].matched;
-      if (decide(rule(r), classRule, materialRule)) ++uses[r].decided;
+      if (deciding.add(rule(r))) ++uses[r].decided;
     }
-    groups[{classRule, materialRule}].push_back(t);
+    groups[deciding].push_back(t);
   }
   TriangleCopier copier(part);
-  for (const auto& [rules, triangles] : groups) out.push_back({copier.copy(triangles), rules.first, rules.second});
+  for (const auto& [deciding, triangles] : groups) labelledParts.push_back({copier.copy(triangles), deciding});
 }
 
-// Returns the least z (m) of the parts' triangles.
-double lowestOf(const std::vector<AssetPart>& parts) {
+// Returns the least z (m) of the parts' triangles; infinity if there are none.
+double lowestZ(const std::vector<AssetPart>& parts) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const AssetPart& part : parts) {
     for (const Triangle& t : part.triangles) {
@@ -156,26 +159,28 @@ double lowestOf(const std::vector<AssetPart>& parts) {
   return lowest;
 }
 
-// Appends the triangles of a part to the mesh, with the surface of this index.
+// Appends the triangles of a part to the mesh, with the surface of this index. If `withUvs` is true, each vertex of the
+// mesh has texture coordinates, which are zero for parts without.
 void append(Mesh& mesh, AssetPart part, std::uint16_t surface, bool withUvs) {
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  const auto take = [](auto& to, auto& from) {
-    if (to.empty()) {
-      to = std::move(from);
+  const auto firstVertex = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto moveTo = [](auto& target, auto& source) {
+    if (target.empty()) {
+      target = std::move(source);
     } else {
-      to.insert(to.end(), from.begin(), from.end());
+      target.insert(target.end(), source.begin(), source.end());
     }
   };
-  take(mesh.positions, part.positions);
+  moveTo(mesh.positions, part.positions);
   if (withUvs) {
-    take(mesh.uvs, part.uvs);
+    moveTo(mesh.uvs, part.uvs);
     mesh.uvs.resize(mesh.positions.size());
   }
-  for (Triangle& t : part.triangles) t = {first + t[0], first + t[1], first + t[2]};
-  take(mesh.triangles, part.triangles);
+  for (Triangle& t : part.triangles) t = {firstVertex + t[0], firstVertex + t[1], firstVertex + t[2]};
+  moveTo(mesh.triangles, part.triangles);
   mesh.surfaceOf.resize(mesh.triangles.size(), surface);
 }
 
+// Throws InputError if the parts do not fit into one mesh.
 void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labelling, const Location& where) {
   std::uint64_t vertices = 0;
   for (const LabelledPart& p : parts) vertices += p.part.positions.size();
@@ -190,46 +195,47 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
 }
 
 // Warns of a cloud's points that are of thing classes, but have no instance, if the file states labels or instances.
-void warnOfPointsWithoutInstance(const std::vector<ThingTriangles>& triangles, const std::string& file) {
-  std::uint64_t without = 0;
-  bool stated = false;
-  for (const ThingTriangles& t : triangles) {
-    stated = stated || !t.part->node.empty() || !t.part->ownClass.empty();
-    if (t.part->node.empty()) without += t.part->triangles.size() / 2;
+void warnOfPointsWithoutInstance(const std::vector<ThingTriangles>& cloudParts, const std::string& file) {
+  constexpr std::uint64_t kTrianglesPerPoint = 2;  // each point is a square
+  std::uint64_t pointCount = 0;
+  bool hasLabels = false;
+  for (const ThingTriangles& cloudPart : cloudParts) {
+    hasLabels = hasLabels || !cloudPart.part->node.empty() || !cloudPart.part->ownClass.empty();
+    if (cloudPart.part->node.empty()) pointCount += cloudPart.part->triangles.size() / kTrianglesPerPoint;
   }
-  if (!stated || without == 0) return;
+  if (!hasLabels || pointCount == 0) return;
   warn(fmt::format(
       "{}: {} points of classes of things have no instance, so that those of a class count as one object: number the "
       "objects in a column `instance`, or state `instances: object` if all are one",
-      file, grouped(without)));
+      file, grouped(pointCount)));
 }
 
-// Splits parts that contain several things, and sets LabelledPart::object.
-std::vector<LabelledPart> dividedThings(std::vector<LabelledPart> parts, const ThingBounds& bounds,
-                                        const std::string& file) {
-  std::vector<ThingTriangles> ofThings;
+// Splits parts that contain several things, and sets LabelledPart::object. `file` is named in messages.
+std::vector<LabelledPart> divideIntoThings(std::vector<LabelledPart> parts, const ThingBounds& bounds,
+                                           const std::string& file) {
+  std::vector<ThingTriangles> thingParts;
   for (const LabelledPart& p : parts) {
-    if (p.isOfThings()) ofThings.push_back({&p.part, p.semantic->id});
+    if (p.isOfThings()) thingParts.push_back({&p.part, p.semantic->id});
   }
-  if (bounds.byClass && bounds.by == ThingBounds::By::Node) warnOfPointsWithoutInstance(ofThings, file);
-  const std::vector<std::vector<std::uint32_t>> numbers = numberThings(bounds, ofThings);
-  std::uint32_t things = 0;
-  for (const std::vector<std::uint32_t>& own : numbers) {
-    if (!own.empty()) things = std::max(things, *std::ranges::max_element(own));
+  if (bounds.byClass && bounds.by == ThingBounds::By::Node) warnOfPointsWithoutInstance(thingParts, file);
+  const std::vector<std::vector<std::uint32_t>> thingNumbers = numberThings(bounds, thingParts);
+  std::uint32_t thingCount = 0;
+  for (const std::vector<std::uint32_t>& numbers : thingNumbers) {
+    if (!numbers.empty()) thingCount = std::max(thingCount, std::ranges::max(numbers));
   }
-  if (bounds.by == ThingBounds::By::Part && things > kMostSurfaces) {
+  if (bounds.by == ThingBounds::By::Part && thingCount > kMostSurfaces) {
     throw InputError(bounds.where,
                      fmt::format("'{}' has {} connected things, but at most {} can get instance ids: give `instances: "
                                  "node` or `instances: object`, or label less of the file with classes of things",
-                                 file, things, kMostSurfaces));
+                                 file, thingCount, kMostSurfaces));
   }
   std::vector<LabelledPart> divided;
-  auto ownNumbers = numbers.begin();
+  auto numbers = thingNumbers.begin();  // of the next part of things
   for (LabelledPart& labelled : parts) {
     std::map<std::uint32_t, std::vector<std::size_t>> trianglesOf;  // by number of the thing
     if (labelled.isOfThings()) {
-      for (std::size_t t = 0; t < ownNumbers->size(); ++t) trianglesOf[(*ownNumbers)[t]].push_back(t);
-      ++ownNumbers;
+      for (std::size_t t = 0; t < numbers->size(); ++t) trianglesOf[(*numbers)[t]].push_back(t);
+      ++numbers;
     }
     if (trianglesOf.size() < 2) {
       if (!trianglesOf.empty()) labelled.object = trianglesOf.begin()->first;
@@ -238,16 +244,17 @@ std::vector<LabelledPart> dividedThings(std::vector<LabelledPart> parts, const T
     }
     TriangleCopier copier(labelled.part);
     for (const auto& [object, triangles] : trianglesOf) {
-      divided.push_back({copier.copy(triangles), labelled.classRule, labelled.materialRule, labelled.semantic, object});
+      divided.push_back({copier.copy(triangles), labelled.rules, labelled.semantic, object});
     }
   }
   return divided;
 }
 
-// Gives parts of a file their rules, classes and things. Counts in `dropped` the triangles that cannot be traced.
-std::vector<LabelledPart> labelled(const Ontology& ontology, std::vector<AssetPart> assetParts, const Vec3d& origin,
-                                   const Labelling& labelling, std::vector<RuleUse>& uses, Dropped& dropped) {
-  const PartFrame frame{origin, lowestOf(assetParts)};
+// Gives parts of a file their rules, classes and things. `origin` is that of the parts' frame (m, asset frame). Adds
+// the triangles of each rule to `uses`, and those that cannot be traced to `dropped`.
+std::vector<LabelledPart> labelParts(const Ontology& ontology, std::vector<AssetPart> assetParts, const Vec3d& origin,
+                                     const Labelling& labelling, std::vector<RuleUse>& uses, Dropped& dropped) {
+  const PartFrame frame{origin, lowestZ(assetParts)};
   std::vector<LabelledPart> parts;
   for (AssetPart& part : assetParts) {
     // Removes triangles that cannot be traced, because such a triangle without neighbours would become a thing.
@@ -256,29 +263,30 @@ std::vector<LabelledPart> labelled(const Ontology& ontology, std::vector<AssetPa
     }
     applyRules(std::move(part), labelling, frame, uses, parts);
   }
-  std::erase_if(parts, [](const LabelledPart& p) { return p.classRule != nullptr && p.classRule->drop; });
+  std::erase_if(parts, [](const LabelledPart& p) { return p.rules.classRule != nullptr && p.rules.classRule->drop; });
   for (LabelledPart& p : parts) {
-    const Rule* const rule = p.classRule;
+    const Rule* const rule = p.rules.classRule;
     p.semantic = rule == nullptr ? ontology.find(p.part.ownClass) : &ontology.require(rule->className, rule->where);
   }
-  return dividedThings(std::move(parts), labelling.things, labelling.file);
+  return divideIntoThings(std::move(parts), labelling.things, labelling.file);
 }
 
-// Adds the mesh of the labelled parts of a file. Returns the mesh's index; nullopt if no triangle remains. Counts in
-// `dropped` the triangles that cannot be traced.
+// Adds the mesh of the labelled parts of a file. Returns the mesh's index; nullopt if no triangle remains. Adds the
+// triangles that cannot be traced to `dropped`.
 std::optional<std::uint32_t> addMesh(SceneBuilder& builder, std::vector<LabelledPart> parts, const Labelling& labelling,
                                      Dropped& dropped) {
   Mesh mesh;
   mesh.name = labelling.file;
-  std::vector<Material> materials;
-  bool withUvs = false;
+  std::vector<Material> materials;  // by part
   for (const LabelledPart& p : parts) {
-    const Material& own = p.part.fileMaterial;
-    const Rule* const rule = p.materialRule;
-    materials.push_back(rule ? withMaterial(builder.library().require(rule->materialName, rule->where), own) : own);
-    withUvs = withUvs || materials.back().texture;
+    const Rule* const rule = p.rules.materialRule;
+    const Material& fileMaterial = p.part.fileMaterial;
+    materials.push_back(rule == nullptr
+                            ? fileMaterial
+                            : withTextureOf(fileMaterial, builder.library().require(rule->materialName, rule->where)));
   }
-  std::vector<UnlabeledPart> names;
+  const bool withUvs = std::ranges::any_of(materials, [](const Material& m) { return m.texture != nullptr; });
+  std::vector<UnlabeledPart> partNames;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     AssetPart& part = parts[i].part;
     Surface surface;
@@ -287,27 +295,40 @@ std::optional<std::uint32_t> addMesh(SceneBuilder& builder, std::vector<Labelled
     surface.object = parts[i].object;
     surface.node = part.node;
     surface.texture = part.texture;
-    if (parts[i].classRule != nullptr) surface.labelledBy = parts[i].classRule->where;
+    if (const Rule* const rule = parts[i].rules.classRule) surface.labelledBy = rule->where;
     mesh.surfaces.push_back(std::move(surface));
-    names.push_back({labelling.file, part.material, part.texture, part.node});
+    partNames.push_back({labelling.file, part.material, part.texture, part.node});
     append(mesh, std::move(part), static_cast<std::uint16_t>(i), withUvs);
   }
 
   dropped += clean(mesh);
   if (mesh.triangles.empty()) return std::nullopt;
-  std::vector<std::uint64_t> triangles(mesh.surfaces.size());
-  for (const std::uint16_t surface : mesh.surfaceOf) ++triangles[surface];
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (parts[i].semantic == nullptr && triangles[i] > 0 && !labelling.counted)
-      builder.addUnlabeled(names[i], triangles[i]);
+  std::vector<std::uint64_t> trianglesOfSurface(mesh.surfaces.size());
+  for (const std::uint16_t surface : mesh.surfaceOf) ++trianglesOfSurface[surface];
+  for (std::size_t i = 0; i < parts.size() && !labelling.counted; ++i) {
+    const std::uint64_t triangles = trianglesOfSurface[i];
+    if (parts[i].semantic == nullptr && triangles > 0) builder.addUnlabeled(partNames[i], triangles);
   }
   return builder.addMesh(std::move(mesh));
+}
+
+// Throws the error for an asset of which no triangle remains. `uses` has one entry per rule.
+[[noreturn]] void refuseEmpty(const Labelling& labelling, const std::vector<RuleUse>& uses, const Dropped& dropped,
+                              const Location& where) {
+  std::uint64_t droppedByRules = 0;
+  for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
+    if (labelling.rules[r].drop) droppedByRules += uses[r].decided;
+  }
+  throw InputError(
+      where, fmt::format("no triangle of '{}' remains: rules drop {} (lengths in rules are in m, after `unit`), {} "
+                         "have NaN or infinite corners, {} have no area, {} have indices out of range",
+                         labelling.file, droppedByRules, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
 }
 
 }  // namespace
 
 bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling) {
-  const auto shows = [&](const AssetPart& part) {
+  const auto showsTexture = [&](const AssetPart& part) {
     if (part.texture.empty()) return false;
     for (const std::size_t r : rulesFor(part, labelling)) {
       const Rule& rule = labelling.rules[r];
@@ -318,9 +339,9 @@ bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labell
     }
     return true;
   };
-  return std::ranges::any_of(asset.parts, shows) ||
+  return std::ranges::any_of(asset.parts, showsTexture) ||
          std::ranges::any_of(asset.instanced, [&](const InstancedParts& instanced) {
-           return std::ranges::any_of(instanced.parts, shows);
+           return std::ranges::any_of(instanced.parts, showsTexture);
          });
 }
 
@@ -329,40 +350,31 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
   // Rules by box, height, slope or size test positions in the asset's frame, so all instances must first be turned into
   // parts in that frame.
   if (std::ranges::any_of(labelling.rules, [](const Rule& r) { return r.box || r.height || r.slope || r.size; })) {
-    flatten(asset);  // flatten() ignores Asset::origin: assets with an origin have no instances
+    flatten(asset);
   }
+  InstancedParts singleParts{std::move(asset.parts), {}};
+  if (length(asset.origin) > 0) singleParts.assetFromParts = {Affine{{}, asset.origin}};
+  asset.instanced.insert(asset.instanced.begin(), std::move(singleParts));
   Dropped dropped = asset.dropped;
-  std::vector<RuleUse> uses;
-  for (const Rule& rule : labelling.rules) uses.push_back({rule.where, describe(rule), gives(rule)});
+  std::vector<RuleUse> uses;  // by rule
+  for (const Rule& rule : labelling.rules) uses.push_back({rule.where, describe(rule), resultOf(rule)});
   std::vector<PlacedMesh> meshes;
-  const auto add = [&](std::vector<AssetPart> parts, const Vec3d& origin, std::vector<Affine> places) {
-    if (parts.empty()) return;
-    std::string node = parts.front().node;
+  for (InstancedParts& group : asset.instanced) {
+    if (group.parts.empty()) continue;
+    std::string node = group.parts.front().node;
+    // Assets with an origin have no instances, so that the origin is that of every group.
     std::vector<LabelledPart> labelledParts =
-        labelled(builder.ontology(), std::move(parts), origin, labelling, uses, dropped);
+        labelParts(builder.ontology(), std::move(group.parts), asset.origin, labelling, uses, dropped);
     checkSize(labelledParts, labelling, where);
-    const std::optional<std::uint32_t> mesh = addMesh(builder, std::move(labelledParts), labelling, dropped);
-    if (mesh) meshes.push_back({*mesh, std::move(node), std::move(places)});
-  };
-  const bool moved = length(asset.origin) > 0;
-  add(std::move(asset.parts), asset.origin, moved ? std::vector{Affine{{}, asset.origin}} : std::vector<Affine>{});
-  for (InstancedParts& instanced : asset.instanced) {
-    add(std::move(instanced.parts), {}, std::move(instanced.assetFromParts));
+    if (const auto mesh = addMesh(builder, std::move(labelledParts), labelling, dropped)) {
+      meshes.push_back({*mesh, std::move(node), std::move(group.assetFromParts)});
+    }
   }
   if (!labelling.counted) {
     builder.addDropped(dropped);
     for (const RuleUse& use : uses) builder.countRule(use);
   }
-  if (meshes.empty()) {
-    std::uint64_t byRules = 0;
-    for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
-      if (labelling.rules[r].drop) byRules += uses[r].decided;
-    }
-    throw InputError(
-        where, fmt::format("no triangle of '{}' remains: rules drop {} (lengths in rules are in m, after `unit`), {} "
-                           "have NaN or infinite corners, {} have no area, {} have indices out of range",
-                           labelling.file, byRules, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
-  }
+  if (meshes.empty()) refuseEmpty(labelling, uses, dropped, where);
   return meshes;
 }
 

@@ -43,11 +43,11 @@ struct ThingTriangles {
 //   Node    Each node is one thing; nodes are numbered by AssetPart::nodeIndex.
 //   Name    All nodes with the same match are one thing. The match is the text of the regular expression's first group,
 //           or the complete match if the expression has no group. Each node without a match is one thing.
-//   Part    Triangles of one class are grouped into things by thingsOf().
+//   Part    Triangles of one class are grouped into things by groupIntoThings().
 //
 // With ThingBounds::byClass each class of a node or of a match has things of its own.
 std::vector<std::vector<std::uint32_t>> numberThings(const ThingBounds& bounds,
-                                                     const std::vector<ThingTriangles>& triangles);
+                                                     const std::vector<ThingTriangles>& parts);
 
 struct Labelling {
   std::vector<Rule> rules;  // the first rule that matches decides

@@ -34,39 +34,41 @@ const SurfaceHeights& ObjectPlacer::surfaces() {
 // Reads the key `moving`: a velocity, or a path by waypoints or on the surfaces of earlier objects, with one or several
 // starts.
 std::vector<std::shared_ptr<const Movement>> ObjectPlacer::movementsOf(const Value& moving) {
+  // By the key that says how the object moves: the keys that may stand beside it.
   static const std::map<std::string_view, std::set<std::string_view>> kKeysBeside{
       {"to", {"from", "on", "keep", "speed", "start"}}, {"waypoints", {"ground", "speed", "start"}}, {"velocity", {}}};
-  Fields f(moving, "moving");
-  f.also({"velocity", "waypoints", "from", "to", "on", "keep", "speed", "start", "ground"}).finish();
-  const std::string_view by = f.has("to") ? "to" : f.has("waypoints") ? "waypoints" : "velocity";
-  if (!f.has(by)) {
+  Fields fields(moving, "moving");
+  fields.also({"velocity", "waypoints", "from", "to", "on", "keep", "speed", "start", "ground"}).finish();
+  const std::string_view mode = fields.has("to") ? "to" : fields.has("waypoints") ? "waypoints" : "velocity";
+  if (!fields.has(mode)) {
     throw InputError(moving.where,
                      "moving needs velocity, such as [8, 0, 0] in m/s, or waypoints or from, to and on, with a speed");
   }
   for (const Value::Entry& entry : moving.entries) {
-    if (entry.key == by || !f.has(entry.key) || kKeysBeside.at(by).contains(entry.key)) continue;
-    throw InputError(entry.value.where, fmt::format("{} has no effect beside `{}`: leave it out", entry.key, by));
+    if (entry.key == mode || !fields.has(entry.key) || kKeysBeside.at(mode).contains(entry.key)) continue;
+    throw InputError(entry.value.where, fmt::format("{} has no effect beside `{}`: leave it out", entry.key, mode));
   }
-  if (by == "velocity") {
-    const Vec3d velocity = f.vec3("velocity", {});
+  if (mode == "velocity") {
+    const Vec3d velocity = fields.vec3("velocity", {});
     if (length(velocity) <= kFastestObject) return {std::make_shared<Movement>(velocity)};
-    throw InputError(f.require("velocity").where, fmt::format("velocity is above {:g} m/s", kFastestObject));
+    throw InputError(fields.require("velocity").where, fmt::format("velocity is above {:g} m/s", kFastestObject));
   }
-  std::vector<Vec3d> points = f.has("to") ? findRoadPath(surfaces(), builder_.ontology(), readRoadTrip(f))
-                                          : readWaypoints(f.require("waypoints"));
-  if (f.has("ground")) {
-    f.choice("ground", {"drop"}, "");
-    points = droppedOnGround(surfaces(), points, f.require("ground").where);
+  std::vector<Vec3d> waypoints = fields.has("to") ? findRoadPath(surfaces(), builder_.ontology(), readRoadTrip(fields))
+                                                  : readWaypoints(fields.require("waypoints"));
+  if (fields.has("ground")) {
+    fields.choice("ground", {"drop"}, "");
+    waypoints = droppedOnGround(surfaces(), waypoints, fields.require("ground").where);
   }
-  const auto path = std::make_shared<const Path>(points);
-  const double speed = f.number("speed", {0.001, kFastestObject});
-  const Range along{0, path->length() * (1 + 1e-9)};
-  const Value* const start = f.find("start");
-  const bool several = start != nullptr && start->kind == Value::Kind::Sequence;
-  const std::vector<double> starts = several ? f.numbers("start", along) : std::vector{f.number("start", along, 0)};
+  const auto path = std::make_shared<const Path>(waypoints);
+  const double speed = fields.number("speed", {0.001, kFastestObject});
+  const Range limits{0, path->length() * (1 + 1e-9)};  // m; a start at the very end may be rounded
+  const Value* const start = fields.find("start");
+  const bool isList = start != nullptr && start->kind == Value::Kind::Sequence;
+  const std::vector<double> starts =
+      isList ? fields.numbers("start", limits) : std::vector{fields.number("start", limits, 0)};
   std::vector<std::shared_ptr<const Movement>> movements;
-  for (const double at : starts) {
-    movements.push_back(std::make_shared<Movement>(path, std::min(at, path->length()), speed));
+  for (const double distance : starts) {
+    movements.push_back(std::make_shared<Movement>(path, std::min(distance, path->length()), speed));
   }
   if (movements.empty()) throw InputError(start->where, "start must be at least one distance in m");
   return movements;
@@ -86,13 +88,13 @@ Copies ObjectPlacer::read(Fields& object) {
   return copies;
 }
 
-// Returns the height (m) of the lowest point of some meshes under a pose.
-double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const {
+// Returns the z (m, world) of the lowest point of an asset's meshes.
+double ObjectPlacer::lowestZ(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const {
   double lowest = std::numeric_limits<double>::infinity();
-  for (const PlacedMesh& m : meshes) {
-    const Mesh& mesh = builder_.soFar().meshes[m.mesh];
+  for (const PlacedMesh& placed : meshes) {
+    const Mesh& mesh = builder_.soFar().meshes[placed.mesh];
     const Box box = mesh.bounds();
-    const auto add = [&](const Affine& worldFromMesh) {
+    const auto addMesh = [&](const Affine& worldFromMesh) {
       // A corner of a tilted box can be lower than the mesh.
       if (worldFromMesh.linear.x.z != 0 || worldFromMesh.linear.y.z != 0) {
         for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (worldFromMesh * Vec3d(p)).z);
@@ -100,62 +102,59 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
       }
       lowest = std::min(lowest, boxAround(worldFromMesh, box).low.z);
     };
-    if (m.assetFromMesh.empty()) add(worldFromAsset);
-    for (const Affine& assetFromMesh : m.assetFromMesh) add(worldFromAsset * assetFromMesh);
+    if (placed.assetFromMesh.empty()) addMesh(worldFromAsset);
+    for (const Affine& assetFromMesh : placed.assetFromMesh) addMesh(worldFromAsset * assetFromMesh);
   }
   return lowest;
-}
-
-// An object's random numbers depend only on the scene's seed, the object's name, and how many earlier objects have that
-// name. Other objects do not change them. Objects with the same `thing` share their numbers, so that their n-th copies
-// stay together.
-std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, const std::string& name,
-                                                      std::size_t variants, const Chosen& meshesOf) {
-  const std::uint32_t object =
-      copies.thing.empty() ? fnv1a(fmt::format("{}\n{}", name, named_[name]++)) : fnv1a("thing\n" + copies.thing);
-  const SurfaceHeights* const heights = copies.arrangement.needsSurfaces() ? &surfaces() : nullptr;
-  return copies.arrangement.places(
-      copies.placement, builder_.soFar(), heights, seed_, object, variants,
-      [&](const Arrangement::Copy& c) { return lowestOf(meshesOf(c.variant), c.worldFromMesh); });
 }
 
 void ObjectPlacer::place(const Variants& variants, const std::string& name, const Copies& copies,
                          const Location& where) {
   random_ = random_ || copies.arrangement.random() || variants.count > 1;
-  std::vector<const std::vector<PlacedMesh>*> known(variants.count, nullptr);
-  const Chosen meshesOf = [&](std::size_t k) -> const std::vector<PlacedMesh>& {
-    if (known[k] == nullptr) known[k] = &variants.meshes(k);
-    return *known[k];
+  std::vector<const std::vector<PlacedMesh>*> loaded(variants.count, nullptr);
+  const auto meshesOf = [&](std::size_t variant) -> const std::vector<PlacedMesh>& {
+    if (loaded[variant] == nullptr) loaded[variant] = &variants.meshes(variant);
+    return *loaded[variant];
   };
-  const std::vector<Arrangement::Copy> places = placesOf(copies, name, variants.count, meshesOf);
-  std::uint64_t count = 0;
-  for (const Arrangement::Copy& copy : places) {
-    for (const PlacedMesh& m : meshesOf(copy.variant)) count += std::max<std::size_t>(m.assetFromMesh.size(), 1);
+  // An object's random numbers depend only on the scene's seed, the object's name, and how many earlier objects have
+  // that name. Other objects do not change them. Objects with the same `thing` share their numbers, so that their n-th
+  // copies stay together.
+  const std::uint32_t object = copies.thing.empty() ? fnv1a(fmt::format("{}\n{}", name, objectsByName_[name]++))
+                                                    : fnv1a("thing\n" + copies.thing);
+  const std::vector<Arrangement::Copy> arranged = copies.arrangement.copies(
+      copies.placement, builder_.soFar(), copies.arrangement.needsSurfaces() ? &surfaces() : nullptr, seed_, object,
+      variants.count, [&](const Arrangement::Copy& c) { return lowestZ(meshesOf(c.variant), c.worldFromMesh); });
+  const std::size_t perCopy = std::max<std::size_t>(copies.movements.size(), 1);
+  std::uint64_t meshCount = 0;
+  for (const Arrangement::Copy& copy : arranged) {
+    for (const PlacedMesh& m : meshesOf(copy.variant)) {
+      meshCount += perCopy * std::max<std::size_t>(m.assetFromMesh.size(), 1);
+    }
   }
-  const std::size_t rows = std::max<std::size_t>(copies.movements.size(), 1);
-  count *= rows;
-  placed_ += count;
-  if (placed_ > Placement::mostCopies()) {
-    throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects, but {}", count, placed_,
-                                        Placement::mostCopiesText()));
+  placedMeshes_ += meshCount;
+  if (placedMeshes_ > Placement::mostCopies()) {
+    throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects, but {}", meshCount,
+                                        placedMeshes_, Placement::mostCopiesText()));
   }
   std::uint64_t number = 0;
-  for (const auto& [worldFromAsset, variant, copyNumber] : places) {
-    for (std::size_t row = 0; row < rows; ++row) {
+  for (const auto& [worldFromAsset, variant, copyNumber] : arranged) {
+    for (std::size_t m = 0; m < perCopy; ++m) {
       ++number;
-      const std::shared_ptr<const Movement> movement = copies.movements.empty() ? nullptr : copies.movements[row];
-      const std::string own = places.size() * rows == 1 ? name : fmt::format("{}#{}", name, number);
+      const std::shared_ptr<const Movement> movement = copies.movements.empty() ? nullptr : copies.movements[m];
+      const std::string copyName = arranged.size() * perCopy == 1 ? name : fmt::format("{}#{}", name, number);
       const std::string thing =
-          copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, (copyNumber - 1) * rows + row + 1);
+          copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, (copyNumber - 1) * perCopy + m + 1);
       const std::vector<PlacedMesh>& meshes = meshesOf(variant);
-      for (const PlacedMesh& m : meshes) {
-        const auto put = [&](const Affine& worldFromMesh, const std::string& called, const auto& animation) {
-          builder_.place(m.mesh, worldFromMesh, called, where, movement, animation, thing).facing = copies.facing;
+      for (const PlacedMesh& placed : meshes) {
+        const auto put = [&](const Affine& worldFromMesh, const std::string& meshName, const auto& animation) {
+          builder_.place(placed.mesh, worldFromMesh, meshName, where, movement, animation, thing).facing =
+              copies.facing;
         };
-        if (m.assetFromMesh.empty()) put(worldFromAsset, own, copies.animation);
-        for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
-          const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
-          put(worldFromAsset * m.assetFromMesh[i], alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), nullptr);
+        if (placed.assetFromMesh.empty()) put(worldFromAsset, copyName, copies.animation);
+        const bool isOnly = meshes.size() == 1 && placed.assetFromMesh.size() == 1;
+        for (std::size_t i = 0; i < placed.assetFromMesh.size(); ++i) {
+          put(worldFromAsset * placed.assetFromMesh[i],
+              isOnly ? copyName : fmt::format("{}/{} {}", copyName, placed.node, i + 1), nullptr);
         }
       }
     }

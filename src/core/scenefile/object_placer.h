@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,7 +34,8 @@ class Arrangement {
   // Values of an object's keys; each struct is one key.
   struct Distance {
     std::uint16_t semantic = 0;
-    double least = 0, most = 0;  // m, as seen from above; `most` is infinite if only the least distance is given
+    double least = 0;                                       // m, as seen from above
+    double most = std::numeric_limits<double>::infinity();  // m, as seen from above
     Location where;
   };
   struct Scatter {
@@ -44,19 +46,20 @@ class Arrangement {
     double spacing = 0;                           // m, least distance between places, as seen from above
     double slope = 0;                             // rad, largest slope of a surface that gets copies
     std::optional<std::array<double, 4>> within;  // m, least x and y, then the greatest
-    bool covered = false;
+    bool covered = false;                         // true: surfaces below other surfaces get copies too
     Location where;
   };
   struct Along {
     std::vector<Vec3d> waypoints;  // empty if there is a `trip`
     std::optional<RoadTrip> trip;
-    double every = 0, left = 0;  // m, distance between places along the path; m, offset to the left of the path
+    double interval = 0;    // m, distance between places along the path
+    double leftOffset = 0;  // m, of the places to the left of the path
     Location where;
   };
   struct Vary {
     Range yaw{0, 0}, scale{1, 1};  // ranges of a copy's random yaw (rad) and scale
     double position = 0;           // m, largest horizontal displacement of a copy
-    double presence = 1;
+    double presence = 1;           // probability that a copy is present
   };
   struct StandOn {
     std::vector<std::uint16_t> classes;  // classes to stand on; empty: all classes that are not thing classes
@@ -80,18 +83,18 @@ class Arrangement {
   // Returns the copies, in this order: all places, from which `vary` moves some and leaves some out; then those are set
   // on the surfaces of `stand_on`, or left out where there is none. Each has a random index below `variants`.
   // `heights`: the surfaces of `scene`, which has the objects listed before this one; required if needsSurfaces().
-  // `lowest` returns the height of a copy's lowest point (m). Throws InputError if the scene has no surface of the
+  // `lowestZ` returns the z of a copy's lowest point (m, world). Throws InputError if the scene has no surface of the
   // required classes, or too little room.
-  std::vector<Copy> places(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
+  std::vector<Copy> copies(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
                            std::uint64_t seed, std::uint32_t object, std::size_t variants,
-                           const std::function<double(const Copy&)>& lowest) const;
+                           const std::function<double(const Copy&)>& lowestZ) const;
 
  private:
   std::vector<Pose> scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
                               std::uint32_t object) const;
   std::vector<Pose> alongPath(const Scene& scene, const SurfaceHeights* heights) const;
-  std::vector<Copy> standing(std::vector<Copy> copies, const SurfaceHeights& heights, std::uint64_t seed,
-                             const std::function<double(const Copy&)>& lowest) const;
+  std::vector<Copy> stoodOnSurfaces(const std::vector<Copy>& copies, const SurfaceHeights& heights, std::uint64_t seed,
+                                    const std::function<double(const Copy&)>& lowestZ) const;
 
   std::optional<Scatter> scatter_;
   std::optional<Along> along_;
@@ -106,7 +109,7 @@ struct Copies {
   Arrangement arrangement;
   std::string thing;  // the n-th copies of all objects with the same `thing` are one thing; if empty, each copy is a
                       // thing
-  // Each copy moves once as each of these movements says; empty: the object stands still.
+  // Each copy is placed once for each of these movements; empty: it is placed once and stands still.
   std::vector<std::shared_ptr<const Movement>> movements;
   std::shared_ptr<const Animation> animation;  // null: the object keeps its mesh
   std::optional<double> facing = {};           // rad, direction in which the object faces, see Instance::facing
@@ -130,26 +133,24 @@ class ObjectPlacer {
   // True if the number, the poses, the files or the materials of the copies placed so far depend on the seed.
   bool random() const { return random_; }
 
-  // Places all copies, in order. Throws InputError, at `where` if the scene then has over mostCopies() placed meshes.
+  // Places all copies, in order, each once for each of its movements. Throws InputError, at `where` if the scene then
+  // has over mostCopies() placed meshes.
   void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
   // Places the copies of an object that has a single set of meshes.
   void place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
              const Location& where);
 
  private:
-  using Chosen = std::function<const std::vector<PlacedMesh>&(std::size_t)>;
   const SurfaceHeights& surfaces();
   std::vector<std::shared_ptr<const Movement>> movementsOf(const Value& moving);
-  double lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const;
-  std::vector<Arrangement::Copy> placesOf(const Copies& copies, const std::string& name, std::size_t variants,
-                                          const Chosen& meshesOf);
+  double lowestZ(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const;
 
   SceneBuilder& builder_;
   std::uint64_t seed_;
   std::optional<SurfaceHeights> heights_;
-  std::uint64_t placed_ = 0;
+  std::uint64_t placedMeshes_ = 0;
   bool random_ = false;
-  std::map<std::string, std::uint32_t> named_;  // by name: the number of objects with that name so far
+  std::map<std::string, std::uint32_t> objectsByName_;  // the number of objects with this name so far
 };
 
 }  // namespace scanmill

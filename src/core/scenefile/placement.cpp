@@ -11,18 +11,21 @@ namespace scanmill {
 namespace {
 
 constexpr double kFarthest = 1e9;  // m, largest coordinate; UTM coordinates reach 1e7 m
+constexpr double kLeastScale = 1e-9;
+constexpr double kLargestScale = 1e9;
 
+// Reads a number, or [x, y, z].
 Vec3d readScale(const Value& value) {
   Vec3d scale;
   if (value.kind == Value::Kind::Sequence) {
     scale = readVec3(value, "scale");
   } else {
-    const double s = readNumber(value, "scale");
-    scale = {s, s, s};
+    const double factor = readNumber(value, "scale");
+    scale = {factor, factor, factor};
   }
-  for (const double s : {scale.x, scale.y, scale.z}) {
-    if (std::abs(s) < 1e-9 || std::abs(s) > 1e9) {
-      throw InputError(value.where, fmt::format("scale must have an absolute value from 1e-9 to 1e9, not {}", s));
+  for (const double factor : {scale.x, scale.y, scale.z}) {
+    if (std::abs(factor) < kLeastScale || std::abs(factor) > kLargestScale) {
+      throw InputError(value.where, fmt::format("scale must have an absolute value from 1e-9 to 1e9, not {}", factor));
     }
   }
   return scale;
@@ -54,9 +57,9 @@ void readGrid(const Value& value, Placement& placement) {
 
 void readCopies(const Value& value, Placement& placement) {
   Fields f(value, "copies");
-  if (const Value* at = f.find("at")) {
+  if (const Value* list = f.find("at")) {
     placement.at.clear();
-    for (const Value& item : readList(*at, "at")) {
+    for (const Value& item : readList(*list, "at")) {
       Fields fields(item, "copy");
       placement.at.push_back(readCopy(fields));
       fields.finish();
@@ -64,11 +67,12 @@ void readCopies(const Value& value, Placement& placement) {
   }
   if (const Value* grid = f.find("grid")) readGrid(*grid, placement);
   f.also({"scatter", "along"}).finish();  // object_placer.h describes these
-  const auto& n = placement.gridCount;
-  const double total = double(n[0]) * double(n[1]) * double(n[2]) * double(placement.at.size());
-  if (total > double(Placement::mostCopies())) {
-    throw InputError(value.where, fmt::format("{} x {} x {} grid cells x {} places = {:.4g} copies, but {}", n[0], n[1],
-                                              n[2], placement.at.size(), total, Placement::mostCopiesText()));
+  const auto& cells = placement.gridCount;
+  const double copies = double(cells[0]) * double(cells[1]) * double(cells[2]) * double(placement.at.size());
+  if (copies > double(Placement::mostCopies())) {
+    throw InputError(value.where,
+                     fmt::format("{} x {} x {} grid cells x {} places = {:.4g} copies, but {}", cells[0], cells[1],
+                                 cells[2], placement.at.size(), copies, Placement::mostCopiesText()));
   }
 }
 
@@ -114,16 +118,16 @@ Placement readPlacement(Fields& object) {
 }
 
 std::array<double, 4> readRectangle(const Value& value, std::string_view key) {
-  std::vector<double> ends;
+  std::vector<double> limits;
   for (const Value& corner : value.items) {
-    for (const double c : readNumbers(corner, key)) ends.push_back(c);
+    for (const double coordinate : readNumbers(corner, key)) limits.push_back(coordinate);
   }
-  if (value.kind != Value::Kind::Sequence || ends.size() != 4 || ends[0] >= ends[2] || ends[1] >= ends[3]) {
+  if (value.kind != Value::Kind::Sequence || limits.size() != 4 || limits[0] >= limits[2] || limits[1] >= limits[3]) {
     throw InputError(value.where, fmt::format("{} must be [[x, y], [x, y]]: the corner with the least coordinates, "
                                               "then the one with the greatest",
                                               key));
   }
-  return {ends[0], ends[1], ends[2], ends[3]};
+  return {limits[0], limits[1], limits[2], limits[3]};
 }
 
 }  // namespace scanmill

@@ -24,7 +24,7 @@ struct Placement {
     Vec3d scale{1, 1, 1};
   };
   Copy object;
-  std::vector<Copy> at{Copy{}};
+  std::vector<Copy> at{Copy{}};  // the copies of each grid cell
   std::array<std::int64_t, 3> gridCount{1, 1, 1};
   Vec3d gridSpacing;
 

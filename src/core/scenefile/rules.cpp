@@ -15,14 +15,14 @@
 namespace scanmill {
 namespace {
 
-// Returns the index behind the set that starts with the '[' at glob[at]; `at` if the set has no ']'.
-std::size_t endOfSet(std::string_view glob, std::size_t at) {
-  const bool negated = at + 1 < glob.size() && (glob[at + 1] == '!' || glob[at + 1] == '^');
-  const std::size_t close = glob.find(']', at + (negated ? 3 : 2));  // a ']' that comes first is an item of the set
-  return close == std::string_view::npos ? at : close + 1;
+// Returns the index behind the set that starts with the '[' at glob[open]; `open` if the set has no ']'.
+std::size_t endOfSet(std::string_view glob, std::size_t open) {
+  const bool negated = open + 1 < glob.size() && (glob[open + 1] == '!' || glob[open + 1] == '^');
+  const std::size_t close = glob.find(']', open + (negated ? 3 : 2));  // a ']' that comes first is an item of the set
+  return close == std::string_view::npos ? open : close + 1;
 }
 
-// Returns a set, such as [a-z] or [!abc], as a regular expression.
+// Returns a set, such as [a-z] or [!abc], as a regular expression. endOfSet() has found the end of the set.
 std::string regexOfSet(std::string_view set) {
   const bool negated = set[1] == '!' || set[1] == '^';
   const std::string_view items = set.substr(negated ? 2 : 1, set.size() - (negated ? 3 : 2));
@@ -39,36 +39,37 @@ std::string regexOfSet(std::string_view set) {
 // Returns the indices of the opening brace at glob[open], of its commas and of its closing brace; an empty list if
 // nothing closes it, or if nothing is inside.
 std::vector<std::size_t> bracesAt(std::string_view glob, std::size_t open) {
-  std::vector<std::size_t> ends{open};
+  std::vector<std::size_t> marks{open};
   int depth = 1;
   for (std::size_t i = open + 1; i < glob.size(); ++i) {
     if (glob[i] == '[') i = std::max(endOfSet(glob, i), i + 1) - 1;
     if (glob[i] == '{') ++depth;
     if (glob[i] == '}') --depth;
-    if (depth == 0 || (glob[i] == ',' && depth == 1)) ends.push_back(i);
-    if (depth == 0) return i == open + 1 ? std::vector<std::size_t>{} : ends;
+    if (depth == 0 || (glob[i] == ',' && depth == 1)) marks.push_back(i);
+    if (depth == 0) return i == open + 1 ? std::vector<std::size_t>{} : marks;
   }
   return {};
 }
 
 // Returns a glob as a regular expression for the whole name. Braces around a text without commas may be ordinary
-// characters of a name, too: "{a}" matches "a" and "{a}". Braces that are never closed are ordinary characters.
-std::string regexOf(std::string_view glob, int nested, const Location& where) {
-  constexpr int kMostNested = 8;
-  if (nested > kMostNested) {
-    throw InputError(where, fmt::format("the braces of a pattern are nested more than {} deep", kMostNested));
+// characters of a name, too: "{a}" matches "a" and "{a}". Braces that are never closed are ordinary characters. `depth`
+// is the number of braces around the glob.
+std::string regexOf(std::string_view glob, int depth, const Location& where) {
+  constexpr int kDeepest = 8;
+  if (depth > kDeepest) {
+    throw InputError(where, fmt::format("the braces of a pattern are nested more than {} deep", kDeepest));
   }
   std::string regex;
   for (std::size_t i = 0; i < glob.size();) {
     const std::vector<std::size_t> braces = glob[i] == '{' ? bracesAt(glob, i) : std::vector<std::size_t>{};
     const std::size_t setEnd = glob[i] == '[' ? endOfSet(glob, i) : i;
     if (!braces.empty()) {
-      std::vector<std::string> parts;
+      std::vector<std::string> alternatives;
       for (std::size_t k = 0; k + 1 < braces.size(); ++k) {
-        parts.push_back(regexOf(glob.substr(braces[k] + 1, braces[k + 1] - braces[k] - 1), nested + 1, where));
+        alternatives.push_back(regexOf(glob.substr(braces[k] + 1, braces[k + 1] - braces[k] - 1), depth + 1, where));
       }
-      if (parts.size() == 1) parts.push_back("\\{" + parts.front() + "\\}");
-      regex += fmt::format("(?:{})", fmt::join(parts, "|"));
+      if (alternatives.size() == 1) alternatives.push_back("\\{" + alternatives.front() + "\\}");
+      regex += fmt::format("(?:{})", fmt::join(alternatives, "|"));
       i = braces.back() + 1;
     } else if (setEnd > i) {
       regex += regexOfSet(glob.substr(i, setEnd - i));
@@ -81,21 +82,21 @@ std::string regexOf(std::string_view glob, int nested, const Location& where) {
   return regex;
 }
 
-// Returns a compiled pattern from a cache: compiling costs far more than matching, and all parts of an asset are tested
-// with the same few patterns.
+// Returns a compiled pattern from a cache of the thread: compiling costs far more than matching, and all parts of an
+// asset are tested with the same few patterns. Throws InputError at `where` for an invalid pattern.
 const re2::RE2& compiled(const std::string& pattern, const Location& where) {
   thread_local std::map<std::string, re2::RE2> cache;
-  const auto known = cache.find(pattern);
-  if (known != cache.end()) return known->second;
+  const auto cached = cache.find(pattern);
+  if (cached != cache.end()) return cached->second;
   re2::RE2::Options options;
   options.set_log_errors(false);
   options.set_dot_nl(!isRegex(pattern));
   const std::string regex =
       isRegex(pattern) ? pattern.substr(1, pattern.size() - 2) : regexOf(inUtf8(pattern), 0, where);
-  const auto added = cache.try_emplace(pattern, regex, options).first;
-  if (added->second.ok()) return added->second;
-  const std::string error = added->second.error();
-  cache.erase(added);
+  const auto entry = cache.try_emplace(pattern, regex, options).first;
+  if (entry->second.ok()) return entry->second;
+  const std::string error = entry->second.error();
+  cache.erase(entry);
   throw InputError(
       where, fmt::format("bad pattern {}: {}; {}", pattern, error,
                          isRegex(pattern) ? "the syntax between slashes is that of RE2, which has no look-around and "
@@ -103,8 +104,9 @@ const re2::RE2& compiled(const std::string& pattern, const Location& where) {
                                           : "a '[' begins a set of characters; write [[] for the character itself"));
 }
 
-std::string readPattern(Fields& match, std::string_view key) {
-  const Value* value = match.find(key);
+// Returns the pattern of the key, which is valid; an empty text without the key.
+std::string readPattern(Fields& conditions, std::string_view key) {
+  const Value* value = conditions.find(key);
   if (!value) return {};
   std::string pattern = readText(*value, key);
   if (pattern.empty()) {
@@ -114,21 +116,22 @@ std::string readPattern(Fields& match, std::string_view key) {
   return pattern;
 }
 
+// Reads "#rrggbb".
 Rgb readColor(const Value& value) {
   const std::string text = value.kind == Value::Kind::Scalar ? value.text : std::string();
-  std::uint32_t number = 0;
-  const bool hexadecimal =
+  std::uint32_t rgb = 0;
+  const bool isHexadecimal =
       text.size() == 7 && text[0] == '#' &&
-      std::from_chars(text.data() + 1, text.data() + 7, number, 16).ptr == text.data() + text.size();
-  if (!hexadecimal) {
+      std::from_chars(text.data() + 1, text.data() + 7, rgb, 16).ptr == text.data() + text.size();
+  if (!isHexadecimal) {
     throw InputError(value.where,
                      "a color must be a text in quotes such as \"#8fb34d\" (red, green, blue): `scanmill info FILE "
                      "--colors` lists the colours of a file");
   }
-  return {static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
-          static_cast<std::uint8_t>(number)};
+  return {static_cast<std::uint8_t>(rgb >> 16), static_cast<std::uint8_t>(rgb >> 8), static_cast<std::uint8_t>(rgb)};
 }
 
+// Reads one colour or a list of colours; none for null.
 std::vector<Rgb> readColors(const Value* value) {
   std::vector<Rgb> colors;
   if (value == nullptr) return colors;
@@ -140,6 +143,7 @@ std::vector<Rgb> readColors(const Value* value) {
 
 constexpr Range kLengths{-1e7, 1e7};  // m, limits of boxes, heights and sizes; deg, limits of slopes
 
+// Reads [[x, y, z], [x, y, z]], the corners with the least and with the greatest coordinates (m); none for null.
 std::optional<Box> readBox(const Value* value) {
   if (value == nullptr) return std::nullopt;
   std::vector<std::vector<double>> corners;
@@ -165,24 +169,24 @@ bool isInside(const Box& box, const Vec3d& p) {
 
 // Reads the conditions of a rule: the map `match`.
 void readMatch(const Value& match, Rule& rule) {
-  Fields m(match, "match");
-  rule.node = readPattern(m, "node");
-  rule.material = readPattern(m, "material");
-  rule.texture = readPattern(m, "texture");
-  rule.file = readPattern(m, "file");
-  rule.colors = readColors(m.find("color"));
-  if (m.has("within")) {
+  Fields fields(match, "match");
+  rule.node = readPattern(fields, "node");
+  rule.material = readPattern(fields, "material");
+  rule.texture = readPattern(fields, "texture");
+  rule.file = readPattern(fields, "file");
+  rule.colors = readColors(fields.find("color"));
+  if (fields.has("within")) {
     if (rule.colors.empty())
-      throw InputError(m.require("within").where,
+      throw InputError(fields.require("within").where,
                        "within needs the key `color`: it is the greatest difference from this color");
-    rule.within = static_cast<int>(m.integer("within", 0, 255));
+    rule.within = static_cast<int>(fields.integer("within", 0, 255));
   }
-  rule.box = readBox(m.find("box"));
-  rule.height = m.range("height", kLengths);
-  rule.slope = m.range("slope_deg", kLengths);
+  rule.box = readBox(fields.find("box"));
+  rule.height = fields.range("height", kLengths);
+  rule.slope = fields.range("slope_deg", kLengths);
   if (rule.slope) rule.slope = Range{radians(rule.slope->low), radians(rule.slope->high)};
-  rule.size = m.range("size", kLengths);
-  m.finish();
+  rule.size = fields.range("size", kLengths);
+  fields.finish();
   if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty() && !rule.byTriangle()) {
     throw InputError(
         match.where,
@@ -191,10 +195,10 @@ void readMatch(const Value& match, Rule& rule) {
 }
 
 Rule readRule(const Value& value) {
-  Fields f(value, "rule");
+  Fields fields(value, "rule");
   Rule rule;
   rule.where = value.where;
-  const Value& match = f.require("match");
+  const Value& match = fields.require("match");
   if (match.kind == Value::Kind::Scalar) {
     if (match.text != "any") {
       throw InputError(match.where, fmt::format("match must be 'any' or a map of patterns such as {{node: \"tree*\"}}, "
@@ -204,10 +208,10 @@ Rule readRule(const Value& value) {
   } else {
     readMatch(match, rule);
   }
-  rule.className = f.text("class", "");
-  rule.materialName = f.text("material", "");
-  rule.drop = f.boolean("drop", false);
-  f.finish();
+  rule.className = fields.text("class", "");
+  rule.materialName = fields.text("material", "");
+  rule.drop = fields.boolean("drop", false);
+  fields.finish();
   if (rule.drop && !(rule.className.empty() && rule.materialName.empty())) {
     throw InputError(value.where, "a rule with `drop: true` can have neither class nor material: leave them out");
   }
@@ -226,13 +230,13 @@ bool isRegex(std::string_view pattern) {
 }
 
 bool Rule::operator==(const Rule& other) const {
-  const auto fields = [](const Rule& r) {
+  const auto fieldsExceptBox = [](const Rule& r) {
     return std::tie(r.node, r.material, r.texture, r.file, r.colors, r.within, r.height, r.slope, r.size, r.className,
                     r.materialName, r.drop);
   };
   const bool sameBox = box.has_value() == other.box.has_value() &&
                        (!box || (box->low == other.box->low && box->high == other.box->high));
-  return sameBox && fields(*this) == fields(other);
+  return sameBox && fieldsExceptBox(*this) == fieldsExceptBox(other);
 }
 
 std::vector<Rule> readRules(const Value& value) {
@@ -245,17 +249,18 @@ std::vector<Rule> readRules(const Value& value) {
 }
 
 std::string inUtf8(std::string_view text) {
-  std::string made;
+  std::string utf8;
   for (std::size_t i = 0; i < text.size();) {
-    const Utf8Character c = utf8At(text, i);
-    if (const auto byte = static_cast<unsigned char>(text[i]); c.code == kNoCharacter) {
-      made += {static_cast<char>(0xC0 | byte >> 6), static_cast<char>(0x80 | (byte & 0x3F))};
+    const Utf8Character character = utf8At(text, i);
+    if (const auto byte = static_cast<unsigned char>(text[i]); character.code == kNoCharacter) {
+      // Codes from 0x80 to 0xFF have two bytes in UTF-8: 110000xx 10xxxxxx.
+      utf8 += {static_cast<char>(0xC0 | byte >> 6), static_cast<char>(0x80 | (byte & 0x3F))};
     } else {
-      made += text.substr(i, c.bytes);
+      utf8 += text.substr(i, character.bytes);
     }
-    i += c.bytes;
+    i += character.bytes;
   }
-  return made;
+  return utf8;
 }
 
 bool matches(const std::string& pattern, std::string_view text, const Location& where) {
@@ -268,10 +273,10 @@ bool matches(const std::string& pattern, std::string_view text, const Location& 
 std::optional<std::string> matchedText(const std::string& pattern, std::string_view text, const Location& where) {
   const re2::RE2& expression = compiled(pattern, where);
   const std::string name = inUtf8(text);
-  re2::StringPiece found[2];
-  const int wanted = expression.NumberOfCapturingGroups() > 0 ? 2 : 1;
-  if (!expression.Match(name, 0, name.size(), re2::RE2::UNANCHORED, found, wanted)) return std::nullopt;
-  return std::string(found[wanted - 1]);
+  re2::StringPiece groups[2];  // the complete match, and the first group
+  const int groupCount = expression.NumberOfCapturingGroups() > 0 ? 2 : 1;
+  if (!expression.Match(name, 0, name.size(), re2::RE2::UNANCHORED, groups, groupCount)) return std::nullopt;
+  return std::string(groups[groupCount - 1]);
 }
 
 std::string_view textureName(std::string_view path) {
@@ -280,10 +285,10 @@ std::string_view textureName(std::string_view path) {
 }
 
 bool matchesNames(const Rule& rule, const Names& names) {
-  const auto fits = [&](const std::string& pattern, std::string_view text) {
+  const auto matchesName = [&](const std::string& pattern, std::string_view text) {
     return pattern.empty() || matches(pattern, text, rule.where);
   };
-  const auto fitsTexture = [&] {
+  const auto matchesTexture = [&] {
     if (rule.texture.empty()) return true;
     if (isRegex(rule.texture) || rule.texture.find('/') != std::string::npos) {
       std::string path(names.texture);
@@ -292,8 +297,8 @@ bool matchesNames(const Rule& rule, const Names& names) {
     }
     return matches(rule.texture, textureName(names.texture), rule.where);
   };
-  return fits(rule.node, names.node) && fits(rule.material, names.material) && fitsTexture() &&
-         fits(rule.file, names.file);
+  return matchesName(rule.node, names.node) && matchesName(rule.material, names.material) && matchesTexture() &&
+         matchesName(rule.file, names.file);
 }
 
 bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {
@@ -309,28 +314,29 @@ bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {
 }
 
 std::string describe(const Rule& rule) {
-  std::vector<std::string> parts;
+  std::vector<std::string> conditions;
   for (const auto& [key, pattern] : {std::pair{"node", &rule.node},
                                      {"material", &rule.material},
                                      {"texture", &rule.texture},
                                      {"file", &rule.file}}) {
-    if (!pattern->empty()) parts.push_back(fmt::format("{}: {}", key, *pattern));
+    if (!pattern->empty()) conditions.push_back(fmt::format("{}: {}", key, *pattern));
   }
   if (!rule.colors.empty()) {
-    std::vector<std::string> colors;
-    for (const Rgb& c : rule.colors) colors.push_back(fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]));
-    parts.push_back(fmt::format("color: {}", fmt::join(colors, " ")));
+    std::vector<std::string> hexadecimal;
+    for (const Rgb& c : rule.colors) hexadecimal.push_back(fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]));
+    conditions.push_back(fmt::format("color: {}", fmt::join(hexadecimal, " ")));
   }
   if (rule.box) {
     const auto& [low, high] = *rule.box;
-    parts.push_back(fmt::format("box: {:g} {:g} {:g} to {:g} {:g} {:g}", low.x, low.y, low.z, high.x, high.y, high.z));
+    conditions.push_back(
+        fmt::format("box: {:g} {:g} {:g} to {:g} {:g} {:g}", low.x, low.y, low.z, high.x, high.y, high.z));
   }
-  if (rule.height) parts.push_back(fmt::format("height: {:g} to {:g}", rule.height->low, rule.height->high));
+  if (rule.height) conditions.push_back(fmt::format("height: {:g} to {:g}", rule.height->low, rule.height->high));
   if (rule.slope) {
-    parts.push_back(fmt::format("slope_deg: {:g} to {:g}", degrees(rule.slope->low), degrees(rule.slope->high)));
+    conditions.push_back(fmt::format("slope_deg: {:g} to {:g}", degrees(rule.slope->low), degrees(rule.slope->high)));
   }
-  if (rule.size) parts.push_back(fmt::format("size: {:g} to {:g}", rule.size->low, rule.size->high));
-  return parts.empty() ? "any" : fmt::format("{}", fmt::join(parts, ", "));
+  if (rule.size) conditions.push_back(fmt::format("size: {:g} to {:g}", rule.size->low, rule.size->high));
+  return conditions.empty() ? "any" : fmt::format("{}", fmt::join(conditions, ", "));
 }
 
 }  // namespace scanmill

@@ -23,36 +23,38 @@
 namespace scanmill {
 namespace {
 
-// Returns which of the three kinds the object is. Throws InputError if it is none of them, or several.
-std::string kindOf(const Fields& f) {
-  const std::vector<std::string> kinds{"file", "primitive", "town"};
-  std::vector<std::string> found;
-  std::ranges::copy_if(kinds, std::back_inserter(found), [&](const auto& kind) { return f.has(kind); });
-  if (found.size() == 1) return found.front();
-  if (f.has("street")) {
-    throw InputError(f.where(), "the key street is no longer known: write `town: {district: street}`");
+// Returns the one of the keys `file`, `primitive` and `town` that the object has. Throws InputError for none or
+// several.
+std::string kindOf(const Fields& object) {
+  const std::vector<std::string> keys{"file", "primitive", "town"};
+  std::vector<std::string> objectKinds;
+  std::ranges::copy_if(keys, std::back_inserter(objectKinds), [&](const auto& kind) { return object.has(kind); });
+  if (objectKinds.size() == 1) return objectKinds.front();
+  if (object.has("street")) {
+    throw InputError(object.where(), "the key street is no longer known: write `town: {district: street}`");
   }
   std::string hint;
-  for (const Value::Entry& entry : f.value().entries) {
-    const std::string meant = found.empty() ? nearest(entry.key, kinds) : "";
-    if (!meant.empty()) hint = fmt::format("; by '{}', did you mean '{}'?", entry.key, meant);
+  for (const Value::Entry& entry : object.value().entries) {
+    const std::string hintedKind = objectKinds.empty() ? nearest(entry.key, keys) : "";
+    if (!hintedKind.empty()) hint = fmt::format("; by '{}', did you mean '{}'?", entry.key, hintedKind);
   }
-  throw InputError(f.where(),
+  throw InputError(object.where(),
                    "an object must have exactly one of the keys file, primitive and town (`town: {}` for a town with "
                    "defaults)" +
                        hint);
 }
 
 // Returns the pose of a town. Reads all keys of the object except `town`, which the caller reads.
-Affine readTownPose(Fields& f) {
-  f.require("town");
-  f.text("name", "town");
-  f.refuse({"scale", "copies"}, "is not for towns: give the town's length");
-  const Placement placement = readPlacement(f);
-  f.finish();
+Affine readTownPose(Fields& object) {
+  object.require("town");
+  object.text("name", "town");
+  object.refuse({"scale", "copies"}, "is not for towns: give the town's length");
+  const Placement placement = readPlacement(object);
+  object.finish();
   return toAffine(placement.object.pose);
 }
-// Returns the object that is a town; null if there is none. Throws InputError for a second one.
+
+// Returns the object that is a town; null if there is none. Throws InputError for a second town.
 const Value* findTown(const Value& objects) {
   const Value* town = nullptr;
   for (const Value& object : objects.items) {
@@ -65,6 +67,7 @@ const Value* findTown(const Value& objects) {
 
 constexpr Range kLength{1e-6, 1e6};  // m, limits of the sizes of primitives
 
+// Reads [x, y, z], or, with the count 2, [x, y], which gets z = 0 (m).
 Vec3d readSize(const Value& value, std::size_t count) {
   std::vector<double> size = readNumbers(value, "size", kLength);
   if (size.size() != count) {
@@ -76,25 +79,26 @@ Vec3d readSize(const Value& value, std::size_t count) {
 }
 
 // Reads the keys of a primitive and appends its shape to a mesh. Returns a key that is the same for equal shapes.
-std::string appendPrimitive(Fields& f, const std::string& kind, Mesh& mesh) {
+std::string appendPrimitive(Fields& object, const std::string& kind, Mesh& mesh) {
+  constexpr std::uint16_t kSurface = 0;
   if (kind == "box") {
-    const Vec3d size = readSize(f.require("size"), 3);
-    appendBox(mesh, 0, {}, size);
+    const Vec3d size = readSize(object.require("size"), 3);
+    appendBox(mesh, kSurface, {}, size);
     return fmt::format("box {} {} {}", size.x, size.y, size.z);
   }
   if (kind == "plane") {
-    const Vec3d size = readSize(f.require("size"), 2);
-    const auto cells = static_cast<int>(f.integer("cells", 1, 2048, 1));
-    appendPlane(mesh, 0, {}, size.x, size.y, cells);
+    const Vec3d size = readSize(object.require("size"), 2);
+    const auto cells = static_cast<int>(object.integer("cells", 1, 2048, 1));
+    appendPlane(mesh, kSurface, {}, size.x, size.y, cells);
     return fmt::format("plane {} {} {}", size.x, size.y, cells);
   }
-  const double radius = f.number("radius", kLength);
-  const double height = kind == "sphere" ? 0 : f.number("height", kLength);
-  const auto segments = static_cast<int>(f.integer("segments", 3, 4096, 32));
-  if (kind == "sphere") appendSphere(mesh, 0, {}, radius, segments);
-  if (kind == "cylinder") appendCylinder(mesh, 0, {}, radius, radius, height, segments);
-  if (kind == "cone") appendCylinder(mesh, 0, {}, radius, 0, height, segments);
-  if (kind == "capsule") appendCapsule(mesh, 0, {}, radius, height, segments);
+  const double radius = object.number("radius", kLength);
+  const double height = kind == "sphere" ? 0 : object.number("height", kLength);
+  const auto segments = static_cast<int>(object.integer("segments", 3, 4096, 32));
+  if (kind == "sphere") appendSphere(mesh, kSurface, {}, radius, segments);
+  if (kind == "cylinder") appendCylinder(mesh, kSurface, {}, radius, radius, height, segments);
+  if (kind == "cone") appendCylinder(mesh, kSurface, {}, radius, 0, height, segments);
+  if (kind == "capsule") appendCapsule(mesh, kSurface, {}, radius, height, segments);
   return fmt::format("{} {} {} {}", kind, radius, height, segments);
 }
 
@@ -104,31 +108,31 @@ class PrimitiveObjects {
   PrimitiveObjects(SceneBuilder& builder, ObjectPlacer& placer) : builder_(builder), placer_(placer) {}
 
   // Reads an object with the key `primitive` and places its copies.
-  void add(Fields& f) {
-    const std::string kind = f.choice("primitive", {"box", "sphere", "cylinder", "cone", "plane", "capsule"}, "");
+  void add(Fields& object) {
+    const std::string kind = object.choice("primitive", {"box", "sphere", "cylinder", "cone", "plane", "capsule"}, "");
     Mesh mesh;
     mesh.name = kind;
-    const std::string shape = appendPrimitive(f, kind, mesh);
-    const Value& className = f.require("class");
-    const Value& materialName = f.require("material");
+    const std::string shape = appendPrimitive(object, kind, mesh);
+    const Value& className = object.require("class");
+    const Value& materialName = object.require("material");
     Surface surface;
-    const SemanticClass& semantic = requireClass(builder_.ontology(), f.text("class"), className.where);
+    const SemanticClass& semantic = requireClass(builder_.ontology(), object.text("class"), className.where);
     surface.semantic = semantic.id;
     surface.object = semantic.thing ? 1 : 0;
-    surface.material = builder_.material(f.text("material"), materialName.where);
+    surface.material = builder_.material(object.text("material"), materialName.where);
     surface.labelledBy = className.where;
-    const std::string name = f.text("name", kind);
-    const Copies copies = placer_.read(f);
+    const std::string name = object.text("name", kind);
+    const Copies copies = placer_.read(object);
     if (!copies.arrangement.materials().empty()) {
-      throw InputError(f.require("vary").where, "the key `material` of `vary` is only for objects that are files");
+      throw InputError(object.require("vary").where, "the key `material` of `vary` is only for objects that are files");
     }
-    f.finish();
+    object.finish();
 
     const std::string key = fmt::format("primitive {} {} {}", shape, surface.semantic, surface.material);
     mesh.surfaces.push_back(std::move(surface));
-    auto shared = meshes_.find(key);
-    if (shared == meshes_.end()) shared = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
-    placer_.place(std::vector<PlacedMesh>{{shared->second, {}, {}}}, name, copies, f.where());
+    auto meshIndex = meshes_.find(key);
+    if (meshIndex == meshes_.end()) meshIndex = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
+    placer_.place(std::vector<PlacedMesh>{{meshIndex->second, {}, {}}}, name, copies, object.where());
   }
 
  private:
@@ -190,24 +194,26 @@ Ontology readSceneOntology(const std::filesystem::path& path) {
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options) {
   const InputBudget budget;
   const Value root = readSceneYaml(path);
-  Fields f(root, "scene");
-  const std::string name = f.text("name", path.stem().string());
-  f.text("ontology");
-  const std::filesystem::path ontology = options.ontology.empty() ? f.resource("ontology", "labels") : options.ontology;
-  const std::filesystem::path materials = f.resource("materials", "labels");
-  const std::filesystem::path assets = f.optionalPath("assets").value_or(std::filesystem::path());
+  Fields file(root, "scene");
+  const std::string name = file.text("name", path.stem().string());
+  file.text("ontology");
+  const std::filesystem::path ontologyFile =
+      options.ontology.empty() ? file.resource("ontology", "labels") : options.ontology;
+  const std::filesystem::path materialsFile = file.resource("materials", "labels");
+  const std::filesystem::path assetFolder = file.optionalPath("assets").value_or(std::filesystem::path());
   std::vector<Rule> rules;
-  if (const Value* value = f.find("rules")) rules = readRules(*value);
-  const Value& listed = f.require("objects");
-  if (listed.kind != Value::Kind::Sequence || (listed.items.empty() && !options.add)) {
-    throw InputError(listed.where, "objects must be a list of at least one object");
+  if (const Value* value = file.find("rules")) rules = readRules(*value);
+  const Value& listedObjects = file.require("objects");
+  if (listedObjects.kind != Value::Kind::Sequence || (listedObjects.items.empty() && !options.add)) {
+    throw InputError(listedObjects.where, "objects must be a list of at least one object");
   }
   std::vector<DrawnValue> draws;
   const Value objects = objectsOf(root, options.seed, draws);
 
-  SceneBuilder builder(name, options.seed, readOntology(ontology), readMaterials(materials, options.wavelengthNm));
+  SceneBuilder builder(name, options.seed, readOntology(ontologyFile),
+                       readMaterials(materialsFile, options.wavelengthNm));
   ObjectPlacer placer(builder, options.seed);
-  FileObjects files(builder, placer, std::move(rules), assets, options.textures);
+  FileObjects fileObjects(builder, placer, std::move(rules), assetFolder, options.textures);
   PrimitiveObjects primitives(builder, placer);
   // The materials of a scene with a town vary from place to place, also those of objects listed before the town.
   const bool hasTown = findTown(objects) != nullptr;
@@ -215,7 +221,7 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options) 
   for (const Value& value : objects.items) {
     Fields object(value, "object");
     const std::string kind = kindOf(object);
-    if (kind == "file") files.add(object);
+    if (kind == "file") fileObjects.add(object);
     if (kind == "primitive") primitives.add(object);
     if (kind != "town") continue;
     const Affine worldFromTown = readTownPose(object);

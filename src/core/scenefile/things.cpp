@@ -18,50 +18,47 @@ using Numbers = std::vector<std::vector<std::uint32_t>>;
 // Numbers the keys from 1, in the order of the lowest node index of each key; with `byClass` a class is part of the
 // key. Returns, for each part and each of its triangles, the number of the part's key.
 template <class KeyOf>
-Numbers byKeys(const std::vector<ThingTriangles>& triangles, bool byClass, const KeyOf& keyOf) {
-  using Key = std::pair<decltype(keyOf(*triangles.front().part)), std::uint16_t>;
-  std::vector<Key> keys;
-  std::map<Key, std::uint32_t> lowest;
-  for (const ThingTriangles& t : triangles) {
-    const auto node = static_cast<std::uint32_t>(t.part->nodeIndex);
-    keys.emplace_back(keyOf(*t.part), byClass ? t.semantic : std::uint16_t{0});
-    const auto [known, added] = lowest.emplace(keys.back(), node);
-    if (!added) known->second = std::min(known->second, node);
+Numbers numberByKey(const std::vector<ThingTriangles>& parts, bool byClass, const KeyOf& keyOf) {
+  using Key = std::pair<decltype(keyOf(*parts.front().part)), std::uint16_t>;
+  std::vector<Key> keys;  // by part
+  std::map<Key, std::uint32_t> lowestNodes;
+  for (const auto& [part, semantic] : parts) {
+    const auto node = static_cast<std::uint32_t>(part->nodeIndex);
+    keys.emplace_back(keyOf(*part), byClass ? semantic : std::uint16_t{0});
+    const auto [lowest, isNew] = lowestNodes.emplace(keys.back(), node);
+    if (!isNew) lowest->second = std::min(lowest->second, node);
   }
-  std::vector<std::pair<std::uint32_t, Key>> order;
-  for (const auto& [key, node] : lowest) order.emplace_back(node, key);
-  std::ranges::sort(order);
-  std::map<Key, std::uint32_t> numbers;
-  for (const auto& [node, key] : order) numbers.emplace(key, static_cast<std::uint32_t>(numbers.size() + 1));
-  Numbers found;
-  found.reserve(triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    found.emplace_back(triangles[i].part->triangles.size(), numbers.at(keys[i]));
+  std::set<std::pair<std::uint32_t, Key>> byNode;
+  for (const auto& [key, node] : lowestNodes) byNode.emplace(node, key);
+  std::map<Key, std::uint32_t> numberOfKey;
+  for (const auto& [node, key] : byNode) numberOfKey.emplace(key, static_cast<std::uint32_t>(numberOfKey.size() + 1));
+  Numbers numbers;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    numbers.emplace_back(parts[i].part->triangles.size(), numberOfKey.at(keys[i]));
   }
-  return found;
+  return numbers;
 }
 
-Numbers byConnection(const std::vector<ThingTriangles>& triangles) {
-  Numbers found(triangles.size());
-  std::set<std::uint16_t> classes;
-  for (const ThingTriangles& t : triangles) classes.insert(t.semantic);
-  std::uint32_t before = 0;
-  for (const std::uint16_t semantic : classes) {
-    std::vector<const AssetPart*> parts;
-    std::vector<std::size_t> places;
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      if (triangles[i].semantic != semantic) continue;
-      parts.push_back(triangles[i].part);
-      places.push_back(i);
+// Numbers the things of groupIntoThings() from 1, first those of the lowest class. Returns, for each part and each of
+// its triangles, the number of its thing.
+Numbers numberByConnection(const std::vector<ThingTriangles>& parts) {
+  std::map<std::uint16_t, std::vector<std::size_t>> indicesByClass;  // indices of the parts of each class
+  for (std::size_t i = 0; i < parts.size(); ++i) indicesByClass[parts[i].semantic].push_back(i);
+  Numbers numbers(parts.size());
+  std::uint32_t thingsSoFar = 0;
+  for (const auto& [semantic, indices] : indicesByClass) {
+    std::vector<const AssetPart*> partsOfClass;
+    for (const std::size_t i : indices) partsOfClass.push_back(parts[i].part);
+    const ConnectedParts connected = connect(partsOfClass);
+    const std::vector<std::uint32_t> things = groupIntoThings(connected.boxes);
+    for (std::size_t k = 0; k < indices.size(); ++k) {
+      for (const std::uint32_t connectedPart : connected.numbers[k]) {
+        numbers[indices[k]].push_back(thingsSoFar + things[connectedPart] + 1);
+      }
     }
-    const ConnectedParts connected = connect(parts);
-    const std::vector<std::uint32_t> things = thingsOf(connected.boxes);
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      for (const std::uint32_t number : connected.of[p]) found[places[p]].push_back(before + things[number] + 1);
-    }
-    if (!things.empty()) before += *std::ranges::max_element(things) + 1;
+    if (!things.empty()) thingsSoFar += *std::ranges::max_element(things) + 1;
   }
-  return found;
+  return numbers;
 }
 
 }  // namespace
@@ -73,10 +70,10 @@ ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback) {
   if (value == nullptr) return bounds;
   bounds.where = value->where;
   if (value->kind != Value::Kind::Scalar || !isRegex(value->text)) {
-    const std::string word = object.choice("instances", {"object", "node", "part", "/regular expression/"}, "");
-    bounds.by = word == "object" ? ThingBounds::By::Object
-                : word == "node" ? ThingBounds::By::Node
-                                 : ThingBounds::By::Part;
+    const std::string division = object.choice("instances", {"object", "node", "part", "/regular expression/"}, "");
+    bounds.by = division == "object" ? ThingBounds::By::Object
+                : division == "node" ? ThingBounds::By::Node
+                                     : ThingBounds::By::Part;
     return bounds;
   }
   bounds.by = ThingBounds::By::Name;
@@ -85,32 +82,32 @@ ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback) {
   return bounds;
 }
 
-Numbers numberThings(const ThingBounds& bounds, const std::vector<ThingTriangles>& triangles) {
-  if (triangles.empty()) return {};
+Numbers numberThings(const ThingBounds& bounds, const std::vector<ThingTriangles>& parts) {
+  if (parts.empty()) return {};
   switch (bounds.by) {
     case ThingBounds::By::Object:
       break;
     case ThingBounds::By::Node:
-      return byKeys(triangles, bounds.byClass, [](const AssetPart& part) { return part.nodeIndex; });
+      return numberByKey(parts, bounds.byClass, [](const AssetPart& part) { return part.nodeIndex; });
     case ThingBounds::By::Part:
-      return byConnection(triangles);
+      return numberByConnection(parts);
     case ThingBounds::By::Name:
-      if (std::ranges::none_of(triangles, [&](const ThingTriangles& t) {
-            return matchedText(bounds.pattern, t.part->node, bounds.where).has_value();
+      if (std::ranges::none_of(parts, [&](const ThingTriangles& thingPart) {
+            return matchedText(bounds.pattern, thingPart.part->node, bounds.where).has_value();
           })) {
         warn(
             fmt::format("{}: the pattern {} matches no node of a class of things, so that each node becomes an "
                         "instance, such as '{}'",
-                        bounds.where.text(), bounds.pattern, triangles.front().part->node));
+                        bounds.where.text(), bounds.pattern, parts.front().part->node));
       }
-      return byKeys(triangles, bounds.byClass, [&](const AssetPart& part) {
+      return numberByKey(parts, bounds.byClass, [&](const AssetPart& part) {
         const std::optional<std::string> text = matchedText(bounds.pattern, part.node, bounds.where);
         return text ? "name " + *text : fmt::format("node {}", part.nodeIndex);
       });
   }
-  Numbers found;
-  for (const ThingTriangles& t : triangles) found.emplace_back(t.part->triangles.size(), 1);
-  return found;
+  Numbers ones;
+  for (const ThingTriangles& thingPart : parts) ones.emplace_back(thingPart.part->triangles.size(), 1);
+  return ones;
 }
 
 }  // namespace scanmill

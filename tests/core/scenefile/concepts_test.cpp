@@ -72,7 +72,7 @@ TEST(Words, OfTheProgramFitItsLabels) {
     if (!c.material.empty()) {
       EXPECT_NO_THROW(materials.require(c.material, {})) << c.name;
     }
-    for (const std::string& whole : c.of) {
+    for (const std::string& whole : c.wholes) {
       EXPECT_TRUE(std::any_of(concepts.begin(), concepts.end(), [&](const Concept& o) { return o.name == whole; }))
           << c.name << " of " << whole;
     }

@@ -69,7 +69,7 @@ TEST(Things, OfDifferentClassesAreNeverOneByClass) {
     const std::vector<ThingTriangles> triangles{{&parts[0], 7}, {&parts[1], 3}, {&parts[2], 7}};
     const auto first = [&] {
       std::vector<std::uint32_t> numbers;
-      for (const auto& of : numberThings(own, triangles)) numbers.push_back(of.front());
+      for (const auto& partNumbers : numberThings(own, triangles)) numbers.push_back(partNumbers.front());
       return numbers;
     };
     EXPECT_THAT(first(), ElementsAre(1, 1, 2));
@@ -145,8 +145,8 @@ TEST(ConnectedParts, AreJoinedByPlacesOfCornersAcrossParts) {
   addBox(b, {5, 0, 0}, {1, 1, 1});
   const ConnectedParts connected = connect({&a, &b});
   ASSERT_EQ(connected.boxes.size(), 2u);
-  EXPECT_EQ(connected.of[0].front(), connected.of[1].front());
-  EXPECT_EQ(connected.of[1].back(), 1u);
+  EXPECT_EQ(connected.numbers[0].front(), connected.numbers[1].front());
+  EXPECT_EQ(connected.numbers[1].back(), 1u);
   EXPECT_EQ(connected.boxes[0].high.x, 1.5);
   EXPECT_EQ(connected.boxes[1].low.x, 4.5);
 }
