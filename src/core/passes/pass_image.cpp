@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <type_traits>
 #include <utility>
 
@@ -16,32 +17,33 @@ namespace {
 
 constexpr std::size_t kImageGrain = 8192;  // pixels per task
 
-// Calls use(member) for each plane of PassPlanes, as a pointer to member.
-template <class Use>
-void forPlanes(const Use& use) {
-  forEachPass([&](const ChannelRow&, auto plane, auto) { use(plane); });
-  use(&PassPlanes::roughness);
-  use(&PassPlanes::metallic);
-  use(&PassPlanes::retroreflectance);
+// Calls visit(pointer to member) for each plane of PassPlanes.
+template <class Visit>
+void forEachPlane(const Visit& visit) {
+  forEachPass([&](const ChannelRow&, auto plane, auto) { visit(plane); });
+  visit(&PassPlanes::roughness);
+  visit(&PassPlanes::metallic);
+  visit(&PassPlanes::retroreflectance);
 }
 
 }  // namespace
 
 PassChoice PassPlanes::choice() const {
-  PassChoice made;
+  PassChoice present;
   forEachPass([&](const ChannelRow& row, auto plane, auto) {
-    if (!(this->*plane).empty()) made.channels |= row.channel;
+    if (!(this->*plane).empty()) present.channels |= row.channel;
   });
-  made.surfaceParameters = !roughness.empty() && !metallic.empty() && !retroreflectance.empty();
-  return made;
+  present.surfaceParameters = !roughness.empty() && !metallic.empty() && !retroreflectance.empty();
+  return present;
 }
 
-void PassPlanes::reset(std::size_t pixels, PassChoice asked) {
-  asked.channels |= Channel::Range;
+void PassPlanes::reset(std::size_t pixels, PassChoice requested) {
+  requested.channels |= Channel::Range;
   forEachPass([&](const ChannelRow& row, auto plane, auto) {
-    (this->*plane).resize(asked.channels.has(row.channel) ? pixels : 0);
+    (this->*plane).resize(requested.channels.has(row.channel) ? pixels : 0);
   });
-  for (auto* plane : {&roughness, &metallic, &retroreflectance}) plane->resize(asked.surfaceParameters ? pixels : 0);
+  for (auto* plane : {&roughness, &metallic, &retroreflectance})
+    plane->resize(requested.surfaceParameters ? pixels : 0);
 }
 
 std::vector<PixelAddress> firstPixels(std::span<const Camera> cameras) {
@@ -65,11 +67,12 @@ ImageSource::ImageSource(std::span<const PassImage> images) : images_(images), a
   firsts_ = firstPixels(cameras_);
 }
 
-void ImageSource::require(PassChoice asked) const {
+// Throws InputError that names the first image without one of the requested passes.
+void ImageSource::require(PassChoice requested) const {
   for (const PassImage& image : images_) {
     const PassChoice available = image.planes.choice();
     for (const ChannelRow& row : kChannels) {
-      if (row.channel == Channel::Range || !row.rendered || !asked.channels.has(row.channel) ||
+      if (row.channel == Channel::Range || !row.rendered || !requested.channels.has(row.channel) ||
           available.channels.has(row.channel)) {
         continue;
       }
@@ -77,7 +80,7 @@ void ImageSource::require(PassChoice asked) const {
       throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs{}",
                                    image.camera.name, row.name, hasSubstitute ? "" : insteadOf(row.name)));
     }
-    if (asked.surfaceParameters && !available.surfaceParameters) {
+    if (requested.surfaceParameters && !available.surfaceParameters) {
       throw InputError(
           fmt::format("the image of camera '{}' has no passes roughness, metallic and retroreflectance, "
                       "which the pipeline needs",
@@ -87,34 +90,31 @@ void ImageSource::require(PassChoice asked) const {
 }
 
 // Copies one plane after the other, so that the memory accesses for the pixels of a plane overlap.
-void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) {
-  require(asked);
-  planes.reset(addresses.size(), asked);
-  parallelFor(addresses.size(), kImageGrain, [&](std::size_t first, std::size_t last) {
-    struct Place {
-      std::size_t image;
-      PixelAddress pixel;
+void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice requested, PassPlanes& planes) {
+  require(requested);
+  planes.reset(addresses.size(), requested);
+  parallelFor(addresses.size(), kImageGrain, [&](std::size_t first, std::size_t end) {
+    struct PixelPosition {
+      std::size_t image;   // index into images_
+      PixelAddress pixel;  // index in the image's planes; kNoPixel: no pixel
     };
-    constexpr std::size_t kBlock = 1024;
-    Place places[kBlock];
-    for (; first < last; first += std::min(kBlock, last - first)) {
-      const std::size_t count = std::min(kBlock, last - first);
+    constexpr std::size_t kBlock = 1024;  // addresses whose positions are computed before their pixels are copied
+    PixelPosition positions[kBlock];
+    for (; first < end; first += std::min(kBlock, end - first)) {
+      const std::size_t count = std::min(kBlock, end - first);
       for (std::size_t i = 0; i < count; ++i) {
         const PixelAddress address = addresses[first + i];
         const std::size_t image = imageOf(firsts_, address);
-        places[i] = {image, address == kNoPixel ? kNoPixel : address - firsts_[image]};
+        positions[i] = {image, address == kNoPixel ? kNoPixel : address - firsts_[image]};
       }
-      forPlanes([&](auto plane) {
-        auto& to = planes.*plane;
-        using PlaneValue = typename std::remove_reference_t<decltype(to)>::value_type;
-        if (to.empty()) return;
-        PlaneValue nothing{};
-        if constexpr (std::is_same_v<decltype(plane), decltype(&PassPlanes::depth)>) {
-          if (plane == &PassPlanes::depth) nothing = kNoDepth;
-        }
+      forEachPlane([&]<class T>(std::vector<T> PassPlanes::*plane) {
+        std::vector<T>& copies = planes.*plane;
+        if (copies.empty()) return;
+        T background{};
+        if constexpr (std::is_same_v<T, float>) background = plane == &PassPlanes::depth ? kNoDepth : 0;
         for (std::size_t i = 0; i < count; ++i) {
-          const auto [image, pixel] = places[i];
-          to[first + i] = pixel == kNoPixel ? nothing : (images_[image].planes.*plane)[pixel];
+          const auto [image, pixel] = positions[i];
+          copies[first + i] = pixel == kNoPixel ? background : (images_[image].planes.*plane)[pixel];
         }
       });
     }
@@ -127,15 +127,16 @@ std::string_view insteadOf(std::string_view pass) {
   return "";
 }
 
-std::vector<PassImage> readAll(PixelSource& source, PassChoice asked) {
+std::vector<PassImage> readAll(PixelSource& source, PassChoice requested) {
   std::vector<PassImage> images;
-  PixelAddress next = 0;
+  PixelAddress firstPixel = 0;
   std::vector<PixelAddress> addresses;
   for (const Camera& camera : source.cameras()) {
     addresses.resize(camera.pixels());
-    for (PixelAddress& address : addresses) address = next++;
+    std::iota(addresses.begin(), addresses.end(), firstPixel);
+    firstPixel += static_cast<PixelAddress>(addresses.size());
     PassImage image{camera, {}};
-    source.fetch(addresses, asked, image.planes);
+    source.fetch(addresses, requested, image.planes);
     images.push_back(std::move(image));
   }
   return images;
@@ -150,13 +151,15 @@ double Camera::verticalField() const {
 }
 
 Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontalField) {
-  Camera camera;
-  camera.width = width;
-  camera.height = height;
-  camera.fx = camera.fy = width / (2 * std::tan(horizontalField / 2));
-  camera.cx = width / 2.0;
-  camera.cy = height / 2.0;
-  return camera;
+  const double focal = width / (2 * std::tan(horizontalField / 2));  // px
+  return {.name = {},
+          .width = width,
+          .height = height,
+          .fx = focal,
+          .fy = focal,
+          .cx = width / 2.0,
+          .cy = height / 2.0,
+          .worldFromCamera = {}};
 }
 
 Quat vehicleFromOptical() {

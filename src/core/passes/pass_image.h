@@ -74,8 +74,8 @@ struct PassPlanes {
 
   std::size_t size() const { return depth.size(); }
   PassChoice choice() const;
-  // Resizes the planes that `asked` names and empties the others. The values of the pixels are then undefined.
-  void reset(std::size_t pixels, PassChoice asked);
+  // Resizes the planes that `requested` names and empties the others. The values of the pixels are then undefined.
+  void reset(std::size_t pixels, PassChoice requested);
 };
 
 // Calls visit(row of kChannels, pointer to member of PassPlanes, pointer to member of Hits) for each channel that
@@ -127,7 +127,7 @@ class PixelSource {
   virtual PassChoice available() const = 0;  // passes that fetch() can fill
   // Fills `planes` with one entry per address; kNoPixel gives the values of a pixel that shows no surface. Throws
   // InputError if the images lack a requested pass.
-  virtual void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) = 0;
+  virtual void fetch(std::span<const PixelAddress> addresses, PassChoice requested, PassPlanes& planes) = 0;
 };
 
 // A source whose images are in memory. The images must outlive the source.
@@ -136,10 +136,10 @@ class ImageSource : public PixelSource {
   explicit ImageSource(std::span<const PassImage> images);
   const std::vector<Camera>& cameras() const override { return cameras_; }
   PassChoice available() const override { return available_; }
-  void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override;
+  void fetch(std::span<const PixelAddress> addresses, PassChoice requested, PassPlanes& planes) override;
 
  private:
-  void require(PassChoice asked) const;
+  void require(PassChoice requested) const;
 
   std::span<const PassImage> images_;
   std::vector<Camera> cameras_;
@@ -152,6 +152,6 @@ class ImageSource : public PixelSource {
 std::string_view insteadOf(std::string_view pass);
 
 // Returns all images of a source.
-std::vector<PassImage> readAll(PixelSource& source, PassChoice asked);
+std::vector<PassImage> readAll(PixelSource& source, PassChoice requested);
 
 }  // namespace scanmill

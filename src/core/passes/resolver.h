@@ -13,8 +13,8 @@
 
 namespace scanmill {
 
-// The triangle visible at a pixel, and its depth.
-struct SeenTriangle {
+// The triangle that is visible at a pixel, and its depth.
+struct VisibleTriangle {
   float depth = kNoDepth;      // m, planar: along the camera's z axis
   std::uint32_t instance = 0;  // 1 + index into Scene::instances; 0: no surface
   std::uint32_t triangle = 0;  // index into Mesh::triangles
@@ -28,11 +28,11 @@ class Resolver {
   Resolver(const Resolver&) = delete;
   Resolver& operator=(const Resolver&) = delete;
 
-  // Fills `planes` with one entry per entry of `seen`. addresses[i] is the pixel of seen[i] in the cameras' images
-  // (kNoPixel: no pixel). Normals are turned against the line of sight through the pixel's centre. A textured material
-  // has the reflectance of the visible texel.
+  // Fills `planes` with one entry per entry of `triangles`. addresses[i] is the pixel that shows triangles[i] in the
+  // cameras' images (kNoPixel: no pixel). Normals are turned against the line of sight through the pixel's centre. A
+  // textured material has the reflectance of the visible texel.
   void resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
-               std::span<const SeenTriangle> seen, PassChoice asked, PassPlanes& planes) const;
+               std::span<const VisibleTriangle> triangles, PassChoice requested, PassPlanes& planes) const;
 
  private:
   // The values of a triangle are in one record, so that a pixel, which accesses triangles at random, needs few cache
@@ -41,9 +41,9 @@ class Resolver {
     Vec3d normal;               // unit vector, mesh axes
     std::uint32_t surface = 0;  // index into surfaces_
   };
-  struct Placed {
-    Mat3 normalFromMesh;  // matrix of cofactors of the instance's linear part
-    const Face* faces = nullptr;
+  struct PlacedMesh {
+    Mat3 normalFromMesh;          // matrix of cofactors of the instance's linear part
+    const Face* faces = nullptr;  // the mesh's triangles, in faces_
     std::uint32_t firstInstanceId = 0;
   };
   struct SurfaceIds {
@@ -51,23 +51,26 @@ class Resolver {
     std::uint16_t semantic = 0;
     std::uint16_t material = 0;
   };
-  struct Finish {
-    CompactMaterial base;
+  struct MaterialValues {
+    CompactMaterial reflecting;
     float roughness = 0;
     float metallic = 0;
     float retroreflectance = 0;
   };
   struct Job;
+  struct PixelBlock;
 
-  void resolveBlock(const Job& job, std::size_t first, std::size_t last) const;
-  float texturedReflectance(const SeenTriangle& seen, const CompactMaterial& material, const Vec3d& eye,
+  PixelBlock gatherBlock(const Job& job, std::size_t first, std::size_t end) const;
+  void storeSurfaces(const Job& job, const PixelBlock& block) const;
+  static void storeNormals(const Job& job, const PixelBlock& block);
+  float texturedReflectance(const VisibleTriangle& visible, const CompactMaterial& material, const Vec3d& eye,
                             const Vec3d& sight) const;
 
   const Scene& scene_;
-  std::vector<Face> faces_;           // the triangles of all meshes, one mesh after the other
-  std::vector<SurfaceIds> surfaces_;  // the surfaces of all meshes, one mesh after the other
-  std::vector<Placed> instances_;     // element 0 is for pixels without a surface
-  std::vector<Finish> materials_;
+  std::vector<Face> faces_;            // the triangles of all meshes, one mesh after the other
+  std::vector<SurfaceIds> surfaces_;   // the surfaces of all meshes, one mesh after the other
+  std::vector<PlacedMesh> instances_;  // indexed by VisibleTriangle::instance; 0: pixels without a surface
+  std::vector<MaterialValues> materials_;
 };
 
 }  // namespace scanmill

@@ -14,7 +14,7 @@ constexpr PassChoice kResolvedPasses{Channels::all(), true};
 // The first triangle that the line of sight through each pixel's centre meets.
 struct Drawn {
   std::vector<PixelAddress> addresses;
-  std::vector<SeenTriangle> seen;
+  std::vector<VisibleTriangle> seen;
 };
 
 Drawn drawAll(const Scene& scene, const std::vector<Camera>& cameras) {
@@ -67,7 +67,7 @@ TEST(Resolver, NormalsAreThoseOfTheTrianglesInTheWorldTurnedToTheCamera) {
   for (const Camera& camera : cameras) {
     const Mat3 turn = toMatrix(camera.worldFromCamera.rotation);
     for (std::uint32_t pixel = 0; pixel < camera.pixels(); ++pixel, ++address) {
-      const SeenTriangle& s = drawn.seen[address];
+      const VisibleTriangle& s = drawn.seen[address];
       ++seen[s.instance];
       const Vec3d n(planes.normal[address]);
       if (s.instance == 0) {
@@ -121,7 +121,7 @@ TEST(Resolver, LabelsAreThoseOfTheSurfaceAndTheInstance) {
   dark.metallic = 1;
   dark.retroreflectance = 3;
   const std::vector<Camera> cameras{squareCameraAt({0, 0, 3}, 0, 90, 4)};
-  const std::vector<SeenTriangle> seen{{1, 1, 0}, {2, 1, 2}, {3, 2, 1}, {4, 2, 3}, {}, {5, 1, 0}};
+  const std::vector<VisibleTriangle> seen{{1, 1, 0}, {2, 1, 2}, {3, 2, 1}, {4, 2, 3}, {}, {5, 1, 0}};
   const std::vector<PixelAddress> addresses{3, 1, 2, 0, 15, kNoPixel};
   PassPlanes planes;
   Resolver(scene).resolve(cameras, addresses, seen, kResolvedPasses, planes);
@@ -220,7 +220,8 @@ TEST(Resolver, BesideTheTriangleTheNearestTexelCounts) {
   std::vector<PixelAddress> addresses(cameras[0].pixels());
   for (std::size_t i = 0; i < addresses.size(); ++i) addresses[i] = static_cast<PixelAddress>(i);
   PassPlanes planes;
-  resolver.resolve(cameras, addresses, std::vector<SeenTriangle>(addresses.size(), {1, 1, 0}), kResolvedPasses, planes);
+  resolver.resolve(cameras, addresses, std::vector<VisibleTriangle>(addresses.size(), {1, 1, 0}), kResolvedPasses,
+                   planes);
   const float gain = 0.5f / meanLuminance(*texture);
   for (const float r : planes.reflectance) {
     bool known = false;
@@ -254,7 +255,7 @@ TEST(Resolver, ThePartsOfManyPixelsAreTheWhole) {
   PassPlanes whole;
   resolver.resolve(cameras, drawn.addresses, drawn.seen, kResolvedPasses, whole);
   std::vector<PixelAddress> addresses;
-  std::vector<SeenTriangle> seen;
+  std::vector<VisibleTriangle> seen;
   for (std::uint32_t i = 0; i < 20'000; ++i) {
     addresses.push_back(randomBlock({.seed = 3, .beam = i})[0] % static_cast<std::uint32_t>(whole.size()));
     seen.push_back(drawn.seen[addresses.back()]);

@@ -39,10 +39,10 @@ struct GlAttribute {
   GLuint location;
   const GlBuffer* buffer;
   GLint components;
-  bool integer;
+  bool integer = false;
   std::size_t stride;
-  std::size_t offset;
-  GLuint divisor;
+  std::size_t offset = 0;
+  GLuint divisor = 0;
 };
 
 class GlVertexArray {

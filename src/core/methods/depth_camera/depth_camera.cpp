@@ -90,9 +90,9 @@ class TimedSource : public PixelSource {
   explicit TimedSource(PixelSource& source) : source_(source) {}
   const std::vector<Camera>& cameras() const override { return source_.cameras(); }
   PassChoice available() const override { return source_.available(); }
-  void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
+  void fetch(std::span<const PixelAddress> addresses, PassChoice requested, PassPlanes& planes) override {
     const WallTimer timer;
-    source_.fetch(addresses, asked, planes);
+    source_.fetch(addresses, requested, planes);
     seconds_ += timer.seconds();
   }
   double seconds() const { return seconds_; }

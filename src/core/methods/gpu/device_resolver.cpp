@@ -33,9 +33,9 @@ static_assert(kChannels.size() == 8, "say in ColumnOffsets and copyHits() where 
 // Starts of the requested columns, in words of 4 bytes. Class and material share a column.
 struct ColumnOffsets {
   ColumnOffsets(Channels channels, std::size_t rays) : end(rays) {
-    const auto next = [&](bool asked, std::size_t words) {
+    const auto next = [&](bool requested, std::size_t words) {
       const std::size_t at = end;
-      if (asked) end += words * rays;
+      if (requested) end += words * rays;
       return at;
     };
     incidence = next(channels.has(Channel::Incidence), 1);

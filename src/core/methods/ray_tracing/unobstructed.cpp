@@ -14,37 +14,41 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSlack = 1e-3;  // m, margin around boxes for rounding
+constexpr double kBoxMargin = 1e-3;    // m, margin around boxes for rounding
+constexpr double kAngleMargin = 1e-6;  // rad, margin of the cone around a thing for rounding
 
+// The state of thingFilter(), which Embree passes on.
 struct ThingContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;
-  std::uint32_t thing;
+  std::uint32_t instanceId;  // of the thing
 };
 
 // A box that contains a thing during the complete revolution, in the box's own axes.
 struct ThingExtent {
   Pose boxFromOrigin;
   Box box;
-  Vec3d middle;  // m, relative to the world's origin
-  double radius = 0;
+  Vec3d middle;       // m, relative to the world's origin
+  double radius = 0;  // m, of a ball around `middle` that contains the box
 };
 
-ThingExtent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, double from, double duration) {
-  const OrientedBox first = boxes.at(thing, from + duration / 2);
+// Returns the extent of a thing in the `duration` after `start` (s). The box has the thing's axes in the middle of this
+// time; for a moving thing it contains the thing's boxes at start, middle and end.
+ThingExtent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, double start, double duration) {
+  const double middleTime = start + duration / 2;
+  std::vector<double> times{middleTime};
+  if (boxes.things()[thing].moves && duration > 0) times = {start, middleTime, start + duration};
   ThingExtent extent;
-  Pose originFromBox = first.worldFromBox;
+  Pose originFromBox = boxes.at(thing, middleTime).worldFromBox;
   originFromBox.translation = originFromBox.translation - world.origin;
   extent.boxFromOrigin = inverse(originFromBox);
-  const int steps = boxes.things()[thing].moves && duration > 0 ? 2 : 0;
-  for (int i = 0; i <= steps; ++i) {
-    const double time = steps == 0 ? from + duration / 2 : from + duration * i / steps;
+  for (const double time : times) {
     for (const Vec3d& corner : boxes.at(thing, time).corners()) {
       extent.box.add(extent.boxFromOrigin * (corner - world.origin));
     }
   }
-  const Vec3d slack{kSlack, kSlack, kSlack};
-  extent.box = {extent.box.low - slack, extent.box.high + slack};
+  const Vec3d margin{kBoxMargin, kBoxMargin, kBoxMargin};
+  extent.box = {extent.box.low - margin, extent.box.high + margin};
   extent.middle = originFromBox * extent.box.center();
   extent.radius = length(extent.box.high - extent.box.low) / 2;
   return extent;
@@ -54,10 +58,11 @@ struct Interval {
   double enter, leave;  // distances along the ray at which it enters and leaves a box (m)
 };
 
+// Returns where a ray (m, relative to the world's origin) crosses the thing's box; nothing if the ray misses the box.
 std::optional<Interval> crossing(const ThingExtent& extent, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d o = extent.boxFromOrigin * origin;
   const Vec3d d = toMatrix(extent.boxFromOrigin.rotation) * direction;
-  Interval found{0, INFINITY};
+  Interval inside{0, INFINITY};
   for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     const double low = extent.box.low.*axis - o.*axis;
     const double high = extent.box.high.*axis - o.*axis;
@@ -67,27 +72,26 @@ std::optional<Interval> crossing(const ThingExtent& extent, const Vec3d& origin,
     }
     const double a = low / (d.*axis);
     const double b = high / (d.*axis);
-    found.enter = std::max(found.enter, std::min(a, b));
-    found.leave = std::min(found.leave, std::max(a, b));
+    inside.enter = std::max(inside.enter, std::min(a, b));
+    inside.leave = std::min(inside.leave, std::max(a, b));
   }
-  return found.enter <= found.leave ? std::optional(found) : std::nullopt;
+  return inside.enter <= inside.leave ? std::optional(inside) : std::nullopt;
 }
 
 // Returns the half angle (rad) of a cone in the sensor's frame that contains all beams that may hit the thing during
-// the revolution. The cone's axis is the direction to the thing's centre at the first pose. `offset`: largest distance
-// of a beam's origin from the sensor's origin (m).
-double angleOf(const ThingExtent& extent, const ShotFrame& frame, double offset) {
-  const double radius = extent.radius + offset;
+// the revolution. `axis`: the cone's axis, the direction to the thing's centre from the sensor's first pose.
+// `farthestOrigin`: largest distance of a beam's origin from the sensor's origin (m).
+double coneAngle(const ThingExtent& extent, const ShotFrame& frame, const Vec3d& axis, double farthestOrigin) {
+  constexpr double kOutside = 1.01;  // in radii; from a sensor nearer than this, the thing may fill any direction
+  const double radius = extent.radius + farthestOrigin;
   double angle = 0;
-  const Mat3 first = transposed(frame.rotation.front());
-  const Vec3d towards = normalized(first * (extent.middle - frame.position.front()));
   for (const std::size_t step : {std::size_t{0}, frame.rotation.size() / 2, frame.rotation.size() - 1}) {
     const Vec3d toMiddle = extent.middle - frame.position[step];
     const double distance = length(toMiddle);
-    if (distance <= radius * 1.01) return kPi;
+    if (distance <= radius * kOutside) return kPi;
     const Vec3d direction = normalized(transposed(frame.rotation[step]) * toMiddle);
-    const double turned = std::atan2(length(cross(direction, towards)), dot(direction, towards));
-    angle = std::max(angle, std::asin(radius / distance) + turned);
+    const double fromAxis = std::atan2(length(cross(direction, axis)), dot(direction, axis));
+    angle = std::max(angle, std::asin(radius / distance) + fromAxis);
   }
   return angle;
 }
@@ -103,72 +107,86 @@ std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
   return nearest;
 }
 
+// Returns true if a surface of the context's thing is between the distances `near` and `far` (m) along a ray, which
+// starts at `origin` (m, relative to the world's origin). `firedAt`: see HitTriangle::firedAt.
+bool hitsThing(ThingContext& context, const Vec3d& origin, const Vec3d& direction, double near, double far,
+               float firedAt) {
+  RTCRay ray{.org_x = static_cast<float>(origin.x),
+             .org_y = static_cast<float>(origin.y),
+             .org_z = static_cast<float>(origin.z),
+             .tnear = static_cast<float>(near),
+             .dir_x = static_cast<float>(direction.x),
+             .dir_y = static_cast<float>(direction.y),
+             .dir_z = static_cast<float>(direction.z),
+             .time = firedAt,
+             .tfar = static_cast<float>(far),
+             .mask = ~0u,
+             .id = 0,
+             .flags = 0};
+  occludeOne(context.world->embree.get(), context.embree, ray);
+  return ray.tfar < 0;
+}
+
 }  // namespace
 
 // Rejects hits on all surfaces except the thing's, and hits on the thing at points that alpha cuts out.
-void thingFilter(const RTCFilterFunctionNArguments* a) {
-  const auto& context = *reinterpret_cast<const ThingContext*>(a->context);
+void thingFilter(const RTCFilterFunctionNArguments* arguments) {
+  const auto& [valid, userData, embreeContext, rays, hits, width] = *arguments;
+  const auto& context = *reinterpret_cast<const ThingContext*>(embreeContext);
   const World& world = *context.world;
-  for (unsigned i = 0; i < a->N; ++i) {
-    if (a->valid[i] == 0) continue;
-    const unsigned geometry = RTCHitN_geomID(a->hit, a->N, i);
+  for (unsigned i = 0; i < width; ++i) {
+    if (valid[i] == 0) continue;
+    const unsigned geometry = RTCHitN_geomID(hits, width, i);
     const HitTriangle hit =
-        hitTriangle(world, RTCHitN_instID(a->hit, a->N, i, 0), geometry, RTCHitN_primID(a->hit, a->N, i));
-    const bool cut = geometry == 1 && transparentAt(world, *hit.block, hit.index, double{RTCHitN_u(a->hit, a->N, i)},
-                                                    double{RTCHitN_v(a->hit, a->N, i)});
-    if (instanceOf(hit) != context.thing || cut) a->valid[i] = 0;
+        hitTriangle(world, RTCHitN_instID(hits, width, i, 0), geometry, RTCHitN_primID(hits, width, i));
+    const bool isAlphaTested = geometry == 1;  // see TriangleBlock
+    const bool isTransparent =
+        isAlphaTested && transparentAt(world, *hit.block, hit.index, double{RTCHitN_u(hits, width, i)},
+                                       double{RTCHitN_v(hits, width, i)});
+    if (instanceOf(hit) != context.instanceId || isTransparent) valid[i] = 0;
   }
 }
 
-Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const BeamGrid& grid) const {
+Unobstructed::View Unobstructed::viewOf(std::size_t thing, const Shot& shot, const BeamGrid& grid) const {
   const BeamTable& beams = *shot.beams;
   const std::shared_ptr<const World> world = worlds_.near(
       shot.worldFromSensor.front().translation, farthestEnd(shot, grid.farthestOrigin()), shot.time, shot.duration);
   const ShotFrame frame = frameOf(shot, world->origin);
   const ThingExtent extent = extentOf(boxes_, thing, *world, shot.time, shot.duration);
-  const Vec3d direction = normalized(transposed(frame.rotation.front()) * (extent.middle - frame.position.front()));
-  const double angle = angleOf(extent, frame, grid.farthestOrigin()) + 1e-6;
+  const Vec3d axis = normalized(transposed(frame.rotation.front()) * (extent.middle - frame.position.front()));
+  const double angle = coneAngle(extent, frame, axis, grid.farthestOrigin()) + kAngleMargin;
 
-  ThingContext context{.world = world.get(), .thing = boxes_.things()[thing].id};
-  const auto hitsThing = [&](const Vec3d& o, const Vec3d& d, double from, double to, float revolutionFraction) {
-    RTCRay ray{.org_x = static_cast<float>(o.x),
-               .org_y = static_cast<float>(o.y),
-               .org_z = static_cast<float>(o.z),
-               .tnear = static_cast<float>(from),
-               .dir_x = static_cast<float>(d.x),
-               .dir_y = static_cast<float>(d.y),
-               .dir_z = static_cast<float>(d.z),
-               .time = revolutionFraction,
-               .tfar = static_cast<float>(to),
-               .mask = ~0u,
-               .id = 0,
-               .flags = 0};
-    occludeOne(world->embree.get(), context.embree, ray);
-    return ray.tfar < 0;
-  };
-  std::vector<std::pair<double, std::uint32_t>> firing;  // firing time (s) and beam
-  grid.forBeamsNear(direction, angle, [&](std::uint32_t beam) {
-    const std::uint32_t column = beam % beams.columns;
-    const std::size_t step = frame.rotation.size() == 1 ? 0 : shot.stepOf(column);
-    const Vec3d d = frame.rotation[step] * beams.direction[beam];
-    Vec3d o = frame.position[step];
-    if (!beams.origin.empty()) o += frame.rotation[step] * Vec3d(beams.origin[beam]);
-    const std::optional<Interval> inside = crossing(extent, o, d);
+  ThingContext context{.world = world.get(), .instanceId = boxes_.things()[thing].id};
+  // Returns true if the beam would hit the thing within the sensor's range.
+  const auto seesThing = [&](std::uint32_t beam) {
+    const std::size_t step = frame.rotation.size() == 1 ? 0 : shot.stepOf(beam % beams.columns);
+    const Vec3d direction = frame.rotation[step] * beams.direction[beam];
+    Vec3d origin = frame.position[step];
+    if (!beams.origin.empty()) origin += frame.rotation[step] * Vec3d(beams.origin[beam]);
+    const std::optional<Interval> inside = crossing(extent, origin, direction);
     if (!inside || inside->enter > beams.maxRange) return false;
-    const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
-    const float revolutionFraction = firingFraction(beams, beam, world->revolution.duration);
+    const float firedAt = firingFraction(beams, beam, world->revolution.duration);
     // A surface of the thing that is nearer than the minimum range blocks this beam.
-    if (inside->enter < beams.minRange && hitsThing(o, d, inside->enter, beams.minRange, revolutionFraction))
+    if (inside->enter < beams.minRange &&
+        hitsThing(context, origin, direction, inside->enter, beams.minRange, firedAt)) {
       return false;
-    const double from = std::max(inside->enter, beams.minRange);
-    const double to = std::min(inside->leave, beams.maxRange);
-    if (from <= to && hitsThing(o, d, from, to, revolutionFraction)) firing.emplace_back(time, beam);
-    return false;
+    }
+    const double near = std::max(inside->enter, beams.minRange);
+    const double far = std::min(inside->leave, beams.maxRange);
+    return near <= far && hitsThing(context, origin, direction, near, far, firedAt);
+  };
+  std::vector<std::pair<double, std::uint32_t>> firings;  // firing time (s) and beam
+  grid.forBeamsNear(axis, angle, [&](std::uint32_t beam) {
+    if (seesThing(beam)) {
+      firings.emplace_back(beams.time.empty() ? beams.columnTime(beam % beams.columns) : double{beams.time[beam]},
+                           beam);
+    }
+    return false;  // continue with the next beam
   });
-  if (firing.empty()) return {0, nearestBeam(beams, direction)};
-  const auto middle = firing.begin() + static_cast<std::ptrdiff_t>(firing.size() / 2);
-  std::nth_element(firing.begin(), middle, firing.end());
-  return {static_cast<std::uint32_t>(firing.size()), middle->second};
+  if (firings.empty()) return {0, nearestBeam(beams, axis)};
+  const auto middle = firings.begin() + static_cast<std::ptrdiff_t>(firings.size() / 2);
+  std::nth_element(firings.begin(), middle, firings.end());
+  return {static_cast<std::uint32_t>(firings.size()), middle->second};
 }
 
 }  // namespace scanmill

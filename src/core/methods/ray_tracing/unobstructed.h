@@ -31,9 +31,9 @@ class Unobstructed {
     // thing.
     std::uint32_t middle = 0;
   };
-  // Returns the view of a thing in a shot, traced with one ray along the axis of each beam. `grid`: the grid of the
-  // shot's beams. Safe to call from several threads.
-  View of(std::size_t thing, const Shot& shot, const BeamGrid& grid) const;
+  // Returns the view of a thing (an index into ThingBoxes::things()) in a shot, traced with one ray along the axis of
+  // each beam. `grid`: the grid of the shot's beams. Safe to call from several threads.
+  View viewOf(std::size_t thing, const Shot& shot, const BeamGrid& grid) const;
 
  private:
   const Worlds& worlds_;

@@ -299,18 +299,18 @@ static_assert(kChannels.size() == 8, "fill the new channel in store()");
 SCANMILL_BEST_INSTRUCTIONS void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
                                       const HitPlanes& planes, const HitTriangle* triangles, Hits& hits) {
   const TileHits from{tile, rays, planes, triangles};
-  const Channels asked = hits.channels;
+  const Channels requested = hits.channels;
   alignas(64) float range[kPacket];
   for (int i = 0; i < kPacket; ++i) range[i] = static_cast<float>(planes.range[i]);
   storeRows(tile, range, hits.range, hits.columns);
-  if (asked.has(Channel::Incidence)) storeIncidence(from, hits);
-  if (asked.has(Channel::Normal)) storeNormals(from, hits);
+  if (requested.has(Channel::Incidence)) storeIncidence(from, hits);
+  if (requested.has(Channel::Normal)) storeNormals(from, hits);
   const HitLabels labels = labelsOf(from);
-  if (asked.has(Channel::Instance)) storeRows(tile, labels.instance, hits.instance, hits.columns);
-  if (asked.has(Channel::Semantic)) storeRows(tile, labels.semantic, hits.semantic, hits.columns);
-  if (asked.has(Channel::Material)) storeRows(tile, labels.material, hits.material, hits.columns);
-  if (asked.has(Channel::Primitive)) storeRows(tile, labels.primitive, hits.primitive, hits.columns);
-  if (asked.has(Channel::Reflectance)) storeReflectance(from, materials, labels, hits);
+  if (requested.has(Channel::Instance)) storeRows(tile, labels.instance, hits.instance, hits.columns);
+  if (requested.has(Channel::Semantic)) storeRows(tile, labels.semantic, hits.semantic, hits.columns);
+  if (requested.has(Channel::Material)) storeRows(tile, labels.material, hits.material, hits.columns);
+  if (requested.has(Channel::Primitive)) storeRows(tile, labels.primitive, hits.primitive, hits.columns);
+  if (requested.has(Channel::Reflectance)) storeReflectance(from, materials, labels, hits);
 }
 
 }  // namespace scanmill

@@ -25,44 +25,45 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kMinSide = 4;         // px, Blender's smallest image side
-constexpr float kBlenderSky = 1e9f;           // m; pixels with a larger depth show no surface: Blender writes 1e10
-constexpr float kExact = 16777216.0f;         // 2^24, up to which float32 represents every integer; larger object
-                                              // numbers are written in two parts: see the script
-constexpr double kReach = 512;                // m, largest distance of the cameras from the scene's origin in Blender:
-                                              // float32 steps are 6e-5 m there
-constexpr double kPlaneShare = 1e-3;          // largest difference of Blender's depth from the depth of the triangle's
-                                              // plane, as a fraction of the depth
-constexpr std::size_t kFrameGrain = 1 << 14;  // number of pixels of one parallel task
+constexpr std::uint32_t kMinSide = 4;          // px, Blender's smallest image side
+constexpr float kBlenderSky = 1e9f;            // m; pixels with a larger depth show no surface: Blender writes 1e10
+constexpr float kExactIntegers = 16777216.0f;  // 2^24, up to which float32 represents every integer; larger object
+                                               // numbers are written in two parts: see the script
+constexpr double kReach = 512;                 // m, largest distance of the cameras from the scene's origin in Blender:
+                                               // float32 steps are 6e-5 m there
+constexpr double kPlaneShare = 1e-3;           // largest difference of Blender's depth from the depth of the triangle's
+                                               // plane, as a fraction of the depth
+constexpr std::size_t kFrameGrain = 1 << 14;   // number of pixels of one parallel task
 // If an image has more than this number of pixels with a depth, and none of its pixels has an id, ids are missing: this
 // is an error. Fewer pixels without ids may be cut-outs.
 constexpr std::ptrdiff_t kFewestWithoutIds = 1000;
 
 // The visible triangle and depth of each pixel, from which a Resolver computes the passes.
-class SeenSource : public PixelSource {
+class TriangleSource : public PixelSource {
  public:
-  SeenSource(std::shared_ptr<const Resolver> resolver, std::vector<Camera> cameras, std::vector<SeenTriangle> seen)
-      : resolver_(std::move(resolver)), cameras_(std::move(cameras)), seen_(std::move(seen)) {}
+  TriangleSource(std::shared_ptr<const Resolver> resolver, std::vector<Camera> cameras,
+                 std::vector<VisibleTriangle> triangles)
+      : resolver_(std::move(resolver)), cameras_(std::move(cameras)), triangles_(std::move(triangles)) {}
 
   const std::vector<Camera>& cameras() const override { return cameras_; }
 
   PassChoice available() const override { return {channelsThat(&ChannelRow::rendered), true}; }
 
-  void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
+  void fetch(std::span<const PixelAddress> addresses, PassChoice requested, PassPlanes& planes) override {
     fetched_.resize(addresses.size());
     parallelFor(addresses.size(), kFrameGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        fetched_[i] = addresses[i] < seen_.size() ? seen_[addresses[i]] : SeenTriangle{};
+        fetched_[i] = addresses[i] < triangles_.size() ? triangles_[addresses[i]] : VisibleTriangle{};
       }
     });
-    resolver_->resolve(cameras_, addresses, fetched_, asked, planes);
+    resolver_->resolve(cameras_, addresses, fetched_, requested, planes);
   }
 
  private:
   std::shared_ptr<const Resolver> resolver_;
   std::vector<Camera> cameras_;
-  std::vector<SeenTriangle> seen_;     // the visible triangle of each pixel, indexed by PixelAddress
-  std::vector<SeenTriangle> fetched_;  // reused by each fetch
+  std::vector<VisibleTriangle> triangles_;  // the visible triangle of each pixel, indexed by PixelAddress
+  std::vector<VisibleTriangle> fetched_;    // reused by each fetch
 };
 
 // Computes the depth of triangles' planes at the centres of one camera's pixels, in double precision. Blender's float32
@@ -78,20 +79,20 @@ class ExactDepth {
     }
   }
 
-  // Returns the depth (m) of the triangle's plane at a pixel's centre; or Blender's depth if the two differ by more
-  // than the fraction kPlaneShare of Blender's, as for a triangle seen edge-on.
-  float at(std::size_t column, std::size_t row, const SeenTriangle& seen) const {
-    const Affine& place = cameraFromMesh_[seen.instance - 1];
-    const Mesh& mesh = scene_.meshes[scene_.instances[seen.instance - 1].mesh];
-    const Triangle& corners = mesh.triangles.at(seen.triangle);
-    const Vec3d a(mesh.positions[corners[0]]);
-    const Vec3d b(mesh.positions[corners[1]]);
-    const Vec3d c(mesh.positions[corners[2]]);
-    const Vec3d normal = cross(place.linear * (b - a), place.linear * (c - a));
+  // Returns the depth (m) of the triangle's plane at a pixel's centre; or `visible.depth`, which is Blender's, if the
+  // two differ by more than the fraction kPlaneShare of Blender's, as for a triangle seen edge-on.
+  float at(std::size_t column, std::size_t row, const VisibleTriangle& visible) const {
+    const Affine& cameraFromMesh = cameraFromMesh_[visible.instance - 1];
+    const Mesh& mesh = scene_.meshes[scene_.instances[visible.instance - 1].mesh];
+    const Triangle& corners = mesh.triangles.at(visible.triangle);
+    const auto corner = [&](int i) { return Vec3d(mesh.positions[corners[i]]); };
+    const Vec3d a = corner(0);
+    const Mat3& linear = cameraFromMesh.linear;
+    const Vec3d normal = cross(linear * (corner(1) - a), linear * (corner(2) - a));
     const Vec3d sight = camera_.ray(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);
-    const double exact = dot(place * a, normal) / dot(sight, normal);
-    const double drawn = seen.depth;
-    return std::abs(exact - drawn) <= kPlaneShare * drawn ? static_cast<float>(exact) : seen.depth;
+    const double exact = dot(cameraFromMesh * a, normal) / dot(sight, normal);
+    const double rendered = visible.depth;
+    return std::abs(exact - rendered) <= kPlaneShare * rendered ? static_cast<float>(exact) : visible.depth;
   }
 
  private:
@@ -112,7 +113,7 @@ class BlenderRenderer : public PassRenderer {
     try {
       if (!job_) start();
       if (!cameras.empty()) load(cameras[0].worldFromCamera.translation);
-      return std::make_unique<SeenSource>(resolver_, cameras, drawAll(cameras, limits));
+      return std::make_unique<TriangleSource>(resolver_, cameras, drawAll(cameras, limits));
     } catch (...) {
       job_.reset();  // otherwise the next answers would belong to requests from before the error
       origin_.reset();
@@ -143,25 +144,24 @@ class BlenderRenderer : public PassRenderer {
     job_->answer();
   }
 
-  // Renders all images. While one image is read, Blender renders the next.
-  std::vector<SeenTriangle> drawAll(const std::vector<Camera>& cameras, const DrawLimits& limits) {
-    std::size_t pixels = 0;
-    for (const Camera& camera : cameras) pixels += camera.pixels();
-    std::vector<SeenTriangle> seen(pixels);
-    for (std::size_t i = 0; i < cameras.size(); ++i) job_->ask(request(cameras[i], limits, imageFile(i)));
-    SeenTriangle* at = seen.data();
+  // Renders all images. Returns the visible triangle of each pixel, indexed by PixelAddress. While one image is read,
+  // Blender renders the next.
+  std::vector<VisibleTriangle> drawAll(const std::vector<Camera>& cameras, const DrawLimits& limits) {
+    const std::vector<PixelAddress> firsts = firstPixels(cameras);
+    std::vector<VisibleTriangle> triangles(firsts.back());
+    for (std::size_t i = 0; i < cameras.size(); ++i) job_->ask(requestText(cameras[i], limits, imageFile(i)));
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       job_->answer();
-      read(imageFile(i), cameras[i], limits, at);
+      readImage(imageFile(i), cameras[i], limits, &triangles[firsts[i]]);
       std::filesystem::remove(imageFile(i));
-      at += cameras[i].pixels();
     }
-    return seen;
+    return triangles;
   }
 
   std::filesystem::path imageFile(std::size_t index) const { return folder_.path() / fmt::format("{}.exr", index); }
 
-  std::string request(const Camera& camera, const DrawLimits& limits, const std::filesystem::path& file) const {
+  // Returns the line of JSON that makes scripts/blender_passes.py render a camera's image into `file`.
+  std::string requestText(const Camera& camera, const DrawLimits& limits, const std::filesystem::path& file) const {
     const Mat3 r = toMatrix(camera.worldFromCamera.rotation);
     const Vec3d t = camera.worldFromCamera.translation - *origin_;
     return nlohmann::json{{"file", file.string()},
@@ -177,29 +177,41 @@ class BlenderRenderer : public PassRenderer {
         .dump();
   }
 
-  void read(const std::filesystem::path& file, const Camera& camera, const DrawLimits& limits, SeenTriangle* seen) {
-    const ExrReader reader(file);
-    struct Pixel {
-      float depth, object, beyond, triangle;
-    };
-    std::vector<Pixel> pixels(reader.pixels());
-    const auto target = [&](const char* name, float Pixel::*member) {
-      const auto& channels = reader.channels();
-      const auto found = std::find_if(channels.begin(), channels.end(), [&](const ExrChannel& channel) {
-        return channel.name.ends_with(name) && channel.type == ExrType::Float32;
+  // A pixel of Blender's image: the depth (m), the object's number (see kExactIntegers) and the triangle's number.
+  struct BlenderPixel {
+    float depth, objectLow, objectHigh, triangle;
+
+    std::size_t object() const { return static_cast<std::size_t>(objectLow + kExactIntegers * objectHigh); }
+  };
+
+  static std::vector<BlenderPixel> readPixels(const ExrReader& reader) {
+    std::vector<BlenderPixel> pixels(reader.pixels());
+    const auto target = [&](const char* nameEnd, float BlenderPixel::*member) {
+      const auto channel = std::ranges::find_if(reader.channels(), [&](const ExrChannel& candidate) {
+        return candidate.name.ends_with(nameEnd) && candidate.type == ExrType::Float32;
       });
-      if (found == channels.end()) throw Error(fmt::format("Blender's image lacks the channel {}", name));
-      return ExrTarget{&*found, &(pixels.data()->*member), sizeof(Pixel)};
+      if (channel == reader.channels().end()) throw Error(fmt::format("Blender's image lacks the channel {}", nameEnd));
+      return ExrTarget{&*channel, &(pixels.data()->*member), sizeof(BlenderPixel)};
     };
-    reader.read(std::vector<ExrTarget>{target(".Depth.Z", &Pixel::depth), target(".ids.R", &Pixel::object),
-                                       target(".ids.G", &Pixel::beyond), target(".ids.B", &Pixel::triangle)});
+    reader.read(
+        std::vector<ExrTarget>{target(".Depth.Z", &BlenderPixel::depth), target(".ids.R", &BlenderPixel::objectLow),
+                               target(".ids.G", &BlenderPixel::objectHigh), target(".ids.B", &BlenderPixel::triangle)});
+    return pixels;
+  }
+
+  // Reads an image that Blender has rendered, which may be larger than the camera's (kMinSide). Sets the pixels of the
+  // camera's image that show a surface, row by row from `triangles`.
+  void readImage(const std::filesystem::path& file, const Camera& camera, const DrawLimits& limits,
+                 VisibleTriangle* triangles) {
+    const ExrReader reader(file);
+    const std::vector<BlenderPixel> pixels = readPixels(reader);
     // Rounding may put a surface at a depth limit on either side of the limit, so the test here is inclusive.
     const auto nearest = static_cast<float>(limits.nearest);
     const auto farthest = std::min(static_cast<float>(limits.farthest), kBlenderSky);
-    const auto isDrawn = [&](const Pixel& pixel) { return pixel.depth >= nearest && pixel.depth <= farthest; };
-    const auto drawnPixels = std::count_if(pixels.begin(), pixels.end(), isDrawn);
+    const auto hasDepth = [&](const BlenderPixel& p) { return p.depth >= nearest && p.depth <= farthest; };
+    const auto drawnPixels = std::ranges::count_if(pixels, hasDepth);
     if (drawnPixels > kFewestWithoutIds &&
-        std::none_of(pixels.begin(), pixels.end(), [](const Pixel& p) { return p.object > 0 || p.beyond > 0; })) {
+        std::ranges::none_of(pixels, [](const BlenderPixel& p) { return p.object() > 0; })) {
       throw Error(
           fmt::format("Blender drew {} pixels and wrote no object's number for any: this version of Blender does "
                       "not fill the pass 'ids' as 3.4 to 4.3 do; SCANMILL_BLENDER names another one",
@@ -209,13 +221,12 @@ class BlenderRenderer : public PassRenderer {
     parallelFor(camera.height, 1 + kFrameGrain / camera.width, [&](std::size_t begin, std::size_t end) {
       for (std::size_t row = begin; row < end; ++row) {
         for (std::size_t column = 0; column < camera.width; ++column) {
-          const Pixel& pixel = pixels[row * reader.width() + column];
-          const auto object = static_cast<std::size_t>(pixel.object + kExact * pixel.beyond);
-          if (!isDrawn(pixel) || object == 0) continue;
-          SeenTriangle& found = seen[row * camera.width + column];
-          found = {pixel.depth, objects_.at(object - 1).instance,
-                   objects_.at(object - 1).firstTriangle + static_cast<std::uint32_t>(pixel.triangle)};
-          found.depth = std::clamp(exact.at(column, row, found), nearest, farthest);
+          const BlenderPixel& pixel = pixels[row * reader.width() + column];
+          if (!hasDepth(pixel) || pixel.object() == 0) continue;
+          const BlenderObject& object = objects_.at(pixel.object() - 1);
+          VisibleTriangle& visible = triangles[row * camera.width + column];
+          visible = {pixel.depth, object.instance, object.firstTriangle + static_cast<std::uint32_t>(pixel.triangle)};
+          visible.depth = std::clamp(exact.at(column, row, visible), nearest, farthest);
         }
       }
     });

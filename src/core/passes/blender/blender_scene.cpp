@@ -34,12 +34,12 @@ class Arrays {
   template <class T>
   Json add(std::span<const T> values, const char* type, std::vector<std::size_t> shape) {
     static constexpr std::array<char, 8> kZeroes{};
-    const std::size_t gap = (8 - at_ % 8) % 8;
-    out_.write(kZeroes.data(), static_cast<std::streamsize>(gap));
-    at_ += gap;
-    Json entry{{"at", at_}, {"type", type}, {"shape", std::move(shape)}};
+    const std::size_t padding = (8 - writtenBytes_ % 8) % 8;
+    out_.write(kZeroes.data(), static_cast<std::streamsize>(padding));
+    writtenBytes_ += padding;
+    Json entry{{"at", writtenBytes_}, {"type", type}, {"shape", std::move(shape)}};
     out_.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
-    at_ += values.size_bytes();
+    writtenBytes_ += values.size_bytes();
     return entry;
   }
 
@@ -51,26 +51,33 @@ class Arrays {
  private:
   std::filesystem::path file_;
   std::ofstream out_;
-  std::size_t at_ = 0;
+  std::size_t writtenBytes_ = 0;
 };
 
 class SceneWriter {
  public:
-  SceneWriter(const Scene& scene, const Vec3d& origin, const std::filesystem::path& folder, std::uint32_t limit)
-      : scene_(scene), origin_(origin), folder_(folder), limit_(limit), arrays_(folder / "scene.bin") {}
+  // See writeBlenderScene().
+  SceneWriter(const Scene& scene, const Vec3d& origin, const std::filesystem::path& folder,
+              std::uint32_t trianglesOfAnObject)
+      : scene_(scene),
+        origin_(origin),
+        folder_(folder),
+        trianglesOfAnObject_(trianglesOfAnObject),
+        arrays_(folder / "scene.bin") {}
 
+  // Writes both files. Called once.
   std::vector<BlenderObject> write(int threads) {
     addMaterials();
-    std::vector<std::vector<std::uint32_t>> placed(scene_.meshes.size());  // instances of each mesh (indices)
-    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) placed[scene_.instances[i].mesh].push_back(i);
-    for (std::size_t m = 0; m < placed.size(); ++m) {
-      if (!scene_.meshes[m].triangles.empty() && !placed[m].empty()) addMesh(scene_.meshes[m], placed[m]);
+    std::vector<std::vector<std::uint32_t>> instancesOf(scene_.meshes.size());  // by mesh: indices of its instances
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) instancesOf[scene_.instances[i].mesh].push_back(i);
+    for (std::size_t m = 0; m < instancesOf.size(); ++m) {
+      if (!scene_.meshes[m].triangles.empty() && !instancesOf[m].empty()) addMesh(scene_.meshes[m], instancesOf[m]);
     }
     const std::size_t count = objects_.size();
     index_["threads"] = threads;
     index_["objects"] = count;
     index_["matrices"] = arrays_.add<double>(matrices_, "f8", {count, 3, 4});
-    index_["mesh_of"] = arrays_.add<std::uint32_t>(meshOf_, "u4", {count});
+    index_["mesh_of"] = arrays_.add<std::uint32_t>(meshNumbers_, "u4", {count});
     arrays_.finish();
     writeFile(folder_ / "scene.json", index_.dump());
     return std::move(objects_);
@@ -93,40 +100,43 @@ class SceneWriter {
     }
   }
 
+  // Writes a mesh that has `instances`, divided into objects of at most trianglesOfAnObject_ triangles. The positions
+  // of a mesh with one instance are relative to origin_, those of other meshes are in the mesh's frame.
   void addMesh(const Mesh& mesh, const std::vector<std::uint32_t>& instances) {
-    const bool moved = instances.size() == 1;
+    const bool isPlacedOnce = instances.size() == 1;
     std::vector<Vec3f> positions = mesh.positions;
-    if (moved) {
+    if (isPlacedOnce) {
       const Affine originFromMesh = placement(instances[0]);
       for (Vec3f& p : positions) p = static_cast<Vec3f>(originFromMesh * static_cast<Vec3d>(p));
     }
-    const Json where = arrays_.add<Vec3f>(positions, "f4", {positions.size(), 3});
-    const Json uvs = mesh.uvs.empty() ? Json() : arrays_.add<Vec2f>(mesh.uvs, "f4", {mesh.uvs.size(), 2});
+    const Json positionsEntry = arrays_.add<Vec3f>(positions, "f4", {positions.size(), 3});
+    const Json uvsEntry = mesh.uvs.empty() ? Json() : arrays_.add<Vec2f>(mesh.uvs, "f4", {mesh.uvs.size(), 2});
     std::vector<std::uint16_t> materials;
-    for (std::size_t first = 0; first < mesh.triangles.size(); first += limit_) {
-      const std::size_t count = std::min<std::size_t>(limit_, mesh.triangles.size() - first);
+    for (std::size_t first = 0; first < mesh.triangles.size(); first += trianglesOfAnObject_) {
+      const std::size_t count = std::min<std::size_t>(trianglesOfAnObject_, mesh.triangles.size() - first);
       materials.clear();
       for (std::size_t i = 0; i < count; ++i) {
         materials.push_back(mesh.surfaces[mesh.surfaceOf[first + i]].material);
       }
       const std::span<const Triangle> triangles(mesh.triangles.data() + first, count);
-      const auto number = static_cast<std::uint32_t>(index_["meshes"].size());
-      index_["meshes"].push_back({{"positions", where},
-                                  {"uvs", uvs},
+      const auto meshNumber = static_cast<std::uint32_t>(index_["meshes"].size());
+      index_["meshes"].push_back({{"positions", positionsEntry},
+                                  {"uvs", uvsEntry},
                                   {"triangles", arrays_.add<Triangle>(triangles, "u4", {count, 3})},
                                   {"materials", arrays_.add<std::uint16_t>(materials, "u2", {count})}});
-      for (const std::uint32_t i : instances) addObject(i, number, first, moved ? Affine() : placement(i));
+      for (const std::uint32_t i : instances) addObject(i, meshNumber, first, isPlacedOnce ? Affine() : placement(i));
     }
   }
 
-  void addObject(std::uint32_t instance, std::uint32_t mesh, std::size_t firstTriangle, const Affine& a) {
+  void addObject(std::uint32_t instance, std::uint32_t meshNumber, std::size_t firstTriangle, const Affine& a) {
     objects_.push_back({instance + 1, static_cast<std::uint32_t>(firstTriangle)});
-    meshOf_.push_back(mesh);
+    meshNumbers_.push_back(meshNumber);
     matrices_.insert(matrices_.end(), {a.linear.x.x, a.linear.y.x, a.linear.z.x, a.translation.x,  //
                                        a.linear.x.y, a.linear.y.y, a.linear.z.y, a.translation.y,  //
                                        a.linear.x.z, a.linear.y.z, a.linear.z.z, a.translation.z});
   }
 
+  // Returns originFromMesh of an instance.
   Affine placement(std::uint32_t instance) const {
     const Affine& worldFromMesh = scene_.instances[instance].worldFromMesh;
     return {worldFromMesh.linear, worldFromMesh.translation - origin_};
@@ -135,12 +145,12 @@ class SceneWriter {
   const Scene& scene_;
   Vec3d origin_;
   const std::filesystem::path& folder_;
-  std::uint32_t limit_;
+  std::uint32_t trianglesOfAnObject_;
   Arrays arrays_;
   Json index_{{"meshes", Json::array()}};
   std::vector<BlenderObject> objects_;
-  std::vector<std::uint32_t> meshOf_;
-  std::vector<double> matrices_;
+  std::vector<std::uint32_t> meshNumbers_;  // by object: index in "meshes"
+  std::vector<double> matrices_;            // by object: the first three rows of the matrix originFromMesh
 };
 
 }  // namespace

@@ -18,6 +18,7 @@ constexpr const char* kQuaternionW = "worldFromCameraW";
 constexpr const char* kHorizontalField = "horizontalFieldDeg";
 constexpr const char* kVerticalField = "verticalFieldDeg";
 
+// Returns the 4 x 4 matrix of a pose, for column vectors.
 ExrMatrix4 rowByRow(const Pose& pose) {
   const Mat3 r = toMatrix(pose.rotation);
   const Vec3d& t = pose.translation;
@@ -39,8 +40,8 @@ class CameraReader {
     Camera camera;
     camera.name = std::filesystem::path(file_.name()).stem().string();
     if (const auto* name = optional<std::string>("camera", "string")) camera.name = *name;
-    const auto unfit = [](unsigned char c) { return c < ' ' || c == '/'; };  // the name becomes part of file names
-    if (std::any_of(camera.name.begin(), camera.name.end(), unfit)) {
+    // The name becomes part of file names.
+    if (std::ranges::any_of(camera.name, [](unsigned char c) { return c < ' ' || c == '/'; })) {
       refuse("camera", "must be a name without '/' and control characters");
     }
     camera.width = file_.width();
@@ -48,7 +49,7 @@ class CameraReader {
     const auto* units = optional<std::string>("units", "string");
     if (units != nullptr && *units != "m") refuse("units", fmt::format("must be 'm', not '{}'", *units));
     readMatrix(camera);
-    readPose(camera);
+    camera.worldFromCamera = readPose();
     checkField(kHorizontalField, degrees(camera.horizontalField()));
     checkField(kVerticalField, degrees(camera.verticalField()));
     return camera;
@@ -59,6 +60,7 @@ class CameraReader {
     throw InputError({file_.name()}, fmt::format("attribute '{}': {}", attribute, why));
   }
 
+  // Returns an attribute's value; null if the file lacks the attribute. Throws InputError if it has another type.
   template <class T>
   const T* optional(const char* attribute, const char* type) const {
     const ExrValue* value = file_.attribute(attribute);
@@ -67,6 +69,8 @@ class CameraReader {
     refuse(attribute, fmt::format("must be of type {}", type));
   }
 
+  // Returns the value of an attribute of numbers. Throws InputError, with the attribute's meaning, if the file lacks
+  // it.
   template <class T>
   const T& require(const char* attribute, const char* type, const char* meaning) const {
     const T* value = optional<T>(attribute, type);
@@ -77,20 +81,24 @@ class CameraReader {
     return *value;
   }
 
+  // Sets the focal lengths and the principal point.
   void readMatrix(Camera& camera) const {
     constexpr const char* kMeaning = "the rows fx 0 cx, 0 fy cy, 0 0 1 (px)";
-    const auto& k = require<ExrMatrix3>(kMatrix, "m33d", kMeaning);
-    if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
+    const ExrMatrix3& matrix = require<ExrMatrix3>(kMatrix, "m33d", kMeaning);
+    camera.fx = matrix[0];
+    camera.cx = matrix[2];
+    camera.fy = matrix[4];
+    camera.cy = matrix[5];
+    if (matrix != ExrMatrix3{camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1}) {
       refuse(kMatrix, fmt::format("must be {}", kMeaning));
     }
-    if (!(k[0] > 0 && k[4] > 0)) refuse(kMatrix, fmt::format("fx {:g} and fy {:g} must be above 0", k[0], k[4]));
-    camera.fx = k[0];
-    camera.cx = k[2];
-    camera.fy = k[4];
-    camera.cy = k[5];
+    if (camera.fx > 0 && camera.fy > 0) return;
+    refuse(kMatrix, fmt::format("fx {:g} and fy {:g} must be above 0", camera.fx, camera.fy));
   }
 
-  void readPose(Camera& camera) const {
+  // Returns worldFromCamera: the rotation from the quaternion if the file has one, because the matrix is rounded.
+  Pose readPose() const {
+    constexpr double kRoundedRotation = 1e-5;  // largest difference() of a rotation in float32 from an exact one
     constexpr const char* kMeaning =
         "the rows of the 4 x 4 matrix that takes points as column vectors from the camera (x right, y down, z forward) "
         "to "
@@ -98,31 +106,30 @@ class CameraReader {
     const auto& m = require<ExrMatrix4>(kPose, "m44d", kMeaning);
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) refuse(kPose, fmt::format("must be {}", kMeaning));
     const Mat3 matrix{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
-    constexpr double kRotation = 1e-5;  // largest difference from a rotation; wide enough for float32 matrices
+    const Vec3d translation{m[3], m[7], m[11]};
     if (determinant(matrix) < 0) {
       refuse(kPose, "mirrors: the camera's axes are right-handed, x right, y down, z forward");
     }
-    if (!(difference(matrix * transposed(matrix), {}) < kRotation)) {
+    if (!(difference(matrix * transposed(matrix), {}) < kRoundedRotation)) {
       refuse(kPose, "its left upper 3 x 3 is no rotation: camera poses have no scale and no shear");
     }
-    camera.worldFromCamera = {fromMatrix(matrix), {m[3], m[7], m[11]}};
-    // The matrix is rounded, so the exact rotation is read from the quaternion if the file has one.
     const auto* xyz = optional<Vec3d>(kQuaternionXyz, "v3d");
     const auto* w = optional<double>(kQuaternionW, "double");
-    if (xyz == nullptr || w == nullptr) return;
-    const Quat exact{*w, xyz->x, xyz->y, xyz->z};
-    if (!(difference(toMatrix(exact), matrix) < kRotation)) {
+    if (xyz == nullptr || w == nullptr) return {fromMatrix(matrix), translation};
+    const Quat rotation{*w, xyz->x, xyz->y, xyz->z};
+    if (!(difference(toMatrix(rotation), matrix) < kRoundedRotation)) {
       refuse(kQuaternionXyz,
              fmt::format("is not the rotation of '{}': remove it and '{}', or set them too", kPose, kQuaternionW));
     }
-    camera.worldFromCamera.rotation = exact;
+    return {rotation, translation};
   }
 
   // Throws InputError if the stated field of view (deg) does not fit the camera matrix, as happens if an image is
   // scaled but its matrix is not.
   void checkField(const char* attribute, double field) const {
+    constexpr double kTolerance = 1e-3;  // deg, for fields of view that were rounded to three decimals
     const auto* claimed = optional<double>(attribute, "double");
-    if (claimed == nullptr || std::abs(*claimed - field) < 1e-3) return;
+    if (claimed == nullptr || std::abs(*claimed - field) < kTolerance) return;
     refuse(attribute,
            fmt::format("is {:.4f}, but by '{}' the image of {} x {} pixels spans {:.4f} degrees: keep the size "
                        "that was rendered, or set both",

@@ -71,6 +71,8 @@ class ExrReader {
   std::uint32_t height() const { return height_; }
   std::size_t pixels() const { return std::size_t{width_} * height_; }
   const std::vector<ExrChannel>& channels() const { return channels_; }  // ordered by part, then by name
+  // Returns the channel with this name; null if there is none.
+  const ExrChannel* find(std::string_view channelName) const;
   // Returns the attribute from the first part that has it; null if no part has it.
   const ExrValue* attribute(const std::string& attributeName) const;
 
@@ -86,6 +88,17 @@ class ExrReader {
   std::vector<ExrChannel> channels_;
   ExrAttributes attributes_;
 };
+
+// Return the channels of a pass ("instance", "reflectance" ...; see pass_exr.h for the names that files may have); null
+// if the file has none. Throw InputError if several channels could be the pass.
+const ExrChannel* findPass(const ExrReader& file, std::string_view pass);
+std::array<const ExrChannel*, 3> findNormal(const ExrReader& file);  // either all three or none are null
+
+// Return the channels of a pass as the functions above do, but throw an InputError that lists the file's channels if
+// the pass is absent. The type of the channels is not checked.
+const ExrChannel& requirePass(const ExrReader& file, std::string_view pass);
+const ExrChannel& requireDepth(const ExrReader& file);
+std::array<const ExrChannel*, 3> requireNormal(const ExrReader& file);
 
 // Returns a camera as attributes of a file: see pass_exr.h for their names.
 ExrAttributes cameraAttributes(const Camera& camera);

@@ -31,8 +31,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::int64_t kMostAcross = 65536;  // pixels, largest width and height of an image
-constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;
+// Limits against files that ask for more memory than an image of a LiDAR needs.
+constexpr std::int64_t kMostAcross = 65536;                    // px, largest width and height of an image
+constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;  // 268 million
 constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
 // Upper bound of the compression ratio of OpenEXR's lossless methods: deflate's longest match gives 258 bytes for 2
 // bits.
@@ -65,30 +66,31 @@ class MemoryInput : public Imf::IStream {
 // Checks a file's headers before OpenEXR reads them, because OpenEXR allocates as much memory as an attribute asks for.
 class HeaderCheck {
  public:
-  HeaderCheck(const std::string& name, std::string_view bytes) : name_(name), rest_(bytes) {}
+  HeaderCheck(const std::string& name, std::string_view bytes) : name_(name), unread_(bytes) {}
 
+  // Throws InputError if the file is not EXR or an attribute is longer than the file.
   void run() {
     constexpr std::string_view kMagic("\x76\x2f\x31\x01", 4);
-    if (!rest_.starts_with(kMagic)) throw InputError({name_}, "is not an OpenEXR file");
+    if (!unread_.starts_with(kMagic)) throw InputError({name_}, "is not an OpenEXR file");
     take(4);
-    const std::uint32_t version = integer();
-    const bool several = Imf::isMultiPart(static_cast<int>(version));
-    while (attribute()) {
-      while (attribute()) {
-      }
-      if (!several) return;
+    const std::uint32_t version = readInteger();
+    // A file of several parts has a header for each part, and an empty header at the end.
+    const bool hasSeveralParts = Imf::isMultiPart(static_cast<int>(version));
+    while (skipAttribute()) {
+      while (skipAttribute()) continue;
+      if (!hasSeveralParts) return;
     }
   }
 
  private:
   std::string_view take(std::size_t count) {
-    if (rest_.size() < count) refuseDamage(name_, "its header is cut off");
-    const std::string_view taken = rest_.substr(0, count);
-    rest_.remove_prefix(count);
-    return taken;
+    if (unread_.size() < count) refuseDamage(name_, "its header is cut off");
+    const std::string_view bytes = unread_.substr(0, count);
+    unread_.remove_prefix(count);
+    return bytes;
   }
 
-  std::uint32_t integer() {
+  std::uint32_t readInteger() {  // little-endian
     std::uint32_t value = 0;
     for (std::uint32_t shift = 0; const char byte : take(4)) {
       value |= std::uint32_t{static_cast<std::uint8_t>(byte)} << shift;
@@ -97,21 +99,22 @@ class HeaderCheck {
     return value;
   }
 
-  std::string_view text() {
-    const std::size_t end = rest_.substr(0, 256).find('\0');
-    if (end == rest_.npos) refuseDamage(name_, "a name in its header does not end");
-    const std::string_view found = take(end);
+  std::string_view readText() {
+    constexpr std::size_t kLongestName = 255;  // bytes, in files with long names
+    const std::size_t end = unread_.substr(0, kLongestName + 1).find('\0');
+    if (end == unread_.npos) refuseDamage(name_, "a name in its header does not end");
+    const std::string_view text = take(end);
     take(1);
-    return found;
+    return text;
   }
 
-  // Skips an attribute. Returns false if there is none: an empty name ends the header.
-  bool attribute() {
-    const std::string_view attributeName = text();
+  // Skips an attribute: name, type, size and value. Returns false at the end of a header, which is an empty name.
+  bool skipAttribute() {
+    const std::string_view attributeName = readText();
     if (attributeName.empty()) return false;
-    text();
-    const std::uint32_t size = integer();
-    if (size > rest_.size()) {
+    readText();
+    const std::uint32_t size = readInteger();
+    if (size > unread_.size()) {
       refuseDamage(name_, fmt::format("its attribute '{}' claims {} bytes", attributeName, size));
     }
     take(size);
@@ -119,7 +122,7 @@ class HeaderCheck {
   }
 
   const std::string& name_;
-  std::string_view rest_;
+  std::string_view unread_;
 };
 
 template <std::size_t N, class Matrix>
@@ -130,6 +133,7 @@ std::array<double, N> rowByRow(const Matrix& matrix) {
   return rows;
 }
 
+// Returns the value of an attribute; std::monostate if its type is not read.
 ExrValue valueOf(const Imf::Attribute& attribute) {
   if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute)) return text->value();
   if (const auto* d = dynamic_cast<const Imf::DoubleAttribute*>(&attribute)) return d->value();
@@ -147,7 +151,7 @@ ExrValue valueOf(const Imf::Attribute& attribute) {
 void requireLossless(const std::string& name, Imf::Compression compression) {
   constexpr Imf::Compression kLossless[] = {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION,
                                             Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION};
-  if (std::find(std::begin(kLossless), std::end(kLossless), compression) != std::end(kLossless)) return;
+  if (std::ranges::find(kLossless, compression) != std::end(kLossless)) return;
   throw InputError({name},
                    "is compressed by PXR24, B44 or DWA, which do not keep every bit: write it with ZIP, ZIPS, PIZ, "
                    "RLE or no compression");
@@ -219,14 +223,14 @@ void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
     input.rawPixelData(window.min.y + static_cast<int>(row), line, size);
     if (static_cast<std::size_t>(size) != 4 * width * names.size()) throw std::runtime_error("a line is cut short");
     for (const ExrTarget& target : targets) {
-      const auto channel = std::find(names.begin(), names.end(), target.channel->nameInPart) - names.begin();
-      const char* from = line + 4 * width * static_cast<std::size_t>(channel);
-      char* to = static_cast<char*>(target.pixels) + row * width * target.stride;
+      const auto channel = std::ranges::find(names, target.channel->nameInPart) - names.begin();
+      const char* const source = line + 4 * width * static_cast<std::size_t>(channel);
+      char* const destination = static_cast<char*>(target.pixels) + row * width * target.stride;
       if (target.stride == 4) {
-        std::memcpy(to, from, 4 * width);
+        std::memcpy(destination, source, 4 * width);
         continue;
       }
-      for (std::size_t i = 0; i < width; ++i) std::memcpy(to + i * target.stride, from + 4 * i, 4);
+      for (std::size_t i = 0; i < width; ++i) std::memcpy(destination + i * target.stride, source + 4 * i, 4);
     }
   }
 }
@@ -243,18 +247,19 @@ void guarded(const std::string& name, Work&& work) {
   }
 }
 
-// Throws InputError if a part's image is cropped or, for a part after the first, has another size than `before`.
-void requireWindow(const std::string& name, const Imf::Header& header, const std::optional<Imath::Box2i>& before) {
+// Throws InputError if a part's image is cropped or differs in size from `firstPart`, the window of the file's first
+// part (nothing: this is the first part).
+void requireWindow(const std::string& name, const Imf::Header& header, const std::optional<Imath::Box2i>& firstPart) {
   const Imath::Box2i& data = header.dataWindow();
   if (data != header.displayWindow()) {
     throw InputError({name}, fmt::format("its data window {} is not its display window {}: render the whole image, "
                                          "without crop or overscan",
                                          windowText(data), windowText(header.displayWindow())));
   }
-  if (before && data != *before) {
+  if (firstPart && data != *firstPart) {
     throw InputError({name}, fmt::format("its parts differ in size, {} and {}: write all passes of a camera with the "
                                          "same size",
-                                         windowText(*before), windowText(data)));
+                                         windowText(*firstPart), windowText(data)));
   }
 }
 
@@ -269,6 +274,21 @@ std::uint32_t rowsDecodedTogether(const std::string& name, const Imf::Header& he
   return tile.ySize;
 }
 
+// Returns the channels of a part of a file. Throws InputError if a channel is subsampled.
+std::vector<ExrChannel> channelsOf(const std::string& name, const Imf::MultiPartInputFile& file, int part) {
+  const Imf::Header& header = file.header(part);
+  const std::string prefix = file.parts() > 1 && header.hasName() ? header.name() + "." : "";
+  std::vector<ExrChannel> channels;
+  for (auto entry = header.channels().begin(); entry != header.channels().end(); ++entry) {
+    const Imf::Channel& channel = entry.channel();
+    channels.push_back({prefix + entry.name(), typeOf(channel.type), part, entry.name()});
+    if (channel.xSampling == 1 && channel.ySampling == 1) continue;
+    throw InputError({name}, fmt::format("channel '{}': has fewer samples than the image has pixels: write every pixel",
+                                         channels.back().name));
+  }
+  return channels;
+}
+
 }  // namespace
 
 ExrReader::ExrReader(const std::filesystem::path& path) : name_(path.string()), bytes_(readFile(path)) {
@@ -277,45 +297,40 @@ ExrReader::ExrReader(const std::filesystem::path& path) : name_(path.string()), 
     MemoryInput stream(name_.c_str(), bytes_);
     const Imf::MultiPartInputFile file(stream, 0);
     std::optional<Imath::Box2i> window;
-    std::uint64_t pixelBytes = 0;
     for (int part = 0; part < file.parts(); ++part) {
       const Imf::Header& header = file.header(part);
       if (header.hasType() && Imf::isDeepData(header.type())) continue;
       requireLossless(name_, header.compression());
-      const Imath::Box2i& data = header.dataWindow();
-      std::tie(width_, height_) = sizeOf(name_, data);
+      std::tie(width_, height_) = sizeOf(name_, header.dataWindow());
       requireWindow(name_, header, window);
-      window = data;
+      window = header.dataWindow();
       bandRows_ = std::max(bandRows_, rowsDecodedTogether(name_, header));
-      for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
-        const std::string prefix = file.parts() > 1 && header.hasName() ? header.name() + "." : "";
-        channels_.push_back({prefix + channel.name(), typeOf(channel.channel().type), part, channel.name()});
-        pixelBytes += channel.channel().type == Imf::HALF ? 2 : 4;
-        if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
-          throw InputError({name_},
-                           fmt::format("channel '{}': has fewer samples than the image has pixels: write every "
-                                       "pixel",
-                                       channels_.back().name));
-        }
-      }
+      std::ranges::move(channelsOf(name_, file, part), std::back_inserter(channels_));
       for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
         attributes_.emplace(attribute.name(), valueOf(attribute.attribute()));
       }
     }
     if (!window) throw InputError({name_}, "holds deep pixels: write flat ones, one surface per pixel");
-    if (pixelBytes * pixels() / kMostGain > bytes_.size()) {
+    std::uint64_t bytesPerPixel = 0;
+    for (const ExrChannel& channel : channels_) bytesPerPixel += channel.type == ExrType::Float16 ? 2 : 4;
+    if (bytesPerPixel * pixels() / kMostGain > bytes_.size()) {
       refuseDamage(name_, fmt::format("{} bytes cannot hold {} x {} pixels of {} channels", bytes_.size(), width_,
                                       height_, channels_.size()));
     }
-    const std::uint64_t bandPixels = kBandBytes / std::max<std::uint64_t>(pixelBytes, 1);
+    const std::uint64_t bandPixels = kBandBytes / std::max<std::uint64_t>(bytesPerPixel, 1);
     const auto bands = static_cast<std::uint32_t>(bandPixels / width_ / bandRows_);
     bandRows_ *= std::max(bands, 1u);
   });
 }
 
+const ExrChannel* ExrReader::find(std::string_view channelName) const {
+  const auto channel = std::ranges::find(channels_, channelName, &ExrChannel::name);
+  return channel == channels_.end() ? nullptr : &*channel;
+}
+
 const ExrValue* ExrReader::attribute(const std::string& attributeName) const {
-  const auto found = attributes_.find(attributeName);
-  return found == attributes_.end() ? nullptr : &found->second;
+  const auto attribute = attributes_.find(attributeName);
+  return attribute == attributes_.end() ? nullptr : &attribute->second;
 }
 
 void ExrReader::read(std::span<const ExrTarget> targets) const {
@@ -328,11 +343,11 @@ void ExrReader::read(std::span<const ExrTarget> targets) const {
       const std::size_t first = firstBand * bandRows_;
       const std::size_t end = std::min<std::size_t>(endBand * bandRows_, height_);
       for (int part = 0; part < file.parts(); ++part) {
-        std::vector<ExrTarget> ofPart;
-        std::copy_if(targets.begin(), targets.end(), std::back_inserter(ofPart),
-                     [&](const ExrTarget& target) { return target.channel->part == part; });
-        if (ofPart.empty()) continue;
-        (isPlain(file.header(part)) ? copyRows : readRows)(file, part, ofPart, first, end);
+        std::vector<ExrTarget> targetsOfPart;
+        std::ranges::copy_if(targets, std::back_inserter(targetsOfPart),
+                             [&](const ExrTarget& target) { return target.channel->part == part; });
+        if (targetsOfPart.empty()) continue;
+        (isPlain(file.header(part)) ? copyRows : readRows)(file, part, targetsOfPart, first, end);
       }
     });
   });

@@ -39,6 +39,7 @@ class MemoryOutput : public Imf::OStream {
   std::size_t position_ = 0;
 };
 
+// Adds an attribute of the value's type to a header; none for std::monostate.
 void addAttribute(Imf::Header& header, const std::string& name, const ExrValue& value) {
   if (const auto* text = std::get_if<std::string>(&value)) {
     header.insert(name, Imf::StringAttribute(*text));
@@ -64,15 +65,7 @@ constexpr int kZipLevel = 1;
 }  // namespace
 
 std::string_view exrTypeName(ExrType type) {
-  switch (type) {
-    case ExrType::Uint32:
-      return "UINT";
-    case ExrType::Float16:
-      return "HALF";
-    case ExrType::Float32:
-      break;
-  }
-  return "FLOAT";
+  return type == ExrType::Uint32 ? "UINT" : type == ExrType::Float16 ? "HALF" : "FLOAT";
 }
 
 void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,

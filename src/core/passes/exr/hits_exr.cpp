@@ -19,38 +19,39 @@ constexpr ExrType kTypeOf = ExrType::Uint32;
 template <>
 constexpr ExrType kTypeOf<float> = ExrType::Float32;
 
-// Calls use(name of the channel in the file, array of `hits`) for each channel with one number per beam.
-template <class AnyHits, class Use>
-void forColumns(AnyHits& hits, const Use& use) {
+// Calls visit(name of the channel in the file, array of `hits`) for each channel with one number per beam.
+template <class AnyHits, class Visit>
+void forColumns(AnyHits& hits, const Visit& visit) {
   forEachChannel([&](const ChannelRow& row, auto member) {
-    if constexpr (!std::is_same_v<decltype(member), std::vector<Vec3f> Hits::*>) use(row.exr.data(), hits.*member);
+    if constexpr (!std::is_same_v<decltype(member), std::vector<Vec3f> Hits::*>) visit(row.exr.data(), hits.*member);
   });
-  use("roughness", hits.roughness);
-  use("metallic", hits.metallic);
-  use("retroreflectance", hits.retroreflectance);
+  visit("roughness", hits.roughness);
+  visit("metallic", hits.metallic);
+  visit("retroreflectance", hits.retroreflectance);
 }
 
 constexpr const char* kUnresolved = "unresolved";
 constexpr const char* kNormal[] = {"N.X", "N.Y", "N.Z"};
 
+// Reads one file: decodes all channels together, those of 16-bit values into words_, then checks and converts them.
 class HitsReader {
  public:
   HitsReader(const std::filesystem::path& path, Hits& hits) : file_(path), hits_(hits) {}
 
-  void read(Channels asked) {
-    hits_.reset(file_.height(), file_.width(), asked);
-    if (find("roughness") != nullptr && find("metallic") != nullptr && find("retroreflectance") != nullptr) {
+  void read(Channels requested) {
+    hits_.reset(file_.height(), file_.width(), requested);
+    if (file_.find("roughness") && file_.find("metallic") && file_.find("retroreflectance")) {
       for (auto* column : {&hits_.roughness, &hits_.metallic, &hits_.retroreflectance}) column->resize(hits_.size());
     }
     forColumns(hits_, [&](const char* name, auto& column) {
-      if (!column.empty()) target(name, column);
+      if (!column.empty()) addTarget(name, column);
     });
     for (std::size_t axis = 0; axis < 3 && !hits_.normal.empty(); ++axis) {
       targets_.push_back({&require(kNormal[axis], ExrType::Float32), &hits_.normal.data()->x + axis, sizeof(Vec3f)});
     }
-    if (find(kUnresolved) != nullptr) {
-      wide_[kUnresolved].resize(hits_.size());
-      targets_.push_back({&require(kUnresolved, ExrType::Uint32), wide_[kUnresolved].data(), sizeof(std::uint32_t)});
+    if (file_.find(kUnresolved) != nullptr) {
+      words_[kUnresolved].resize(hits_.size());
+      targets_.push_back({&require(kUnresolved, ExrType::Uint32), words_[kUnresolved].data(), sizeof(std::uint32_t)});
     }
     file_.read(targets_);
     checkRange();
@@ -64,14 +65,8 @@ class HitsReader {
     throw InputError({file_.name()}, fmt::format("channel '{}': {}", channel, why));
   }
 
-  const ExrChannel* find(const char* name) const {
-    const auto& all = file_.channels();
-    const auto found = std::find_if(all.begin(), all.end(), [&](const ExrChannel& c) { return c.name == name; });
-    return found == all.end() ? nullptr : &*found;
-  }
-
   const ExrChannel& require(const char* name, ExrType type) const {
-    const ExrChannel* channel = find(name);
+    const ExrChannel* channel = file_.find(name);
     if (channel == nullptr) {
       refuse(name, "is absent, but the pipeline needs it: keep the hits of a pipeline that needs it too");
     }
@@ -82,53 +77,55 @@ class HitsReader {
   }
 
   template <class T>
-  void target(const char* name, std::vector<T>& column) {
+  void addTarget(const char* name, std::vector<T>& column) {
     void* pixels = column.data();
     if constexpr (sizeof(T) < sizeof(std::uint32_t)) {
-      wide_[name].resize(hits_.size());
-      pixels = wide_[name].data();
+      words_[name].resize(hits_.size());
+      pixels = words_[name].data();
     }
     targets_.push_back({&require(name, kTypeOf<T>), pixels, sizeof(std::uint32_t)});
   }
 
   void checkRange() const {
-    const auto bad = std::find_if(hits_.range.begin(), hits_.range.end(), [](float r) { return !(r >= 0); });
+    const auto bad = std::ranges::find_if(hits_.range, [](float range) { return !(range >= 0); });
     if (bad == hits_.range.end()) return;
     const auto beam = static_cast<std::size_t>(bad - hits_.range.begin());
     refuse("range", fmt::format("is {:g} m at ring {}, column {}: it must be at least 0, and infinite for a miss", *bad,
                                 beam / hits_.columns, beam % hits_.columns));
   }
 
+  // Fills hits_.unresolved with the beams that the channel "unresolved" marks by 1.
   void listUnresolved() {
-    const auto marks = wide_.find(kUnresolved);
-    if (marks == wide_.end()) return;
+    const auto marks = words_.find(kUnresolved);
+    if (marks == words_.end()) return;
     for (std::uint32_t beam = 0; beam < marks->second.size(); ++beam) {
       const std::uint32_t mark = marks->second[beam];
       if (mark == 0) continue;
-      const auto place = fmt::format("at ring {}, column {}", beam / hits_.columns, beam % hits_.columns);
-      if (mark != 1) refuse(kUnresolved, fmt::format("is {} {}: it must be 0 or 1", mark, place));
+      const auto position = fmt::format("at ring {}, column {}", beam / hits_.columns, beam % hits_.columns);
+      if (mark != 1) refuse(kUnresolved, fmt::format("is {} {}: it must be 0 or 1", mark, position));
       if (hits_.hit(beam)) {
         refuse(kUnresolved,
-               fmt::format("is 1 {}, where the range is {:g} m: it must be infinite", place, hits_.range[beam]));
+               fmt::format("is 1 {}, where the range is {:g} m: it must be infinite", position, hits_.range[beam]));
       }
       hits_.unresolved.push_back(beam);
     }
   }
 
+  // Fills a column of 16-bit values with the channel's 32-bit values.
   void narrow(const char* name, std::vector<std::uint16_t>& column) const {
     if (column.empty()) return;
-    const std::vector<std::uint32_t>& wide = wide_.at(name);
+    const std::vector<std::uint32_t>& words = words_.at(name);
     for (std::size_t i = 0; i < column.size(); ++i) {
-      if (wide[i] > std::numeric_limits<std::uint16_t>::max()) {
-        refuse(name, fmt::format("an id of {}: it must be at most 65535", wide[i]));
+      if (words[i] > std::numeric_limits<std::uint16_t>::max()) {
+        refuse(name, fmt::format("an id of {}: it must be at most 65535", words[i]));
       }
-      column[i] = static_cast<std::uint16_t>(wide[i]);
+      column[i] = static_cast<std::uint16_t>(words[i]);
     }
   }
 
   ExrReader file_;
   Hits& hits_;
-  std::map<std::string, std::vector<std::uint32_t>> wide_;  // values of the uint32 channels that need a conversion
+  std::map<std::string, std::vector<std::uint32_t>> words_;  // by channel: uint32 values that need a conversion
   std::vector<ExrTarget> targets_;
 };
 
@@ -136,38 +133,38 @@ class HitsReader {
 
 Channels channelsIn(const std::filesystem::path& path) {
   const ExrReader file(path);
-  Channels there = Channel::Range;
-  for (const ExrChannel& channel : file.channels()) {
-    for (const ChannelRow& row : kChannels) there |= channel.name == row.exr ? Channels(row.channel) : Channels();
+  Channels present = Channel::Range;
+  for (const ChannelRow& row : kChannels) {
+    if (file.find(row.exr) != nullptr) present |= row.channel;
   }
-  return there;
+  return present;
 }
 
 void writeHits(const std::filesystem::path& path, const Hits& hits) {
   std::vector<ExrPlane> planes;
-  const auto check = [&](const char* name, std::size_t size) {
+  const auto checkSize = [&](const char* name, std::size_t size) {
     if (size == hits.size()) return;
     throw Error(fmt::format("{}: the column '{}' has {} entries, not {} x {}", path.string(), name, size, hits.rings,
                             hits.columns));
   };
-  std::map<std::string, std::vector<std::uint32_t>> wide;
+  std::map<std::string, std::vector<std::uint32_t>> words;  // the channels whose columns are not of 32-bit values
   forColumns(hits, [&]<class T>(const char* name, const std::vector<T>& column) {
     if (column.empty()) return;
-    check(name, column.size());
+    checkSize(name, column.size());
     const void* pixels = column.data();
     if constexpr (sizeof(T) < sizeof(std::uint32_t)) {
-      pixels = wide.emplace(name, std::vector<std::uint32_t>(column.begin(), column.end())).first->second.data();
+      pixels = words.emplace(name, std::vector<std::uint32_t>(column.begin(), column.end())).first->second.data();
     }
     planes.push_back({name, kTypeOf<T>, pixels, sizeof(std::uint32_t)});
   });
   if (!hits.normal.empty()) {
-    check("normal", hits.normal.size());
+    checkSize("normal", hits.normal.size());
     for (std::size_t axis = 0; axis < 3; ++axis) {
       planes.push_back({kNormal[axis], ExrType::Float32, &hits.normal.data()->x + axis, sizeof(Vec3f)});
     }
   }
   if (!hits.unresolved.empty()) {
-    std::vector<std::uint32_t>& marks = wide[kUnresolved];
+    std::vector<std::uint32_t>& marks = words[kUnresolved];
     marks.resize(hits.size());
     for (const std::uint32_t beam : hits.unresolved) marks.at(beam) = 1;
     planes.push_back({kUnresolved, ExrType::Uint32, marks.data(), sizeof(std::uint32_t)});
@@ -176,8 +173,8 @@ void writeHits(const std::filesystem::path& path, const Hits& hits) {
            ExrCompression::None);
 }
 
-void readHits(const std::filesystem::path& path, Channels asked, Hits& hits) {
-  HitsReader(path, hits).read(asked);
+void readHits(const std::filesystem::path& path, Channels requested, Hits& hits) {
+  HitsReader(path, hits).read(requested);
 }
 
 }  // namespace scanmill

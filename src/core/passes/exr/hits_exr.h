@@ -26,6 +26,6 @@ Channels channelsIn(const std::filesystem::path& path);
 // bit as they were written. Throws InputError that names the file (and the channel) if the file is not EXR or
 // truncated, if a channel is absent or of the wrong type, if a range is NaN or negative, if a class or material is
 // above 65535, or if an unresolved beam has a range.
-void readHits(const std::filesystem::path& path, Channels asked, Hits& hits);
+void readHits(const std::filesystem::path& path, Channels requested, Hits& hits);
 
 }  // namespace scanmill

@@ -14,73 +14,83 @@
 #include "base/parallel.h"
 #include "config/version.h"
 #include "passes/exr/exr_file.h"
-#include "passes/exr/pass_channels.h"
 
 namespace scanmill {
 
 namespace {
 
 constexpr float kWrittenNoDepth = 1e10f;    // m, depth that is written for a pixel without a surface
-constexpr float kNothing = 1e9f;            // m; in files, a depth of at least this means a pixel without a surface
+constexpr float kLeastNoDepth = 1e9f;       // m; in files, a depth of at least this means a pixel without a surface
 constexpr double kFloatIds = 16777216;      // 2^24; float32 cannot represent every integer above it
 constexpr std::size_t kExrGrain = 1 << 16;  // pixels per task
 
+// A pass of floats from 0 to `largest`.
 struct Parameter {
   const char* name;
   std::vector<float> PassPlanes::*plane;
-  float most;
+  float largest;
 };
 constexpr Parameter kParameters[] = {{"reflectance", &PassPlanes::reflectance, 1},
                                      {"roughness", &PassPlanes::roughness, 1},
                                      {"metallic", &PassPlanes::metallic, 1},
                                      {"retroreflectance", &PassPlanes::retroreflectance, 1e6f}};
 
-// Calls use(name of the pass, channel of the pass, plane) for each plane of integer ids.
-template <class Planes, class Use>
-void forIds(Planes& planes, const Use& use) {
+// Calls visit(name of the pass, channel of the pass, plane) for each plane of integer ids.
+template <class Planes, class Visit>
+void forIds(Planes& planes, const Visit& visit) {
   forEachPass([&](const ChannelRow& row, auto plane, auto) {
     if constexpr (std::is_integral_v<typename std::remove_cvref_t<decltype(planes.*plane)>::value_type>) {
-      use(row.name.data(), row.channel, planes.*plane);
+      visit(row.name.data(), row.channel, planes.*plane);
     }
   });
 }
 
+// Reads one file. All requested planes are decoded together; then each plane is checked and converted, the depth first,
+// because the other planes are zero where the depth shows no surface.
 class PassReader {
  public:
-  PassReader(const std::filesystem::path& path, PassChoice asked) : file_(path), asked_(asked) {}
+  explicit PassReader(const std::filesystem::path& path) : file_(path) {}
 
-  PassImage read() {
+  PassImage read(PassChoice requested) {
     image_.camera = readCamera(file_);
-    planes_.reset(file_.pixels(), asked_);
-    targetDepth();
-    if (!planes_.normal.empty()) targetNormal();
-    forIds(planes_, [&](const char* name, Channel, auto& plane) {
-      if (!plane.empty()) targetIds(name);
+    planes_.reset(file_.pixels(), requested);
+    decode();
+    checkDepth();
+    if (!planes_.normal.empty()) checkNormals();
+    forIds(planes_, [&](const char* pass, Channel, auto& plane) {
+      if (!plane.empty()) convertIds(pass, plane);
     });
     for (const Parameter& parameter : kParameters) {
-      if (!(planes_.*parameter.plane).empty()) targetParameter(parameter.name, planes_.*parameter.plane);
-    }
-    file_.read(targets_);
-
-    finishDepth();
-    if (!planes_.normal.empty()) finishNormal();
-    forIds(planes_, [&](const char* name, Channel, auto& plane) {
-      if (!plane.empty()) finishIds(name, plane);
-    });
-    for (const Parameter& parameter : kParameters) {
-      if (!(planes_.*parameter.plane).empty()) finishParameter(parameter);
+      if (!(planes_.*parameter.plane).empty()) checkParameter(parameter);
     }
     return std::move(image_);
   }
 
  private:
+  // Decodes the channels of all requested planes: ids into rawIds_, all other values into planes_.
+  void decode() {
+    std::vector<ExrTarget> targets{depthTarget()};
+    if (!planes_.normal.empty()) addNormalTargets(targets);
+    forIds(planes_, [&](const char* pass, Channel, auto& plane) {
+      if (!plane.empty()) targets.push_back(idTarget(pass));
+    });
+    for (const Parameter& parameter : kParameters) {
+      std::vector<float>& plane = planes_.*parameter.plane;
+      if (plane.empty()) continue;
+      const ExrChannel& channel = requirePass(file_, parameter.name);
+      requireReal(channel);
+      targets.push_back({&channel, plane.data(), sizeof(float)});
+    }
+    file_.read(targets);
+  }
+
   // A plane's ids as the file stores them: integers, or the bits of floats, as Blender writes them.
   struct RawIds {
     std::string channel;
-    bool real = false;
+    bool areFloats = false;
     std::vector<std::uint32_t> words;
 
-    double at(std::size_t pixel) const { return real ? double{std::bit_cast<float>(words[pixel])} : words[pixel]; }
+    double at(std::size_t pixel) const { return areFloats ? double{std::bit_cast<float>(words[pixel])} : words[pixel]; }
   };
 
   [[noreturn]] void refuse(const std::string& channel, const std::string& why) const {
@@ -91,22 +101,22 @@ class PassReader {
     refuse(channel, fmt::format("{} at column {}, row {}", why, pixel % file_.width(), pixel / file_.width()));
   }
 
-  void targetDepth() {
+  ExrTarget depthTarget() {
     const ExrChannel& channel = requireDepth(file_);
     if (channel.type != ExrType::Float32) {
       refuse(channel.name, fmt::format("is {}: write depth as 32 bit FLOAT{}", exrTypeName(channel.type),
                                        channel.type == ExrType::Float16 ? ", HALF keeps 3 digits" : ""));
     }
     depthName_ = channel.name;
-    targets_.push_back({&channel, planes_.depth.data(), sizeof(float)});
+    return {&channel, planes_.depth.data(), sizeof(float)};
   }
 
-  void targetNormal() {
+  void addNormalTargets(std::vector<ExrTarget>& targets) {
     const auto axes = requireNormal(file_);
-    float* const first = &planes_.normal.data()->x;
+    float* const firstNormal = &planes_.normal.data()->x;  // the components x, y and z follow each other
     for (std::size_t i = 0; i < 3; ++i) {
       requireReal(*axes[i]);
-      targets_.push_back({axes[i], first + i, sizeof(Vec3f)});
+      targets.push_back({axes[i], firstNormal + i, sizeof(Vec3f)});
     }
     normalName_ = axes[0]->name;
   }
@@ -115,47 +125,42 @@ class PassReader {
     if (channel.type == ExrType::Uint32) refuse(channel.name, "is UINT: write it as FLOAT");
   }
 
-  void targetIds(const char* pass) {
+  ExrTarget idTarget(const char* pass) {
     const ExrChannel& channel = requirePass(file_, pass);
     if (channel.type == ExrType::Float16) {
       refuse(channel.name, "is HALF, which is exact only to 2048: write ids as UINT");
     }
-    RawIds& raw = raw_[pass] = {channel.name, channel.type == ExrType::Float32, {}};
+    RawIds& raw = rawIds_[pass] = {channel.name, channel.type == ExrType::Float32, {}};
     raw.words.resize(file_.pixels());
-    targets_.push_back({&channel, raw.words.data(), sizeof(std::uint32_t)});
+    return {&channel, raw.words.data(), sizeof(std::uint32_t)};
   }
 
-  void targetParameter(const char* pass, std::vector<float>& plane) {
-    const ExrChannel& channel = requirePass(file_, pass);
-    requireReal(channel);
-    targets_.push_back({&channel, plane.data(), sizeof(float)});
-  }
-
-  // Calls work(pixel) for all pixels. Returns the first pixel for which `work` returns false, or the number of pixels
-  // if `work` returns true for all.
-  template <class Work>
-  std::size_t forPixels(const Work& work) const {
-    std::atomic<std::size_t> bad = file_.pixels();
-    parallelFor(file_.pixels(), kExrGrain, [&](std::size_t first, std::size_t last) {
-      std::size_t found = last;
-      for (std::size_t i = first; i < last; ++i) {
-        if (!work(i) && i < found) found = i;
+  // Calls convert(pixel), which returns false if the pixel's value is invalid, for all pixels, on all cores. Returns
+  // the first pixel with an invalid value, or the number of pixels if all are valid.
+  template <class Convert>
+  std::size_t convertPixels(const Convert& convert) const {
+    std::atomic<std::size_t> firstBad = file_.pixels();
+    parallelFor(file_.pixels(), kExrGrain, [&](std::size_t begin, std::size_t end) {
+      std::size_t firstBadHere = end;
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!convert(i) && i < firstBadHere) firstBadHere = i;
       }
-      if (found == last) return;
-      for (std::size_t known = bad; found < known && !bad.compare_exchange_weak(known, found);) {
+      if (firstBadHere == end) return;
+      for (std::size_t lowest = firstBad;
+           firstBadHere < lowest && !firstBad.compare_exchange_weak(lowest, firstBadHere);) {
       }
     });
-    return bad;
+    return firstBad;
   }
 
-  bool seen(std::size_t pixel) const { return planes_.depth[pixel] < kNoDepth; }
+  bool showsSurface(std::size_t pixel) const { return planes_.depth[pixel] < kNoDepth; }
 
-  void finishDepth() {
+  void checkDepth() {
     float* const depth = planes_.depth.data();
-    const std::size_t bad = forPixels([&](std::size_t i) {
-      const bool good = depth[i] > 0;
-      if (depth[i] >= kNothing) depth[i] = kNoDepth;
-      return good;
+    const std::size_t bad = convertPixels([&](std::size_t i) {
+      const bool valid = depth[i] > 0;
+      if (depth[i] >= kLeastNoDepth) depth[i] = kNoDepth;
+      return valid;
     });
     if (bad < file_.pixels()) {
       refusePixel(
@@ -168,21 +173,24 @@ class PassReader {
 
   // Checks that normals are unit vectors, and flips normals that face away from the camera, except those of edge-on
   // surfaces, whose sign may come from rounding. Normals from writePasses() are therefore never flipped.
-  void finishNormal() {
+  void checkNormals() {
     constexpr double kEdgeOn = 1e-6;  // cosine of the angle of incidence below which a surface counts as edge-on
+    // Squared lengths: within 2 % a vector counts as a unit vector; from 1e-5 on, rounding of float32 does not explain
+    // the difference, and the vector is normalised.
+    constexpr float kShortest2 = 0.98f, kLongest2 = 1.02f, kRounding2 = 1e-5f;
     const Camera& camera = image_.camera;
     const Mat3 worldFromCamera = toMatrix(camera.worldFromCamera.rotation);
     Vec3f* const normal = planes_.normal.data();
     std::atomic<std::size_t> away = 0;
-    const std::size_t bad = forPixels([&](std::size_t i) {
+    const std::size_t bad = convertPixels([&](std::size_t i) {
       Vec3f& n = normal[i];
-      if (!seen(i)) {
+      if (!showsSurface(i)) {
         n = {};
         return true;
       }
       const float square = dot(n, n);
-      if (!(square > 0.98f && square < 1.02f)) return false;
-      if (std::abs(square - 1) > 1e-5f) n = normalized(n);
+      if (!(square > kShortest2 && square < kLongest2)) return false;
+      if (std::abs(square - 1) > kRounding2) n = normalized(n);
       const auto row = static_cast<std::uint32_t>(i / camera.width);
       const auto column = static_cast<std::uint32_t>(i % camera.width);
       const Vec3d sight = worldFromCamera * camera.ray(column + 0.5, row + 0.5);
@@ -206,9 +214,8 @@ class PassReader {
   // Throws InputError if most normals face away from the camera (`away`: their number). A file with wrong camera axes
   // is then more likely than a scene whose surfaces are mostly modelled inside out.
   void refuseMostAway(std::size_t away) const {
-    const auto& depth = planes_.depth;
     const auto pixels =
-        static_cast<std::size_t>(std::count_if(depth.begin(), depth.end(), [](float z) { return z < kNoDepth; }));
+        static_cast<std::size_t>(std::ranges::count_if(planes_.depth, [](float z) { return z < kNoDepth; }));
     if (away <= pixels / 2) return;
     refuse(
         normalName_,
@@ -218,102 +225,99 @@ class PassReader {
                     away, pixels));
   }
 
+  // Fills `plane` with the ids that decode() has stored in rawIds_.
   template <class Id>
-  void finishIds(const char* pass, std::vector<Id>& plane) {
-    const RawIds raw = std::move(raw_[pass]);
-    double most = std::numeric_limits<Id>::max();
-    if (raw.real) most = std::min(most, kFloatIds - 1);
+  void convertIds(const char* pass, std::vector<Id>& plane) {
+    const RawIds raw = std::move(rawIds_[pass]);
+    double largest = std::numeric_limits<Id>::max();
+    if (raw.areFloats) largest = std::min(largest, kFloatIds - 1);
     Id* const ids = plane.data();
-    const std::size_t bad = forPixels([&](std::size_t i) {
+    const std::size_t bad = convertPixels([&](std::size_t i) {
       const double value = raw.at(i);
-      const bool good = value >= 0 && value <= most && value == std::floor(value);
-      ids[i] = good && seen(i) ? static_cast<Id>(value) : Id{0};
-      return good;
+      const bool valid = value >= 0 && value <= largest && value == std::floor(value);
+      ids[i] = valid && showsSurface(i) ? static_cast<Id>(value) : Id{0};
+      return valid;
     });
     if (bad < file_.pixels()) {
       refusePixel(raw.channel, bad,
-                  fmt::format("an id of {:g}: it must be a whole number from 0 to {:.0f}{}", raw.at(bad), most,
-                              raw.real ? " (write ids as UINT, without filter and antialiasing)" : ""));
+                  fmt::format("an id of {:g}: it must be a whole number from 0 to {:.0f}{}", raw.at(bad), largest,
+                              raw.areFloats ? " (write ids as UINT, without filter and antialiasing)" : ""));
     }
   }
 
-  void finishParameter(const Parameter& parameter) {
+  void checkParameter(const Parameter& parameter) {
     float* const values = (planes_.*parameter.plane).data();
-    const std::size_t bad = forPixels([&](std::size_t i) {
-      if (!seen(i)) values[i] = 0;
-      return values[i] >= 0 && values[i] <= parameter.most;
+    const std::size_t bad = convertPixels([&](std::size_t i) {
+      if (!showsSurface(i)) values[i] = 0;
+      return values[i] >= 0 && values[i] <= parameter.largest;
     });
     if (bad < file_.pixels()) {
       refusePixel(findPass(file_, parameter.name)->name, bad,
-                  fmt::format("a value of {:g}: it must be 0 to {:g}", values[bad], parameter.most));
+                  fmt::format("a value of {:g}: it must be 0 to {:g}", values[bad], parameter.largest));
     }
   }
 
   ExrReader file_;
-  PassChoice asked_;
   PassImage image_;
   PassPlanes& planes_ = image_.planes;
-  std::vector<ExrTarget> targets_;
-  std::string depthName_;
-  std::string normalName_;
-  std::map<std::string, RawIds> raw_;
+  std::string depthName_;                 // name of the channel; set by decode(), as the members below
+  std::string normalName_;                // name of the first channel
+  std::map<std::string, RawIds> rawIds_;  // by pass
 };
 
 }  // namespace
 
 void writePasses(const std::filesystem::path& path, const PassImage& image) {
-  const PassPlanes& from = image.planes;
-  const std::size_t pixels = image.camera.pixels();
+  const PassPlanes& passes = image.planes;
   std::vector<ExrPlane> planes;
-  const auto add = [&](const char* channel, ExrType type, const auto& plane, const void* data, std::size_t stride) {
-    if (plane.empty()) return;
-    if (plane.size() != pixels) {
+  // Adds the channel of a pass whose first value is at `data`, unless the pass is empty.
+  const auto add = [&](const char* channel, ExrType type, const auto& pass, const void* data, std::size_t stride) {
+    if (pass.empty()) return;
+    if (pass.size() != image.camera.pixels()) {
       throw Error(fmt::format("{}: the pass '{}' has {} pixels, its camera {} x {}", path.string(), channel,
-                              plane.size(), image.camera.width, image.camera.height));
+                              pass.size(), image.camera.width, image.camera.height));
     }
     planes.push_back({channel, type, data, stride});
   };
-  std::vector<float> depth(from.depth);
+  std::vector<float> depth(passes.depth);
   if (depth.empty()) throw Error(fmt::format("{}: an image without depth cannot be written", path.string()));
-  for (float& z : depth) z = z < kNothing ? z : kWrittenNoDepth;
+  for (float& z : depth) z = z < kLeastNoDepth ? z : kWrittenNoDepth;
   add("Z", ExrType::Float32, depth, depth.data(), sizeof(float));
-  for (std::size_t axis = 0; axis < 3 && !from.normal.empty(); ++axis) {
+  for (std::size_t axis = 0; axis < 3 && !passes.normal.empty(); ++axis) {
     constexpr const char* kAxes[] = {"N.X", "N.Y", "N.Z"};
-    add(kAxes[axis], ExrType::Float32, from.normal, &from.normal.data()->x + axis, sizeof(Vec3f));
+    add(kAxes[axis], ExrType::Float32, passes.normal, &passes.normal.data()->x + axis, sizeof(Vec3f));
   }
-  std::vector<std::vector<std::uint32_t>> wide;  // the planes of 16-bit ids: OpenEXR has only 32-bit integers
-  forIds(from, [&](const char* name, Channel, const auto& plane) {
-    if constexpr (sizeof plane[0] == sizeof(std::uint32_t)) {
-      add(name, ExrType::Uint32, plane, plane.data(), sizeof(std::uint32_t));
-    } else {
-      wide.emplace_back(plane.begin(), plane.end());
-      add(name, ExrType::Uint32, plane, wide.back().data(), sizeof(std::uint32_t));
-    }
+  std::vector<std::vector<std::uint32_t>> widened;  // copies of 16-bit ids: OpenEXR has only 32-bit integers
+  forIds(passes, [&]<class Id>(const char* name, Channel, const std::vector<Id>& plane) {
+    const void* words = plane.data();
+    if constexpr (sizeof(Id) < sizeof(std::uint32_t)) words = widened.emplace_back(plane.begin(), plane.end()).data();
+    add(name, ExrType::Uint32, plane, words, sizeof(std::uint32_t));
   });
   for (const Parameter& parameter : kParameters) {
-    add(parameter.name, ExrType::Float32, from.*parameter.plane, (from.*parameter.plane).data(), sizeof(float));
+    add(parameter.name, ExrType::Float32, passes.*parameter.plane, (passes.*parameter.plane).data(), sizeof(float));
   }
   ExrAttributes attributes = cameraAttributes(image.camera);
   attributes["writer"] = fmt::format("Scanmill {}", kVersion);
   writeExr(path, image.camera.width, image.camera.height, attributes, planes, ExrCompression::Zip);
 }
 
-PassImage readPasses(const std::filesystem::path& path, PassChoice asked) {
-  return PassReader(path, asked).read();
+PassImage readPasses(const std::filesystem::path& path, PassChoice requested) {
+  return PassReader(path).read(requested);
 }
 
 PassChoice passesIn(const std::filesystem::path& path) {
   const ExrReader file(path);
-  PassChoice there;
-  if (findNormal(file)[0] != nullptr) there.channels |= Channel::Normal;
-  const PassPlanes none;
-  forIds(none, [&](const char* name, Channel channel, const auto&) {
-    if (findPass(file, name) != nullptr) there.channels |= channel;
+  PassChoice present;
+  if (findNormal(file)[0] != nullptr) present.channels |= Channel::Normal;
+  const PassPlanes noPlanes;
+  forIds(noPlanes, [&](const char* pass, Channel channel, const auto&) {
+    if (findPass(file, pass) != nullptr) present.channels |= channel;
   });
-  if (findPass(file, "reflectance") != nullptr) there.channels |= Channel::Reflectance;
-  there.surfaceParameters = std::all_of(std::begin(kParameters) + 1, std::end(kParameters),
-                                        [&](const Parameter& p) { return findPass(file, p.name) != nullptr; });
-  return there;
+  if (findPass(file, "reflectance") != nullptr) present.channels |= Channel::Reflectance;
+  // All parameters after the first, which is the reflectance.
+  present.surfaceParameters = std::all_of(std::begin(kParameters) + 1, std::end(kParameters),
+                                          [&](const Parameter& p) { return findPass(file, p.name) != nullptr; });
+  return present;
 }
 
 }  // namespace scanmill

@@ -48,7 +48,7 @@ void writePasses(const std::filesystem::path& path, const PassImage& image);
 // vector; normals of which most face away (worldFromCamera then probably has the axes of OpenGL or Blender); an id that
 // is not an integer or too large; a reflectance, roughness or metallic outside of 0 to 1; an attribute that is absent
 // or invalid; a data window that differs from the display window.
-PassImage readPasses(const std::filesystem::path& path, PassChoice asked);
+PassImage readPasses(const std::filesystem::path& path, PassChoice requested);
 
 // Returns the passes that a file contains.
 PassChoice passesIn(const std::filesystem::path& path);

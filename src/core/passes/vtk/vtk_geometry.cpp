@@ -17,7 +17,7 @@ namespace {
 
 // Largest number of triangles in a chunk. With larger chunks more of the drawn triangles are outside of the image;
 // smaller chunks need more draw calls.
-constexpr std::size_t kChunk = 1024;
+constexpr std::size_t kChunkTriangles = 1024;
 
 // Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kFraction of the mesh's size. The
 // reason is that llvmpipe interpolates depth in float32 across the complete triangle, even if its corners are clipped
@@ -31,16 +31,17 @@ struct Corner {
   Vec2f uv;
 };
 
+// A triangle of a mesh, or a part of one.
 struct Piece {
   std::array<Corner, 3> corners;
-  std::uint32_t original = 0;
-  std::uint32_t cutout = 0;
+  std::uint32_t original = 0;  // index into Mesh::triangles
+  std::uint32_t cutout = 0;    // index into ViewGeometry::cutouts; 0 in solid pieces, which have none
 
-  Vec3f middle() const { return corners[0].position + corners[1].position + corners[2].position; }
+  Vec3f centroidTimes3() const { return corners[0].position + corners[1].position + corners[2].position; }
 };
 
 struct MeshPieces {
-  ViewMesh mesh;
+  ViewMesh mesh;  // without the ranges of chunks
   ViewBatch solid;
   ViewBatch cut;
 };
@@ -59,36 +60,34 @@ double originOf(double low, double high) {
   return std::abs(middle) > 2 * (high - low) ? double{static_cast<float>(middle)} : 0.0;
 }
 
-// Halves the longest edge until no edge is longer than `longest`. Triangles that share an edge split it at the same
-// points, whatever their other edges are, so that no gap opens between the triangles.
+// Halves the longest edge until no edge is longer than `longest` (m), and appends the parts to `pieces`. Triangles that
+// share an edge split it at the same points, whatever their other edges are, so that no gap opens between the
+// triangles.
 void splitLongEdges(const Piece& piece, float longest, std::vector<Piece>& pieces) {
-  const auto squared = [&](std::size_t i) {
-    const Vec3f edge = piece.corners[(i + 1) % 3].position - piece.corners[i].position;
-    return dot(edge, edge);
+  const auto squaredLength = [&](std::size_t edge) {
+    const Vec3f along = piece.corners[(edge + 1) % 3].position - piece.corners[edge].position;
+    return dot(along, along);
   };
-  const std::array<float, 3> lengths{squared(0), squared(1), squared(2)};
-  const auto i = static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
-  if (!(lengths[i] > longest * longest)) return pieces.push_back(piece);
+  const std::array<float, 3> lengths2{squaredLength(0), squaredLength(1), squaredLength(2)};
+  const auto i = static_cast<std::size_t>(std::ranges::max_element(lengths2) - lengths2.begin());
+  if (!(lengths2[i] > longest * longest)) return pieces.push_back(piece);
   const std::size_t j = (i + 1) % 3;
   const Corner& a = piece.corners[i];
   const Corner& b = piece.corners[j];
-  const Corner half{(a.position + b.position) * 0.5f, {(a.uv.x + b.uv.x) * 0.5f, (a.uv.y + b.uv.y) * 0.5f}};
-  if (half.position == a.position || half.position == b.position) {  // the edge is too short to be halved in float32
-    pieces.push_back(piece);
-    return;
-  }
+  const Corner middle{(a.position + b.position) * 0.5f, {(a.uv.x + b.uv.x) * 0.5f, (a.uv.y + b.uv.y) * 0.5f}};
+  const bool tooShortForFloat32 = middle.position == a.position || middle.position == b.position;
+  if (tooShortForFloat32) return pieces.push_back(piece);
   Piece firstHalf = piece;
-  firstHalf.corners[j] = half;
+  firstHalf.corners[j] = middle;
   splitLongEdges(firstHalf, longest, pieces);
   Piece secondHalf = piece;
-  secondHalf.corners[i] = half;
+  secondHalf.corners[i] = middle;
   splitLongEdges(secondHalf, longest, pieces);
 }
 
+// Appends a chunk of these pieces to the batch.
 void appendChunk(std::span<const Piece> pieces, bool cut, ViewBatch& batch) {
-  ViewChunk chunk;
-  chunk.firstTriangle = static_cast<std::uint32_t>(batch.original.size());
-  chunk.triangles = static_cast<std::uint32_t>(pieces.size());
+  const auto firstTriangle = static_cast<std::uint32_t>(batch.original.size());
   Box box;
   for (const Piece& piece : pieces) {
     batch.original.push_back(piece.original);
@@ -101,46 +100,45 @@ void appendChunk(std::span<const Piece> pieces, bool cut, ViewBatch& batch) {
       batch.cutouts.push_back(piece.cutout);
     }
   }
-  chunk.low = Vec3f(box.low);
-  chunk.high = Vec3f(box.high);
-  batch.chunks.push_back(chunk);
+  batch.chunks.push_back({firstTriangle, static_cast<std::uint32_t>(pieces.size()), Vec3f(box.low), Vec3f(box.high)});
 }
 
 // Halves a set of pieces at the median of their centres, along the longest axis of their bounds, until each half fits
-// into a chunk.
+// into a chunk, and appends the chunks to the batch. `cut`: true if the pieces have cut-outs.
 void cutIntoChunks(std::span<Piece> pieces, bool cut, ViewBatch& batch) {
   if (pieces.empty()) return;
-  if (pieces.size() <= kChunk) {
+  if (pieces.size() <= kChunkTriangles) {
     std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.original < b.original; });
     appendChunk(pieces, cut, batch);
     return;
   }
   Box box;
-  for (const Piece& piece : pieces) box.add(Vec3d(piece.middle()));
+  for (const Piece& piece : pieces) box.add(Vec3d(piece.centroidTimes3()));
   const Vec3d size = box.high - box.low;
   float Vec3f::*axis = &Vec3f::x;
   if (size.y > size.x) axis = &Vec3f::y;
   if (size.z > std::max(size.x, size.y)) axis = &Vec3f::z;
   const std::size_t half = pieces.size() / 2;
   std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
-                   [&](const Piece& a, const Piece& b) { return a.middle().*axis < b.middle().*axis; });
+                   [&](const Piece& a, const Piece& b) { return a.centroidTimes3().*axis < b.centroidTimes3().*axis; });
   cutIntoChunks(pieces.first(half), cut, batch);
   cutIntoChunks(pieces.subspan(half), cut, batch);
 }
 
 constexpr std::uint32_t kSolid = 0xFFFFFFFFu;
 
-// Returns a mesh cut into chunks. `cutoutOf`, by material of the scene: index of the material's cut-out, or kSolid.
-MeshPieces cutMesh(const Mesh& mesh, double largestScale, const std::vector<std::uint32_t>& cutoutOf) {
-  MeshPieces made;
+// Returns a mesh divided into chunks. `largestScale`: largest factor by which an instance stretches the mesh.
+// `cutoutOf`, by material of the scene: index of the material's cut-out, or kSolid.
+MeshPieces divideMesh(const Mesh& mesh, double largestScale, const std::vector<std::uint32_t>& cutoutOf) {
+  MeshPieces divided;
   const Box bounds = mesh.bounds();
-  if (bounds.empty()) return made;
-  made.mesh.origin = {originOf(bounds.low.x, bounds.high.x), originOf(bounds.low.y, bounds.high.y),
-                      originOf(bounds.low.z, bounds.high.z)};
-  made.mesh.low = Vec3f(bounds.low - made.mesh.origin);
-  made.mesh.high = Vec3f(bounds.high - made.mesh.origin);
+  if (bounds.empty()) return divided;
+  const Vec3d origin{originOf(bounds.low.x, bounds.high.x), originOf(bounds.low.y, bounds.high.y),
+                     originOf(bounds.low.z, bounds.high.z)};
+  divided.mesh = {
+      .origin = origin, .low = Vec3f(bounds.low - origin), .high = Vec3f(bounds.high - origin), .solid = {}, .cut = {}};
   const Vec3d size = bounds.high - bounds.low;
-  const auto longest =
+  const auto longestEdge =
       static_cast<float>(std::max(kLongestEdge / largestScale, std::max({size.x, size.y, size.z}) * kFraction));
 
   std::vector<Piece> solid;
@@ -150,17 +148,16 @@ MeshPieces cutMesh(const Mesh& mesh, double largestScale, const std::vector<std:
     Piece piece;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t corner = mesh.triangles[t][i];
-      piece.corners[i] = {mesh.positions[corner] - Vec3f(made.mesh.origin),
-                          mesh.uvs.empty() ? Vec2f{} : mesh.uvs[corner]};
+      piece.corners[i] = {mesh.positions[corner] - Vec3f(origin), mesh.uvs.empty() ? Vec2f{} : mesh.uvs[corner]};
     }
     piece.original = static_cast<std::uint32_t>(t);
     const std::uint32_t cutout = cutoutOf[mesh.surfaces[mesh.surfaceOf[t]].material];
     piece.cutout = cutout == kSolid ? 0 : cutout;
-    splitLongEdges(piece, longest, cutout == kSolid ? solid : cut);
+    splitLongEdges(piece, longestEdge, cutout == kSolid ? solid : cut);
   }
-  cutIntoChunks(solid, false, made.solid);
-  cutIntoChunks(cut, true, made.cut);
-  return made;
+  cutIntoChunks(solid, false, divided.solid);
+  cutIntoChunks(cut, true, divided.cut);
+  return divided;
 }
 
 // Adds the bitmaps of all alpha-tested materials to `geometry`. Returns, by material, the index of its cut-out, or
@@ -172,41 +169,45 @@ std::vector<std::uint32_t> addCutouts(const Scene& scene, ViewGeometry& geometry
     if (!material.alphaTested || material.texture == nullptr) continue;
     cutoutOf[m] = static_cast<std::uint32_t>(geometry.cutouts.size());
     const Texture& texture = *material.texture;
-    const std::size_t first = geometry.cutoutWords.size();
+    const std::size_t firstWord = geometry.cutoutWords.size();
     const std::size_t texels = std::size_t{texture.width} * texture.height;
-    geometry.cutouts.push_back({static_cast<std::uint32_t>(first), texture.width, texture.height, 0});
-    geometry.cutoutWords.resize(first + (texels + 31) / 32);
+    geometry.cutouts.push_back({static_cast<std::uint32_t>(firstWord), texture.width, texture.height, 0});
+    geometry.cutoutWords.resize(firstWord + (texels + 31) / 32);
     for (std::size_t i = 0; i < texels; ++i) {
-      const bool open = letsPass(material, &texture.rgba[i * 4]);
-      geometry.cutoutWords[first + i / 32] |= std::uint32_t{open} << (i % 32);
+      const bool isTransparent = letsPass(material, &texture.rgba[i * 4]);
+      geometry.cutoutWords[firstWord + i / 32] |= std::uint32_t{isTransparent} << (i % 32);
     }
   }
   return cutoutOf;
 }
 
-ChunkRange append(ViewBatch& batch, ViewBatch&& more) {
+// Appends one mesh's batch to the batch of all meshes. Returns the range that its chunks then have.
+ChunkRange append(ViewBatch& batch, ViewBatch&& meshBatch) {
   const ChunkRange range{static_cast<std::uint32_t>(batch.chunks.size()),
-                         static_cast<std::uint32_t>(batch.chunks.size() + more.chunks.size())};
-  const auto first = static_cast<std::uint32_t>(batch.original.size());
-  for (ViewChunk& chunk : more.chunks) chunk.firstTriangle += first;
-  const auto join = [](auto& to, auto& from) {
-    to.insert(to.end(), from.begin(), from.end());
-    from = {};
+                         static_cast<std::uint32_t>(batch.chunks.size() + meshBatch.chunks.size())};
+  const auto firstTriangle = static_cast<std::uint32_t>(batch.original.size());
+  for (ViewChunk& chunk : meshBatch.chunks) chunk.firstTriangle += firstTriangle;
+  // Appends and frees an array, so that two copies of the scene are never in memory.
+  const auto append = [&](auto ViewBatch::*array) {
+    (batch.*array).insert((batch.*array).end(), (meshBatch.*array).begin(), (meshBatch.*array).end());
+    meshBatch.*array = {};
   };
-  join(batch.positions, more.positions);
-  join(batch.uvs, more.uvs);
-  join(batch.cutouts, more.cutouts);
-  join(batch.original, more.original);
-  join(batch.chunks, more.chunks);
+  append(&ViewBatch::positions);
+  append(&ViewBatch::uvs);
+  append(&ViewBatch::cutouts);
+  append(&ViewBatch::original);
+  append(&ViewBatch::chunks);
   return range;
 }
 
-void reserve(ViewBatch& batch, std::uint64_t triangles, bool cut, std::uint64_t most) {
-  if (triangles > most) {
+// Reserves space for `triangles` triangles. Throws Error if they are more than `limit`. `cut`: true if they have
+// cut-outs.
+void reserve(ViewBatch& batch, std::uint64_t triangles, bool cut, std::uint64_t limit) {
+  if (triangles > limit) {
     throw Error(
         fmt::format("the scene has {} triangles, more than the {} that can be drawn at once: take ray tracing, "
                     "or a smaller scene",
-                    triangles, most));
+                    triangles, limit));
   }
   batch.positions.reserve(triangles * 9);
   batch.original.reserve(triangles);
@@ -225,21 +226,21 @@ ViewGeometry buildViewGeometry(const Scene& scene, std::uint64_t trianglesPerBat
     double& scale = largestScale[instance.mesh];
     scale = std::max(scale, largestStretch(instance));
   }
-  std::vector<MeshPieces> made(scene.meshes.size());
-  parallelFor(made.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t m = first; m < last; ++m) {
-      if (largestScale[m] > 0) made[m] = cutMesh(scene.meshes[m], largestScale[m], cutoutOf);
+  std::vector<MeshPieces> meshes(scene.meshes.size());
+  parallelFor(meshes.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t m = begin; m < end; ++m) {
+      if (largestScale[m] > 0) meshes[m] = divideMesh(scene.meshes[m], largestScale[m], cutoutOf);
     }
   });
-  std::uint64_t solid = 0;
-  std::uint64_t cut = 0;
-  for (const MeshPieces& pieces : made) {
-    solid += pieces.solid.original.size();
-    cut += pieces.cut.original.size();
+  std::uint64_t solidTriangles = 0;
+  std::uint64_t cutTriangles = 0;
+  for (const MeshPieces& pieces : meshes) {
+    solidTriangles += pieces.solid.original.size();
+    cutTriangles += pieces.cut.original.size();
   }
-  reserve(geometry.solid, solid, false, trianglesPerBatch);
-  reserve(geometry.cut, cut, true, trianglesPerBatch);
-  for (MeshPieces& pieces : made) {
+  reserve(geometry.solid, solidTriangles, false, trianglesPerBatch);
+  reserve(geometry.cut, cutTriangles, true, trianglesPerBatch);
+  for (MeshPieces& pieces : meshes) {
     pieces.mesh.solid = append(geometry.solid, std::move(pieces.solid));
     pieces.mesh.cut = append(geometry.cut, std::move(pieces.cut));
     geometry.meshes.push_back(pieces.mesh);

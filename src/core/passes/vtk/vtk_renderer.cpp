@@ -41,7 +41,7 @@ decltype(auto) withErrorWords(const Work& work) {
   }
 }
 
-// The plug-in's device, to which the scene is uploaded.
+// The plug-in's device, to which the constructor uploads the scene.
 struct Device {
   explicit Device(const Scene& scene) : resolver(scene) {
     const auto& module = moduleOf<VtkModule>();
@@ -92,30 +92,31 @@ class VtkSource : public PixelSource {
   const std::vector<Camera>& cameras() const override { return cameras_; }
   PassChoice available() const override { return {Channels::all(), true}; }
 
-  void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
-    std::vector<SeenTriangle> seen(addresses.size());
-    readNumbers(addresses);
-    parallelFor(addresses.size(), 4096, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        if (numbers_[i] == 0) continue;
-        const std::size_t k = imageOf(firsts_, addresses[i]);
-        seen[i] = views_[k].seen(addresses[i] - firsts_[k], numbers_[i]);
+  void fetch(std::span<const PixelAddress> addresses, PassChoice requested, PassPlanes& planes) override {
+    constexpr std::size_t kGrain = 4096;  // pixels per task
+    std::vector<VisibleTriangle> triangles(addresses.size());
+    const std::vector<std::uint32_t> numbers = readNumbers(addresses);
+    parallelFor(addresses.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (numbers[i] == 0) continue;
+        const std::size_t image = imageOf(firsts_, addresses[i]);
+        triangles[i] = views_[image].triangleAt(addresses[i] - firsts_[image], numbers[i]);
       }
     });
-    device_.resolver.resolve(cameras_, addresses, seen, asked, planes);
+    device_.resolver.resolve(cameras_, addresses, triangles, requested, planes);
   }
 
  private:
-  // Reads one triangle number per address into numbers_.
-  void readNumbers(std::span<const PixelAddress> addresses) {
-    numbers_.assign(addresses.size(), 0);
-    VtkPixels pixels{};
+  // Reads one triangle number per address from the device; 0 for kNoPixel.
+  std::vector<std::uint32_t> readNumbers(std::span<const PixelAddress> addresses) {
+    std::vector<std::uint32_t> numbers(addresses.size());
+    VtkPixels pixels{};  // images after the last one are empty
     for (std::size_t k = 0; k < kVtkImages; ++k) {
-      const bool there = k < cameras_.size();
-      pixels.widths[k] = there ? cameras_[k].width : 1;
+      pixels.widths[k] = k < cameras_.size() ? cameras_[k].width : 1;
       pixels.firsts[k + 1] = firsts_[std::min(k + 1, cameras_.size())];
     }
-    withErrorWords([&] { device_.plugin->gather(pixels, addresses, numbers_.data()); });
+    withErrorWords([&] { device_.plugin->gather(pixels, addresses, numbers.data()); });
+    return numbers;
   }
 
   RendererLock lock_;
@@ -123,7 +124,6 @@ class VtkSource : public PixelSource {
   std::vector<Camera> cameras_;
   std::vector<PixelAddress> firsts_;  // see firstPixels()
   std::vector<DrawnView> views_;
-  std::vector<std::uint32_t> numbers_;
 };
 
 class VtkRenderer : public PassRenderer {
@@ -132,14 +132,14 @@ class VtkRenderer : public PassRenderer {
 
   std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits, PassChoice) override {
     if (cameras.size() > kVtkImages) throw Error(fmt::format("at most {} images can be drawn at once", kVtkImages));
-    const std::uint32_t most = device_.plugin->limits().imageSize;
+    const std::uint32_t largestSide = device_.plugin->limits().imageSize;  // px
     for (const Camera& camera : cameras) {
-      if (camera.width <= most && camera.height <= most) continue;
+      if (camera.width <= largestSide && camera.height <= largestSide) continue;
       throw InputError(
           fmt::format("the camera '{}' has {} x {} pixels: an image is at most {} pixels wide and high here",
-                      camera.name, camera.width, camera.height, most));
+                      camera.name, camera.width, camera.height, largestSide));
     }
-    return std::make_unique<VtkSource>(free_, device_, scene_, cameras, limits);
+    return std::make_unique<VtkSource>(isFree_, device_, scene_, cameras, limits);
   }
 
   std::string device() const override { return device_.plugin->name(); }
@@ -147,7 +147,7 @@ class VtkRenderer : public PassRenderer {
  private:
   const Scene& scene_;
   Device device_;
-  std::binary_semaphore free_{1};
+  std::binary_semaphore isFree_{1};
 };
 
 }  // namespace

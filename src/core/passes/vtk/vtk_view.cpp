@@ -33,6 +33,7 @@ struct HalfSpace {
 
 enum class Side { Outside, Across, Inside };
 
+// Returns whether the box from `low` to `high` is outside of one of the half-spaces, inside of all, or neither.
 Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3f& high) {
   const Vec3d center = (Vec3d(low) + Vec3d(high)) * 0.5;
   const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
@@ -48,27 +49,29 @@ Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3
   return side;
 }
 
-double distanceTo(const Vec3f& low, const Vec3f& high, const Vec3d& from) {
-  const auto gap = [](double a, double b, double p) { return std::max({a - p, p - b, 0.0}); };
-  return length(Vec3d{gap(low.x, high.x, from.x), gap(low.y, high.y, from.y), gap(low.z, high.z, from.z)});
+// Returns the distance of a point from a box.
+double distanceTo(const Vec3f& low, const Vec3f& high, const Vec3d& point) {
+  const auto gap = [](double least, double most, double p) { return std::max({least - p, p - most, 0.0}); };
+  return length(Vec3d{gap(low.x, high.x, point.x), gap(low.y, high.y, point.y), gap(low.z, high.z, point.z)});
 }
 
+// See Candidate::distance.
 int distanceStep(double distance) {
   return static_cast<int>(4 * std::log2(1 + distance));
 }
 
-// A linear map of mesh points to the camera's axes (m): `rows` has the rows of its matrix as columns.
+// A transform of mesh points to the camera's axes (m). `rows.x` is the first row of its matrix, and so on.
 struct CameraFromMesh {
   Mat3 rows;
   Vec3d translation;
 
-  // Returns x, y and z times the camera's axes as a half-space of the mesh.
+  // Returns the half-space of mesh points p that have x * px + y * py + z * pz >= 0 in the camera's axes.
   HalfSpace combine(double x, double y, double z) const {
     return {rows.x * x + rows.y * y + rows.z * z, x * translation.x + y * translation.y + z * translation.z};
   }
 };
 
-// Returns what the camera sees between the limits: left, right, upper, lower, near and far.
+// Returns the half-spaces of mesh points that bound the camera's view: left, right, upper, lower, near and far.
 std::array<HalfSpace, 6> viewVolume(const CameraFromMesh& map, const Camera& camera, const DrawLimits& limits) {
   return {map.combine(camera.fx, 0, camera.cx),
           map.combine(-camera.fx, 0, camera.width - camera.cx),
@@ -92,18 +95,18 @@ VtkPlacement placementOf(const CameraFromMesh& map, const Camera& camera) {
   return placement;
 }
 
-// Returns a lower bound of the distance (m) from the camera to a box: the distance to an enclosing box that is aligned
-// with the camera's axes.
-double leastDistance(const Mat3& linear, const Vec3d& translation, const Vec3f& low, const Vec3f& high) {
-  const Vec3d middle = linear * ((Vec3d(low) + Vec3d(high)) * 0.5) + translation;
+// Returns a lower bound of the distance (m) from the camera to a box in mesh axes: the distance to an enclosing box
+// that is aligned with the camera's axes.
+double leastDistance(const CameraFromMesh& map, const Vec3f& low, const Vec3f& high) {
+  constexpr double kRoundUp = 1 + 1e-9;  // so that rounding leaves out no box
+  const Vec3d middle = (Vec3d(low) + Vec3d(high)) * 0.5;
   const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
-  const auto gap = [&](double m, double x, double y, double z) {
-    const double reach = std::abs(x) * half.x + std::abs(y) * half.y + std::abs(z) * half.z;
-    return std::max(std::abs(m) - reach * (1 + 1e-9), 0.0);
+  const auto gap = [&](const Vec3d& row, double translation) {
+    const double reach = std::abs(row.x) * half.x + std::abs(row.y) * half.y + std::abs(row.z) * half.z;
+    return std::max(std::abs(dot(row, middle) + translation) - reach * kRoundUp, 0.0);
   };
-  return length(Vec3d{gap(middle.x, linear.x.x, linear.y.x, linear.z.x),
-                      gap(middle.y, linear.x.y, linear.y.y, linear.z.y),
-                      gap(middle.z, linear.x.z, linear.y.z, linear.z.z)});
+  return length(Vec3d{gap(map.rows.x, map.translation.x), gap(map.rows.y, map.translation.y),
+                      gap(map.rows.z, map.translation.z)});
 }
 
 }  // namespace
@@ -117,69 +120,72 @@ DrawnView::DrawnView(const Scene& scene, const ViewGeometry& geometry, const Cam
   std::vector<Candidate> solid;
   std::vector<Candidate> cut;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) addFrame(i, solid, cut);
-  addDraws(solid, false, solid_);
-  addDraws(cut, true, cut_);
-  rowsOfFrame_ = {};
+  addDraws(solid, geometry.solid, solid_);
+  addDraws(cut, geometry.cut, cut_);
+  framePlacements_ = {};
 }
 
-// Adds an instance if it may be visible. Everything is computed in double precision, from the instance's position
-// relative to the camera, so that the results are the same far from the world's origin.
+// Adds an instance to frames_, and its chunks to the candidates, if it may be visible. Everything is computed in double
+// precision, from the instance's position relative to the camera, so that the results are the same far from the world's
+// origin.
 void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
   const Instance& instance = scene_.instances[index];
   const ViewMesh& mesh = geometry_.meshes[instance.mesh];
   const Affine& worldFromMesh = instance.worldFromMesh;
   const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
   const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
-  const Vec3d translation = cameraFromWorld_ * offset + linear * mesh.origin;
-  const CameraFromMesh map{transposed(linear), translation};
+  // Maps points relative to mesh.origin, as the bounds of meshes and chunks are.
+  const CameraFromMesh map{transposed(linear), cameraFromWorld_ * offset + linear * mesh.origin};
   const std::array<HalfSpace, 6> volume = viewVolume(map, camera_, limits_);
   const Side side = sideOf(volume, mesh.low, mesh.high);
-  if (side == Side::Outside) return;
+  const auto isOutOfReach = [&](const Vec3f& low, const Vec3f& high) {
+    return leastDistance(map, low, high) > limits_.reach;
+  };
+  if (side == Side::Outside || isOutOfReach(mesh.low, mesh.high)) return;
 
   const Mat3 meshFromWorld = inverse(worldFromMesh.linear);
   const Vec3d cameraInMesh = -(meshFromWorld * offset);
-  const double scale = std::cbrt(std::abs(determinant(worldFromMesh.linear)));
-  const Vec3d eye = cameraInMesh - mesh.origin;
-  const auto beyond = [&](const Vec3f& low, const Vec3f& high) {
-    return leastDistance(linear, translation, low, high) > limits_.reach;
-  };
-  if (beyond(mesh.low, mesh.high)) return;
+  const double scale = std::cbrt(std::abs(determinant(worldFromMesh.linear)));  // m in the world per m in the mesh
   const auto frame = static_cast<std::uint32_t>(frames_.size());
   const auto addVisible = [&](const ViewBatch& batch, const ChunkRange& range, std::vector<Candidate>& candidates) {
     for (std::uint32_t c = range.first; c < range.end; ++c) {
       const ViewChunk& chunk = batch.chunks[c];
       if (side == Side::Across && sideOf(volume, chunk.low, chunk.high) == Side::Outside) continue;
-      if (beyond(chunk.low, chunk.high)) continue;
-      candidates.push_back({distanceStep(scale * distanceTo(chunk.low, chunk.high, eye)), c, frame});
+      if (isOutOfReach(chunk.low, chunk.high)) continue;
+      const double distance = scale * distanceTo(chunk.low, chunk.high, cameraInMesh - mesh.origin);
+      candidates.push_back({distanceStep(distance), c, frame});
     }
   };
   addVisible(geometry_.solid, mesh.solid, solid);
   addVisible(geometry_.cut, mesh.cut, cut);
 
-  frames_.push_back({index, meshFromWorld * transposed(cameraFromWorld_), cameraInMesh, map.rows.z,
-                     translation.z - dot(map.rows.z, mesh.origin)});
-  rowsOfFrame_.push_back(placementOf(map, camera_));
+  frames_.push_back({.instance = index,
+                     .meshFromCamera = meshFromWorld * transposed(cameraFromWorld_),
+                     .cameraInMesh = cameraInMesh,
+                     .depthAxis = map.rows.z,
+                     .depthOffset = map.translation.z - dot(map.rows.z, mesh.origin)});
+  framePlacements_.push_back(placementOf(map, camera_));
 }
 
-// Turns the visible chunks into draw calls. Near chunks are drawn first, so that they hide farther ones. Instances of
-// the same chunk at the same distance step are drawn by one call.
-void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<VtkDraw>& draws) {
+// Appends draw calls of the visible chunks, all of one batch. Near chunks are drawn first, so that they hide farther
+// ones. Instances of the same chunk at the same distance step are drawn by one call.
+void DrawnView::addDraws(std::vector<Candidate>& candidates, const ViewBatch& batch, std::vector<VtkDraw>& draws) {
   std::sort(candidates.begin(), candidates.end());
-  const Candidate* before = nullptr;
+  const Candidate* previous = nullptr;
   for (const Candidate& candidate : candidates) {
-    const ViewChunk& chunk = (cut ? geometry_.cut : geometry_.solid).chunks[candidate.chunk];
-    if (before != nullptr && before->chunk == candidate.chunk && before->distance == candidate.distance) {
+    const ViewChunk& chunk = batch.chunks[candidate.chunk];
+    if (previous != nullptr && previous->chunk == candidate.chunk && previous->distance == candidate.distance) {
       ++draws.back().placements;
     } else {
       draws.push_back({chunk.firstTriangle, chunk.triangles, static_cast<std::uint32_t>(placements_.size()), 1});
     }
-    before = &candidate;
-    VtkPlacement placement = rowsOfFrame_[candidate.frame];
+    previous = &candidate;
+    VtkPlacement placement = framePlacements_[candidate.frame];
     // The shader adds a triangle's index in the batch to firstNumber, and the chunk's first triangle must get
     // nextNumber_. The difference may wrap around.
     placement.firstNumber = static_cast<std::uint32_t>(nextNumber_) - chunk.firstTriangle;
     placements_.push_back(placement);
-    runs_.push_back({chunk.firstTriangle, candidate.frame, cut});
+    drawnChunks_.push_back({chunk.firstTriangle, candidate.frame, &batch});
     firstNumbers_.push_back(static_cast<std::uint32_t>(nextNumber_));
     nextNumber_ += chunk.triangles;
   }
@@ -192,43 +198,33 @@ void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vect
 }
 
 VtkImage DrawnView::image() const {
-  VtkImage image{};
-  image.width = camera_.width;
-  image.height = camera_.height;
-  image.nearest = static_cast<float>(limits_.nearest);
-  image.placements = placements_;
-  image.solid = solid_;
-  image.cut = cut_;
-  return image;
+  return {camera_.width, camera_.height, static_cast<float>(limits_.nearest), placements_, solid_, cut_};
 }
 
-SeenTriangle DrawnView::seen(std::uint32_t pixel, std::uint32_t number) const {
+VisibleTriangle DrawnView::triangleAt(std::uint32_t pixel, std::uint32_t number) const {
   if (number == 0) return {};
-  const auto next = std::upper_bound(firstNumbers_.begin(), firstNumbers_.end(), number);
-  const auto index = static_cast<std::size_t>(next - firstNumbers_.begin() - 1);
-  const Run& run = runs_[index];
-  const Frame& frame = frames_[run.frame];
+  const auto nextChunk = std::ranges::upper_bound(firstNumbers_, number);
+  const auto index = static_cast<std::size_t>(nextChunk - firstNumbers_.begin() - 1);
+  const DrawnChunk& chunk = drawnChunks_[index];
+  const Frame& frame = frames_[chunk.frame];
   const Mesh& mesh = scene_.meshes[scene_.instances[frame.instance].mesh];
-  const ViewBatch& batch = run.cut ? geometry_.cut : geometry_.solid;
-  const std::uint32_t triangle = batch.original[run.firstTriangle + (number - firstNumbers_[index])];
+  const std::uint32_t triangle = chunk.batch->original[chunk.firstTriangle + (number - firstNumbers_[index])];
 
   const Triangle& corners = mesh.triangles[triangle];
   const Vec3d a(mesh.positions[corners[0]]);
   const Vec3d b(mesh.positions[corners[1]]);
   const Vec3d c(mesh.positions[corners[2]]);
   const Vec3d normal = cross(b - a, c - a);
-  const std::uint32_t column = pixel % camera_.width;
-  const std::uint32_t row = pixel / camera_.width;
-  const Vec3d ray = camera_.ray(column + 0.5, row + 0.5);
+  const Vec3d ray = camera_.ray(pixel % camera_.width + 0.5, pixel / camera_.width + 0.5);
   const double depth = dot(normal, a - frame.cameraInMesh) / dot(normal, frame.meshFromCamera * ray);
   // If a triangle is seen edge-on, the line of sight may intersect its plane outside of the triangle, or not at all.
   // Clamp the depth to the depths of the corners.
   const auto depthOf = [&](const Vec3d& p) { return dot(frame.depthAxis, p) + frame.depthOffset; };
-  const auto [low, high] = std::minmax({depthOf(a), depthOf(b), depthOf(c)});
-  const double nearest = std::max(low, limits_.nearest);
-  const double bounded = depth >= nearest ? std::min(depth, std::max(high, nearest)) : nearest;
-  if (bounded > limits_.farthest) return {};
-  return {static_cast<float>(bounded), frame.instance + 1, triangle};
+  const auto [least, most] = std::minmax({depthOf(a), depthOf(b), depthOf(c)});
+  const double nearest = std::max(least, limits_.nearest);
+  const double clamped = depth >= nearest ? std::min(depth, std::max(most, nearest)) : nearest;  // `nearest` if NaN
+  if (clamped > limits_.farthest) return {};
+  return {static_cast<float>(clamped), frame.instance + 1, triangle};
 }
 
 }  // namespace scanmill

@@ -22,10 +22,10 @@ class DrawnView {
 
   // Returns the image to draw, which has pointers into this view.
   VtkImage image() const;
-  // Returns the triangle that a pixel shows if the image's value there is `number`; none if `number` is 0 or the
-  // triangle is beyond the far limit. The depth is that of the triangle's plane at the pixel's centre, in double,
-  // clamped to the triangle's depths.
-  SeenTriangle seen(std::uint32_t pixel, std::uint32_t number) const;
+  // Returns the triangle that a pixel (its index in the image) shows if the image's value at the pixel is `number`;
+  // none if `number` is 0 or the triangle is beyond the far limit. The depth is the depth of the triangle's plane at
+  // the pixel's centre, computed in double and clamped to the depths of the triangle's corners.
+  VisibleTriangle triangleAt(std::uint32_t pixel, std::uint32_t number) const;
 
  private:
   // A visible instance of the scene, and the transform from the camera's frame to its mesh's frame.
@@ -36,15 +36,16 @@ class DrawnView {
     Vec3d depthAxis;  // depth = depthAxis . p + depthOffset, for points p in mesh axes
     double depthOffset;
   };
-  struct Run {
-    std::uint32_t firstTriangle;  // index within its batch
-    std::uint32_t frame;
-    bool cut;
+  // A chunk that is drawn for one instance: its triangles have consecutive numbers in the image.
+  struct DrawnChunk {
+    std::uint32_t firstTriangle;  // index within `batch`
+    std::uint32_t frame;          // index into frames_
+    const ViewBatch* batch;
   };
   struct Candidate;
 
   void addFrame(std::uint32_t instance, std::vector<Candidate>& solid, std::vector<Candidate>& cut);
-  void addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<VtkDraw>& draws);
+  void addDraws(std::vector<Candidate>& candidates, const ViewBatch& batch, std::vector<VtkDraw>& draws);
 
   const Scene& scene_;
   const ViewGeometry& geometry_;
@@ -52,12 +53,12 @@ class DrawnView {
   DrawLimits limits_;
   Mat3 cameraFromWorld_;
   std::vector<Frame> frames_;
-  std::vector<VtkPlacement> rowsOfFrame_;
-  std::vector<VtkPlacement> placements_;
+  std::vector<VtkPlacement> framePlacements_;  // by frame, without numbers; only used by the constructor
+  std::vector<VtkPlacement> placements_;       // by drawn chunk
   std::vector<VtkDraw> solid_;
   std::vector<VtkDraw> cut_;
-  std::vector<Run> runs_;
-  std::vector<std::uint32_t> firstNumbers_;  // number of each run's first triangle in the image, ascending
+  std::vector<DrawnChunk> drawnChunks_;
+  std::vector<std::uint32_t> firstNumbers_;  // by drawn chunk: number of its first triangle in the image, ascending
   std::uint64_t nextNumber_ = 1;
 };
 

@@ -1,11 +1,7 @@
 #include "passes/vtk_module/image_pass.h"
 
 #include <fmt/format.h>
-#include <vtkObjectFactory.h>
-#include <vtkOpenGLRenderWindow.h>
 #include <vtkOpenGLState.h>
-#include <vtkRenderState.h>
-#include <vtkRenderer.h>
 
 #include <algorithm>
 #include <new>
@@ -15,6 +11,11 @@
 namespace scanmill {
 
 namespace {
+
+// Locations of the vertex attributes; the shaders have the same numbers.
+enum VertexAttribute : GLuint { kPosition = 0, kRows = 1, kFirstNumber = 4, kUv = 5, kCutout = 6 };
+// Bindings of the shaders' storage buffers.
+enum StorageBinding : GLuint { kCutouts = 0, kWords = 1 };
 
 // The depth buffer contains the near clipping distance divided by w, which decreases with distance. The relative
 // precision of float32 is the same for small and large numbers, and so is the relative precision of the depth near and
@@ -71,111 +72,111 @@ void main() {
 
 // The layout of commands that glMultiDrawArraysIndirect reads.
 struct Command {
-  GLuint count;
+  GLuint vertices;
   GLuint instances;
-  GLuint first;
-  GLuint baseInstance;
+  GLuint firstVertex;
+  GLuint firstInstance;
 };
 
 template <class T>
 void upload(GlBuffer& buffer, const std::vector<T>& data) {
-  static constexpr std::uint32_t kNothing = 0;  // a buffer without storage cannot be bound
+  static constexpr T kPlaceholder{};  // a buffer without storage cannot be bound
   if (data.empty()) {
-    buffer.fill(&kNothing, sizeof kNothing, GL_STATIC_DRAW);
+    buffer.fill(&kPlaceholder, sizeof kPlaceholder, GL_STATIC_DRAW);
   } else {
     buffer.fill(data.data(), data.size() * sizeof(T), GL_STATIC_DRAW);
   }
 }
 
+// Adds the attributes of solid triangles: a position per vertex, and a placement per instance.
 void addPositions(GlVertexArray& array, const GlBuffer& positions, const GlBuffer& placements) {
-  constexpr std::size_t kStride = sizeof(VtkPlacement);
-  array.add({kPosition, &positions, 3, false, 3 * sizeof(float), 0, 0});
+  array.add({.location = kPosition, .buffer = &positions, .components = 3, .stride = 3 * sizeof(float)});
   for (GLuint row = 0; row < 3; ++row) {
-    array.add({kRows + row, &placements, 4, false, kStride, row * 4 * sizeof(float), 1});
+    array.add({.location = kRows + row,
+               .buffer = &placements,
+               .components = 4,
+               .stride = sizeof(VtkPlacement),
+               .offset = row * 4 * sizeof(float),
+               .divisor = 1});
   }
-  array.add({kFirstNumber, &placements, 1, true, kStride, offsetof(VtkPlacement, firstNumber), 1});
+  array.add({.location = kFirstNumber,
+             .buffer = &placements,
+             .components = 1,
+             .integer = true,
+             .stride = sizeof(VtkPlacement),
+             .offset = offsetof(VtkPlacement, firstNumber),
+             .divisor = 1});
 }
 
 }  // namespace
 
-vtkStandardNewMacro(ImagePass);
-
-void ImagePass::next(TriangleStore* triangles, const VtkImage* image, std::uint32_t slot) {
-  triangles_ = triangles;
-  image_ = image;
-  slot_ = slot;
+void ImagePass::compilePrograms(vtkOpenGLRenderWindow* window) {
+  using Shaders = std::initializer_list<GlShaderText>;
+  zeroToOne_ = GLEW_VERSION_4_5 || GLEW_ARB_clip_control;
+  solid_ =
+      std::make_unique<GlProgram>("solid", Shaders{{GL_VERTEX_SHADER, kVertex}, {GL_FRAGMENT_SHADER, kSolidFragment}});
+  cut_ =
+      std::make_unique<GlProgram>("cut-out", Shaders{{GL_VERTEX_SHADER, kVertex}, {GL_FRAGMENT_SHADER, kCutFragment}});
+  frame_->SetContext(window);
 }
 
-void ImagePass::Render(const vtkRenderState* state) {
-  auto* window = vtkOpenGLRenderWindow::SafeDownCast(state->GetRenderer()->GetRenderWindow());
-  prepare(window);
-  draw(window);
-}
-
-// Creates programs and textures. Textures are reused for the next image of the same size.
-void ImagePass::prepare(vtkOpenGLRenderWindow* window) {
-  if (!solid_) {
-    zeroToOne_ = GLEW_VERSION_4_5 || GLEW_ARB_clip_control;
-    solid_ = std::make_unique<GlProgram>(
-        "solid",
-        std::initializer_list<GlShaderText>{{GL_VERTEX_SHADER, kVertex}, {GL_FRAGMENT_SHADER, kSolidFragment}});
-    cut_ = std::make_unique<GlProgram>("cut-out", std::initializer_list<GlShaderText>{
-                                                      {GL_VERTEX_SHADER, kVertex}, {GL_FRAGMENT_SHADER, kCutFragment}});
-    frame_->SetContext(window);
-  }
-  vtkTextureObject* numbers = slots_[slot_];
-  if (numbers->GetWidth() != image_->width || numbers->GetHeight() != image_->height) {
+// Gives the textures the size of the image. The texture of numbers is reused for the next image of the same size; the
+// depth buffer, which all images share, only grows.
+void ImagePass::prepareTextures(vtkOpenGLRenderWindow* window, const VtkImage& image, vtkTextureObject* numbers) {
+  if (numbers->GetWidth() != image.width || numbers->GetHeight() != image.height) {
     numbers->SetContext(window);
     numbers->SetInternalFormat(GL_R32UI);
     numbers->SetFormat(GL_RED_INTEGER);
     numbers->SetDataType(GL_UNSIGNED_INT);
     numbers->SetMinificationFilter(vtkTextureObject::Nearest);
     numbers->SetMagnificationFilter(vtkTextureObject::Nearest);
-    if (!numbers->Allocate2D(image_->width, image_->height, 1, VTK_UNSIGNED_INT)) throw std::bad_alloc();
+    if (!numbers->Allocate2D(image.width, image.height, 1, VTK_UNSIGNED_INT)) throw std::bad_alloc();
   }
-  const bool first = depth_->GetHandle() == 0;
-  if (first || depth_->GetWidth() < image_->width || depth_->GetHeight() < image_->height) {
-    const unsigned width = std::max(first ? 0 : depth_->GetWidth(), image_->width);
-    const unsigned height = std::max(first ? 0 : depth_->GetHeight(), image_->height);
+  const bool isFirst = depth_->GetHandle() == 0;
+  if (isFirst || depth_->GetWidth() < image.width || depth_->GetHeight() < image.height) {
+    const unsigned width = std::max(isFirst ? 0 : depth_->GetWidth(), image.width);
+    const unsigned height = std::max(isFirst ? 0 : depth_->GetHeight(), image.height);
     depth_->SetContext(window);
     if (!depth_->AllocateDepth(width, height, vtkTextureObject::Float32)) throw std::bad_alloc();
   }
   checkGl("an image cannot be made");
 }
 
-void ImagePass::draw(vtkOpenGLRenderWindow* window) {
+void ImagePass::draw(vtkOpenGLRenderWindow* window, TriangleStore& triangles, const VtkImage& image,
+                     std::uint32_t slot) {
+  if (!solid_) compilePrograms(window);
+  prepareTextures(window, image, slots_[slot]);
   vtkOpenGLState* state = window->GetState();
   state->Push();
   state->PushFramebufferBindings();
   frame_->Bind();
-  frame_->AddColorAttachment(0, slots_[slot_]);
+  frame_->AddColorAttachment(0, slots_[slot]);
   frame_->AddDepthAttachment(depth_);
   frame_->ActivateDrawBuffer(0);
 
-  state->vtkglViewport(0, 0, static_cast<int>(image_->width), static_cast<int>(image_->height));
-  state->vtkglDisable(GL_SCISSOR_TEST);
-  state->vtkglDisable(GL_BLEND);
-  state->vtkglDisable(GL_CULL_FACE);
-  state->vtkglDisable(GL_MULTISAMPLE);
+  state->vtkglViewport(0, 0, static_cast<int>(image.width), static_cast<int>(image.height));
+  for (const GLenum capability : {GL_SCISSOR_TEST, GL_BLEND, GL_CULL_FACE, GL_MULTISAMPLE}) {
+    state->vtkglDisable(capability);
+  }
   state->vtkglEnable(GL_DEPTH_TEST);
   state->vtkglDepthMask(GL_TRUE);
   state->vtkglDepthFunc(GL_GREATER);
   state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   if (zeroToOne_) glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
 
-  const GLuint nothing[4] = {0, 0, 0, 0};
-  const GLfloat infinity = 0;
-  glClearBufferuiv(GL_COLOR, 0, nothing);
-  glClearBufferfv(GL_DEPTH, 0, &infinity);
-  triangles_->place(image_->placements);
-  const auto run = [&](const GlProgram& program, bool cut, std::span<const VtkDraw> draws) {
+  const GLuint noTriangle[4] = {0, 0, 0, 0};
+  const GLfloat infiniteDepth = 0;  // nearest / w: see kVertex
+  glClearBufferuiv(GL_COLOR, 0, noTriangle);
+  glClearBufferfv(GL_DEPTH, 0, &infiniteDepth);
+  triangles.uploadPlacements(image.placements);
+  const auto drawBatch = [&](const GlProgram& program, bool cut, std::span<const VtkDraw> draws) {
     program.use();
-    const float nearest = image_->nearest;
-    glUniform2f(program.uniform("depthFromW"), zeroToOne_ ? nearest : 2 * nearest, zeroToOne_ ? 0.0f : -1.0f);
-    triangles_->draw(cut, draws);
+    glUniform2f(program.uniform("depthFromW"), zeroToOne_ ? image.nearest : 2 * image.nearest,
+                zeroToOne_ ? 0.0f : -1.0f);
+    triangles.draw(cut, draws);
   };
-  run(*solid_, false, image_->solid);
-  run(*cut_, true, image_->cut);
+  drawBatch(*solid_, false, image.solid);
+  drawBatch(*cut_, true, image.cut);
   glUseProgram(0);
 
   if (zeroToOne_) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
@@ -186,37 +187,37 @@ void ImagePass::draw(vtkOpenGLRenderWindow* window) {
   checkGl("an image cannot be drawn");
 }
 
-void ImagePass::ReleaseGraphicsResources(vtkWindow* window) {
+void ImagePass::releaseGraphicsResources(vtkOpenGLRenderWindow* window) {
   solid_.reset();
   cut_.reset();
   frame_->ReleaseGraphicsResources(window);
   depth_->ReleaseGraphicsResources(window);
   for (const auto& slot : slots_) slot->ReleaseGraphicsResources(window);
-  vtkRenderPass::ReleaseGraphicsResources(window);
 }
 
 TriangleStore::TriangleStore(const ViewGeometry& scene) {
-  GLint64 largest = 0;
-  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
-  if (scene.cutoutWords.size() * sizeof(std::uint32_t) > static_cast<std::uint64_t>(largest)) {
+  GLint64 largestBuffer = 0;  // bytes
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largestBuffer);
+  if (scene.cutoutWords.size() * sizeof(std::uint32_t) > static_cast<std::uint64_t>(largestBuffer)) {
     throw std::runtime_error(fmt::format(
         "the textures with alpha have {} texels, more than the {} that OpenGL takes here: make them smaller",
-        scene.cutoutWords.size() * 32, largest * 8));
+        scene.cutoutWords.size() * 32, largestBuffer * 8));
   }
   upload(solidPositions_, scene.solid.positions);
   upload(cutPositions_, scene.cut.positions);
   upload(cutUvs_, scene.cut.uvs);
   upload(cutCutouts_, scene.cut.cutouts);
   upload(cutouts_, scene.cutouts);
-  upload(words_, scene.cutoutWords);
+  upload(cutoutWords_, scene.cutoutWords);
   addPositions(solid_, solidPositions_, placements_);
   addPositions(cut_, cutPositions_, placements_);
-  cut_.add({kUv, &cutUvs_, 2, false, 2 * sizeof(float), 0, 0});
-  cut_.add({kCutout, &cutCutouts_, 1, true, sizeof(std::uint32_t), 0, 0});
+  cut_.add({.location = kUv, .buffer = &cutUvs_, .components = 2, .stride = 2 * sizeof(float)});
+  cut_.add(
+      {.location = kCutout, .buffer = &cutCutouts_, .components = 1, .integer = true, .stride = sizeof(std::uint32_t)});
   checkGl("the scene's triangles cannot be uploaded");
 }
 
-void TriangleStore::place(std::span<const VtkPlacement> placements) {
+void TriangleStore::uploadPlacements(std::span<const VtkPlacement> placements) {
   placements_.fill(placements.data(), placements.size_bytes(), GL_STREAM_DRAW);
 }
 
@@ -231,7 +232,7 @@ void TriangleStore::draw(bool cut, std::span<const VtkDraw> draws) {
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
   if (cut) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kCutouts, cutouts_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kWords, words_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kWords, cutoutWords_.name());
   }
   (cut ? cut_ : solid_).bind();
   glMultiDrawArraysIndirect(GL_TRIANGLES, nullptr, static_cast<GLsizei>(commands.size()), 0);

@@ -118,7 +118,7 @@ void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hi
     const auto own = seen.find(objects_.boxes().things()[i].id);
     const Vec3d sensor = inverse(boxes_[i].worldFromBox) * shot.worldFromSensor.front().translation;
     if (own == seen.end() && distanceTo(boxes_[i].size, sensor) > reach) continue;
-    const Unobstructed::View alone = objects_.unobstructed().of(i, shot, *grid);
+    const Unobstructed::View alone = objects_.unobstructed().viewOf(i, shot, *grid);
     ObjectView view;
     view.sensor = shot.sensorName;
     const std::uint32_t column = alone.middle % shot.beams->columns;

@@ -13,7 +13,7 @@ struct Counter {
       : boxes(scene), worlds(scene, Instancing::Auto, {.occlusionFilter = thingFilter}), unobstructed(worlds, boxes) {}
 
   std::uint32_t beamsOn(std::size_t thing, const Shot& shot) const {
-    return unobstructed.of(thing, shot, BeamGrid(*shot.beams)).beams;
+    return unobstructed.viewOf(thing, shot, BeamGrid(*shot.beams)).beams;
   }
 
   ThingBoxes boxes;
