@@ -7,7 +7,7 @@
 namespace scanmill::models {
 namespace {
 
-// Dimensions of an adult animal (m).
+// Dimensions of an adult animal (m), by eye.
 struct AnimalForm {
   double length;    // from chest to rump
   double height;    // height of the back above the ground
@@ -18,7 +18,7 @@ struct AnimalForm {
   double leg;       // radius of a leg
   double tail;      // length of the tail
   double tailRise;  // slope of the tail: 1 points up, -1 hangs down
-  double ear;
+  double ear;       // length of an ear
 };
 
 constexpr std::array<AnimalForm, kAnimalForms> kForms{{
@@ -34,13 +34,13 @@ constexpr std::array<AnimalForm, kAnimalForms> kForms{{
 
 Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number) {
   const AnimalForm& f = kForms[static_cast<std::size_t>(form)];
-  Draw draw(seed, Kind::Animal, static_cast<std::uint32_t>(form * 100 + number));
-  const double size = draw.in(0.85, 1.12);
+  Draw draw(seed, Kind::Animal, form * 100 + number);
+  const double size = draw.in(0.85, 1.12);  // young animals are smaller
   const bool grazes = form >= kPetForms && draw.chance(0.6);
   Shape s(builder, "animal");
   const SurfaceIndex coat = s.surface("animal", draw.chance(0.5) ? "cloth" : "cloth_dark");
   s.frame.linear = Mat3::scale(Vec3d{1, 1, 1} * size);
-  const double middle = f.height - f.depth / 2;
+  const double middle = f.height - f.depth / 2;  // height of the trunk's axis
   const double half = f.length / 2;
   s.pipe(coat,
          {{-half - 0.08 * f.length, 0, middle + 0.1 * f.depth},
@@ -51,6 +51,7 @@ Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number
           {half + 0.1 * f.length, 0, middle + 0.1 * f.depth}},
          {0.3 * f.width, 0.85 * f.width, 0.9 * f.width, f.width, 0.9 * f.width, 0.4 * f.width}, 12);
   s.ball(coat, {0.05 * f.length, 0, middle}, {0.5 * f.length, f.width, f.depth / 2}, 14);
+  // The neck leads from the chest to the poll (the top of the head), the head from there in the direction of the face.
   const Vec3d chest{half, 0, middle + 0.2 * f.depth};
   const Vec3d poll =
       chest + (grazes ? Vec3d{0.75 * f.neck, 0, -0.8 * f.height + 0.5 * f.head} : Vec3d{0.6 * f.neck, 0, 0.8 * f.neck});
@@ -59,16 +60,16 @@ Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number
   const Vec3d face = grazes ? Vec3d{0.35, 0, -0.9} : Vec3d{0.95, 0, -0.3};
   s.pipe(coat, {poll - face * (0.15 * f.head), poll + face * (0.2 * f.head), poll + face * f.head},
          {0.3 * f.width, 0.42 * f.width, 0.24 * f.width}, 10);
-  for (const double side : {-1.0, 1.0}) {
+  for (const double side : {-1.0, 1.0}) {  // an ear, a hind leg and a foreleg
     s.tube(coat, poll + Vec3d{0, side * 0.25 * f.width, 0.02}, poll + Vec3d{-0.2 * f.ear, side * 0.5 * f.width, f.ear},
            0.3 * f.ear, 0.08 * f.ear, 6);
-    const double stride = draw.in(-0.16, 0.16) * f.height * (grazes ? 0.5 : 1);
+    const double stride = draw.in(-0.16, 0.16) * f.height * (grazes ? 0.5 : 1);  // m, of the foot along x
     for (const double end : {-1.0, 1.0}) {
       const double x = end * (half - 0.06 * f.length);
       const double y = side * 0.6 * f.width;
-      const double foot = x + stride * end * side;
-      const double knee = (middle - 0.3 * f.depth) * 0.5;
-      s.pipe(coat, {{x, y, middle}, {(x + foot) / 2 + 0.03 * end * f.height, y, knee}, {foot, y, 0}},
+      const double footX = x + stride * end * side;
+      const double kneeZ = (middle - 0.3 * f.depth) * 0.5;
+      s.pipe(coat, {{x, y, middle}, {(x + footX) / 2 + 0.03 * end * f.height, y, kneeZ}, {footX, y, 0}},
              {1.8 * f.leg, f.leg, 0.9 * f.leg}, 8);
     }
   }

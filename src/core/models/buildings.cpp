@@ -8,14 +8,7 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kStorey = 2.9;  // m, height of a storey
-
-// Returns the material of a plastered facade: mostly "plaster_tinted", for coloured and weathered facades. The choice
-// has its own random stream, so that the shapes of houses do not depend on it.
-const char* facadeOf(std::uint64_t seed, const House& house) {
-  return Draw(seed, Kind::Facade, house.number).chance(0.7) ? "plaster_tinted" : "plaster";
-}
-
+constexpr double kStorey = 2.9;      // m, mean height of a storey
 constexpr double kThickness = 0.16;  // m, thickness of pitched roofs
 constexpr double kHipEaves = 0.45;   // m that hip roofs extend beyond the walls
 constexpr double kInRoof = 0.05;     // m that walls extend into hip roofs
@@ -24,18 +17,20 @@ class HouseMaker {
  public:
   HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
       : h_(house), seed_(seed), draw_(seed, Kind::House, house.number), s_(builder, "house") {
-    const char* const wall = draw_.chance(0.45) ? "brick" : facadeOf(seed, house);
+    // The kind of plaster has its own random stream, so that the shapes of houses do not depend on it.
+    const bool tinted = Draw(seed, Kind::Facade, house.number).chance(0.7);
+    const char* const wall = draw_.chance(0.45) ? "brick" : tinted ? "plaster_tinted" : "plaster";
     look_ = facadeLook(s_, wall, draw_.chance(0.5) ? "wood" : "painted_metal");
     m_.storey = draw_.around(kStorey, 0.06);
     m_.base = draw_.in(0.15, 0.5);
-    look_.top = m_.base + m_.storey * h_.floors + (h_.roof == Roof::Flat ? 0.5 : 0.1);
+    look_.top = m_.base + m_.storey * h_.floors + aboveCeiling();
     m_.windowWidth = std::min(draw_.in(0.9, 1.5), h_.width / h_.columns - 0.5);
     m_.windowHeight = draw_.in(1.2, 1.6);
     m_.sill = draw_.in(0.75, 0.95);
-    pitch_ = std::tan(radians(draw_.in(30, 46)));
+    slope_ = std::tan(radians(draw_.in(30, 46)));
     look_.shutters = !h_.shop && draw_.chance(0.3) && h_.width / h_.columns > m_.windowWidth * 2 + 0.2;
     balconies_ = h_.floors >= 3 && draw_.chance(0.7);
-    if (h_.top) reach(*h_.top);
+    if (h_.top) fitHeight(*h_.top);
   }
 
   Model make() {
@@ -61,105 +56,137 @@ class HouseMaker {
   }
 
  private:
-  // Adapts the house to the given height of its top (m). A storey is at least kLeastStorey high. If the house would
-  // then be too high, the slope of the roof is reduced, to no less than 6 degrees.
-  void reach(double top) {
-    constexpr double kLeastStorey = 2.3;  // m, least height of a storey
-    const double shorter = std::min(h_.width, h_.depth);
+  // Returns the height (m) between the ceiling of the top floor and the top of the walls.
+  double aboveCeiling() const { return h_.roof == Roof::Flat ? 0.5 : 0.1; }
+
+  // Returns the horizontal distance (m) over which a pitched roof rises from its eaves to its ridge; 0 for flat roofs.
+  double roofRun() const {
+    switch (h_.roof) {
+      case Roof::Gable:
+        return h_.depth / 2;
+      case Roof::CrossGable:
+        return h_.width / 2;
+      case Roof::Hip:
+        return std::min(h_.width, h_.depth) / 2 + kHipEaves;
+      default:
+        return 0;
+    }
+  }
+
+  // Sets the storeys' height, the slope and the top of the walls so that the house is `top` metres high. Storeys are at
+  // least kLeastStorey high. Where the house would then be too high, the slope is reduced, to no less than 6 degrees.
+  void fitHeight(double top) {
+    constexpr double kLeastStorey = 2.3;  // m
+    const double leastSlope = std::tan(radians(6.0));
     const bool flat = h_.roof == Roof::Flat;
-    const double span = flat                          ? 0
-                        : h_.roof == Roof::Gable      ? h_.depth / 2
-                        : h_.roof == Roof::CrossGable ? h_.width / 2
-                                                      : shorter / 2 + kHipEaves;
-    const double slab = flat ? 0 : h_.roof == Roof::Hip ? kThickness - kInRoof : kThickness;
-    const double above = flat ? 0.5 : 0.1;  // m between the ceiling of the top floor and the top of the walls
-    const double room = top - slab - above - m_.base - kLeastStorey * h_.floors;
-    const double least = std::tan(radians(6.0));
-    if (!flat) pitch_ = std::clamp(room / span, least, h_.rise ? std::max(least, *h_.rise / span) : pitch_);
-    m_.storey = std::max(kLeastStorey, (top - slab - span * pitch_ - above - m_.base) / h_.floors);
-    look_.top = m_.base + m_.storey * h_.floors + above;
+    // The height of the roof's tiles above the walls.
+    const double tiles = flat ? 0 : h_.roof == Roof::Hip ? kThickness - kInRoof : kThickness;
+    const double run = roofRun();
+    if (!flat) {
+      const double highestRise = top - tiles - aboveCeiling() - m_.base - kLeastStorey * h_.floors;
+      slope_ = std::clamp(highestRise / run, leastSlope, h_.rise ? std::max(leastSlope, *h_.rise / run) : slope_);
+    }
+    m_.storey = std::max(kLeastStorey, (top - tiles - run * slope_ - aboveCeiling() - m_.base) / h_.floors);
+    look_.top = m_.base + m_.storey * h_.floors + aboveCeiling();
     m_.windowHeight = std::min(m_.windowHeight, m_.storey - m_.sill - 0.3);
   }
 
+  // Adds the front wall, then the rear wall and the walls at the right and at the left.
   void walls() {
-    const std::vector<Opening> front = windows(h_.columns, h_.width, true);
-    addFacade(s_, look_, {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0, 0}}, h_.width, front, true);
-    const int back = std::max(2, h_.columns - draw_.below(2));
+    const std::vector<Opening> front = frontOpenings();
+    addFacade(s_, look_, sideView({0, 0, 0}), h_.width, front, true);
+    const int rearColumns = std::max(2, h_.columns - draw_.below(2));
     addFacade(s_, look_, {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {h_.width, h_.depth, 0}}, h_.width,
-              windows(back, h_.width, false), false);
-    const int sides = std::max(1, static_cast<int>(h_.depth / 4));
+              windows(rearColumns, h_.width), false);
+    const int sideColumns = std::max(1, static_cast<int>(h_.depth / 4));
     addFacade(s_, look_, {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth,
-              windows(sides, h_.depth, false), false);
+              windows(sideColumns, h_.depth), false);
     addFacade(s_, look_, {{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}}, {0, h_.depth, 0}}, h_.depth,
-              windows(sides, h_.depth, false), false);
+              windows(sideColumns, h_.depth), false);
   }
 
-  std::vector<Opening> windows(int columns, double width, bool front) {
+  Opening windowAt(double u, double floorZ) const {
+    const double half = m_.windowWidth / 2;
+    return {{u - half, u + half}, {floorZ + m_.sill, floorZ + m_.sill + m_.windowHeight}, Opening::Window};
+  }
+
+  // Returns the openings of the front wall: the door, windows or shop windows beside it, and balconies' doors above it.
+  // Adds the balconies.
+  std::vector<Opening> frontOpenings() {
     std::vector<Opening> openings;
-    const double pitch = width / columns;
+    const double pitch = h_.width / h_.columns;
     for (int floor = 0; floor < h_.floors; ++floor) {
       const double z = m_.base + floor * m_.storey;
-      for (int c = 0; c < columns; ++c) {
-        const double u = (c + 0.5) * pitch;
-        if (front && floor == 0 && c == h_.doorColumn) {
+      for (int column = 0; column < h_.columns; ++column) {
+        const double u = (column + 0.5) * pitch;
+        if (floor == 0 && column == h_.doorColumn) {
           openings.push_back({{u - 0.55, u + 0.55}, {m_.base - 0.1, m_.base + 2.1}, Opening::Door});
-        } else if (front && floor == 0 && h_.shop) {
+        } else if (floor == 0 && h_.shop) {
           const double half = pitch / 2 - 0.22;
           openings.push_back({{u - half, u + half}, {m_.base + 0.25, m_.base + 2.45}, Opening::Window});
-        } else if (front && floor > 0 && balconies_ && c == h_.doorColumn) {
+        } else if (floor > 0 && balconies_ && column == h_.doorColumn) {
           openings.push_back({{u - 0.6, u + 0.6}, {z + 0.1, z + 2.2}, Opening::Window});
           balcony(u, z);
-        } else if (front || draw_.chance(0.85)) {
-          const double half = m_.windowWidth / 2;
-          openings.push_back({{u - half, u + half}, {z + m_.sill, z + m_.sill + m_.windowHeight}, Opening::Window});
+        } else {
+          openings.push_back(windowAt(u, z));
         }
       }
     }
     return openings;
   }
 
-  void balcony(double u, double z) {
-    const double width = 2.2;
-    const double out = 1.2;
-    s_.box(look_.trim, {u, -out / 2 + 0.05, z}, {width, out + 0.1, 0.16});
-    const double rail = z + 1.05;
-    const double y = -out + 0.06;
-    const double x0 = u - width / 2 + 0.06;
-    const double x1 = u + width / 2 - 0.06;
-    s_.pipe(look_.metal, {{x0, 0.02, rail}, {x0, y, rail}, {x1, y, rail}, {x1, 0.02, rail}},
-            {0.025, 0.025, 0.025, 0.025}, 6);
-    for (int k = 0; k <= 14; ++k) {
-      const double x = lerp(x0, x1, k / 14.0);
-      s_.tube(look_.metal, {x, y, z}, {x, y, rail}, 0.01, 0.01, 4);
-    }
-    for (const double x : {x0, x1}) {
-      for (int k = 1; k < 7; ++k) {
-        const double at = lerp(0.0, y, k / 7.0);
-        s_.tube(look_.metal, {x, at, z}, {x, at, rail}, 0.01, 0.01, 4);
+  // Returns the windows of a wall without a door; some of them are missing.
+  std::vector<Opening> windows(int columns, double width) {
+    std::vector<Opening> openings;
+    for (int floor = 0; floor < h_.floors; ++floor) {
+      for (int column = 0; column < columns; ++column) {
+        if (!draw_.chance(0.85)) continue;
+        openings.push_back(windowAt((column + 0.5) * (width / columns), m_.base + floor * m_.storey));
       }
+    }
+    return openings;
+  }
+
+  // Adds a balcony at the front wall: a slab, a handrail and its bars. `u`: its middle; `z`: height of its floor (m).
+  void balcony(double u, double z) {
+    constexpr double kWidth = 2.2, kOut = 1.2;  // m
+    s_.box(look_.trim, {u, -kOut / 2 + 0.05, z}, {kWidth, kOut + 0.1, 0.16});
+    const double rail = z + 1.05;
+    const double y = -kOut + 0.06;
+    const double x0 = u - kWidth / 2 + 0.06;
+    const double x1 = u + kWidth / 2 - 0.06;
+    s_.pipe(look_.metal, {{x0, 0.02, rail}, {x0, y, rail}, {x1, y, rail}, {x1, 0.02, rail}}, 0.025, 6);
+    const auto bar = [&](double barX, double barY) {
+      s_.rod(look_.metal, {barX, barY, z}, {barX, barY, rail}, 0.01, 4);
+    };
+    for (int k = 0; k <= 14; ++k) bar(lerp(x0, x1, k / 14.0), y);
+    for (const double x : {x0, x1}) {
+      for (int k = 1; k < 7; ++k) bar(x, lerp(0.0, y, k / 7.0));
     }
   }
 
-  // Adds a plinth that protrudes 3 cm from the walls.
+  // Adds a plinth that protrudes 3 cm from the walls, with a gap at the door; none if it would be low.
   void plinth() {
     const double z = (m_.base - 0.12 + look_.foundation) / 2;
     const double height = m_.base - 0.12 - look_.foundation;
     if (height < 0.5 - 0.12) return;
     const double door = h_.doorX();
-    const double left = door - 0.75 + 0.03;
-    const double right = h_.width + 0.03 - door - 0.75;
-    if (left > 0.1) s_.box(look_.trim, {left / 2 - 0.03, 0.02, z}, {left, 0.1, height});
-    if (right > 0.1) s_.box(look_.trim, {h_.width + 0.03 - right / 2, 0.02, z}, {right, 0.1, height});
+    const double leftWidth = door - 0.75 + 0.03;
+    const double rightWidth = h_.width + 0.03 - door - 0.75;
+    if (leftWidth > 0.1) s_.box(look_.trim, {leftWidth / 2 - 0.03, 0.02, z}, {leftWidth, 0.1, height});
+    if (rightWidth > 0.1) {
+      s_.box(look_.trim, {h_.width + 0.03 - rightWidth / 2, 0.02, z}, {rightWidth, 0.1, height});
+    }
     s_.box(look_.trim, {h_.width / 2, h_.depth - 0.02, z}, {h_.width + 0.06, 0.1, height});
     for (const double x : {0.02, h_.width - 0.02})
       s_.box(look_.trim, {x, h_.depth / 2, z}, {0.1, h_.depth - 0.14, height});
   }
 
+  // Adds the roof, the inner side of the parapet with its coping, a ventilation box and a pipe.
   void flatRoof() {
     const double z = look_.top - 0.35;
     s_.quad(look_.trim, {0, 0, z}, {h_.width, 0, z}, {h_.width, h_.depth, z}, {0, h_.depth, z});
-    // Adds the inner side of the parapet and its coping.
-    const double t = 0.2;
+    const double t = 0.2;  // m, thickness of the parapet
     const double w = h_.width;
     const double d = h_.depth;
     s_.quad(look_.wall, {t, t, z}, {t, t, look_.top}, {w - t, t, look_.top}, {w - t, t, z});
@@ -171,7 +198,7 @@ class HouseMaker {
       s_.box(look_.metal, {x, d / 2, look_.top}, {t + 0.1, d - 2 * t - 0.1, 0.05});
     const double x = draw_.in(2, w - 2);
     s_.box(look_.metal, {x, d / 2, z + 0.5}, {1.6, 1.2, 1.1});
-    s_.tube(look_.metal, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 0.15, 10);
+    s_.rod(look_.metal, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 10);
   }
 
   // Adds a flat slab of a roof. Its corners are counter-clockwise as seen from outside: a and b at the eaves, c and d
@@ -186,38 +213,39 @@ class HouseMaker {
   }
 
   // Adds a gable roof over a plan of width x depth; the ridge is along x of the given frame.
-  void gableRoof(const Mat3& turn, const Vec3d& origin, double width, double depth) {
+  void gableRoof(const Mat3& rotation, const Vec3d& origin, double width, double depth) {
     const Affine outer = s_.frame;
-    s_.frame = outer * Affine{turn, origin};
-    constexpr double kEaves = 0.4;
-    constexpr double kRake = 0.3;
-    const double ridge = look_.top + depth / 2 * pitch_;
+    s_.frame = outer * Affine{rotation, origin};
+    constexpr double kEaves = 0.4, kRake = 0.3;  // m beyond the walls at the eaves and at the gables
+    const double ridge = look_.top + depth / 2 * slope_;
     s_.triangle(look_.wall, {0, depth, look_.top}, {0, 0, look_.top}, {0, depth / 2, ridge});
     s_.triangle(look_.wall, {width, 0, look_.top}, {width, depth, look_.top}, {width, depth / 2, ridge});
     const double top = ridge + kThickness;
-    const double eaves = look_.top - kEaves * pitch_ + kThickness;
+    const double eaves = look_.top - kEaves * slope_ + kThickness;
     const double x0 = -kRake;
     const double x1 = width + kRake;
     slab({x0, -kEaves, eaves}, {x1, -kEaves, eaves}, {x1, depth / 2, top}, {x0, depth / 2, top}, kThickness);
     slab({x1, depth + kEaves, eaves}, {x0, depth + kEaves, eaves}, {x0, depth / 2, top}, {x1, depth / 2, top},
          kThickness);
-    s_.tube(look_.tile, {x0 - 0.02, depth / 2, top}, {x1 + 0.02, depth / 2, top}, 0.1, 0.1, 8);
+    s_.rod(look_.tile, {x0 - 0.02, depth / 2, top}, {x1 + 0.02, depth / 2, top}, 0.1, 8);
     for (const double y : {-kEaves - 0.06, depth + kEaves + 0.06}) {
-      s_.tube(look_.metal, {x0, y, eaves - 0.1}, {x1, y, eaves - 0.1}, 0.06, 0.06, 8);
+      s_.rod(look_.metal, {x0, y, eaves - 0.1}, {x1, y, eaves - 0.1}, 0.06, 8);
     }
     skylights(width, depth, eaves, kEaves);
     chimney(draw_.in(0.15, 0.85) * width, depth * draw_.in(0.35, 0.65), ridge);
     s_.frame = outer;
   }
 
+  // Adds up to three skylights to the front slope of a gable roof. `eaves`: height of the eaves; `overhang`: from the
+  // wall to the eaves (m).
   void skylights(double width, double depth, double eaves, double overhang) {
     const int count = draw_.below(4);
-    const double slope = std::atan(pitch_);
+    const double angle = std::atan(slope_);
     for (int k = 0; k < count; ++k) {
       const double x = width * (k + 0.5) / count;
       const double y = depth * 0.25;
-      const double z = eaves + (y + overhang) * pitch_;
-      const Affine lying{{{1, 0, 0}, {0, std::cos(slope), std::sin(slope)}, {0, -std::sin(slope), std::cos(slope)}},
+      const double z = eaves + (y + overhang) * slope_;
+      const Affine lying{{{1, 0, 0}, {0, std::cos(angle), std::sin(angle)}, {0, -std::sin(angle), std::cos(angle)}},
                          {x, y, z}};
       s_.boxAt(look_.metal, lying, {0.9, 1.2, 0.12});
       s_.boxAt(look_.glass, lying * at({0, 0, 0.02}), {0.74, 1.04, 0.11});
@@ -234,20 +262,20 @@ class HouseMaker {
     for (const double dx : {-0.16, 0.16}) s_.tube(brick, {x + dx, y, high}, {x + dx, y, high + 0.4}, 0.1, 0.08, 10);
   }
 
+  // Adds a roof whose four slopes are equally steep. Its ridge is along the longer side of the house.
   void hipRoof() {
-    constexpr double kEaves = kHipEaves;
     const double w = h_.width;
     const double d = h_.depth;
     const double low = look_.top - kInRoof;
     const double eaves = low + kThickness;
-    const double short_ = std::min(w, d) / 2 + kEaves;
-    const double top = eaves + short_ * pitch_;
-    const double x0 = -kEaves;
-    const double x1 = w + kEaves;
-    const double y0 = -kEaves;
-    const double y1 = d + kEaves;
-    const Vec3d a = w >= d ? Vec3d{x0 + short_, d / 2, top} : Vec3d{w / 2, y0 + short_, top};
-    const Vec3d b = w >= d ? Vec3d{x1 - short_, d / 2, top} : Vec3d{w / 2, y1 - short_, top};
+    const double run = roofRun();
+    const double top = eaves + run * slope_;
+    const double x0 = -kHipEaves;
+    const double x1 = w + kHipEaves;
+    const double y0 = -kHipEaves;
+    const double y1 = d + kHipEaves;
+    const Vec3d a = w >= d ? Vec3d{x0 + run, d / 2, top} : Vec3d{w / 2, y0 + run, top};  // ends of the ridge
+    const Vec3d b = w >= d ? Vec3d{x1 - run, d / 2, top} : Vec3d{w / 2, y1 - run, top};
     const std::array<Vec3d, 4> corner{Vec3d{x0, y0, eaves}, {x1, y0, eaves}, {x1, y1, eaves}, {x0, y1, eaves}};
     const Vec3d down{0, 0, -kThickness};
     for (std::size_t k = 0; k < 4; ++k) {
@@ -270,7 +298,7 @@ class HouseMaker {
   void downpipes() {
     const double top = look_.top - 0.1;
     for (const double x : {0.12, h_.width - 0.12}) {
-      s_.tube(look_.metal, {x, -0.07, look_.foundation}, {x, -0.07, top}, 0.045, 0.045, 8);
+      s_.rod(look_.metal, {x, -0.07, look_.foundation}, {x, -0.07, top}, 0.045, 8);
     }
   }
 
@@ -280,21 +308,17 @@ class HouseMaker {
   Shape s_;
   FacadeLook look_;
   HouseMeasures m_;
-  double pitch_ = 0;
+  double slope_ = 0;  // m/m, of pitched roofs
   bool balconies_ = false;
 };
 
 }  // namespace
 
 House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) {
-  House house;
-  house.number = number;
-  house.width = width;
-  house.depth = depth;
-  house.floors = floors;
+  House house{.width = width, .depth = depth, .floors = floors, .number = number};
   house.columns = std::max(2, static_cast<int>(width / draw.in(2.2, 3.1)));
   house.doorColumn = draw.below(house.columns);
-  house.roof = draw.of(std::array{Roof::Gable, Roof::Gable, Roof::CrossGable, Roof::Hip, Roof::Hip, Roof::Flat});
+  house.roof = draw.itemOf(std::array{Roof::Gable, Roof::Gable, Roof::CrossGable, Roof::Hip, Roof::Hip, Roof::Flat});
   if (floors >= 4) house.roof = draw.chance(0.5) ? Roof::Flat : Roof::Gable;
   return house;
 }

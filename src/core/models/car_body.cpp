@@ -9,18 +9,17 @@
 namespace scanmill::models {
 namespace {
 
-// Rounds a profile by Chaikin's corner cutting, but keeps its ends.
-std::vector<Point2> rounded(std::vector<Point2> line, int times) {
-  for (; times > 0; --times) {
-    std::vector<Point2> next{line.front()};
+// Returns the line with its corners cut `passes` times at a fifth of each side, but with the same ends: Chaikin, "An
+// algorithm for high-speed curve generation", Computer Graphics and Image Processing 3 (1974), with other ratios.
+std::vector<Point2> rounded(std::vector<Point2> line, int passes) {
+  for (int pass = 0; pass < passes; ++pass) {
+    std::vector<Point2> finer{line.front()};
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-      const Point2 a = line[i];
-      const Point2 b = line[i + 1];
-      if (i > 0) next.push_back(lerp(a, b, 0.2));
-      if (i + 2 < line.size()) next.push_back(lerp(a, b, 0.8));
+      if (i > 0) finer.push_back(lerp(line[i], line[i + 1], 0.2));
+      if (i + 2 < line.size()) finer.push_back(lerp(line[i], line[i + 1], 0.8));
     }
-    next.push_back(line.back());
-    line = std::move(next);
+    finer.push_back(line.back());
+    line = std::move(finer);
   }
   return line;
 }
@@ -47,6 +46,7 @@ class BodyMaker {
     trim();
   }
 
+  // Returns the height (m) of the upper edge of the body's side view at a distance x from its middle.
   double topAt(double x) const {
     for (std::size_t i = 0; i + 1 < top_.size(); ++i) {
       if (x <= top_[i + 1].x) {
@@ -58,7 +58,9 @@ class BodyMaker {
   }
 
  private:
-  static constexpr int kPoints = 15;  // number of points of section(), from mid-floor to mid-roof
+  // Points of section(), from mid-floor to mid-roof. Segment k is between the points k and k + 1.
+  static constexpr int kPoints = 15;
+  static constexpr double kArchRadius = 1.16;  // radius of a wheel arch divided by that of the wheel
 
   double halfWidth(double x) const {
     const double end = f_.length / 2;
@@ -67,10 +69,11 @@ class BodyMaker {
     return f_.width / 2 * (1 - f_.noseTaper * nose * nose * nose - f_.tailTaper * tail * tail * tail);
   }
 
+  // Returns the height (m) of the lower edge of the body's sides: it rises a little at both ends, and over the wheels.
   double sill(double x) const {
-    const double up = smooth((std::abs(x) - f_.length / 2 + 0.6) / 0.6) * 0.06;
-    double z = f_.floor + 0.05 + up;
-    const double arch = f_.wheelRadius * 1.16;
+    const double rise = smooth((std::abs(x) - f_.length / 2 + 0.6) / 0.6) * 0.06;
+    double z = f_.floor + 0.05 + rise;
+    const double arch = f_.wheelRadius * kArchRadius;
     for (const double axle : f_.axles) {
       const double d = std::abs(x - axle);
       if (d < arch) z = std::max(z, f_.wheelRadius + std::sqrt(arch * arch - d * d));
@@ -78,68 +81,70 @@ class BodyMaker {
     return z;
   }
 
+  // Returns the left half of the cross section at x: kPoints points from the middle of the floor over the side to the
+  // middle of the roof. The shares of widths and heights are by eye.
   std::vector<Vec3d> section(double x) const {
-    const double w = halfWidth(x);
+    const double half = halfWidth(x);
     const double low = sill(x);
-    const double t = topAt(x);
-    const double b = std::min(f_.belt - f_.beltRise * x, t - 0.07);
-    const double cabin = std::clamp((t - b - 0.1) / (roof_ - f_.belt - 0.1), 0.0, 1.0);
-    const double shoulder = w * 0.955;
-    const double narrow = w / (f_.width / 2);
-    const double top = lerp(shoulder * 0.86, f_.roofHalf * narrow, cabin);
-    const double well = std::min(f_.width / 2 - f_.wheelWidth - 0.08, w - 0.12);
-    const double crown = lerp(0.03, 0.05, cabin);
+    const double top = topAt(x);
+    const double belt = std::min(f_.belt - f_.beltRise * x, top - 0.07);  // lower edge of the windows
+    // 0 at the bonnet and at the boot, 1 where the roof is highest.
+    const double cabin = std::clamp((top - belt - 0.1) / (roof_ - f_.belt - 0.1), 0.0, 1.0);
+    const double shoulder = half * 0.955;  // half of the width at the belt
+    const double taper = half / (f_.width / 2);
+    const double roofEdge = lerp(shoulder * 0.86, f_.roofHalf * taper, cabin);       // half of the width of the top
+    const double well = std::min(f_.width / 2 - f_.wheelWidth - 0.08, half - 0.12);  // inner side of the wheels
+    const double crown = lerp(0.03, 0.05, cabin);  // from the roof's edge to its middle
     std::vector<Vec3d> p{
         {x, 0, f_.floor},
         {x, well, f_.floor},
         {x, well, low},
-        {x, w * 0.965, low},
-        {x, w * 0.988, lerp(low, b, 0.22)},
-        {x, w, lerp(low, b, 0.5)},
-        {x, w * 0.996, lerp(low, b, 0.72)},
-        {x, w * 0.98, lerp(low, b, 0.9)},
-        {x, shoulder, b},
-        {x, lerp(shoulder, top, 0.12), lerp(b, t - crown, 0.08)},
-        {x, lerp(shoulder, top, 0.55), lerp(b, t - crown, 0.5)},
-        {x, lerp(shoulder, top, 0.92), lerp(b, t - crown, 0.9)},
-        {x, top * 0.96, t - crown * 0.75},
-        {x, top * 0.6, t - crown * 0.2},
-        {x, 0, t},
+        {x, half * 0.965, low},
+        {x, half * 0.988, lerp(low, belt, 0.22)},
+        {x, half, lerp(low, belt, 0.5)},
+        {x, half * 0.996, lerp(low, belt, 0.72)},
+        {x, half * 0.98, lerp(low, belt, 0.9)},
+        {x, shoulder, belt},
+        {x, lerp(shoulder, roofEdge, 0.12), lerp(belt, top - crown, 0.08)},
+        {x, lerp(shoulder, roofEdge, 0.55), lerp(belt, top - crown, 0.5)},
+        {x, lerp(shoulder, roofEdge, 0.92), lerp(belt, top - crown, 0.9)},
+        {x, roofEdge * 0.96, top - crown * 0.75},
+        {x, roofEdge * 0.6, top - crown * 0.2},
+        {x, 0, top},
     };
     // Bumpers: the front and the rear protrude at heights around 0.5 m.
     const double end = std::clamp((std::abs(x) - f_.length / 2 + 0.3) / 0.3, 0.0, 1.0);
-    for (Vec3d& v : p) v.x += std::copysign(end * bulgeAt(v.y, v.z, w), x);
+    for (Vec3d& v : p) v.x += std::copysign(end * bulgeAt(v.y, v.z, half), x);
     return p;
   }
 
+  // Returns the positions of the cross sections along x, sorted and at least 9 mm apart: dense at the bumpers and the
+  // wheel arches, and one at each end of a window.
   std::vector<double> stations() const {
     const double end = f_.length / 2;
     std::vector<double> xs{-end, -end + 0.06, -end + 0.15, -end + 0.28, end - 0.28, end - 0.15, end - 0.06, end};
     for (const Point2& p : top_) xs.push_back(p.x);
-    const auto ends = [&](const Span& s) {
-      xs.push_back(s.low);
-      xs.push_back(s.high);
-    };
-    ends(f_.windscreen);
-    ends(f_.rearWindow);
-    ends(f_.bed);
-    for (const Span& s : f_.sideWindows) ends(s);
-    const double arch = f_.wheelRadius * 1.16;
-    constexpr int kArch = 9;
+    std::vector<Span> spans = f_.sideWindows;
+    spans.insert(spans.end(), {f_.windscreen, f_.rearWindow, f_.bed});
+    for (const Span& s : spans) xs.insert(xs.end(), {s.low, s.high});
+    const double arch = f_.wheelRadius * kArchRadius;
+    constexpr int kArchSections = 9;
     for (const double axle : f_.axles) {
-      for (int k = 0; k <= kArch; ++k) xs.push_back(axle + arch * 0.999 * std::cos(kPi * k / kArch));
-      xs.push_back(axle - arch - 0.012);
-      xs.push_back(axle + arch + 0.012);
+      for (int k = 0; k <= kArchSections; ++k) xs.push_back(axle + arch * 0.999 * std::cos(kPi * k / kArchSections));
+      xs.insert(xs.end(), {axle - arch - 0.012, axle + arch + 0.012});
     }
     std::sort(xs.begin(), xs.end());
-    std::vector<double> kept{-end};
+    constexpr double kLeastDistance = 0.009;  // m
+    std::vector<double> apart{-end};
     for (const double x : xs) {
-      if (x > kept.back() + 0.009 && x < end - 0.009) kept.push_back(x);
+      if (x > apart.back() + kLeastDistance && x < end - kLeastDistance) apart.push_back(x);
     }
-    kept.push_back(end);
-    return kept;
+    apart.push_back(end);
+    return apart;
   }
 
+  // Returns the surface of a segment of the cross section: from below 0 to 2 the floor and the wheel wells, 3 the sill,
+  // 4 to 8 the side below the windows, 9 to 11 the windows and their frame, 12 and 13 the roof or bonnet.
   SurfaceIndex surfaceAt(double x, int segment) const {
     if (segment < 3) return black_;
     if (segment == 3) return f_.floor > 0.28 ? paint_ : black_;
@@ -152,6 +157,7 @@ class BodyMaker {
     return paint_;
   }
 
+  // Adds the left half of the body, its mirror image, and the ends.
   void body() {
     const std::vector<double> xs = stations();
     std::vector<std::vector<Vec3d>> left;
@@ -197,11 +203,11 @@ class BodyMaker {
     s_.grid(rows, false, [&](int row, int) { return row < 1 ? black_ : paint_; });
   }
 
+  // Adds number plates, grille and lights, and on cars mirrors and door handles. Boxes are half sunk into the body.
   void trim() {
     const double end = f_.length / 2;
     const double nose = std::min(topAt(end - 0.05), 0.95);
-    // Adds number plates, grille and lights. Boxes are half sunk into the body.
-    const auto tip = [&](double z) { return end + bulgeAt(0, z, 1); };
+    const auto tip = [&](double z) { return end + bulgeAt(0, z, 1); };  // x of the bumper at a height
     const double plate = std::min(0.75, f_.belt - 0.2);
     s_.box(reflector_, {tip(0.42), 0, 0.42}, {0.03, 0.52, 0.11});
     s_.box(reflector_, {-tip(plate), 0, plate}, {0.05, 0.52, 0.11});
@@ -236,29 +242,27 @@ void appendBody(Shape& shape, const BodyForm& form) {
   BodyMaker(shape, form).make();
 }
 
-void appendWheel(Shape& shape, std::string_view className, const Affine& place, double radius, double width) {
+void appendWheel(Shape& shape, std::string_view className, const Affine& pose, double radius, double width) {
   const SurfaceIndex rubber = shape.surface(className, "rubber");
   const SurfaceIndex rim = shape.surface(className, "metal_bare");
   const SurfaceIndex dark = shape.surface(className, "plastic_black");
   // The axle is along y: z of the profile becomes the outward direction of the axle.
-  const Affine axle = place * Affine{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {}};
+  const Affine axle = pose * Affine{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {}};
   const double w = width / 2;
-  const double inner = radius * 0.64;
+  const double inner = radius * 0.64;  // m, radius where the tyre ends and the rim begins
   const std::vector<Point2> tyre{{inner, -w * 0.9},       {radius * 0.93, -w},     {radius, -w * 0.7},
                                  {radius, w * 0.7},       {radius * 0.93, w},      {inner, w * 0.9},
                                  {inner - 0.01, w * 0.7}, {inner - 0.01, -w * 0.7}};
   shape.revolve(rubber, axle, tyre, 28, true);
-  shape.revolve(dark, axle, {{0, -w * 0.6}, {inner, -w * 0.6}, {inner, w * 0.2}, {0, w * 0.2}}, 20);
+  shape.revolve(dark, axle, {{0, -w * 0.6}, {inner, -w * 0.6}, {inner, w * 0.2}, {0, w * 0.2}}, 20);  // brake drum
   shape.revolve(rim, axle, {{inner - 0.022, w * 0.25}, {inner, w * 0.4}, {inner, w * 0.82}, {inner - 0.022, w * 0.8}},
                 28, true);
-  shape.revolve(rim, axle, {{radius * 0.16, w * 0.1}, {radius * 0.16, w * 0.62}, {0, w * 0.66}}, 12);
+  shape.revolve(rim, axle, {{radius * 0.16, w * 0.1}, {radius * 0.16, w * 0.62}, {0, w * 0.66}}, 12);  // hub
   constexpr int kSpokes = 7;
-  for (int k = 0; k < kSpokes; ++k) {
-    const double angle = 2 * kPi * k / kSpokes;
-    const Vec3d out{std::cos(angle), std::sin(angle), 0};
-    const Affine spoke =
-        axle * Affine{{out, {-out.y, out.x, 0}, {0, 0, 1}}, out * (radius * 0.38) + Vec3d{0, 0, w * 0.5}};
-    shape.boxAt(rim, spoke, {radius * 0.5, radius * 0.11, w * 0.2});
+  for (const Point2& p : regularPolygon(kSpokes, 1)) {
+    const Vec3d out{p.x, p.y, 0};
+    const Affine spoke{{out, {-out.y, out.x, 0}, {0, 0, 1}}, out * (radius * 0.38) + Vec3d{0, 0, w * 0.5}};
+    shape.boxAt(rim, axle * spoke, {radius * 0.5, radius * 0.11, w * 0.2});
   }
 }
 

@@ -10,6 +10,8 @@ class FacadeMaker {
  public:
   FacadeMaker(Shape& shape, const FacadeLook& look) : s_(shape), look_(look) {}
 
+  // Divides the wall along the edges of all openings and adds the rectangles that are in none of them, then the
+  // openings. Coordinates: u along the wall, v upwards, and the third outwards (m).
   void make(double width, const std::vector<Opening>& openings, bool front) {
     std::vector<double> us{0, width};
     std::vector<double> vs{look_.foundation, look_.top};
@@ -26,9 +28,7 @@ class FacadeMaker {
       for (std::size_t i = 0; i + 1 < us.size(); ++i) {
         const double u = (us[i] + us[i + 1]) / 2;
         const double v = (vs[j] + vs[j + 1]) / 2;
-        const bool hole = std::any_of(openings.begin(), openings.end(),
-                                      [&](const Opening& o) { return o.u.holds(u) && o.v.holds(v); });
-        if (hole) continue;
+        if (std::ranges::any_of(openings, [&](const Opening& o) { return o.u.holds(u) && o.v.holds(v); })) continue;
         s_.quad(look_.wall, {us[i], vs[j], 0}, {us[i + 1], vs[j], 0}, {us[i + 1], vs[j + 1], 0}, {us[i], vs[j + 1], 0});
       }
     }
@@ -39,6 +39,7 @@ class FacadeMaker {
   }
 
  private:
+  // Adds the four faces between the wall and an opening that is set back.
   void reveal(const Opening& o) {
     const double w = -kReveal;
     const auto [u0, u1] = o.u;
@@ -49,16 +50,17 @@ class FacadeMaker {
     s_.quad(look_.trim, {u1, v0, 0}, {u1, v1, 0}, {u1, v1, w}, {u1, v0, w});
   }
 
+  // Adds the glass of a window, its casing with bars, and on windows that are not a shop's a sill and front shutters.
   void window(const Opening& o, bool front) {
     const auto [u0, u1] = o.u;
     const auto [v0, v1] = o.v;
     constexpr double kFrame = 0.07;  // m, width of the casing
     const double w = -kReveal;
     s_.quad(look_.glass, {u0, v0, w}, {u1, v0, w}, {u1, v1, w}, {u0, v1, w});
-    // The casing extends a little into the wall and behind the glass, so that no two faces are in the same plane.
+    // The casing extends a few millimetres into the wall and behind the glass: no two faces are in the same plane.
     const double middleU = (u0 + u1) / 2;
     const double middleV = (v0 + v1) / 2;
-    const double inside = v1 - v0 - kFrame * 2;
+    const double innerHeight = v1 - v0 - kFrame * 2;
     for (const double u : {u0 + kFrame / 2 - 0.005, u1 - kFrame / 2 + 0.005}) {
       s_.box(look_.casing, {u, middleV, w + 0.02}, {kFrame + 0.01, v1 - v0 + 0.02, 0.06});
     }
@@ -67,7 +69,7 @@ class FacadeMaker {
     }
     const int panes = u1 - u0 > 1.8 ? static_cast<int>((u1 - u0) / 0.9) : 2;
     for (int k = 1; k < panes; ++k) {
-      s_.box(look_.casing, {lerp(u0, u1, double(k) / panes), middleV, w + 0.015}, {0.05, inside, 0.05});
+      s_.box(look_.casing, {lerp(u0, u1, double(k) / panes), middleV, w + 0.015}, {0.05, innerHeight, 0.05});
     }
     const bool shopWindow = v1 - v0 > 2;
     if (!shopWindow) {
@@ -75,13 +77,14 @@ class FacadeMaker {
       s_.box(look_.trim, {middleU, v0 - 0.02, -0.035}, {u1 - u0 + 0.12, 0.05, 0.19});
     }
     if (look_.shutters && front && !shopWindow) {
-      const double leaf = (u1 - u0) / 2;
-      for (const double u : {u0 - leaf / 2 - 0.02, u1 + leaf / 2 + 0.02}) {
-        s_.box(look_.wood, {u, middleV, 0.01}, {leaf, v1 - v0, 0.06});
+      const double shutterWidth = (u1 - u0) / 2;
+      for (const double u : {u0 - shutterWidth / 2 - 0.02, u1 + shutterWidth / 2 + 0.02}) {
+        s_.box(look_.wood, {u, middleV, 0.01}, {shutterWidth, v1 - v0, 0.06});
       }
     }
   }
 
+  // Adds a door leaf with panels, a pane and a handle; steps down to the path; and a small roof.
   void door(const Opening& o) {
     const auto [u0, u1] = o.u;
     const auto [v0, v1] = o.v;
@@ -91,8 +94,7 @@ class FacadeMaker {
     for (const double v : {v0 + 0.45, v0 + 1.1}) s_.box(look_.wood, {middle, v, w}, {u1 - u0 - 0.35, 0.45, 0.05});
     s_.quad(look_.glass, {u0 + 0.2, v1 - 0.5, w + 0.02}, {u1 - 0.2, v1 - 0.5, w + 0.02},
             {u1 - 0.2, v1 - 0.15, w + 0.02}, {u0 + 0.2, v1 - 0.15, w + 0.02});
-    s_.tube(look_.metal, {u1 - 0.12, v0 + 1.0, w + 0.05}, {u1 - 0.12, v0 + 1.15, w + 0.05}, 0.015, 0.015, 6);
-    // Adds steps down to the path, and a small roof.
+    s_.rod(look_.metal, {u1 - 0.12, v0 + 1.0, w + 0.05}, {u1 - 0.12, v0 + 1.15, w + 0.05}, 0.015, 6);
     const int steps = std::max(1, static_cast<int>(std::ceil(v0 / 0.17)));
     for (int k = 0; k < steps; ++k) {
       const double top = v0 - 0.01 - k * v0 / steps;

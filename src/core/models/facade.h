@@ -54,12 +54,12 @@ struct BodyForm {
   double roofHalf = 0.56;                    // half of the roof's width
   double noseTaper = 0.13, tailTaper = 0.1;  // fraction of the width lost at the nose and at the tail
   double bulge = 0.09;                       // how far the bumpers protrude
-  std::vector<Point2> profile;               // (x, z) of the upper edge, from the tail to the nose
-  Span windscreen, rearWindow;               // extents along x; empty: no such window
-  std::vector<Span> sideWindows;             // extents along x
-  std::vector<double> axles;                 // positions along x
+  std::vector<Point2> profile{};             // (x, z) of the upper edge, from the tail to the nose
+  Span windscreen{}, rearWindow{};           // extents along x; empty: no such window
+  std::vector<Span> sideWindows{};           // extents along x
+  std::vector<double> axles{};               // positions along x
   double wheelRadius = 0.31, wheelWidth = 0.2;
-  Span bed;                         // extent along x of a pickup's covered bed
+  Span bed{};                       // extent along x of a pickup's covered bed
   bool mirrors = true;              // true: the body has mirrors and door handles
   const char* paint = "car_paint";  // material of the body
 };

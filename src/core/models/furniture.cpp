@@ -11,16 +11,18 @@ namespace {
 
 constexpr double kSunk = 0.06;  // m, depth to which posts and bases extend below the ground
 
+// The functions below append one object each, about the origin. Its sizes (m) are by eye from usual products.
+
 void appendBench(Shape& s, Draw&) {
   const SurfaceIndex wood = s.surface("object", "wood");
   const SurfaceIndex metal = s.surface("object", "painted_metal");
-  for (int k = 0; k < 4; ++k) s.box(wood, {0, -0.17 + 0.115 * k, 0.45}, {1.7, 0.095, 0.035});
-  for (int k = 0; k < 3; ++k) s.box(wood, {0, 0.25 + 0.025 * k, 0.58 + 0.13 * k}, {1.7, 0.03, 0.1});
-  for (const double x : {-0.7, 0.7}) {
+  for (int k = 0; k < 4; ++k) s.box(wood, {0, -0.17 + 0.115 * k, 0.45}, {1.7, 0.095, 0.035});         // seat
+  for (int k = 0; k < 3; ++k) s.box(wood, {0, 0.25 + 0.025 * k, 0.58 + 0.13 * k}, {1.7, 0.03, 0.1});  // back
+  for (const double x : {-0.7, 0.7}) {  // legs, the supports of seat and back, and an armrest
     for (const double y : {-0.17, 0.2}) s.box(metal, {x, y, (0.43 - kSunk) / 2}, {0.05, 0.05, 0.43 + kSunk});
     s.box(metal, {x, 0.02, 0.415}, {0.045, 0.44, 0.035});
     s.tube(metal, {x, 0.22, 0.42}, {x, 0.32, 0.92}, 0.022, 0.018, 6);
-    s.pipe(metal, {{x, -0.18, 0.42}, {x, -0.2, 0.66}, {x, 0.24, 0.66}}, {0.016, 0.016, 0.016}, 6);
+    s.pipe(metal, {{x, -0.18, 0.42}, {x, -0.2, 0.66}, {x, 0.24, 0.66}}, 0.016, 6);
   }
 }
 
@@ -29,49 +31,43 @@ void appendHydrant(Shape& s, Draw&) {
   const std::vector<Point2> body{{0.17, -kSunk}, {0.17, 0.05}, {0.12, 0.06}, {0.11, 0.5},  {0.15, 0.52}, {0.15, 0.57},
                                  {0.11, 0.6},    {0.1, 0.67},  {0.05, 0.74}, {0.03, 0.75}, {0.03, 0.8},  {0, 0.8}};
   s.revolve(paint, {}, body, 16);
-  for (const double side : {-1.0, 1.0}) {
-    s.tube(paint, {0, side * 0.08, 0.42}, {0, side * 0.17, 0.42}, 0.05, 0.05, 10);
+  for (const double side : {-1.0, 1.0}) {  // outlets with caps
+    s.rod(paint, {0, side * 0.08, 0.42}, {0, side * 0.17, 0.42}, 0.05, 10);
     s.tube(paint, {0, side * 0.16, 0.42}, {0, side * 0.2, 0.42}, 0.06, 0.04, 6);
   }
-  s.tube(paint, {0.08, 0, 0.36}, {0.19, 0, 0.36}, 0.065, 0.065, 10);
+  s.rod(paint, {0.08, 0, 0.36}, {0.19, 0, 0.36}, 0.065, 10);
 }
 
 void appendWheelieBin(Shape& s, Draw&) {
   const SurfaceIndex body = s.surface("object", "plastic_black");
   const SurfaceIndex rubber = s.surface("object", "rubber");
-  const auto ring = [](double z, double halfX, double halfY, double shift) {
-    return std::vector<Vec3d>{
-        {-halfX + shift, -halfY, z}, {halfX + shift, -halfY, z}, {halfX + shift, halfY, z}, {-halfX + shift, halfY, z}};
-  };
-  s.grid({ring(0.03, 0.01, 0.01, 0), ring(0.03, 0.2, 0.2, 0), ring(0.95, 0.28, 0.27, 0), ring(0.96, 0.31, 0.29, 0),
-          ring(1.0, 0.31, 0.29, 0), ring(1.06, 0.22, 0.2, -0.02), ring(1.065, 0.01, 0.01, -0.02)},
+  s.grid({levelRectangle(0.03, 0.01, 0.01), levelRectangle(0.03, 0.2, 0.2), levelRectangle(0.95, 0.28, 0.27),
+          levelRectangle(0.96, 0.31, 0.29), levelRectangle(1.0, 0.31, 0.29), levelRectangle(1.06, 0.22, 0.2, -0.02),
+          levelRectangle(1.065, 0.01, 0.01, -0.02)},
          true, [&](int, int) { return body; });
-  s.tube(body, {-0.33, -0.24, 0.98}, {-0.33, 0.24, 0.98}, 0.018, 0.018, 8);
-  for (const double y : {-0.23, 0.23}) s.tube(rubber, {-0.22, y - 0.03, 0.1}, {-0.22, y + 0.03, 0.1}, 0.1, 0.1, 14);
-  s.tube(body, {-0.22, -0.22, 0.1}, {-0.22, 0.22, 0.1}, 0.015, 0.015, 6);
+  s.rod(body, {-0.33, -0.24, 0.98}, {-0.33, 0.24, 0.98}, 0.018, 8);
+  for (const double y : {-0.23, 0.23}) s.rod(rubber, {-0.22, y - 0.03, 0.1}, {-0.22, y + 0.03, 0.1}, 0.1, 14);
+  s.rod(body, {-0.22, -0.22, 0.1}, {-0.22, 0.22, 0.1}, 0.015, 6);
 }
 
 void appendBin(Shape& s, Draw&) {
   const SurfaceIndex metal = s.surface("object", "painted_metal");
   const SurfaceIndex dark = s.surface("object", "plastic_black");
-  s.tube(metal, {-0.16, 0, -kSunk}, {-0.16, 0, 1.15}, 0.03, 0.03, 8);
+  s.rod(metal, {-0.16, 0, -kSunk}, {-0.16, 0, 1.15}, 0.03, 8);
   s.revolve(metal, at({0.05, 0, 0.45}), {{0, 0}, {0.15, 0}, {0.18, 0.5}, {0.19, 0.52}, {0.17, 0.53}}, 16);
   s.revolve(dark, at({0.05, 0, 0.45}), {{0.17, 0.53}, {0.16, 0.4}, {0, 0.4}}, 16);
   s.revolve(metal, at({0.05, 0, 1.08}), {{0, 0}, {0.2, 0}, {0.2, 0.02}, {0.12, 0.1}, {0, 0.13}}, 16);
-  for (const double y : {-0.12, 0.12}) s.tube(metal, {0.05, y, 0.93}, {0.05, y, 1.1}, 0.01, 0.01, 5);
+  for (const double y : {-0.12, 0.12}) s.rod(metal, {0.05, y, 0.93}, {0.05, y, 1.1}, 0.01, 5);
 }
 
 void appendLetterBox(Shape& s, Draw&) {
   const SurfaceIndex paint = s.surface("object", "painted_metal");
   const SurfaceIndex dark = s.surface("object", "plastic_black");
   for (const double y : {-0.15, 0.15}) s.box(paint, {0, y, 0.3}, {0.06, 0.06, 0.6 + kSunk * 2});
-  const auto ring = [](double z, double half) {
-    return std::vector<Vec3d>{
-        {-half * 0.7, -half, z}, {half * 0.7, -half, z}, {half * 0.7, half, z}, {-half * 0.7, half, z}};
-  };
+  const auto ring = [](double z, double half) { return levelRectangle(z, half * 0.7, half); };
   s.grid({ring(0.58, 0.01), ring(0.58, 0.3), ring(1.2, 0.3), ring(1.3, 0.25), ring(1.34, 0.15), ring(1.345, 0.01)},
          true, [&](int, int) { return paint; });
-  s.box(dark, {0.21, 0, 1.1}, {0.04, 0.4, 0.05});
+  s.box(dark, {0.21, 0, 1.1}, {0.04, 0.4, 0.05});  // slot
   s.box(paint, {0.212, 0, 0.85}, {0.012, 0.35, 0.25});
 }
 
@@ -83,7 +79,7 @@ void appendPowerBox(Shape& s, Draw& draw) {
   s.box(concrete, {0, 0, 0.03}, {width + 0.06, 0.42, 0.2});
   s.box(paint, {0, 0, 0.1 + height / 2}, {width, 0.36, height});
   s.box(paint, {0, 0, 0.12 + height}, {width + 0.08, 0.44, 0.05});
-  for (const double side : {-1.0, 1.0}) {
+  for (const double side : {-1.0, 1.0}) {  // doors with handles
     s.box(paint, {side * width / 4, -0.18, 0.12 + height / 2}, {width / 2 - 0.05, 0.02, height - 0.12});
     s.box(paint, {side * 0.05, -0.195, 0.2 + height / 2}, {0.03, 0.03, 0.12});
   }
@@ -94,7 +90,7 @@ void appendBicycleRack(Shape& s, Draw&) {
   for (const double x : {-0.8, 0.0, 0.8}) {
     s.pipe(metal,
            {{x, -0.35, -kSunk}, {x, -0.35, 0.7}, {x, -0.25, 0.8}, {x, 0.25, 0.8}, {x, 0.35, 0.7}, {x, 0.35, -kSunk}},
-           {0.024, 0.024, 0.024, 0.024, 0.024, 0.024}, 10);
+           0.024, 10);
   }
 }
 
@@ -120,8 +116,8 @@ void appendPicketsFence(Shape& s, Draw& draw) {
   constexpr int kPickets = 15;
   for (int k = 0; k < kPickets; ++k) {
     const double x = -kHalfPanel + 2 * kHalfPanel * (k + 0.5) / kPickets;
-    const Affine standing{{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {x, 0, 0}};
-    s.prism(wood, wood, standing, {{-0.04, 0.06}, {0.04, 0.06}, {0.04, h - 0.06}, {0, h}, {-0.04, h - 0.06}}, 0.02);
+    s.prism(wood, wood, sideView({x, 0, 0}), {{-0.04, 0.06}, {0.04, 0.06}, {0.04, h - 0.06}, {0, h}, {-0.04, h - 0.06}},
+            0.02);
   }
 }
 
@@ -159,15 +155,15 @@ void appendBoardsFence(Shape& s, Draw& draw) {
 void appendWireFence(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface("fence", "metal_weathered");
   const double h = draw.in(1.1, 2.0);
-  s.tube(metal, {-kHalfPanel + 0.03, 0, -kSunk}, {-kHalfPanel + 0.03, 0, h + 0.05}, 0.024, 0.024, 8);
-  for (const double z : {0.08, h}) s.tube(metal, {-kHalfPanel, 0, z}, {kHalfPanel, 0, z}, 0.003, 0.003, 4);
-  for (const double side : {-1.0, 1.0}) {
-    for (const double from : steps(-kHalfPanel - h, kHalfPanel, 0.1)) {
-      const double low = std::max(from, -kHalfPanel);
-      const double high = std::min(from + h, kHalfPanel);
+  s.rod(metal, {-kHalfPanel + 0.03, 0, -kSunk}, {-kHalfPanel + 0.03, 0, h + 0.05}, 0.024, 8);
+  for (const double z : {0.08, h}) s.rod(metal, {-kHalfPanel, 0, z}, {kHalfPanel, 0, z}, 0.003, 4);
+  for (const double side : {-1.0, 1.0}) {  // wires that rise towards +x, and towards -x
+    for (const double footX : steps(-kHalfPanel - h, kHalfPanel, 0.1)) {
+      const double low = std::max(footX, -kHalfPanel);
+      const double high = std::min(footX + h, kHalfPanel);
       if (high - low < 0.02) continue;
-      const Vec3d a{side * low, 0, low - from + 0.02};
-      const Vec3d b{side * high, 0, high - from + 0.02};
+      const Vec3d a{side * low, 0, low - footX + 0.02};
+      const Vec3d b{side * high, 0, high - footX + 0.02};
       const Vec3d across{side * 0.0011, 0, -0.0011};
       s.quad(metal, a - across, b - across, b + across, a + across);
     }
@@ -179,7 +175,7 @@ void appendGuardRail(Shape& s, Draw& /*draw*/) {
   const SurfaceIndex metal = s.surface("fence", "metal_weathered");
   s.box(metal, {-kHalfPanel + 0.06, 0.06, 0.25}, {0.06, 0.1, 0.8});
   const std::vector<Point2> profile{{0.44, 0},     {0.48, -0.08}, {0.54, -0.08}, {0.6, -0.02},
-                                    {0.66, -0.08}, {0.72, -0.08}, {0.76, 0}};  // z and y
+                                    {0.66, -0.08}, {0.72, -0.08}, {0.76, 0}};  // z and y (m)
   for (std::size_t k = 1; k < profile.size(); ++k) {
     const auto corner = [&](double x, const Point2& p) { return Vec3d{x, p.y, p.x}; };
     s.quad(metal, corner(-kHalfPanel, profile[k - 1]), corner(kHalfPanel, profile[k - 1]),
@@ -197,16 +193,16 @@ void appendBarrierPanel(Shape& s, Draw& /*draw*/) {
 }
 
 // The functions that append a piece of furniture, in the order of Furnishing.
-constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Furnishing::Count)> kAppend{
+constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Furnishing::Count)> kAppendFurniture{
     appendBin,      appendWheelieBin,  appendHydrant, appendBench,  appendLetterBox,
     appendPowerBox, appendBicycleRack, appendBollard, appendPlanter};
 
 }  // namespace
 
-Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what) {
-  Draw draw(seed, Kind::Furniture, static_cast<std::uint32_t>(what));
+Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing kind) {
+  Draw draw(seed, Kind::Furniture, static_cast<int>(kind));
   Shape s(builder, "furniture");
-  kAppend[static_cast<std::size_t>(what)](s, draw);
+  kAppendFurniture[static_cast<std::size_t>(kind)](s, draw);
   return s.finish();
 }
 
@@ -219,30 +215,29 @@ Model makeShelter(SceneBuilder& builder, std::uint64_t seed) {
   const double width = draw.in(3.2, 4.2);
   const double height = draw.in(2.35, 2.55);
   constexpr double kDepth = 1.3;
-  for (const double x : {-width / 2, 0.0, width / 2})
-    s.box(metal, {x, kDepth / 2, height / 2 - 0.03}, {0.08, 0.08, height});
-  for (const double x : {-width / 2, width / 2}) {
+  for (const double x : {-width / 2, 0.0, width / 2}) {
+    s.box(metal, {x, kDepth / 2, height / 2 - 0.03}, {0.08, 0.08, height});  // rear posts
+  }
+  for (const double x : {-width / 2, width / 2}) {  // front posts, and side walls of glass
     s.box(metal, {x, -kDepth / 2 + 0.1, height / 2 - 0.03}, {0.07, 0.07, height});
     s.box(glass, {x, 0.05, 1.25}, {0.02, kDepth - 0.3, 1.9});
   }
-  for (const double side : {-1.0, 1.0})
-    s.box(glass, {side * width / 4, kDepth / 2, 1.25}, {width / 2 - 0.1, 0.02, 1.9});
-  s.box(metal, {0, 0.0, height + 0.03}, {width + 0.4, kDepth + 0.4, 0.12});
-  for (int k = 0; k < 3; ++k) s.box(wood, {0, kDepth / 2 - 0.42 + 0.12 * k, 0.47}, {width * 0.7, 0.1, 0.04});
+  for (const double x : {-width / 4, width / 4}) s.box(glass, {x, kDepth / 2, 1.25}, {width / 2 - 0.1, 0.02, 1.9});
+  s.box(metal, {0, 0.0, height + 0.03}, {width + 0.4, kDepth + 0.4, 0.12});                                    // roof
+  for (int k = 0; k < 3; ++k) s.box(wood, {0, kDepth / 2 - 0.42 + 0.12 * k, 0.47}, {width * 0.7, 0.1, 0.04});  // seat
   for (const double x : {-width * 0.3, width * 0.3}) s.box(metal, {x, kDepth / 2 - 0.3, 0.2}, {0.06, 0.3, 0.5});
   return s.finish();
 }
 
-Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what, int form) {
-  constexpr auto kKinds = static_cast<std::size_t>(Fencing::Count);
+Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing kind, int form) {
+  constexpr int kKinds = static_cast<int>(Fencing::Count);
   // In the order of Fencing; there are no panels without fencing. Hedges have models of their own: makeHedgerow().
   constexpr std::array<void (*)(Shape&, Draw&), kKinds> kPanels{
       appendWall,        appendPicketsFence, appendBarsFence, appendWall,        appendWall,
       appendBoardsFence, appendWireFence,    appendGuardRail, appendBarrierPanel};
-  const auto kind = static_cast<std::size_t>(what);
-  Draw draw(seed, Kind::Boundary, static_cast<std::uint32_t>(static_cast<std::size_t>(form) * kKinds + kind));
-  Shape s(builder, what == Fencing::Brick ? "garden wall" : "fence");
-  kPanels[kind](s, draw);
+  Draw draw(seed, Kind::Boundary, form * kKinds + static_cast<int>(kind));
+  Shape s(builder, kind == Fencing::Brick ? "garden wall" : "fence");
+  kPanels[static_cast<std::size_t>(kind)](s, draw);
   return s.finish();
 }
 

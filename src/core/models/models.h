@@ -22,105 +22,29 @@
 
 namespace scanmill::models {
 
-// The purpose of random numbers: the shape of a kind of object, or its places in a town. Each kind has its own random
-// stream and is drawn in one place of the code, so that more objects of one kind leave the others unchanged. What a
-// seed generates depends on these values: append new kinds, never renumber.
+// The purpose of random numbers: the shape of a kind of object, its positions in a town, or a property of the town.
+// Each kind has its own random stream and is drawn in one place of the code, so that more objects of one kind leave the
+// others unchanged. What a seed generates depends on these values: append new kinds, never renumber.
+// clang-format off
 enum class Kind : std::uint32_t {
-  Plot = 1,
-  Lot,
-  Terrain,
-  House,
-  Tree,
-  Bush,
-  Car = 8,
-  Truck,
-  Bus,
-  Bicycle,
-  Motorcycle,
-  Person,
-  Sign,
-  Lamp,
-  Light,
-  Furniture,
-  Shelter,
-  Boundary,
-  Traffic,
-  Cyclist,
-  Markings,
-  Town,
-  SideRoad,
-  Wood,
-  Hedgerow,
-  Undergrowth,
-  Animal,
-  WorkVehicle,
-  Clutter,
-  Roadworks,
-  Pothole,
-  Cover,
-  Map,
-  Wire,
-  Grass,
-  // shapes
-  Block,
-  Facade,
-  HouseDetails,
-  Crown,
-  Tuft,
-  Paint,
-  Walker,
-  Motorcyclist,
-  RiddenBicycle,
-  RiddenMotorcycle,
-  UtilityPole,
-  // properties and places
-  Season,
-  DrySoil,
-  Roundabout,
-  MapRoad,
-  Land,
-  MapBuilding,
-  BarePlot,
-  MapFencing,
-  PlotBoundary,
-  Rails,
-  LightPhase,
-  Crossing,
-  Signals,
-  GardenThings,
-  TownPond,
-  Square,
-  Animals,
-  RoadLamps,
-  RoadSigns,
-  MouthSign,
-  Shelters,
-  RoadFurniture,
-  MapTree,
-  Avenue,
-  ParkTrees,
-  GardenTrees,
-  GardenBushes,
-  WoodLattice,
-  GrassAlongRoads,
-  SidewalkParking,
-  ParkedCar,
-  ForecourtCars,
-  StandingVehicles,
-  PassingTraffic,
-  SideTraffic,
-  RoadCyclists,
-  PeopleCounts,
-  Pedestrian,
-  ParkedBicycles,
-  SidewalkCyclist,
-  ParkedMotorcycles,
+  Plot = 1, Lot, Terrain, House, Tree, Bush, Car = 8, Truck, Bus, Bicycle, Motorcycle, Person, Sign, Lamp, Light,
+  Furniture, Shelter, Boundary, Traffic, Cyclist, Markings, Town, SideRoad, Wood, Hedgerow, Undergrowth, Animal,
+  WorkVehicle, Clutter, Roadworks, Pothole, Cover, Map, Wire, Grass,
+  // Shapes.
+  Block, Facade, HouseDetails, Crown, Tuft, Paint, Walker, Motorcyclist, RiddenBicycle, RiddenMotorcycle, UtilityPole,
+  // Properties of the town, and positions in it.
+  Season, DrySoil, Roundabout, MapRoad, Land, MapBuilding, BarePlot, MapFencing, PlotBoundary, Rails, LightPhase,
+  Crossing, Signals, GardenThings, TownPond, Square, Animals, RoadLamps, RoadSigns, MouthSign, Shelters, RoadFurniture,
+  MapTree, Avenue, ParkTrees, GardenTrees, GardenBushes, WoodLattice, GrassAlongRoads, SidewalkParking, ParkedCar,
+  ForecourtCars, StandingVehicles, PassingTraffic, SideTraffic, RoadCyclists, PeopleCounts, Pedestrian, ParkedBicycles,
+  SidewalkCyclist, ParkedMotorcycles,
 };
+// clang-format on
 
 // The random stream of an object: each call returns the next number of the stream.
 class Draw {
  public:
-  Draw(std::uint64_t seed, Kind kind, std::uint32_t object = 0);
+  Draw(std::uint64_t seed, Kind kind, std::int64_t object = 0);
   double next();  // uniform in (0, 1)
   double in(double low, double high) { return low + (high - low) * next(); }
   double around(double mean, double share) { return mean * in(1 - share, 1 + share); }
@@ -129,7 +53,7 @@ class Draw {
   double sign() { return chance(0.5) ? 1.0 : -1.0; }
   // Returns a random item of a list.
   template <class List>
-  const auto& of(const List& items) {
+  const auto& itemOf(const List& items) {
     return items[static_cast<std::size_t>(below(static_cast<int>(items.size())))];
   }
   Vec3d direction();  // uniform on the unit sphere
@@ -140,8 +64,8 @@ class Draw {
   std::size_t used_ = 4;
 };
 
-// Returns the numbers from, from + step, from + 2 * step, ... that are below `to`.
-std::vector<double> steps(double from, double to, double step);
+// Returns the numbers begin, begin + step, begin + 2 * step, ... that are below `end`.
+std::vector<double> steps(double begin, double end, double step);
 
 // Returns make(0), ..., make(count - 1).
 template <class Make>
@@ -165,6 +89,11 @@ constexpr double lerp(double a, double b, double t) {
 constexpr Point2 lerp(const Point2& a, const Point2& b, double t) {
   return {lerp(a.x, b.x, t), lerp(a.y, b.y, t)};
 }
+// Returns the corners of a regular polygon about the origin, counter-clockwise. `firstAngle`: rad, direction of the
+// first corner.
+std::vector<Point2> regularPolygon(int corners, double radius, double firstAngle = 0);
+// Returns the corners of a rectangle at the height z about the z axis, or about x = `middleX` (m).
+std::vector<Vec3d> levelRectangle(double z, double halfX, double halfY, double middleX = 0);
 // Calls visit(a, b) for each side of a polygon, from corner a to the next corner b.
 template <class Visit>
 void forSides(const std::vector<Point2>& ring, const Visit& visit) {
@@ -175,8 +104,8 @@ double smooth(double t);  // smoothstep of t, with t clamped to [0, 1]
 
 Affine at(const Vec3d& position);
 Affine at(const Vec3d& position, double yaw);
-// Returns a frame with its origin at `position` and its z axis along `direction`; its x and y axes are arbitrary.
-Affine along(const Vec3d& position, const Vec3d& direction);
+// Returns the frame of a drawing that is seen from the right-hand side: x forward, y up, z to the right (-y).
+Affine sideView(const Vec3d& origin);
 
 // A mesh of the scene and its bounding box (m).
 struct Model {
@@ -194,27 +123,31 @@ class Shape {
   void triangle(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const Vec3d& c);
   void quad(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
   void box(SurfaceIndex surface, const Vec3d& center, const Vec3d& size);
-  void boxAt(SurfaceIndex surface, const Affine& place, const Vec3d& size);
+  void boxAt(SurfaceIndex surface, const Affine& pose, const Vec3d& size);
   void ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, int segments = 12);
-  // Appends a pipe with closed ends along a polyline. `radii` has the radius at each point.
+  // Appends a pipe with closed ends along a polyline. `radii` has the radius at each point, or `radius` is that of all.
   void pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments = 8);
+  void pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, double radius, int segments = 8);
+  // tube() appends a straight pipe from a to b, rod() one with the same radius at both ends.
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
+  void rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments = 8);
   // Appends the surface that a profile of (radius, z) describes when it turns about the z axis. The surface faces to
   // the right of the profile's direction: outwards where the profile goes upwards. `closed` joins the last point to the
   // first.
-  void revolve(SurfaceIndex surface, const Affine& place, const std::vector<Point2>& profile, int segments,
+  void revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
                bool closed = false);
-  void torus(SurfaceIndex surface, const Affine& place, double radius, double thickness, int segments, int around = 8);
+  // `thickness`: m, radius of the ring's cross section, which has `corners` corners.
+  void torus(SurfaceIndex surface, const Affine& pose, double radius, double thickness, int segments, int corners = 8);
   // Appends a prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. The top has the
   // surface `front`; the sides and the bottom have the surface `rim`.
-  void prism(SurfaceIndex front, SurfaceIndex rim, const Affine& place, const std::vector<Point2>& polygon,
+  void prism(SurfaceIndex front, SurfaceIndex rim, const Affine& pose, const std::vector<Point2>& polygon,
              double thickness);
   // Appends quads between rows of points; all rows have the same number of points. `wrap` joins the last point of a row
-  // to its first; `of` returns the surface of a quad. A quad with two equal corners becomes a triangle. Seen from
-  // outside, the corners of a quad go counter-clockwise, and its first side leads from a point to the next point of the
-  // same row.
+  // to its first; `surfaceAt` returns the surface of a quad. A quad with two equal corners becomes a triangle. Seen
+  // from outside, the corners of a quad go counter-clockwise, and its first side leads from a point to the next point
+  // of the same row.
   void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
-            const std::function<SurfaceIndex(int row, int column)>& of);
+            const std::function<SurfaceIndex(int row, int column)>& surfaceAt);
 
   // Adds the mesh to the scene and returns the model.
   [[nodiscard]] Model finish();
@@ -235,26 +168,24 @@ struct Span {
   bool holds(double v) const { return v > low && v < high; }
 };
 
-constexpr double kGarageFrom = 6.2;  // m from the front of a house back to its garage
-constexpr double kGarageBeside = 0.25;
-constexpr double kGarageWidth = 3.3;
-constexpr double kGarageDepth = 5.8;
+// Garages of houses (m): the distances behind the house's front and beside its right wall, and the size.
+constexpr double kGarageFrom = 6.2, kGarageBeside = 0.25, kGarageWidth = 3.3, kGarageDepth = 5.8;
 
 enum class Roof { Flat, Gable, CrossGable, Hip };
 
 // A house. In its frame, the front wall is in the plane y = 0, faces -y and extends from x = 0 to `width`; the house
 // extends from y = 0 to `depth` (m).
 struct House {
-  Affine place;  // pose of the house
+  Affine pose{};
   double width = 10, depth = 9;
   int floors = 2, columns = 4, doorColumn = 1;
   Roof roof = Roof::Gable;
   bool shop = false;
   std::uint32_t number = 0;
-  std::int64_t relation = 0;   // the houses and blocks of one relation of a map are one thing; 0: none
-  std::optional<double> top;   // m, top of the roof; not set: the height follows from floors and slope
-  std::optional<double> rise;  // m, height of a pitched roof if `top` is set; not set: it follows from a random slope
-  double forecourt = 0;        // m, depth of the ground in front of the house that details may cover, see facade.h
+  std::int64_t relation = 0;     // the houses and blocks of one relation of a map are one thing; 0: none
+  std::optional<double> top{};   // m, top of the roof; not set: the height follows from floors and slope
+  std::optional<double> rise{};  // m, height of a pitched roof if `top` is set; not set: it follows from a random slope
+  double forecourt = 0;          // m, depth of the ground in front of the house that details may cover, see facade.h
   bool garage = false, ivy = false;
 
   double doorX() const { return width * (doorColumn + 0.5) / columns; }
@@ -294,10 +225,10 @@ struct TreeModel {
 };
 constexpr int kTreeForms = 8;
 constexpr int kBroadleafForms = 6;  // number of broadleaf forms; they come first among the kTreeForms forms
-// Builds a tree. `form`: trees whose forms differ by kTreeForms are different trees of one species. `detail`: factor on
-// the number of leaves; their total area stays the same. `foliage`: fraction of the leaves that are still on a
-// broadleaf tree, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown: 0 is round, 1 is
-// heavier on one side, with limbs that protrude and gaps between them.
+// Builds a tree. `form`: its species; trees whose forms differ by kTreeForms are different trees of one species.
+// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: fraction of the leaves that are
+// still on a broadleaf tree, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown: 0 is
+// round, 1 is heavier on one side, with limbs that protrude and gaps between them.
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage);
 // Builds 2 m of hedgerow along x, filled with leaves. Height and depth depend on the form.
@@ -311,9 +242,9 @@ Model makeCar(SceneBuilder& builder, std::uint64_t seed, CarForm form, int numbe
 Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeBus(SceneBuilder& builder, std::uint64_t seed);
 enum class WorkVehicle { Trailer, Caravan, Tractor, Excavator, Count };
-Model makeWorkVehicle(SceneBuilder& builder, std::uint64_t seed, WorkVehicle what, int number);
-// Appends a tyre and rim about the origin of `place`. The axle is the y axis, the outer side is at +y.
-void appendWheel(Shape& shape, std::string_view className, const Affine& place, double radius, double width);
+Model makeWorkVehicle(SceneBuilder& builder, std::uint64_t seed, WorkVehicle kind, int number);
+// Appends a tyre and rim about the origin of `pose`. The axle is the y axis, the outer side is at +y.
+void appendWheel(Shape& shape, std::string_view className, const Affine& pose, double radius, double width);
 // Appends two wheels that stand on the ground at (x, y) and (x, -y), with their outer sides away from each other.
 void appendWheels(Shape& shape, std::string_view className, double x, double y, double radius, double width);
 
@@ -357,11 +288,12 @@ struct UtilityPole {
 UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed);
 
 enum class Furnishing { Bin, WheelieBin, Hydrant, Bench, LetterBox, PowerBox, BicycleRack, Bollard, Planter, Count };
-Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what);
+Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing kind);
 // A barrier extends along x, the door of a shed faces -y. The shapes that a seed generates depend on the values.
 enum class Clutter { Cone, Barrier, Skip, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
-Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number);
-Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                                 // its open side faces -y
-Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what, int form = 0);  // 2 m along x, centred
+Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter clutter, int number);
+Model makeShelter(SceneBuilder& builder, std::uint64_t seed);  // its open side faces -y
+// Builds a panel of 2 m along x, whose middle is the origin.
+Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing kind, int form = 0);
 
 }  // namespace scanmill::models

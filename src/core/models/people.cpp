@@ -2,7 +2,6 @@
 // feet.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "models/models.h"
@@ -10,33 +9,34 @@
 namespace scanmill::models {
 namespace {
 
-// Positions of joints in the person's frame (x forward, y left, z up; m), for a height of 1.75 m.
+constexpr double kPoseHeight = 1.75;  // m, height of the person of a Pose; other people are scaled
+
+// Positions of joints in the person's frame (x forward, y left, z up; m). Lengths of limbs are by eye.
 struct Pose {
   Vec3d hips{0, 0, 0.93};
   Vec3d shoulders{0, 0, 1.43};
   Vec3d head{0.02, 0, 1.64};
   Vec3d leftAnkle{0, 0.1, 0.09}, rightAnkle{0, -0.1, 0.09};
   Vec3d leftHand{0.04, 0.27, 0.83}, rightHand{0.04, -0.27, 0.83};
-  double leftFoot = 0, rightFoot = 0;  // rad, pitch of the feet; positive lifts the heel
-  Vec3d elbowTo{-1, 0, -0.2};          // direction in which elbows point
+  double leftPitch = 0, rightPitch = 0;  // rad, of the feet; positive lifts the heel
+  Vec3d elbowDirection{-1, 0, -0.2};     // direction in which elbows point
 };
 
 struct Clothes {
   const char* upper = "cloth";
   const char* lower = "cloth_dark";
   bool skirt = false, coat = false, hat = false, backpack = false, bag = false, helmet = false;
-  double girth = 1;
+  double girth = 1;  // factor on the width of the trunk and the limbs
 };
 
-// Returns the middle joint (elbow or knee) of a limb from a to b. `first` and `second` are the lengths of its two parts
-// (m); the joint bends towards `pole`.
-Vec3d bend(const Vec3d& a, const Vec3d& b, double first, double second, const Vec3d& pole) {
-  const Vec3d d = b - a;
-  const double reach = std::min(length(d), (first + second) * 0.999);
-  const Vec3d along = normalized(d);
-  const double x = (reach * reach + first * first - second * second) / (2 * reach);
-  const double h = std::sqrt(std::max(0.0, first * first - x * x));
-  return a + along * x + normalized(pole - along * dot(pole, along)) * h;
+// Returns the middle joint (elbow or knee) of a limb from a to b, by the law of cosines. `upper` and `lower` are the
+// lengths of its two parts (m); the joint is on the side of `outwards`.
+Vec3d middleJoint(const Vec3d& a, const Vec3d& b, double upper, double lower, const Vec3d& outwards) {
+  const double reach = std::min(length(b - a), (upper + lower) * 0.999);
+  const Vec3d axis = normalized(b - a);
+  const double x = (reach * reach + upper * upper - lower * lower) / (2 * reach);  // m along the axis
+  const double h = std::sqrt(std::max(0.0, upper * upper - x * x));                // m from the axis
+  return a + axis * x + normalized(outwards - axis * dot(outwards, axis)) * h;
 }
 
 class PersonMaker {
@@ -50,13 +50,15 @@ class PersonMaker {
         dark_(s_.surface(className, "cloth_dark")),
         plastic_(s_.surface(className, "plastic_black")) {}
 
+  // Adds the body in a pose, then what the person carries.
   void make(const Pose& p) {
     torso(p);
-    headOf(p);
+    head(p);
     for (const double side : {1.0, -1.0}) {
       const bool left = side > 0;
-      leg(p.hips + Vec3d{0, side * 0.09, 0}, left ? p.leftAnkle : p.rightAnkle, left ? p.leftFoot : p.rightFoot);
-      arm(p.shoulders + Vec3d{0, side * 0.185 * c_.girth, -0.055}, left ? p.leftHand : p.rightHand, p.elbowTo, side);
+      leg(p.hips + Vec3d{0, side * 0.09, 0}, left ? p.leftAnkle : p.rightAnkle, left ? p.leftPitch : p.rightPitch);
+      arm(p.shoulders + Vec3d{0, side * 0.185 * c_.girth, -0.055}, left ? p.leftHand : p.rightHand, p.elbowDirection,
+          side);
     }
     if (c_.bag) {
       const Vec3d hand = p.rightHand;
@@ -71,17 +73,18 @@ class PersonMaker {
   }
 
  private:
-  // Adds the trunk: elliptic rings from the seat (with a coat: from the thighs) to the neck.
+  // Adds the trunk, as elliptic rings from the seat (with a coat: from the thighs) to the neck; a skirt; and the neck.
   void torso(const Pose& p) {
     const Vec3d up = normalized(p.shoulders - p.hips);
     const Vec3d left{0, 1, 0};
     const Vec3d forward = normalized(cross(left, up));
     const double trunk = length(p.shoulders - p.hips);
-    struct Ring {
-      double t, halfX, halfY, offset;  // t is 0 at the hips, 1 at the shoulders
+    struct BodyRing {
+      double t;                      // position along the trunk: 0 at the hips, 1 at the shoulders
+      double halfX, halfY, forward;  // m, half axes, and offset of the centre
     };
     const double g = c_.girth;
-    std::vector<Ring> rings{
+    std::vector<BodyRing> rings{
         {-0.17, 0.02, 0.03, -0.01},      {-0.14, 0.10 * g, 0.15 * g, -0.01}, {-0.04, 0.125 * g, 0.17 * g, -0.015},
         {0.15, 0.115 * g, 0.16 * g, 0},  {0.38, 0.11 * g, 0.148 * g, 0.01},  {0.62, 0.122 * g, 0.165 * g, 0.015},
         {0.82, 0.112 * g, 0.182 * g, 0}, {0.95, 0.09, 0.17, -0.01},          {1.01, 0.075, 0.125, -0.005},
@@ -90,52 +93,50 @@ class PersonMaker {
       rings.front() = {-0.75, 0.02, 0.03, 0};
       rings.insert(rings.begin() + 1, {-0.75, 0.17 * g, 0.2 * g, 0});
     }
-    const auto place = [&](const Ring& r) {
-      std::vector<Vec3d> ring;
-      constexpr int kAround = 16;
-      const Vec3d center = p.hips + up * (r.t * trunk) + forward * r.offset;
-      for (int k = 0; k < kAround; ++k) {
-        const double angle = 2 * kPi * k / kAround;
-        ring.push_back(center + forward * (r.halfX * std::cos(angle)) + left * (r.halfY * std::sin(angle)));
+    const auto pointsOf = [&](const BodyRing& r) {
+      std::vector<Vec3d> points;
+      const Vec3d center = p.hips + up * (r.t * trunk) + forward * r.forward;
+      for (const Point2& c : regularPolygon(16, 1)) {
+        points.push_back(center + forward * (r.halfX * c.x) + left * (r.halfY * c.y));
       }
-      return ring;
+      return points;
     };
     std::vector<std::vector<Vec3d>> rows;
-    rows.reserve(rings.size());
-    for (const Ring& r : rings) rows.push_back(place(r));
+    for (const BodyRing& r : rings) rows.push_back(pointsOf(r));
     const int seat = c_.coat ? 0 : 2;  // number of rows that belong to the trousers
     s_.grid(rows, true, [&](int row, int) { return row < seat ? lower_ : upper_; });
     if (c_.skirt) {
-      s_.grid({place({0.1, 0.12 * g, 0.165 * g, 0}), place({-0.35, 0.19, 0.22, 0}), place({-0.95, 0.26, 0.27, 0}),
-               place({-0.94, 0.02, 0.02, 0})},
+      s_.grid({pointsOf({0.1, 0.12 * g, 0.165 * g, 0}), pointsOf({-0.35, 0.19, 0.22, 0}),
+               pointsOf({-0.95, 0.26, 0.27, 0}), pointsOf({-0.94, 0.02, 0.02, 0})},
               true, [&](int, int) { return lower_; });
     }
     s_.tube(skin_, p.shoulders + up * 0.02, p.head - up * 0.05, 0.055, 0.052, 12);
   }
 
-  void headOf(const Pose& p) {
+  // Adds the head with nose and ears, and on top of it hair or a helmet, and perhaps a hat.
+  void head(const Pose& p) {
     s_.ball(skin_, p.head, {0.098, 0.078, 0.122}, 20);
-    s_.ball(skin_, p.head + Vec3d{0.096, 0, -0.015}, {0.022, 0.014, 0.024}, 8);
-    for (const double side : {-1.0, 1.0})
+    s_.ball(skin_, p.head + Vec3d{0.096, 0, -0.015}, {0.022, 0.014, 0.024}, 8);  // nose
+    for (const double side : {-1.0, 1.0}) {
       s_.ball(skin_, p.head + Vec3d{-0.005, side * 0.077, -0.01}, {0.022, 0.012, 0.032}, 8);
-    const SurfaceIndex hair = c_.helmet ? plastic_ : dark_;
-    const double thick = c_.helmet ? 0.03 : 0.006;
-    s_.ball(hair, p.head + (c_.helmet ? Vec3d{-0.012, 0, 0.05} : Vec3d{-0.03, 0, 0.034}),
-            {0.098 + thick, 0.078 + thick, 0.1 + thick}, 18);
+    }
+    const double thickness = c_.helmet ? 0.03 : 0.006;
+    s_.ball(c_.helmet ? plastic_ : dark_, p.head + (c_.helmet ? Vec3d{-0.012, 0, 0.05} : Vec3d{-0.03, 0, 0.034}),
+            {0.098 + thickness, 0.078 + thickness, 0.1 + thickness}, 18);
     if (c_.hat) {
       s_.revolve(dark_, at(p.head + Vec3d{0, 0, 0.06}),
                  {{0, 0}, {0.15, 0}, {0.15, 0.008}, {0.1, 0.012}, {0.09, 0.1}, {0, 0.11}}, 18);
     }
   }
 
+  // Adds a leg and its shoe. `pitch`: rad, rotation of the shoe about the ankle; its sole is flat.
   void leg(const Vec3d& hip, const Vec3d& ankle, double pitch) {
-    const Vec3d knee = bend(hip, ankle, 0.43, 0.43, {1, 0, 0.15});
+    const Vec3d knee = middleJoint(hip, ankle, 0.43, 0.43, {1, 0, 0.15});
     s_.pipe(lower_, {hip, hip + (knee - hip) * 0.35, knee, knee + (ankle - knee) * 0.35, ankle},
             {0.088 * c_.girth, 0.084 * c_.girth, 0.06, 0.06, 0.045}, 12);
     s_.ball(lower_, knee, {0.06, 0.06, 0.06}, 10);
     const double c = std::cos(pitch);
     const double s = std::sin(pitch);
-    // The shoe is rotated about the ankle; its sole is flat.
     const Affine foot{{{c, 0, -s}, {0, 1, 0}, {s, 0, c}}, ankle};
     const Affine outer = s_.frame;
     s_.frame = outer * foot;
@@ -145,8 +146,8 @@ class PersonMaker {
     s_.frame = outer;
   }
 
-  void arm(const Vec3d& shoulder, const Vec3d& hand, const Vec3d& elbowTo, double side) {
-    const Vec3d elbow = bend(shoulder, hand, 0.3, 0.27, elbowTo + Vec3d{0, side * 0.45, 0});
+  void arm(const Vec3d& shoulder, const Vec3d& hand, const Vec3d& elbowDirection, double side) {
+    const Vec3d elbow = middleJoint(shoulder, hand, 0.3, 0.27, elbowDirection + Vec3d{0, side * 0.45, 0});
     s_.ball(upper_, shoulder, {0.062, 0.058, 0.062}, 12);
     s_.pipe(upper_, {shoulder, shoulder + (elbow - shoulder) * 0.4, elbow, elbow + (hand - elbow) * 0.3, hand},
             {0.057, 0.054, 0.046, 0.045, 0.033}, 10);
@@ -159,33 +160,36 @@ class PersonMaker {
   SurfaceIndex skin_, upper_, lower_, dark_, plastic_;
 };
 
+// Exchanges the person's left and right.
 void mirror(Pose& p) {
   std::swap(p.leftAnkle, p.rightAnkle);
   std::swap(p.leftHand, p.rightHand);
-  std::swap(p.leftFoot, p.rightFoot);
+  std::swap(p.leftPitch, p.rightPitch);
   for (Vec3d* v : {&p.leftAnkle, &p.rightAnkle, &p.leftHand, &p.rightHand}) v->y = -v->y;
 }
 
 // Returns the pose at a phase (rad) of a walking cycle: the left foot touches the ground in front of the body at 0 and
-// leaves the ground behind the body at pi.
+// leaves the ground behind the body at pi. `reach`: how far the feet swing forwards and backwards, `swing`: how far the
+// hands do, `lean`: how far the shoulders are in front of the hips (m).
 Pose striding(double phase, double reach, double swing, double lean) {
   Pose p;
   p.hips.z = 0.89 + 0.02 * std::pow(std::sin(phase), 2);
   p.shoulders = {lean, 0, p.hips.z + 0.505};
   p.head = {lean * 1.2 + 0.02, 0, p.hips.z + 0.715};
-  const auto foot = [&](double at, double y, Vec3d& ankle, double& pitch) {
-    const double back = (1 - std::cos(at)) / 2;
-    const double lifted = std::sin(at) < 0 ? 0.06 * std::pow(std::sin(at), 2) : 0;
-    ankle = {reach * std::cos(at), y, 0.1 + 0.07 * back + lifted};
-    pitch = -0.2 + 0.8 * back;
+  const auto setFoot = [&](double footPhase, double y, Vec3d& ankle, double& pitch) {
+    const double backwards = (1 - std::cos(footPhase)) / 2;  // 0 in front of the body, 1 behind it
+    const double lifted = std::sin(footPhase) < 0 ? 0.06 * std::pow(std::sin(footPhase), 2) : 0;
+    ankle = {reach * std::cos(footPhase), y, 0.1 + 0.07 * backwards + lifted};
+    pitch = -0.2 + 0.8 * backwards;
   };
-  foot(phase, 0.08, p.leftAnkle, p.leftFoot);
-  foot(phase + kPi, -0.08, p.rightAnkle, p.rightFoot);
+  setFoot(phase, 0.08, p.leftAnkle, p.leftPitch);
+  setFoot(phase + kPi, -0.08, p.rightAnkle, p.rightPitch);
   p.leftHand = {-swing * std::cos(phase), 0.26, p.hips.z - 0.03};
   p.rightHand = {swing * std::cos(phase), -0.26, p.hips.z - 0.03};
   return p;
 }
 
+// Returns random clothes of a pedestrian.
 Clothes drawClothes(Draw& draw) {
   Clothes c;
   c.upper = draw.chance(0.5) ? "cloth" : "cloth_dark";
@@ -199,21 +203,21 @@ Clothes drawClothes(Draw& draw) {
   return c;
 }
 
-// Returns a rider on a bicycle or motorcycle with this fit.
+// Builds a rider who sits on a vehicle with this fit, in the vehicle's frame.
 Model makeRider(SceneBuilder& builder, Draw draw, const RiderFit& fit, std::string_view className) {
   Shape s(builder, "rider");
   Pose p;
   p.hips = fit.saddle + Vec3d{0.02, 0, 0.1};
   const Vec3d grips = (fit.leftGrip + fit.rightGrip) * 0.5;
-  const double low = std::clamp(1.12 - grips.z, 0.0, 0.25);  // low handlebars make the rider lean
-  p.shoulders = p.hips + normalized(Vec3d{0.3 + low * 1.4, 0, 1}) * 0.5;
+  const double lowBar = std::clamp(1.12 - grips.z, 0.0, 0.25);  // m; low handlebars make the rider lean
+  p.shoulders = p.hips + normalized(Vec3d{0.3 + lowBar * 1.4, 0, 1}) * 0.5;
   p.head = p.shoulders + Vec3d{0.08, 0, 0.2};
   p.leftAnkle = fit.leftPedal + Vec3d{-0.06, -0.02, 0.1};
   p.rightAnkle = fit.rightPedal + Vec3d{-0.06, 0.02, 0.1};
-  p.rightFoot = 0.15;
+  p.rightPitch = 0.15;
   p.leftHand = fit.leftGrip + Vec3d{-0.04, 0, 0.02};
   p.rightHand = fit.rightGrip + Vec3d{-0.04, 0, 0.02};
-  p.elbowTo = {-0.4, 0, -0.8};
+  p.elbowDirection = {-0.4, 0, -0.8};
   Clothes c;
   c.upper = draw.chance(0.6) ? "cloth" : "cloth_dark";
   c.helmet = draw.chance(0.6);
@@ -225,7 +229,7 @@ Model makeRider(SceneBuilder& builder, Draw draw, const RiderFit& fit, std::stri
 }  // namespace
 
 Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form) {
-  Draw draw(seed, Kind::Person, static_cast<std::uint32_t>(form));
+  Draw draw(seed, Kind::Person, form);
   Shape s(builder, "pedestrian");
   Pose p;
   if (form % 2 == 0) {  // looks at a phone
@@ -238,22 +242,23 @@ Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form) {
   }
   if (draw.chance(0.5)) mirror(p);
   const Clothes c = drawClothes(draw);
-  s.frame = {Mat3::scale(Vec3d{1, 1, 1} * (draw.in(1.58, 1.9) / 1.75)), {}};
+  s.frame = {Mat3::scale(Vec3d{1, 1, 1} * (draw.in(1.58, 1.9) / kPoseHeight)), {}};
   PersonMaker(s, "pedestrian", c).make(p);
   return s.finish();
 }
 
 Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form) {
   constexpr int kMoments = 8;
+  constexpr double kChildren = 0.12;  // fraction of the walkers
   Walker walker;
   for (int moment = 0; moment < kMoments; ++moment) {
-    Draw draw(seed, Kind::Walker, static_cast<std::uint32_t>(form));
+    Draw draw(seed, Kind::Walker, form);
     Shape s(builder, "pedestrian");
     const double reach = draw.in(0.28, 0.34);
-    const std::array<double, 2> gait{draw.in(0.18, 0.3), draw.in(0.02, 0.07)};
-    const Pose p = striding(2 * kPi * moment / kMoments, reach, gait[0], gait[1]);
+    const double swing = draw.in(0.18, 0.3);
+    const Pose p = striding(2 * kPi * moment / kMoments, reach, swing, draw.in(0.02, 0.07));
     const Clothes c = drawClothes(draw);
-    const double size = (draw.chance(0.12) ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9)) / 1.75;
+    const double size = (draw.chance(kChildren) ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9)) / kPoseHeight;
     s.frame = {Mat3::scale(Vec3d{1, 1, 1} * size), {}};
     PersonMaker(s, "pedestrian", c).make(p);
     walker.moments.push_back(s.finish());
@@ -265,13 +270,13 @@ Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form) {
 Ridden makeCyclist(SceneBuilder& builder, std::uint64_t seed, int form) {
   RiderFit fit;
   const Model bicycle = makeBicycle(builder, seed, form, &fit);
-  return {bicycle, makeRider(builder, {seed, Kind::Cyclist, static_cast<std::uint32_t>(form)}, fit, "rider")};
+  return {bicycle, makeRider(builder, {seed, Kind::Cyclist, form}, fit, "rider")};
 }
 
 Ridden makeMotorcyclist(SceneBuilder& builder, std::uint64_t seed, int form) {
   RiderFit fit;
   const Model motorcycle = makeMotorcycle(builder, seed, form, &fit);
-  const Draw draw(seed, Kind::Motorcyclist, static_cast<std::uint32_t>(form));
+  const Draw draw(seed, Kind::Motorcyclist, form);
   return {motorcycle, makeRider(builder, draw, fit, "motorcyclist")};
 }
 

@@ -6,10 +6,10 @@
 
 namespace scanmill::models {
 
-Draw::Draw(std::uint64_t seed, Kind kind, std::uint32_t object) {
+Draw::Draw(std::uint64_t seed, Kind kind, std::int64_t object) {
   address_.seed = seed;
   address_.scene = static_cast<std::uint32_t>(kind);
-  address_.beam = object;
+  address_.beam = static_cast<std::uint32_t>(object);
   address_.purpose = Purpose::Street;
 }
 
@@ -29,9 +29,9 @@ Vec3d Draw::direction() {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-std::vector<double> steps(double from, double to, double step) {
+std::vector<double> steps(double begin, double end, double step) {
   std::vector<double> values;
-  for (double value = from; value < to; value += step) values.push_back(value);
+  for (double value = begin; value < end; value += step) values.push_back(value);
   return values;
 }
 
@@ -50,18 +50,24 @@ Affine at(const Vec3d& position, double yaw) {
   return {{{c, s, 0}, {-s, c, 0}, {0, 0, 1}}, position};
 }
 
-namespace {
-
-Vec3d perpendicular(const Vec3d& d) {
-  return normalized(cross(d, std::abs(d.z) < 0.8 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
+Affine sideView(const Vec3d& origin) {
+  return {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, origin};
 }
 
-}  // namespace
+std::vector<Point2> regularPolygon(int corners, double radius, double firstAngle) {
+  std::vector<Point2> polygon;
+  for (int k = 0; k < corners; ++k) {
+    const double angle = firstAngle + 2 * kPi * k / corners;
+    polygon.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+  }
+  return polygon;
+}
 
-Affine along(const Vec3d& position, const Vec3d& direction) {
-  const Vec3d z = normalized(direction);
-  const Vec3d x = perpendicular(z);
-  return {{x, cross(z, x), z}, position};
+std::vector<Vec3d> levelRectangle(double z, double halfX, double halfY, double middleX) {
+  return {{middleX - halfX, -halfY, z},
+          {middleX + halfX, -halfY, z},
+          {middleX + halfX, halfY, z},
+          {middleX - halfX, halfY, z}};
 }
 
 Shape::Shape(SceneBuilder& builder, std::string name) : builder_(builder) {
@@ -106,71 +112,68 @@ void Shape::box(SurfaceIndex surface, const Vec3d& center, const Vec3d& size) {
   appendBox(mesh, surface, frame * at(center), size);
 }
 
-void Shape::boxAt(SurfaceIndex surface, const Affine& place, const Vec3d& size) {
-  appendBox(mesh, surface, frame * place, size);
+void Shape::boxAt(SurfaceIndex surface, const Affine& pose, const Vec3d& size) {
+  appendBox(mesh, surface, frame * pose, size);
 }
 
 void Shape::ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, int segments) {
   appendSphere(mesh, surface, frame * Affine{Mat3::scale(radii), center}, 1.0, segments);
 }
 
+// The first and the last row are a single point each and close the ends.
 void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii,
                  int segments) {
-  std::vector<std::vector<Vec3d>> rows;
-  const std::size_t n = points.size();
-  const auto ringOf = [&](const Vec3d& center, const Vec3d& u, const Vec3d& v, double radius) {
-    std::vector<Vec3d> ring;
-    for (int k = 0; k < segments; ++k) {
-      const double angle = 2 * kPi * k / segments;
-      ring.push_back(center + u * (radius * std::cos(angle)) + v * (radius * std::sin(angle)));
-    }
-    return ring;
-  };
-  Vec3d u = perpendicular(normalized(points[1] - points[0]));
-  rows.emplace_back(segments, points.front());
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3d d = normalized(points[std::min(i + 1, n - 1)] - points[i == 0 ? 0 : i - 1]);
-    u = normalized(u - d * dot(u, d));  // parallel transport keeps the pipe from twisting
-    rows.push_back(ringOf(points[i], u, cross(d, u), radii[i]));
+  const std::size_t last = points.size() - 1;
+  const Vec3d start = normalized(points[1] - points[0]);
+  // u and v span the plane across the pipe. Parallel transport of u along the pipe keeps the pipe from twisting.
+  Vec3d u = normalized(cross(start, std::abs(start.z) < 0.8 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
+  std::vector<std::vector<Vec3d>> rows{std::vector<Vec3d>(static_cast<std::size_t>(segments), points.front())};
+  for (std::size_t i = 0; i <= last; ++i) {
+    const Vec3d direction = normalized(points[std::min(i + 1, last)] - points[i == 0 ? 0 : i - 1]);
+    u = normalized(u - direction * dot(u, direction));
+    const Vec3d v = cross(direction, u);
+    std::vector<Vec3d>& ring = rows.emplace_back();
+    for (const Point2& p : regularPolygon(segments, radii[i])) ring.push_back(points[i] + u * p.x + v * p.y);
   }
   rows.emplace_back(segments, points.back());
   grid(rows, true, [&](int, int) { return surface; });
+}
+
+void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, double radius, int segments) {
+  pipe(surface, points, std::vector<double>(points.size(), radius), segments);
 }
 
 void Shape::tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments) {
   pipe(surface, {a, b}, {radiusA, radiusB}, segments);
 }
 
-void Shape::revolve(SurfaceIndex surface, const Affine& place, const std::vector<Point2>& profile, int segments,
+void Shape::rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments) {
+  pipe(surface, {a, b}, radius, segments);
+}
+
+void Shape::revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
                     bool closed) {
   std::vector<std::vector<Vec3d>> rows;
-  for (const Point2& p : profile) {
-    std::vector<Vec3d> ring;
-    for (int k = 0; k < segments; ++k) {
-      const double angle = 2 * kPi * k / segments;
-      ring.push_back(place * Vec3d{p.x * std::cos(angle), p.x * std::sin(angle), p.y});
-    }
-    rows.push_back(std::move(ring));
+  for (const auto& [radius, z] : profile) {
+    std::vector<Vec3d>& ring = rows.emplace_back();
+    for (const Point2& p : regularPolygon(segments, radius)) ring.push_back(pose * Vec3d{p.x, p.y, z});
   }
   if (closed) rows.push_back(rows.front());
   grid(rows, true, [&](int, int) { return surface; });
 }
 
-void Shape::torus(SurfaceIndex surface, const Affine& place, double radius, double thickness, int segments,
-                  int around) {
-  std::vector<Point2> profile;
-  for (int k = 0; k < around; ++k) {
-    const double angle = 2 * kPi * k / around;
-    profile.push_back({radius + thickness * std::cos(angle), thickness * std::sin(angle)});
-  }
-  revolve(surface, place, profile, segments, true);
+void Shape::torus(SurfaceIndex surface, const Affine& pose, double radius, double thickness, int segments,
+                  int corners) {
+  std::vector<Point2> profile = regularPolygon(corners, thickness);
+  for (Point2& p : profile) p.x += radius;
+  revolve(surface, pose, profile, segments, true);
 }
 
-void Shape::prism(SurfaceIndex front, SurfaceIndex rim, const Affine& place, const std::vector<Point2>& polygon,
+void Shape::prism(SurfaceIndex front, SurfaceIndex rim, const Affine& pose, const std::vector<Point2>& polygon,
                   double thickness) {
   const std::size_t n = polygon.size();
-  const auto low = [&](std::size_t i) { return place * Vec3d{polygon[i % n].x, polygon[i % n].y, 0}; };
-  const auto high = [&](std::size_t i) { return place * Vec3d{polygon[i % n].x, polygon[i % n].y, thickness}; };
+  const auto low = [&](std::size_t i) { return pose * Vec3d{polygon[i % n].x, polygon[i % n].y, 0}; };
+  const auto high = [&](std::size_t i) { return pose * Vec3d{polygon[i % n].x, polygon[i % n].y, thickness}; };
   for (std::size_t i = 0; i < n; ++i) quad(rim, low(i), low(i + 1), high(i + 1), high(i));
   for (std::size_t i = 1; i + 1 < n; ++i) {
     triangle(front, high(0), high(i), high(i + 1));
@@ -179,13 +182,13 @@ void Shape::prism(SurfaceIndex front, SurfaceIndex rim, const Affine& place, con
 }
 
 void Shape::grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
-                 const std::function<SurfaceIndex(int, int)>& of) {
+                 const std::function<SurfaceIndex(int, int)>& surfaceAt) {
   const int columns = static_cast<int>(rows.front().size());
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const auto& row : rows) {
     for (const Vec3d& p : row) vertex(p);
   }
-  const auto emit = [&](SurfaceIndex surface, const Triangle& t) {
+  const auto addUnlessFlat = [&](SurfaceIndex surface, const Triangle& t) {
     const Vec3f& a = mesh.positions[t[0]];
     const Vec3f& b = mesh.positions[t[1]];
     const Vec3f& c = mesh.positions[t[2]];
@@ -193,16 +196,15 @@ void Shape::grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
     mesh.triangles.push_back(t);
     mesh.surfaceOf.push_back(surface);
   };
+  const auto vertexAt = [&](int row, int column) {
+    return first + static_cast<std::uint32_t>(row * columns + column % columns);
+  };
   for (int r = 0; r + 1 < static_cast<int>(rows.size()); ++r) {
     for (int c = 0; c < (wrap ? columns : columns - 1); ++c) {
-      const int next = (c + 1) % columns;
-      const std::uint32_t p00 = first + r * columns + c;
-      const std::uint32_t p01 = first + r * columns + next;
-      const std::uint32_t p10 = first + (r + 1) * columns + c;
-      const std::uint32_t p11 = first + (r + 1) * columns + next;
-      const SurfaceIndex surface = of(r, c);
-      emit(surface, {p00, p01, p11});
-      emit(surface, {p00, p11, p10});
+      const SurfaceIndex surface = surfaceAt(r, c);
+      const std::uint32_t opposite = vertexAt(r + 1, c + 1);
+      addUnlessFlat(surface, {vertexAt(r, c), vertexAt(r, c + 1), opposite});
+      addUnlessFlat(surface, {vertexAt(r, c), opposite, vertexAt(r + 1, c)});
     }
   }
 }

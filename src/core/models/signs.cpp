@@ -15,15 +15,6 @@ Affine facing(const Vec3d& center) {
   return {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, center};
 }
 
-std::vector<Point2> regular(int corners, double radius, double turn) {
-  std::vector<Point2> polygon;
-  for (int k = 0; k < corners; ++k) {
-    const double angle = turn + 2 * kPi * k / corners;
-    polygon.push_back({radius * std::cos(angle), radius * std::sin(angle)});
-  }
-  return polygon;
-}
-
 std::vector<Point2> rectangle(double width, double height) {
   return {{-width / 2, -height / 2}, {width / 2, -height / 2}, {width / 2, height / 2}, {-width / 2, height / 2}};
 }
@@ -32,11 +23,11 @@ std::vector<Point2> rectangle(double width, double height) {
 struct SignForm {
   int corners;        // 0: a square
   double radius;      // m, distance of a polygon's corners from its middle
-  double turn;        // rad, direction from the middle to one of the corners
+  double firstAngle;  // rad, direction from the middle to one of the corners
   double halfHeight;  // m, upper bound of the distance from the middle to the top and to the bottom
 };
 
-// The boards in the order of TrafficSign.
+// The boards in the order of TrafficSign. Sizes are about those of the German signs for 50 km/h.
 constexpr std::array<SignForm, kSigns> kSignForms{{{24, 0.3, 0, 0.3},
                                                    {3, 0.42, kPi / 2, 0.42},
                                                    {4, 0.36, 0, 0.36},
@@ -46,32 +37,32 @@ constexpr std::array<SignForm, kSigns> kSignForms{{{24, 0.3, 0, 0.3},
 
 }  // namespace
 
+// Builds a sign on its post, in some cases with a rectangular plate below it.
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number) {
-  Draw draw(seed, Kind::Sign, static_cast<std::uint32_t>(number));
+  Draw draw(seed, Kind::Sign, number);
   Shape s(builder, "traffic sign");
   const SurfaceIndex post = s.surface("pole", "metal_galvanised");
   const SurfaceIndex front = s.surface("traffic_sign", "sign_retroreflective");
   const SurfaceIndex back = s.surface("traffic_sign", "painted_metal");
-  const double z = draw.in(2.2, 2.5);
-  const SignForm& form = kSignForms[static_cast<std::size_t>(sign)];
-  const double halfHeight = form.halfHeight;
+  const double low = draw.in(2.2, 2.5);  // m, height of the board's lower edge
+  const auto& [corners, radius, firstAngle, halfHeight] = kSignForms[static_cast<std::size_t>(sign)];
   const std::vector<Point2> board =
-      form.corners == 0 ? rectangle(2 * halfHeight, 2 * halfHeight) : regular(form.corners, form.radius, form.turn);
+      corners == 0 ? rectangle(2 * halfHeight, 2 * halfHeight) : regularPolygon(corners, radius, firstAngle);
   const bool plate = draw.chance(0.4);
-  const double top = z + halfHeight * 2 + 0.05;
-  s.tube(post, {0, 0, -kSignSunk}, {0, 0, top}, 0.03, 0.03, 12);
-  const double middle = z + halfHeight;
+  s.rod(post, {0, 0, -kSignSunk}, {0, 0, low + halfHeight * 2 + 0.05}, 0.03, 12);
+  const double middle = low + halfHeight;
   s.prism(front, back, facing({0.045, 0, middle}), board, 0.004);
-  for (const double dz : {-0.12, 0.12}) s.box(back, {0.015, 0, middle + dz}, {0.06, 0.09, 0.03});
+  for (const double dz : {-0.12, 0.12}) s.box(back, {0.015, 0, middle + dz}, {0.06, 0.09, 0.03});  // clamps
   if (plate) {
-    s.prism(front, back, facing({0.045, 0, z - 0.2}), rectangle(0.5, 0.22), 0.004);
-    s.box(back, {0.015, 0, z - 0.2}, {0.06, 0.09, 0.03});
+    s.prism(front, back, facing({0.045, 0, low - 0.2}), rectangle(0.5, 0.22), 0.004);
+    s.box(back, {0.015, 0, low - 0.2}, {0.06, 0.09, 0.03});
   }
   return s.finish();
 }
 
+// Builds a lamp. Form 0 has an arm over the road, other forms have a lantern on top.
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
-  Draw draw(seed, Kind::Lamp, static_cast<std::uint32_t>(form));
+  Draw draw(seed, Kind::Lamp, form);
   Shape s(builder, "street lamp");
   const SurfaceIndex metal = s.surface("street_lamp", "metal_galvanised");
   const SurfaceIndex paint = s.surface("street_lamp", "painted_metal");
@@ -79,9 +70,9 @@ Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
   const double height = form == 0 ? draw.in(6.5, 8.0) : draw.in(4.0, 5.0);
   s.revolve(metal, {}, {{0.1, -kSignSunk}, {0.1, 0.9}, {0.075, 1.0}, {0.05, height - 0.6}}, 14);
   s.box(paint, {0, -0.095, 0.55}, {0.08, 0.02, 0.3});  // the fuse box's door
-  if (form == 0) {                                     // an arm over the road
+  if (form == 0) {
     const double reach = draw.in(1.2, 2.0);
-    std::vector<Vec3d> arm{{0, 0, height - 0.7}};
+    std::vector<Vec3d> arm{{0, 0, height - 0.7}};  // a quarter of a circle from the mast, then straight to `reach`
     std::vector<double> radii{0.05};
     for (int k = 0; k <= 8; ++k) {
       const double angle = kPi / 2 * k / 8;
@@ -93,7 +84,7 @@ Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
     s.pipe(metal, arm, radii, 10);
     s.ball(paint, {reach + 0.25, 0, height + 0.06}, {0.38, 0.15, 0.075}, 16);
     s.ball(glass, {reach + 0.28, 0, height + 0.01}, {0.28, 0.12, 0.06}, 14);
-  } else {  // a lantern on top
+  } else {
     s.revolve(paint, at({0, 0, height - 0.6}), {{0.05, -0.02}, {0.07, 0.03}, {0.14, 0.08}, {0.14, 0.1}, {0, 0.1}}, 12);
     s.revolve(glass, at({0, 0, height - 0.5}), {{0.12, 0}, {0.2, 0.36}}, 12);
     s.revolve(paint, at({0, 0, height - 0.14}), {{0, 0}, {0.26, 0}, {0.26, 0.02}, {0.1, 0.12}, {0, 0.16}}, 14);
@@ -110,11 +101,11 @@ UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed) {
   const double height = draw.in(8, 9.5);
   s.tube(wood, {0, 0, -kSignSunk}, {0, 0, height}, 0.16, 0.1, 14);
   const int wires = 2 + draw.below(3);
-  const double half = 0.35 + 0.22 * wires;
-  const double arm = height - 0.35;
+  const double half = 0.35 + 0.22 * wires;  // m, half of the length of the crossarm
+  const double arm = height - 0.35;         // m, height of the crossarm
   s.box(wood, {0.14, 0, arm}, {0.09, 2 * half + 0.2, 0.11});
-  for (const double side : {-1.0, 1.0}) {
-    s.tube(metal, {0.14, side * 0.6 * half, arm - 0.05}, {0.1, side * 0.05, arm - 0.6}, 0.015, 0.015, 6);
+  for (const double side : {-1.0, 1.0}) {  // braces
+    s.rod(metal, {0.14, side * 0.6 * half, arm - 0.05}, {0.1, side * 0.05, arm - 0.6}, 0.015, 6);
   }
   for (int k = 0; k < wires; ++k) {
     const double y = lerp(-half, half, static_cast<double>(k) / (wires - 1));
@@ -124,7 +115,7 @@ UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed) {
   pole.telephone = {0.13, 0, height - draw.in(1.5, 2)};
   s.box(metal, {0.12, 0, pole.telephone.z - 0.1}, {0.06, 0.1, 0.14});
   if (draw.chance(0.3)) {  // a transformer
-    s.tube(metal, {-0.38, 0, arm - 1.5}, {-0.38, 0, arm - 0.6}, 0.24, 0.24, 14);
+    s.rod(metal, {-0.38, 0, arm - 1.5}, {-0.38, 0, arm - 0.6}, 0.24, 14);
     s.box(metal, {-0.14, 0, arm - 1}, {0.2, 0.12, 0.1});
   }
   pole.model = s.finish();
@@ -137,10 +128,10 @@ Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
   const SurfaceIndex post = s.surface("pole", "metal_weathered");
   const SurfaceIndex box = s.surface("traffic_light", "plastic_black");
   const SurfaceIndex glass = s.surface("traffic_light", "glass");
-  const double z = draw.in(2.3, 2.6);
-  s.tube(post, {0, 0, -kSignSunk}, {0, 0, z + 1.15}, 0.057, 0.057, 14);
+  const double z = draw.in(2.3, 2.6);  // m, height of the lower edge of the housing
+  s.rod(post, {0, 0, -kSignSunk}, {0, 0, z + 1.15}, 0.057, 14);
   s.box(box, {0.19, 0, z + 0.5}, {0.2, 0.3, 0.96});
-  s.box(box, {0.1, 0, z + 0.5}, {0.012, 0.46, 1.1});
+  s.box(box, {0.1, 0, z + 0.5}, {0.012, 0.46, 1.1});  // backing board
   for (const double dz : {0.12, 0.88}) s.box(box, {0.06, 0, z + dz}, {0.12, 0.06, 0.04});
   for (int k = 0; k < 3; ++k) {
     const double center = z + 0.2 + 0.3 * k;

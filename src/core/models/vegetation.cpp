@@ -10,6 +10,7 @@
 namespace scanmill::models {
 namespace {
 
+// The look of a species of trees.
 struct Habit {
   const char* name;
   bool conifer;
@@ -17,11 +18,14 @@ struct Habit {
   double trunkRadius;                     // m
   int clusters;                           // number of clusters of leaves
   double clusterSize;                     // radius of a cluster as a fraction of the crown's radius
-  int leaves;
-  double leaf;  // length of a leaf polygon, m
+  int leaves;                             // number of leaf polygons
+  double leafLength;                      // m, of a leaf polygon
 };
 
-// Heights and crown radii vary by up to 12 % with the seed.
+constexpr double kGoldenAngle = 2.39996;  // rad; successive multiples are spread evenly over the circle
+constexpr double kBareBelow = 0.6;        // foliage below which twigs are visible and are added
+
+// Typical trees along streets, by eye. Heights and crown radii vary by up to 12 % with the seed.
 constexpr std::array<Habit, kTreeForms> kHabits{{
     {"lime", false, 9.0, 1.8, 2.7, 0.10, 22, 0.42, 6000, 0.16},
     {"maple", false, 7.0, 1.4, 2.3, 0.085, 18, 0.45, 5600, 0.16},
@@ -43,12 +47,15 @@ void appendLeaf(Shape& s, SurfaceIndex surface, const Vec3d& stem, const Vec3d& 
   s.quad(surface, stem, middle - across, tip, middle + across);
 }
 
+// Returns a random unit vector in the plane with this normal.
 Vec3d crossways(const Vec3d& normal, Draw& draw) {
   return normalized(cross(normal, draw.direction()));
 }
 
+// Appends leaves in the outer part of an ellipsoid. `flatness`: ratio of its height to its width; `leafLength`: mean
+// (m).
 void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, double flatness,
-                       int leaves, double leaf) {
+                       int leaves, double leafLength) {
   for (int k = 0; k < leaves; ++k) {
     const Vec3d out = draw.direction();
     const double r = radius * (0.7 + 0.3 * std::pow(draw.next(), 0.4));
@@ -56,7 +63,7 @@ void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& 
     const Vec3d normal = normalized(out * 0.6 + Vec3d{0, 0, 0.5} + draw.direction() * 0.7);
     Vec3d axis = crossways(normal, draw);
     if (axis.z > 0) axis = -axis;  // leaves point downwards
-    const double size = draw.around(leaf, 0.3);
+    const double size = draw.around(leafLength, 0.3);
     appendLeaf(s, surface, position - axis * (size / 2), position + axis * (size / 2), normal,
                size * draw.in(0.55, 0.75));
   }
@@ -69,142 +76,175 @@ double crownProfile(const Habit& habit, double t) {
                 : std::sqrt(std::sin(kPi * (t * 0.86 + 0.1)));
 }
 
-// Appends the twigs inside a cluster of leaves, which become visible when leaves have fallen.
+// Appends the twigs inside a cluster of leaves, which become visible when leaves have fallen. `radius`: of the cluster,
+// `twigRadius`: where a twig begins (m).
 void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, int count,
-                 double thick) {
+                 double twigRadius) {
   for (int k = 0; k < count; ++k) {
-    const Vec3d from = center + draw.direction() * (radius * draw.in(0, 0.5));
-    const Vec3d out = normalized(draw.direction() + normalized(from - center + Vec3d{0, 0, 0.01}) + Vec3d{0, 0, 0.4});
-    s.tube(surface, from, from + out * (radius * draw.in(0.4, 0.8)), thick, 0.003, 3);
+    const Vec3d begin = center + draw.direction() * (radius * draw.in(0, 0.5));
+    const Vec3d out = normalized(draw.direction() + normalized(begin - center + Vec3d{0, 0, 0.01}) + Vec3d{0, 0, 0.4});
+    s.tube(surface, begin, begin + out * (radius * draw.in(0.4, 0.8)), twigRadius, 0.003, 3);
   }
 }
 
 // The irregularity of a crown. It has its own random stream, so that regular crowns do not depend on it.
 class Raggedness {
  public:
-  Raggedness(std::uint64_t seed, int form, double share)
-      : share_(share), draw_(seed, Kind::Crown, static_cast<std::uint32_t>(form)) {
-    heavy_ = draw_.in(0, 2 * kPi);
-    long_ = draw_.in(0, 2 * kPi);
+  // `irregularity`: from 0 to 1, see makeTree().
+  Raggedness(std::uint64_t seed, int form, double irregularity)
+      : irregularity_(irregularity), draw_(seed, Kind::Crown, form) {
+    heavySide_ = draw_.in(0, 2 * kPi);
+    longAxis_ = draw_.in(0, 2 * kPi);
   }
 
   // Returns a factor on the distance between the trunk and a cluster of leaves in the direction `angle` (azimuth, rad).
   double reach(double angle) const {
-    return 1 + share_ * (0.3 * std::cos(angle - heavy_) + 0.22 * std::cos(2 * (angle - long_)));
+    return 1 + irregularity_ * (0.3 * std::cos(angle - heavySide_) + 0.22 * std::cos(2 * (angle - longAxis_)));
   }
-  double size() { return lerp(1, draw_.in(0.45, 1.4), share_); }
+  // Returns a random factor on the radius of a cluster.
+  double size() { return lerp(1, draw_.in(0.45, 1.4), irregularity_); }
   // Returns how much a cluster is raised, as a fraction of the crown's height.
-  double raised() { return share_ * draw_.in(-0.13, 0.13); }
-  bool missing() { return draw_.chance(0.22 * share_); }
+  double raised() { return irregularity_ * draw_.in(-0.13, 0.13); }
+  bool missing() { return draw_.chance(0.22 * irregularity_); }
 
  private:
-  double share_;
+  double irregularity_;
   Draw draw_;
-  double heavy_ = 0, long_ = 0;  // azimuths of the heavier side and of the longer axis, rad
+  double heavySide_ = 0, longAxis_ = 0;  // azimuths, rad
 };
 
-void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,
-                     Raggedness ragged) {
-  const SurfaceIndex bark = s.surface("trunk", "bark");
-  const SurfaceIndex branch = s.surface("tree", "bark");
-  const SurfaceIndex leaf = s.surface("tree", "leaf");
-  const double base = habit.crownBase * height / habit.height;
-  const double crown = height - base;
+// The axis of a trunk: evenly spaced points from the ground upwards.
+struct TrunkAxis {
+  std::vector<Vec3d> points;
 
+  // Returns the axis's point at the height z; above and below the trunk, its end.
+  Vec3d at(double z) const {
+    const std::size_t segments = points.size() - 1;
+    const double t = std::clamp((z - points.front().z) / (points.back().z - points.front().z), 0.0, 1.0) *
+                     static_cast<double>(segments);
+    const auto i = std::min<std::size_t>(static_cast<std::size_t>(t), segments - 1);
+    return points[i] + (points[i + 1] - points[i]) * (t - double(i));
+  }
+};
+
+// A ball of leaves of a crown (m).
+struct Cluster {
+  Vec3d center;
+  double radius;
+};
+
+// Appends a trunk that leans and bends a little. `base`: height of the crown's lower end, `crown`: its height (m).
+TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, double crown) {
+  constexpr int kSegments = 7;
   const double leanX = draw.in(-0.25, 0.25);
   const double leanY = draw.in(-0.25, 0.25);
-  std::vector<Vec3d> stem;
-  std::vector<double> thickness;
-  constexpr int kStem = 7;
-  for (int i = 0; i <= kStem; ++i) {
-    const double t = double(i) / kStem;
+  TrunkAxis axis;
+  std::vector<double> radii;
+  for (int i = 0; i <= kSegments; ++i) {
+    const double t = double(i) / kSegments;
     const double z = -0.15 + t * (base + crown * 0.75);
-    stem.push_back({leanX * t * t + draw.in(-0.03, 0.03), leanY * t * t + draw.in(-0.03, 0.03), z});
-    thickness.push_back(habit.trunkRadius * (i == 0 ? 1.35 : lerp(1.0, 0.18, t)));
+    axis.points.push_back({leanX * t * t + draw.in(-0.03, 0.03), leanY * t * t + draw.in(-0.03, 0.03), z});
+    radii.push_back(habit.trunkRadius * (i == 0 ? 1.35 : lerp(1.0, 0.18, t)));
   }
-  s.pipe(bark, stem, thickness, 12);
-  const auto trunkAt = [&](double z) {
-    const double t = std::clamp((z - stem.front().z) / (stem.back().z - stem.front().z), 0.0, 1.0) * kStem;
-    const auto i = std::min<std::size_t>(static_cast<std::size_t>(t), kStem - 1);
-    return stem[i] + (stem[i + 1] - stem[i]) * (t - double(i));
-  };
+  s.pipe(s.surface("trunk", "bark"), axis.points, radii, 12);
+  return axis;
+}
 
-  struct Cluster {
-    Vec3d center;
-    double radius;
-  };
+// Returns the clusters of a broadleaf's crown, in a spiral from its lower end to its top. `radius`: of the crown (m).
+std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxis& trunk, double base, double crown,
+                                  double radius, Raggedness ragged) {
   std::vector<Cluster> clusters;
-  double total = 0;
   for (int i = 0; i < habit.clusters; ++i) {
-    const double t = (i + draw.next()) / habit.clusters;
-    const double r = radius * crownProfile(habit, t);
+    const double t = (i + draw.next()) / habit.clusters;  // 0 at the crown's lower end, 1 at its top
     const double size = radius * habit.clusterSize * draw.in(0.8, 1.25) * ragged.size();
-    const double angle = i * 2.39996 + draw.in(-0.5, 0.5);  // the golden angle spreads the clusters evenly
-    const double out = std::max(0.0, r - size) * draw.in(0.75, 1.05) * ragged.reach(angle);
+    const double angle = i * kGoldenAngle + draw.in(-0.5, 0.5);
+    const double out =
+        std::max(0.0, radius * crownProfile(habit, t) - size) * draw.in(0.75, 1.05) * ragged.reach(angle);
     const double z = base + size * 0.5 + t * std::max(0.1, crown - size * 1.3) + ragged.raised() * crown;
     if (ragged.missing()) continue;
-    clusters.push_back({trunkAt(z) + Vec3d{out * std::cos(angle), out * std::sin(angle), 0}, size});
-    clusters.back().center.z = z;
-    total += size * size;
+    const Vec3d center = trunk.at(z) + Vec3d{out * std::cos(angle), out * std::sin(angle), 0};
+    clusters.push_back({{center.x, center.y, z}, size});
   }
+  return clusters;
+}
+
+// Appends a broadleaf: trunk, and for each cluster a branch, twigs and leaves. `height`, `radius`: of tree and crown
+// (m).
+void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,
+                     const Raggedness& ragged) {
+  const double base = habit.crownBase * height / habit.height;
+  const double crown = height - base;
+  const TrunkAxis trunk = appendTrunk(s, draw, habit, base, crown);
+  const SurfaceIndex branch = s.surface("tree", "bark");
+  const SurfaceIndex leaf = s.surface("tree", "leaf");
+  const std::vector<Cluster> clusters = drawClusters(draw, habit, trunk, base, crown, radius, ragged);
+  double squares = 0;  // of all radii: a cluster's share of the leaves is its share of this sum
+  for (const Cluster& c : clusters) squares += c.radius * c.radius;
   for (const Cluster& c : clusters) {
-    const double fork = std::max(base * 0.85, c.center.z - 0.35 * crown * draw.in(0.5, 1.0) - 0.2);
-    const Vec3d from = trunkAt(fork);
-    const Vec3d middle = from + (c.center - from) * 0.55 + Vec3d{0, 0, -0.12 * length(c.center - from)};
-    const double thick = habit.trunkRadius * lerp(0.42, 0.2, (fork - base) / crown);
-    s.pipe(branch, {from, middle, c.center}, {thick, thick * 0.65, thick * 0.3}, 6);
+    const double fork = std::max(base * 0.85, c.center.z - 0.35 * crown * draw.in(0.5, 1.0) - 0.2);  // m, height
+    const Vec3d begin = trunk.at(fork);
+    const Vec3d middle = begin + (c.center - begin) * 0.55 + Vec3d{0, 0, -0.12 * length(c.center - begin)};
+    const double branchRadius = habit.trunkRadius * lerp(0.42, 0.2, (fork - base) / crown);
+    s.pipe(branch, {begin, middle, c.center}, {branchRadius, branchRadius * 0.65, branchRadius * 0.3}, 6);
     for (int k = 0; k < 4; ++k) {
       const Vec3d twig = normalized(draw.direction() + Vec3d{0, 0, 0.4});
-      s.tube(branch, c.center, c.center + twig * (c.radius * 0.8), thick * 0.25, 0.006, 4);
+      s.tube(branch, c.center, c.center + twig * (c.radius * 0.8), branchRadius * 0.25, 0.006, 4);
     }
-    if (foliage < 0.6) appendTwigs(s, branch, draw, c.center, c.radius, 24, 0.008);
+    if (foliage < kBareBelow) appendTwigs(s, branch, draw, c.center, c.radius, 24, 0.008);
     appendFoliageBall(s, leaf, draw, c.center, c.radius, 0.8,
-                      static_cast<int>(foliage * habit.leaves * c.radius * c.radius / total), habit.leaf);
+                      static_cast<int>(foliage * habit.leaves * c.radius * c.radius / squares), habit.leafLength);
   }
 }
 
-// Appends whorls of branches with needles on both sides of each branch.
-void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
-  const SurfaceIndex bark = s.surface("trunk", "bark");
-  const SurfaceIndex branch = s.surface("tree", "bark");
-  const SurfaceIndex needles = s.surface("tree", "leaf_conifer");
-  const double base = habit.crownBase * height / habit.height;
-  s.pipe(bark, {{0, 0, -0.15}, {0, 0, 0.3}, {0.04, 0.02, height * 0.5}, {0, 0, height - 0.1}},
-         {habit.trunkRadius * 1.3, habit.trunkRadius, habit.trunkRadius * 0.55, 0.015}, 12);
-  struct Bough {
-    Vec3d root, tip;
-  };
+// A branch of a conifer, from the trunk outwards (m). `reach`: its horizontal length.
+struct Bough {
+  Vec3d root, tip;
+  double reach;
+};
+
+// Returns the boughs of a conifer, in whorls: they droop at the lower end of the crown and rise at its top.
+std::vector<Bough> drawBoughs(Draw& draw, double base, double height, double radius) {
+  constexpr double kWhorlDistance = 0.42;  // m
   std::vector<Bough> boughs;
-  double total = 0;
-  const double pitch = 0.42;
   double z = base;
   while (z < height - 0.25) {
     const double t = (z - base) / (height - base);
     const double reach = radius * std::pow(1 - t, 0.85) * draw.in(0.9, 1.1) + 0.12;
     const int count = t < 0.8 ? 9 : 6;
-    const double turn = draw.in(0, 2 * kPi);
+    const double firstAngle = draw.in(0, 2 * kPi);
     for (int k = 0; k < count; ++k) {
-      const double angle = turn + 2 * kPi * k / count + draw.in(-0.2, 0.2);
+      const double angle = firstAngle + 2 * kPi * k / count + draw.in(-0.2, 0.2);
       const double out = reach * draw.in(0.8, 1.08);
-      const double droop = lerp(-0.28, 0.45, t);
-      const double root = z + draw.in(-0.5, 0.5) * pitch;
-      boughs.push_back({{0, 0, root}, {out * std::cos(angle), out * std::sin(angle), root + droop * out}});
-      total += out;
+      const double slope = lerp(-0.28, 0.45, t);
+      const double rootZ = z + draw.in(-0.5, 0.5) * kWhorlDistance;
+      boughs.push_back({{0, 0, rootZ}, {out * std::cos(angle), out * std::sin(angle), rootZ + slope * out}, out});
     }
-    z += pitch * draw.in(0.8, 1.2);
+    z += kWhorlDistance * draw.in(0.8, 1.2);
   }
+  return boughs;
+}
+
+// Appends a conifer: a trunk, and boughs with needles on both sides. `height`, `radius`: of tree and crown (m).
+void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
+  const SurfaceIndex bark = s.surface("trunk", "bark");
+  const SurfaceIndex branch = s.surface("tree", "bark");
+  const SurfaceIndex needles = s.surface("tree", "leaf_conifer");
+  s.pipe(bark, {{0, 0, -0.15}, {0, 0, 0.3}, {0.04, 0.02, height * 0.5}, {0, 0, height - 0.1}},
+         {habit.trunkRadius * 1.3, habit.trunkRadius, habit.trunkRadius * 0.55, 0.015}, 12);
+  const std::vector<Bough> boughs = drawBoughs(draw, habit.crownBase * height / habit.height, height, radius);
+  double totalReach = 0;  // m: a bough's share of the needles is its share of this sum
+  for (const Bough& b : boughs) totalReach += b.reach;
   for (const Bough& b : boughs) {
     s.tube(branch, b.root, b.tip, 0.022, 0.006, 4);
     const Vec3d along = b.tip - b.root;
-    const double reach = length(Vec3d{along.x, along.y, 0});
     const Vec3d side = normalized(cross(along, Vec3d{0, 0, 1}));
-    const int count = static_cast<int>(habit.leaves * reach / total);
+    const int count = static_cast<int>(habit.leaves * b.reach / totalReach);
     for (int k = 0; k < count; ++k) {
       const double t = 1.02 - 0.85 * std::pow(draw.next(), 1.4);  // more needles near the tip
-      const double size = draw.around(habit.leaf, 0.3) * lerp(1.25, 0.8, t);
+      const double size = draw.around(habit.leafLength, 0.3) * lerp(1.25, 0.8, t);
       const Vec3d stem = b.root + along * t + Vec3d{0, 0, draw.in(-0.05, 0.05)};
-      const double turn = draw.sign();
-      const double aside = turn * draw.in(0.5, 1.1);
+      const double sign = draw.sign();
+      const double aside = sign * draw.in(0.5, 1.1);
       const double up = draw.in(-0.4, 0.15);
       const Vec3d tip = normalized(along) * 0.6 + side * aside + Vec3d{0, 0, up};
       const Vec3d normal = normalized(Vec3d{0, 0, 1} + draw.direction() * 0.6);
@@ -218,13 +258,13 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged) {
   Habit habit = kHabits[static_cast<std::size_t>(form % kTreeForms)];
   habit.leaves = static_cast<int>(habit.leaves * detail);
-  habit.leaf /= std::sqrt(detail);
-  Draw draw(seed, Kind::Tree, static_cast<std::uint32_t>(form));
+  habit.leafLength /= std::sqrt(detail);
+  Draw draw(seed, Kind::Tree, form);
   Shape s(builder, habit.name);
   const double height = draw.around(habit.height, 0.12);
   const double radius = draw.around(habit.crownRadius, 0.12);
   const auto leaves = static_cast<std::size_t>(habit.leaves);
-  s.mesh.positions.reserve(5 * leaves);  // four for each leaf, and those of the branches
+  s.mesh.positions.reserve(5 * leaves);  // four vertices for each leaf, and those of the branches
   s.mesh.triangles.reserve(3 * leaves);
   s.mesh.surfaceOf.reserve(3 * leaves);
   habit.conifer ? appendConifer(s, draw, habit, height, radius)
@@ -235,26 +275,26 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double d
 }
 
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
-  Draw draw(seed, Kind::Bush, static_cast<std::uint32_t>(form));
+  Draw draw(seed, Kind::Bush, form);
   Shape s(builder, "bush");
   const SurfaceIndex leaf = s.surface("vegetation", "leaf");
   const SurfaceIndex bark = s.surface("vegetation", "bark");
-  const double size = draw.in(0.5, 0.95);
-  const int lumps = 4 + draw.below(4);
-  for (int i = 0; i < lumps; ++i) {
-    const double angle = i * 2.39996 + draw.in(-0.4, 0.4);
+  const double size = draw.in(0.5, 0.95);  // m, about the bush's radius
+  const int balls = 4 + draw.below(4);     // balls of leaves; the first one is in the middle and on top
+  for (int i = 0; i < balls; ++i) {
+    const double angle = i * kGoldenAngle + draw.in(-0.4, 0.4);
     const double r = size * draw.in(0.42, 0.6);
     const double out = i == 0 ? 0 : size * draw.in(0.35, 0.55);
     const Vec3d center{out * std::cos(angle), out * std::sin(angle), (i == 0 ? size * 1.1 : size * draw.in(0.5, 0.9))};
     s.tube(bark, {0, 0, -0.05}, center, 0.02, 0.006, 5);
-    if (foliage < 0.6) appendTwigs(s, bark, draw, center, r, 20, 0.004);
-    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1000 / lumps), 0.1);
+    if (foliage < kBareBelow) appendTwigs(s, bark, draw, center, r, 20, 0.004);
+    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1000 / balls), 0.1);
   }
   return s.finish();
 }
 
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
-  Draw draw(seed, Kind::Hedgerow, static_cast<std::uint32_t>(form));
+  Draw draw(seed, Kind::Hedgerow, form);
   Shape s(builder, "hedge");
   const SurfaceIndex leaf = s.surface("vegetation", "leaf");
   const SurfaceIndex bark = s.surface("vegetation", "bark");
@@ -267,8 +307,8 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
   }
   // Adds at most 3500 leaves, denser near the hedge's surface, where the light is. Up to this number, their total area
   // is 4 times the hedge's area seen from the side.
-  const double size = draw.in(0.09, 0.14);
-  const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * size * size));
+  const double leafLength = draw.in(0.09, 0.14);
+  const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * leafLength * leafLength));
   for (int k = 0; k < std::min(leaves, 3500); ++k) {
     const double across = draw.in(-1, 1);
     const double outwards = std::copysign(std::pow(std::abs(across), 0.15), across);
@@ -280,28 +320,28 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
     const Vec3d out{0, across, z > 0.85 * height ? 1.0 : 0.2};
     const Vec3d normal = normalized(out + draw.direction() * 0.5);
     const Vec3d axis = crossways(normal, draw);
-    const double length = draw.around(size, 0.3);
+    const double length = draw.around(leafLength, 0.3);
     appendLeaf(s, leaf, position - axis * (length / 2), position + axis * (length / 2), normal, length * 0.7);
   }
   return s.finish();
 }
 
 Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
-  Draw draw(seed, Kind::Undergrowth, static_cast<std::uint32_t>(form));
+  Draw draw(seed, Kind::Undergrowth, form);
   Shape s(builder, "undergrowth");
   const SurfaceIndex leaf = s.surface("vegetation", "leaf");
   const SurfaceIndex bark = s.surface("vegetation", "bark");
   const double height = draw.in(1.4, 3.2);
   const double radius = draw.in(1.1, 1.8);
-  const int lumps = 6 + draw.below(5);
-  for (int i = 0; i < lumps; ++i) {
-    const double angle = i * 2.39996 + draw.in(-0.5, 0.5);
+  const int balls = 6 + draw.below(5);
+  for (int i = 0; i < balls; ++i) {
+    const double angle = i * kGoldenAngle + draw.in(-0.5, 0.5);
     const double r = draw.in(0.45, 0.75);
     const double out = radius * std::sqrt(draw.next()) * 0.8;
     const Vec3d center{out * std::cos(angle), out * std::sin(angle), lerp(0.35, height - r, draw.next())};
     s.tube(bark, {0.3 * center.x, 0.3 * center.y, -0.1}, center, 0.025, 0.006, 5);
-    if (foliage < 0.6) appendTwigs(s, bark, draw, center, r, 30, 0.005);
-    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1900 / lumps), 0.13);
+    if (foliage < kBareBelow) appendTwigs(s, bark, draw, center, r, 30, 0.005);
+    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1900 / balls), 0.13);
   }
   return s.finish();
 }

@@ -12,13 +12,14 @@ namespace {
 // The body of a kind of car and its side profile (m), before they vary at random; x is 0 in the middle.
 struct CarShape {
   double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm (facade.h)
-  double nose, hood, height, tail;                                     // z: tip and base of the bonnet, roof, boot
-  double windBase, windTop, roofEnd, rearBase;                         // x: ends of windscreen, roof and rear window
+  double nose, hood, roof, tail;                // z: tip and base of the bonnet, top of the roof, boot
+  double windBase, windTop, roofEnd, rearBase;  // x: ends of windscreen, roof and rear window
 };
 
-// The bodies in the order of CarForm.
+// The bodies in the order of CarForm, by eye from usual cars of each kind.
 // clang-format off
-constexpr std::array<CarShape, 7> kCarShapes{{
+constexpr std::array<CarShape, kCarForms> kCarShapes{{
+//   length width floor belt  rise  half  wheel   nose  hood  roof  tail    windscreen   roof   rear
     {4.1,  1.78, 0.2,  0.92, 0.02, 0.56, 0.31,   0.74, 0.98, 1.48, 0.95,   0.85, 0.2,  -1.45, -1.9},
     {4.7,  1.78, 0.2,  0.92, 0.02, 0.56, 0.31,   0.74, 0.98, 1.44, 1.02,   0.95, 0.3,  -0.95, -1.65},
     {4.65, 1.78, 0.2,  0.92, 0.02, 0.56, 0.31,   0.74, 0.98, 1.47, 0.95,   0.95, 0.3,  -1.9,  -2.2},
@@ -29,40 +30,38 @@ constexpr std::array<CarShape, 7> kCarShapes{{
 }};
 // clang-format on
 
-// Returns the body of a kind of car, with the windows that go with it.
+// Returns the body of a kind of car, with the windows that go with it. Length and height vary by a few percent.
 BodyForm carForm(CarForm kind, Draw& draw) {
   const CarShape& shape = kCarShapes[static_cast<std::size_t>(kind)];
-  BodyForm f;
-  f.length = shape.length;
-  f.width = shape.width;
-  f.floor = shape.floor;
-  f.belt = shape.belt;
-  f.beltRise = shape.beltRise;
-  f.roofHalf = shape.roofHalf;
-  f.wheelRadius = shape.wheelRadius;
-  const double stretch = draw.in(0.97, 1.03);
-  const double height = shape.height * draw.in(0.98, 1.02);
-  f.length *= stretch;
+  const double stretch = draw.in(0.97, 1.03);  // factor on all lengths
+  const double height = shape.roof * draw.in(0.98, 1.02);
   const double windBase = shape.windBase * stretch, windTop = shape.windTop * stretch;
-  const double end = f.length / 2;
+  const double end = shape.length * stretch / 2;
   const double rearBase = std::max(shape.rearBase * stretch, -end + 0.04);
   const double roofEnd = std::max(shape.roofEnd * stretch, rearBase + 0.06);
-  f.profile = {{-end, shape.tail - 0.08},
-               {-end + 0.03, shape.tail},
-               {rearBase, shape.tail + 0.01},
-               {roofEnd, height - 0.05},
-               {(roofEnd + windTop) / 2, height},
-               {windTop, height - 0.04},
-               {windBase, shape.hood},
-               {end - 0.5, lerp(shape.nose, shape.hood, 0.55)},
-               {end - 0.12, shape.nose},
-               {end, shape.nose - 0.1}};
-  std::sort(f.profile.begin(), f.profile.end(), [](Point2 a, Point2 b) { return a.x < b.x; });
-  f.windscreen = {windTop + 0.07, windBase - 0.07};
-  f.rearWindow = {rearBase + std::min(0.1, (roofEnd - rearBase) * 0.15),
-                  roofEnd - std::min(0.06, (roofEnd - rearBase) * 0.1)};
-  const double front = lerp(windTop, windBase, 0.55);
-  const double middle = windTop - 0.75;
+  BodyForm f{.length = shape.length * stretch,
+             .width = shape.width,
+             .floor = shape.floor,
+             .belt = shape.belt,
+             .beltRise = shape.beltRise,
+             .roofHalf = shape.roofHalf,
+             .profile = {{-end, shape.tail - 0.08},
+                         {-end + 0.03, shape.tail},
+                         {rearBase, shape.tail + 0.01},
+                         {roofEnd, height - 0.05},
+                         {(roofEnd + windTop) / 2, height},
+                         {windTop, height - 0.04},
+                         {windBase, shape.hood},
+                         {end - 0.5, lerp(shape.nose, shape.hood, 0.55)},
+                         {end - 0.12, shape.nose},
+                         {end, shape.nose - 0.1}},
+             .windscreen = {windTop + 0.07, windBase - 0.07},
+             .rearWindow = {rearBase + std::min(0.1, (roofEnd - rearBase) * 0.15),
+                            roofEnd - std::min(0.06, (roofEnd - rearBase) * 0.1)},
+             .wheelRadius = shape.wheelRadius};
+  std::ranges::sort(f.profile, {}, &Point2::x);
+  const double front = lerp(windTop, windBase, 0.55);  // x: front end of the side windows
+  const double middle = windTop - 0.75;                // x: the pillar between the front and the rear doors
   switch (kind) {
     case CarForm::Delivery:
       f.sideWindows = {{windTop - 0.35, front}};
@@ -81,8 +80,8 @@ BodyForm carForm(CarForm kind, Draw& draw) {
       f.sideWindows = {{lerp(rearBase, roofEnd, 0.65), middle - 0.04}, {middle + 0.05, front}};
       break;
   }
-  const double base = f.length * 0.5 * 0.6;
-  f.axles = {-base * draw.in(0.98, 1.03), base * draw.in(1.03, 1.07)};
+  const double halfWheelbase = f.length * 0.5 * 0.6;
+  f.axles = {-halfWheelbase * draw.in(0.98, 1.03), halfWheelbase * draw.in(1.03, 1.07)};
   return f;
 }
 
@@ -96,132 +95,140 @@ const char* paintOf(std::uint64_t seed, int number) {
                                                                    {0.177, "car_paint_blue"},
                                                                    {0.147, "car_paint_silver"},
                                                                    {0.077, "car_paint_red"}}};
-  double left = Draw(seed, Kind::Paint, static_cast<std::uint32_t>(number)).next();
+  double remaining = Draw(seed, Kind::Paint, number).next();  // of the cumulative share
   for (const auto& [share, paint] : kPaints) {
-    left -= share;
-    if (left < 0) return paint;
+    remaining -= share;
+    if (remaining < 0) return paint;
   }
   return kPaints.back().second;
 }
 
-constexpr double kCab = 2.0;  // m, length of a truck's cab
+constexpr double kCabLength = 2.0;  // m, of a truck
 
-BodyForm truckCab(double width) {
-  BodyForm cab;
-  cab.className = "truck";
-  cab.length = kCab;
-  cab.width = width - 0.08;
-  cab.floor = 0.45;
-  cab.belt = 1.45;
-  cab.beltRise = 0;
-  cab.roofHalf = 0.98;
-  cab.noseTaper = 0.05;
-  cab.tailTaper = 0;
-  cab.bulge = 0.06;
-  cab.wheelRadius = 0.45;
-  cab.wheelWidth = 0.27;
-  cab.profile = {{-1, 2.55}, {-0.9, 2.62}, {0.3, 2.62}, {0.72, 2.52}, {0.93, 1.5}, {1, 1.3}};
-  cab.windscreen = {0.76, 0.92};
-  cab.sideWindows = {{-0.45, 0.62}};
-  cab.axles = {0.0};
-  cab.mirrors = false;
-  return cab;
+// Returns the cab of a truck whose cargo box is `cargoWidth` metres wide. Its sizes are by eye.
+BodyForm truckCab(double cargoWidth) {
+  return {.className = "truck",
+          .length = kCabLength,
+          .width = cargoWidth - 0.08,
+          .floor = 0.45,
+          .belt = 1.45,
+          .beltRise = 0,
+          .roofHalf = 0.98,
+          .noseTaper = 0.05,
+          .tailTaper = 0,
+          .bulge = 0.06,
+          .profile = {{-1, 2.55}, {-0.9, 2.62}, {0.3, 2.62}, {0.72, 2.52}, {0.93, 1.5}, {1, 1.3}},
+          .windscreen = {0.76, 0.92},
+          .sideWindows = {{-0.45, 0.62}},
+          .axles = {0.0},
+          .wheelRadius = 0.45,
+          .wheelWidth = 0.27,
+          .mirrors = false};
 }
 
 }  // namespace
 
 Model makeCar(SceneBuilder& builder, std::uint64_t seed, CarForm form, int number) {
-  Draw draw(seed, Kind::Car, static_cast<std::uint32_t>(number));
+  Draw draw(seed, Kind::Car, number);
   Shape shape(builder, "car");
   BodyForm body = carForm(form, draw);
   body.paint = paintOf(seed, number);
   appendBody(shape, body);
   if (form == CarForm::Wagon || form == CarForm::Suv) {  // roof rails
     const SurfaceIndex metal = shape.surface("car", "metal_bare");
-    const double z = body.profile[4].y + 0.01;
+    const double z = body.profile[4].y + 0.01;  // just above the top of the roof
     for (const double y : {-0.5, 0.5}) {
-      shape.pipe(metal, {{-1.25, y, z - 0.08}, {-1.1, y, z + 0.02}, {0.0, y, z + 0.03}, {0.15, y, z - 0.08}},
-                 {0.017, 0.017, 0.017, 0.017}, 6);
+      shape.pipe(metal, {{-1.25, y, z - 0.08}, {-1.1, y, z + 0.02}, {0.0, y, z + 0.03}, {0.15, y, z - 0.08}}, 0.017, 6);
     }
   }
   return shape.finish();
 }
 
+// Builds a truck: a cab in front, and behind it a cargo box on a chassis with one rear axle.
 Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
-  Draw draw(seed, Kind::Truck, static_cast<std::uint32_t>(form));
+  Draw draw(seed, Kind::Truck, form);
   Shape shape(builder, "truck");
   const double length = draw.in(6.8, 8.6);
   const double width = 2.35;
-  const double height = draw.in(3.1, 3.6);
+  const double top = draw.in(3.1, 3.6);
   const double end = length / 2;
 
-  shape.frame = at({end - kCab / 2 - 0.06, 0, 0});
+  shape.frame = at({end - kCabLength / 2 - 0.06, 0, 0});
   appendBody(shape, truckCab(width));
   shape.frame = {};
 
   const SurfaceIndex metal = shape.surface("truck", "painted_metal");
   const SurfaceIndex black = shape.surface("truck", "plastic_black");
   const SurfaceIndex reflector = shape.surface("truck", "sign_retroreflective");
-  const double front = end - kCab - 0.2;
-  const double cargo = front + end;
+  const double front = end - kCabLength - 0.2;  // x of the cargo box's front
+  const double boxLength = front + end;
   const double middle = (front - end) / 2;
-  constexpr double kBed = 0.95;
-  shape.box(metal, {middle, 0, (kBed + height) / 2}, {cargo, width, height - kBed});
-  for (const double y : {-width / 2, width / 2}) {  // adds ribs, a reflecting band and an under-ride guard
+  constexpr double kBed = 0.95;  // m, height of the cargo box's floor
+  const double middleZ = (kBed + top) / 2;
+  shape.box(metal, {middle, 0, middleZ}, {boxLength, width, top - kBed});
+  for (const double y : {-width / 2, width / 2}) {
     for (int k = 0; k <= 6; ++k) {
-      const double x = lerp(-end + 0.02, front - 0.02, k / 6.0);
-      shape.box(metal, {x, y, (kBed + height) / 2}, {0.06, 0.05, height - kBed + 0.03});
+      shape.box(metal, {lerp(-end + 0.02, front - 0.02, k / 6.0), y, middleZ}, {0.06, 0.05, top - kBed + 0.03});  // rib
     }
-    shape.box(reflector, {middle, y, kBed + 0.09}, {cargo - 0.3, 0.02, 0.06});
-    for (const double z : {0.5, 0.72}) shape.box(metal, {middle + 0.35, y * 0.96, z}, {cargo - 2.4, 0.04, 0.1});
+    shape.box(reflector, {middle, y, kBed + 0.09}, {boxLength - 0.3, 0.02, 0.06});
+    for (const double z : {0.5, 0.72}) {  // side guard
+      shape.box(metal, {middle + 0.35, y * 0.96, z}, {boxLength - 2.4, 0.04, 0.1});
+    }
   }
-  for (const double y : {-0.42, 0.42}) shape.box(black, {middle + 0.5, y, 0.78}, {length - 1.4, 0.1, 0.22});
-  shape.box(black, {middle + 0.1, 0, 0.9}, {cargo - 0.3, 0.7, 0.08});
-  const double rear = -end + 1.45;  // position of the rear axle
-  shape.tube(black, {rear, -0.9, 0.45}, {rear, 0.9, 0.45}, 0.07, 0.07, 8);
-  for (const double y : {0.72, 1.02}) appendWheels(shape, "truck", rear, y, 0.45, 0.26);
-  shape.box(metal, {-end + 0.05, 0, 0.5}, {0.1, width - 0.1, 0.12});
+  for (const double y : {-0.42, 0.42}) shape.box(black, {middle + 0.5, y, 0.78}, {length - 1.4, 0.1, 0.22});  // frame
+  shape.box(black, {middle + 0.1, 0, 0.9}, {boxLength - 0.3, 0.7, 0.08});
+  const double axle = -end + 1.45;
+  shape.rod(black, {axle, -0.9, 0.45}, {axle, 0.9, 0.45}, 0.07, 8);
+  for (const double y : {0.72, 1.02}) appendWheels(shape, "truck", axle, y, 0.45, 0.26);
+  shape.box(metal, {-end + 0.05, 0, 0.5}, {0.1, width - 0.1, 0.12});  // rear under-ride guard
   for (const double side : {-1.0, 1.0}) {
-    shape.box(metal, {-end + 0.1, side * 0.7, 0.7}, {0.06, 0.08, 0.45});
-    shape.box(reflector, {-end + 0.01, side * (width / 2 - 0.25), 0.66}, {0.06, 0.36, 0.14});
-    shape.box(metal, {-end - 0.012, side * 0.25, (kBed + height) / 2}, {0.04, 0.04, height - kBed - 0.1});
-    const double x = end - 0.4;  // position of the mirrors along the truck
-    shape.tube(black, {x, side * (width / 2 - 0.12), 2.2}, {x + 0.1, side * (width / 2 + 0.14), 2.1}, 0.02, 0.02, 6);
+    shape.box(metal, {-end + 0.1, side * 0.7, 0.7}, {0.06, 0.08, 0.45});                       // its support
+    shape.box(reflector, {-end + 0.01, side * (width / 2 - 0.25), 0.66}, {0.06, 0.36, 0.14});  // rear lamp
+    shape.box(metal, {-end - 0.012, side * 0.25, middleZ}, {0.04, 0.04, top - kBed - 0.1});    // bar of the doors
+    const double x = end - 0.4;                                                                // of the mirrors
+    shape.rod(black, {x, side * (width / 2 - 0.12), 2.2}, {x + 0.1, side * (width / 2 + 0.14), 2.1}, 0.02, 6);
     shape.box(black, {x + 0.1, side * (width / 2 + 0.15), 1.85}, {0.08, 0.2, 0.5});
   }
-  shape.box(reflector, {-end, 0, 0.66}, {0.05, 0.52, 0.12});
+  shape.box(reflector, {-end, 0, 0.66}, {0.05, 0.52, 0.12});  // number plate
   return shape.finish();
 }
 
 Model makeBus(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::Bus);
   Shape shape(builder, "bus");
-  BodyForm f;
-  f.className = "bus";
-  f.length = draw.in(10.5, 12.0);
-  f.width = 2.5;
-  f.floor = 0.32;
-  f.belt = draw.in(1.2, 1.35);
-  f.beltRise = 0;
-  f.roofHalf = 1.06;
-  f.noseTaper = 0.06;
-  f.tailTaper = 0.03;
-  f.bulge = 0.07;
-  f.wheelRadius = 0.48;
-  f.wheelWidth = 0.3;
-  const double end = f.length / 2;
+  const double length = draw.in(10.5, 12.0);
+  const double end = length / 2;
+  const double belt = draw.in(1.2, 1.35);
   const double roof = draw.in(2.95, 3.15);
-  f.profile = {{-end, roof - 0.3},        {-end + 0.15, roof - 0.05},  {-end + 0.6, roof}, {end - 1, roof},
-               {end - 0.42, roof - 0.08}, {end - 0.08, f.belt - 0.05}, {end, f.belt - 0.2}};
-  f.windscreen = {end - 0.36, end - 0.085};
-  f.axles = {-end + 3.1, end - 2.7};
-  f.mirrors = false;
-  const double low = -end + 0.5;
-  const double high = end - 0.55;
+  constexpr double kWidth = 2.5;
+  std::vector<Span> sideWindows;
   constexpr int kWindows = 8;
-  const double pitch = (high - low) / kWindows;
-  for (int k = 0; k < kWindows; ++k) f.sideWindows.push_back({low + k * pitch, low + (k + 1) * pitch - 0.1});
-  appendBody(shape, f);
+  const double first = -end + 0.5;  // x of the rear end of the row of windows
+  const double pitch = (end - 0.55 - first) / kWindows;
+  for (int k = 0; k < kWindows; ++k) sideWindows.push_back({first + k * pitch, first + (k + 1) * pitch - 0.1});
+  appendBody(shape, {.className = "bus",
+                     .length = length,
+                     .width = kWidth,
+                     .floor = 0.32,
+                     .belt = belt,
+                     .beltRise = 0,
+                     .roofHalf = 1.06,
+                     .noseTaper = 0.06,
+                     .tailTaper = 0.03,
+                     .bulge = 0.07,
+                     .profile = {{-end, roof - 0.3},
+                                 {-end + 0.15, roof - 0.05},
+                                 {-end + 0.6, roof},
+                                 {end - 1, roof},
+                                 {end - 0.42, roof - 0.08},
+                                 {end - 0.08, belt - 0.05},
+                                 {end, belt - 0.2}},
+                     .windscreen = {end - 0.36, end - 0.085},
+                     .sideWindows = sideWindows,
+                     .axles = {-end + 3.1, end - 2.7},
+                     .wheelRadius = 0.48,
+                     .wheelWidth = 0.3,
+                     .mirrors = false});
 
   const SurfaceIndex metal = shape.surface("bus", "painted_metal");
   const SurfaceIndex glass = shape.surface("bus", "glass");
@@ -230,15 +237,15 @@ Model makeBus(SceneBuilder& builder, std::uint64_t seed) {
   shape.box(black, {end - 0.47, 0, roof - 0.13}, {0.3, 1.6, 0.24});   // destination board
   shape.box(metal, {-end + 2.2, 0, roof + 0.08}, {2.4, 1.6, 0.3});    // air conditioning
   for (const double x : {end - 1.35, 0.2}) {                          // doors on the right
-    shape.box(black, {x, -f.width / 2 + 0.06, 1.28}, {1.25, 0.14, 1.9});
-    for (const double dx : {-0.3, 0.3}) shape.box(glass, {x + dx, -f.width / 2 + 0.05, 1.35}, {0.5, 0.15, 1.6});
+    shape.box(black, {x, -kWidth / 2 + 0.06, 1.28}, {1.25, 0.14, 1.9});
+    for (const double dx : {-0.3, 0.3}) shape.box(glass, {x + dx, -kWidth / 2 + 0.05, 1.35}, {0.5, 0.15, 1.6});
   }
-  for (const double side : {-1.0, 1.0}) {
+  for (const double side : {-1.0, 1.0}) {  // mirrors on arms
     shape.pipe(black,
                {{end - 0.3, side * 1.0, roof - 0.15},
                 {end + 0.2, side * 1.22, roof - 0.2},
                 {end + 0.25, side * 1.3, roof - 0.55}},
-               {0.025, 0.025, 0.025}, 6);
+               0.025, 6);
     shape.box(black, {end + 0.25, side * 1.3, roof - 0.8}, {0.1, 0.22, 0.45});
   }
   return shape.finish();

@@ -48,7 +48,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   with.yaw += kPi;
   placer.tryPut(light, with, name + ", with the line");
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
-  Draw draw(placer.layout.seed, Kind::LightPhase, static_cast<std::uint32_t>(placer.lights.size()));
+  Draw draw(placer.layout.seed, Kind::LightPhase, placer.lights.size());
   placer.lights.push_back({last + 1, first - 1, draw.in(0, Placer::Light::kPeriod), marked});
 }
 
@@ -156,7 +156,7 @@ void placeGardenThings(Placer& placer) {
     Spot spot = l.inPlot(plot, draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2)), depth);
     spot.yaw += (plot.side > 0 ? 0 : kPi) + draw.in(-0.4, 0.4);
     const Beside b = l.besideAt(spot.at);
-    if (b.known && b.edge < (what == Clutter::Pond ? b.section.paved() : b.section.outer()) + 1) return false;
+    if (b.nearRoad && b.edge < (what == Clutter::Pond ? b.section.paved() : b.section.outer()) + 1) return false;
     if (!isLevel(l, spot.at)) return false;
     return placer.tryPut(anyClutter(placer, what, draw), spot, fmt::format("clutter {}", ++number));
   };
@@ -181,7 +181,7 @@ void placeGardenThings(Placer& placer) {
   // If no water has been placed, tries to add a pond at the main road, so that few towns have no water.
   Draw draw(l.seed, Kind::TownPond);
   for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots.empty(); ++attempt) {
-    const Plot& plot = draw.of(l.plots);
+    const Plot& plot = draw.itemOf(l.plots);
     if (plot.road == 0) water += tryAt(plot, draw, Clutter::Pond, draw.in(2.2, 6)) ? 1 : 0;
   }
 }
@@ -240,7 +240,7 @@ void placeAnimals(Placer& placer) {
     Spot spot = besideRoad(road, along, lateral);
     spot.yaw = draw.in(0, 2 * kPi);
     const Beside b = l.besideAt(spot.at);
-    if (b.known && b.edge < 0.2) return false;
+    if (b.nearRoad && b.edge < 0.2) return false;
     if (!placer.tryPut(m, spot, fmt::format("animal {}", number + 1))) return false;
     ++number;
     return true;
@@ -266,7 +266,7 @@ void placeAnimals(Placer& placer) {
     const double lateral = side * (curb + draw.in(7, 22));
     const int count = 3 + draw.below(8);
     for (int k = 0; k < count; ++k) {
-      const Model& animal = draw.of(forms);
+      const Model& animal = draw.itemOf(forms);
       const double along = at + draw.in(-12, 12);
       put(animal, along, lateral + draw.in(-6, 6));
     }

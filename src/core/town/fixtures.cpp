@@ -67,7 +67,7 @@ void placeLamps(Placer& placer, const std::vector<Model>& lamps) {
     Draw draw(l.seed, Kind::RoadLamps, s.road.number);
     const double spacing = l.character.country ? draw.in(60, 120) : draw.in(16, 30);
     const int side = draw.chance(0.5) ? 1 : -1;
-    const Model& lamp = draw.of(lamps);
+    const Model& lamp = draw.itemOf(lamps);
     int number = 0;
     for (const double at : models::steps(s.from + draw.in(3, spacing), s.to, spacing)) {
       std::optional<Spot> spot = beyondEdge(l, s.road, at, side, s.road.section.curb + 0.45);
@@ -93,7 +93,7 @@ void placeSigns(Placer& placer, const std::vector<Model>& signs) {
           if (!spot) return false;
           // Vehicles at the right of the road's line drive in the line's direction.
           spot->yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
-          return placer.tryPut(modelOf(draw.of(kAlongRoads)), *spot, fmt::format("sign {}", number));
+          return placer.tryPut(modelOf(draw.itemOf(kAlongRoads)), *spot, fmt::format("sign {}", number));
         });
   for (const Road& road : l.roads()) {
     const std::optional<TrafficSign> rule = signAtMouth(l, road);
@@ -129,7 +129,7 @@ void placeFurniture(Placer& placer, const std::vector<Model>& furnishings) {
           std::optional<Spot> spot = beyondEdge(l, road, at, side, out);
           if (!spot) return false;
           spot->yaw += (side > 0 ? 0 : kPi) + draw.in(-0.3, 0.3);
-          const Model& m = draw.of(furnishings);
+          const Model& m = draw.itemOf(furnishings);
           return placer.tryPut(m, *spot, fmt::format("furniture {}", number));
         });
 }

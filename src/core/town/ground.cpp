@@ -73,7 +73,7 @@ class GroundMaker {
       if (size > 1 && std::abs(layout_.outsidePatches({x, y})) < reach) return true;
       const Beside b = layout_.besideAt({x, y});
       // Beyond kReach the distance to roads is unknown: assume kReach.
-      const double nearest = (b.known ? b.edge : RoadNetwork::kReach) - 0.71 * size;
+      const double nearest = (b.nearRoad ? b.edge : RoadNetwork::kReach) - 0.71 * size;
       const double wanted = nearest < 14 ? kSmallest : nearest < 34 ? 2 * kSmallest : 8;
       return size > wanted * 1.0001;
     });
@@ -92,7 +92,7 @@ class GroundMaker {
     while (besides_.size() <= point) {
       const Point2& p = tiling_.points[besides_.size()];
       const Beside b = layout_.besideAt(p);
-      besides_.push_back({b.edge, b.known ? numberOf(b) : kUnknown});
+      besides_.push_back({b.edge, b.nearRoad ? numberOf(b) : kUnknown});
     }
   }
 
@@ -108,8 +108,8 @@ class GroundMaker {
     makeBesides(point);
     const auto& [edge, section] = besides_[point];
     Beside b;
-    b.known = section != kUnknown;
-    if (b.known) b.section = sections_[section];
+    b.nearRoad = section != kUnknown;
+    if (b.nearRoad) b.section = sections_[section];
     b.edge = edge;
     return b;
   }
@@ -123,7 +123,7 @@ class GroundMaker {
     middle.edge = 0;
     for (const std::uint32_t v : t) {
       makeBesides(v);
-      if (besides_[v].section == kUnknown) middle.known = false;
+      if (besides_[v].section == kUnknown) middle.nearRoad = false;
       middle.edge += besides_[v].edge / 3;
       p.x += tiling_.points[v].x / 3;
       p.y += tiling_.points[v].y / 3;

@@ -86,7 +86,7 @@ class Boundaries {
       const Footprint covered{p, std::max(0.0, width / 2 - 0.1), half, yaw};
       if (same != nullptr && !same->isFree({p, 0, 0, 0})) continue;
       const Beside beside = placer_.layout.besideAt(p);
-      const bool onRoad = beside.known && beside.edge < beside.section.outer() + 0.05;
+      const bool onRoad = beside.nearRoad && beside.edge < beside.section.outer() + 0.05;
       if (onRoad || !placer_.isFree(covered) || placer_.layout.areas.outsideHard(p) < half) {
         lost_ |= placer_.isOnGround(p);
         continue;
@@ -123,7 +123,7 @@ void placeHouses(Placer& placer) {
   };
   int number = 0;
   for (const models::House& house : placer.layout.houses) {
-    const Affine place = placer.worldFromTown * house.place;
+    const Affine place = placer.worldFromTown * house.pose;
     const std::string name = fmt::format("house {}", ++number);
     put(models::makeHouse(placer.builder, placer.layout.seed, house), place, name, house.relation);
     put(makePlinth(placer.builder, house), place, name + " plinth", house.relation);

@@ -44,13 +44,13 @@ void Layout::enter(const Footprint& f, std::uint32_t index, models::CellIndex& c
 
 double Layout::outsidePatches(const Point2& p) const {
   double least = kPatchReach;
-  for (const std::uint32_t i : patchCells_.at(p)) least = std::min(least, patches[i].place.outside(p));
+  for (const std::uint32_t i : patchCells_.at(p)) least = std::min(least, patches[i].rectangle.outside(p));
   return least;
 }
 
 const Patch* Layout::patchAt(const Point2& p) const {
   for (const std::uint32_t i : patchCells_.at(p)) {
-    if (patches[i].place.outside(p) < 0) return &patches[i];
+    if (patches[i].rectangle.outside(p) < 0) return &patches[i];
   }
   return nullptr;
 }
@@ -61,7 +61,7 @@ std::array<double, 5> Layout::borders(double edge, const CrossSection& section) 
 }
 
 GroundKind Layout::kindAt(const Beside& beside, const Point2& p) const {
-  if (!beside.known) {
+  if (!beside.nearRoad) {
     const Patch* patch = patchAt(p);
     return patch != nullptr ? patch->kind : landAt(p);
   }
@@ -101,7 +101,7 @@ double Layout::lowering(const Beside& beside, const Point2& p) const {
   double factor = 1;
   for (const std::uint32_t i : patchCells_.at(p)) {
     if (patches[i].kind != GroundKind::Driveway) continue;
-    const Footprint& f = patches[i].place;
+    const Footprint& f = patches[i].rectangle;
     const double across = std::abs((p.x - f.center.x) * std::cos(f.yaw) + (p.y - f.center.y) * std::sin(f.yaw));
     const double away = smooth((across - f.halfX) / 0.8);
     factor = std::min(factor, std::max(away, smooth(beside.edge / 1.5)));
@@ -131,7 +131,7 @@ double Layout::carriagewayHeight(double inside, const Point2& p) const {
 // Returns the unevenness (m) of lawns and meadows. `edge`: m beyond the carriageway; `hard`: Areas::outsideHard().
 double Layout::rollingOfLand(const Beside& beside, double edge, double hard, const Point2& p) const {
   constexpr double kLawns = 9;  // m from the pavement to the full unevenness
-  const double unpaved = std::max(0.0, edge - (beside.known ? beside.section.paved() : 0));
+  const double unpaved = std::max(0.0, edge - (beside.nearRoad ? beside.section.paved() : 0));
   const double wild = character.undulation * smooth(unpaved / kLawns) * smooth(hard / kSoftEdge);
   return 1.6 * wild * field(Field::Swells, p, 16) + 0.6 * wild * field(Field::Bumps, p, 5);
 }
@@ -153,15 +153,15 @@ double Layout::grainOf(GroundKind kind, const Beside& beside, double edge, const
 }
 
 double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) const {
-  const double edge = beside.known ? beside.edge : kFarFromRoads;
+  const double edge = beside.nearRoad ? beside.edge : kFarFromRoads;
   if (kind == GroundKind::Road || kind == GroundKind::Parking) return carriagewayHeight(-edge, p);
   const double hard = areas.all().empty() ? Areas::kReach : areas.outsideHard(p);
-  const double outer = beside.known ? beside.section.outer() : 0;
+  const double outer = beside.nearRoad ? beside.section.outer() : 0;
   // The height of curb and pavement fades out far from roads, so that the ground has no step where a road is too far to
   // be known.
   constexpr double kFadesFrom = 18, kFades = 15;  // m from the road's edge
   constexpr double kCrossfall = 0.015;            // slope of pavements towards the road
-  const double near = beside.known ? 1 - smooth((edge - kFadesFrom) / kFades) : 0;
+  const double near = beside.nearRoad ? 1 - smooth((edge - kFadesFrom) / kFades) : 0;
   const double curb = near * beside.section.step * lowering(beside, p);
   const double pavement = near * kCrossfall * std::clamp(edge, 0.0, outer);
   double natural =
@@ -183,17 +183,17 @@ double Layout::snowOn(const Beside& beside, const Point2& p) const {
   constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
   constexpr double kBank = 1.3;   // m, width of the banks
   const CrossSection& s = beside.section;
-  const double edge = beside.known ? beside.edge : kFarFromRoads;
-  const double outer = beside.known ? s.paved() : 0;
-  const double verge = edge - (beside.known ? s.curb : 0);  // m, distance of the point beyond the curb
+  const double edge = beside.nearRoad ? beside.edge : kFarFromRoads;
+  const double outer = beside.nearRoad ? s.paved() : 0;
+  const double verge = edge - (beside.nearRoad ? s.curb : 0);  // m, distance of the point beyond the curb
   const double cleared = smooth(outsidePatches(p) / 0.5);
-  const bool pavement = beside.known && s.sidewalk > 0.3;
+  const bool pavement = beside.nearRoad && s.sidewalk > 0.3;
   double depth = character.snow * smooth((edge - outer) / kSlope);
-  if (beside.known && verge > 0 && verge < s.verge) {
+  if (beside.nearRoad && verge > 0 && verge < s.verge) {
     depth = character.snow * smooth(verge / kSlope) * (pavement ? smooth((s.verge - verge) / kSlope) : 1);
   }
   const double width = std::min(kBank, s.verge);
-  if (beside.known && width > 0.6 && verge > 0 && verge < width) {
+  if (beside.nearRoad && width > 0.6 && verge > 0 && verge < width) {
     const double across = std::sin(kPi * verge / width);
     const double along = 0.6 + 1.2 * field(Field::SnowHeaps, p, 3) + 0.6 * field(Field::SnowLumps, p, 0.8);
     depth += character.snowBanks * across * across * std::max(along, 0.1);
@@ -208,7 +208,7 @@ double Layout::levelling(const Point2& p, double natural) const {
   double weights = 0;
   double most = 0;
   for (const std::uint32_t i : terraceCells_.at(p)) {
-    const double weight = 1 - smooth(terraces_[i].place.outside(p) / kPatchReach);
+    const double weight = 1 - smooth(terraces_[i].rectangle.outside(p) / kPatchReach);
     sum += weight * (terraces_[i].height - natural);
     weights += weight;
     most = std::max(most, weight);

@@ -61,7 +61,7 @@ struct TurnedRectangle : models::Footprint {
 
 // A rectangle whose ground differs from the ground around it: a driveway, a lot for parking, a path in a park.
 struct Patch {
-  TurnedRectangle place;
+  TurnedRectangle rectangle;
   GroundKind kind = GroundKind::Driveway;
   bool parks = false;  // true: a car may park here
 };
@@ -88,7 +88,7 @@ struct PlacedBlock {
 
 // A rectangle in which the ground is level: under a building and half a metre around it.
 struct Terrace {
-  TurnedRectangle place;
+  TurnedRectangle rectangle;
   double height = 0;
 };
 

@@ -63,7 +63,7 @@ bool Layout::addLand(Land land, const Road& road, int side, double along, double
     for (const double v : models::steps(-1, 1.1, 0.25)) {
       const Point2 at = place.at(u * place.halfX, v * place.halfY);
       const Beside beside = besideAt(at);
-      if (beside.known && beside.edge < beside.section.outer()) return false;
+      if (beside.nearRoad && beside.edge < beside.section.outer()) return false;
     }
   }
   if (!taken_.isFree({place.center, place.halfX + 2, place.halfY + 2, yaw})) return false;
@@ -119,7 +119,7 @@ void Layout::drawLand() {
 bool Layout::isClear(const Point2& p, double reach, std::uint32_t except) const {
   for (std::uint32_t k = 0; k < 16; ++k) {
     const Beside b = besideAt(polar(p, reach, kPi * k / 8));
-    if (b.known && b.edge < b.section.outer() && b.road != except) return false;
+    if (b.nearRoad && b.edge < b.section.outer() && b.road != except) return false;
   }
   return true;
 }
@@ -182,7 +182,7 @@ void Layout::drawSideRoads() {
   constexpr double kApart = 45, kApartOpposite = 14;  // m, least distances between two side roads
   std::vector<std::pair<double, int>> taken;          // distances along the main road (m), and sides
   for (int i = 0; i < character.sideRoads; ++i) {
-    Draw draw(seed, Kind::SideRoad, static_cast<std::uint32_t>(i));
+    Draw draw(seed, Kind::SideRoad, i);
     const double along = draw.in(mainFrom + 20, mainTo - 20);
     const double angle = kPi / 2 + draw.in(-0.45, 0.45);
     const bool crosses = draw.chance(0.5);

@@ -92,7 +92,7 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& m
     if (area.land != Land::Wood) continue;
     const std::vector<Point2> edge = pointsAlong(area.outline, 10);
     const auto isFar = [&](const Point2& p) {
-      return std::max(std::abs(p.x), std::abs(p.y)) <= halfSide && !besideAt(p).known;
+      return std::max(std::abs(p.x), std::abs(p.y)) <= halfSide && !besideAt(p).nearRoad;
     };
     if (std::any_of(edge.begin(), edge.end(), isFar)) {
       warn(fmt::format("{}: woods farther than {} m from every road have no trees", parameters.map.string(),
@@ -136,7 +136,7 @@ void Layout::takeRoads(const MapPlace& map) {
   for (const MapRoad& placed : map.roads) {
     Road road;
     road.line = placed.line;
-    road.section = sectionOf(placed, character, Draw(seed, Kind::MapRoad, static_cast<std::uint32_t>(roads.size())));
+    road.section = sectionOf(placed, character, Draw(seed, Kind::MapRoad, roads.size()));
     road.main = roads.empty();
     road.minor = placed.kind >= RoadClass::Service;
     road.ring = placed.ring;
@@ -154,8 +154,8 @@ void Layout::takeRoads(const MapPlace& map) {
     for (const Point2& p : pointsAlong(b.outline, 1.5)) {
       const Beside beside = wide.at(p);
       const double lateral = std::abs(beside.lateral);
-      if (beside.known && lateral < 20) near.emplace_back(beside.road, lateral);
-      if (beside.known) least = std::min(least, lateral);
+      if (beside.nearRoad && lateral < 20) near.emplace_back(beside.road, lateral);
+      if (beside.nearRoad) least = std::min(least, lateral);
     }
     // Buildings that stand across a road do not narrow it: takeBuildings() leaves them out.
     if (least < kOnRoad) continue;

@@ -33,7 +33,7 @@ Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
   for (int side = 0; side < 4; ++side) {
     const Point2 front = turned.inFront(0);
     turned.before = roads.at(front);
-    turned.gap = turned.before.known ? turned.before.edge - turned.before.section.outer() : 1e9;
+    turned.gap = turned.before.nearRoad ? turned.before.edge - turned.before.section.outer() : 1e9;
     if (side == 0 || turned.gap < best.gap) best = turned;
     std::swap(turned.about.halfX, turned.about.halfY);
     turned.about.yaw += kPi / 2;
@@ -58,7 +58,7 @@ bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
   for (const MapBuilding* part : lowPartsOf(b)) {
     for (const Point2& p : pointsAlong(part->outline, 1)) {
       const Beside beside = roads.at(p);
-      if (beside.known && beside.edge < -kSlip) return true;
+      if (beside.nearRoad && beside.edge < -kSlip) return true;
     }
   }
   return false;
@@ -151,7 +151,7 @@ House houseOf(const MapBuilding& b, std::uint32_t number, int floors, const Fron
   house.forecourt = std::clamp(frontage.gap, 0.0, 30.0);
   const double c = std::cos(yaw);
   const double s = std::sin(yaw);
-  house.place = models::at(
+  house.pose = models::at(
       {around.center.x - c * around.halfY + s * around.halfX, around.center.y - s * around.halfY - c * around.halfX, 0},
       yaw);
   return house;
@@ -196,7 +196,7 @@ void Layout::takeBuildings(const MapPlace& map) {
     plot.built = true;
     plots.push_back(plot);
     if (house && plot.setback > 0.6) {
-      const Vec3d door = houses.back().place * Vec3d{houses.back().doorX(), -0.6, 0};
+      const Vec3d door = houses.back().pose * Vec3d{houses.back().doorX(), -0.6, 0};
       addStrip({door.x, door.y}, yaw, kPathHalf, plot.setback - 0.6 + before.section.outer(), GroundKind::Path);
     }
   }
@@ -229,7 +229,7 @@ double Layout::addBarePlots(const Road& road, int side, double from, double to) 
   constexpr double kLeastPlot = 8;  // m; less ground gets no plot
   while (to - from > kLeastPlot) {
     Plot plot{.road = road.number, .side = side, .from = from, .bare = true};
-    Draw draw(seed, Kind::BarePlot, static_cast<std::uint32_t>(plots.size()));
+    Draw draw(seed, Kind::BarePlot, plots.size());
     plot.to = std::min(to, from + draw.around(character.plotWidth, 0.3));
     plot.setback = character.setback;
     from = plot.to;
@@ -266,7 +266,7 @@ void Layout::arrangePlots() {
   std::erase_if(plots, [&](const Plot& plot) {
     const Point2 front = inPlot(plot, (plot.from + plot.to) / 2, 1.5).at;
     const Beside b = besideAt(front);
-    return areas.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
+    return areas.outsideHard(front) < 0.5 || (b.nearRoad && b.edge < b.section.outer());
   });
   for (std::uint32_t i = 0; i < plots.size(); ++i) {
     Plot& plot = plots[i];

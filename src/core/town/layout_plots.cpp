@@ -31,18 +31,18 @@ void Layout::drawPlots() {
 void Layout::setLevels() {
   constexpr double kAround = 0.5;  // m of level ground around a building
   findWaterLevels();
-  for (std::uint32_t i = 0; i < patches.size(); ++i) enter(patches[i].place, i, patchCells_);
+  for (std::uint32_t i = 0; i < patches.size(); ++i) enter(patches[i].rectangle, i, patchCells_);
   // Reads all heights before any terrace is set. Otherwise buildings that are close together would lift each other.
   std::vector<Terrace> terraces;
   for (models::House& house : houses) {
-    const Vec3d door = house.place * Vec3d{house.doorX(), -kBeforeDoor, 0};
-    house.place.translation.z = heightAt({door.x, door.y});
-    const double yaw = std::atan2(house.place.linear.x.y, house.place.linear.x.x);
+    const Vec3d door = house.pose * Vec3d{house.doorX(), -kBeforeDoor, 0};
+    house.pose.translation.z = heightAt({door.x, door.y});
+    const double yaw = std::atan2(house.pose.linear.x.y, house.pose.linear.x.x);
     const auto level = [&](const Vec3d& middle, double width, double depth) {
-      const Vec3d at = house.place * middle;
+      const Vec3d at = house.pose * middle;
       terraces.push_back(
-          {TurnedRectangle({{at.x, at.y}, width / 2 + kAround, depth / 2 + kAround, yaw}), house.place.translation.z});
-      covers.push_back(terraces.back().place);
+          {TurnedRectangle({{at.x, at.y}, width / 2 + kAround, depth / 2 + kAround, yaw}), house.pose.translation.z});
+      covers.push_back(terraces.back().rectangle);
     };
     level({house.width / 2, house.depth / 2, 0}, house.width, house.depth);
     if (house.garage) level(house.garageMiddle(), models::kGarageWidth, models::kGarageDepth);
@@ -53,7 +53,7 @@ void Layout::setLevels() {
         {TurnedRectangle({b.about.center, b.about.halfX + kAround, b.about.halfY + kAround, b.about.yaw}), b.height});
   }
   terraces_ = std::move(terraces);
-  for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
+  for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].rectangle, i, terraceCells_);
 }
 
 // True if the rectangle's middle, corners and middles of sides are at least `gap` metres from roads and sidewalks.
@@ -62,7 +62,7 @@ bool Layout::isOffRoads(const Footprint& f, double gap) const {
     for (const double v : {-1.0, 0.0, 1.0}) {
       const Point2 at = f.at(u * f.halfX, v * f.halfY);
       const Beside beside = besideAt(at);
-      if (beside.known && beside.edge < beside.section.outer() + gap) return false;
+      if (beside.nearRoad && beside.edge < beside.section.outer() + gap) return false;
     }
   }
   return true;
@@ -75,10 +75,10 @@ Fencing Layout::drawFencing(Draw& draw, double setback) const {
   if (pick < c.hedges) {
     fencing = Fencing::Hedge;
   } else if (pick < c.hedges + c.fences) {
-    fencing = c.commercial ? draw.of(std::array{Fencing::Wire, Fencing::Wire, Fencing::Bars})
-              : c.country  ? draw.of(std::array{Fencing::Pickets, Fencing::Wire, Fencing::Boards})
-                           : draw.of(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick, Fencing::Brick,
-                                               Fencing::Brick, Fencing::Boards, Fencing::Boards, Fencing::Wire});
+    fencing = c.commercial ? draw.itemOf(std::array{Fencing::Wire, Fencing::Wire, Fencing::Bars})
+              : c.country  ? draw.itemOf(std::array{Fencing::Pickets, Fencing::Wire, Fencing::Boards})
+                           : draw.itemOf(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick, Fencing::Brick,
+                                                   Fencing::Brick, Fencing::Boards, Fencing::Boards, Fencing::Wire});
   }
   return setback < 1.5 ? Fencing::None : fencing;
 }
@@ -176,7 +176,7 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& drawn,
   // Sets the house's frame: the front wall is in the plane y = 0 and faces -y; x points to the right as seen from the
   // road.
   const Point2 corner = body.at(-body.halfX, -body.halfY);
-  house.place = models::at({corner.x, corner.y, 0}, yaw);
+  house.pose = models::at({corner.x, corner.y, 0}, yaw);
   addGroundInFront(house, yaw, drawn.width, road.section.outer(), draw);
   if (drawn.hasDriveway) house.garage = addDriveway(house, yaw, road.section.outer(), draw);
   houses.push_back(house);
@@ -189,13 +189,13 @@ void Layout::addGroundInFront(const House& house, double yaw, double width, doub
   constexpr double kUnder = 0.4;   // m that a forecourt reaches under the house
   constexpr double kParkable = 7;  // m, least depth of a forecourt on which cars park
   if (!character.terraced && draw.chance(character.forecourts)) {
-    const Vec3d front = house.place * Vec3d{house.width / 2, kUnder, 0};
+    const Vec3d front = house.pose * Vec3d{house.width / 2, kUnder, 0};
     // A third of the forecourts are as wide as the plot.
     const double half = draw.chance(1.0 / 3) ? width / 2 : house.width / 2 + draw.in(0.3, 2);
     addStrip({front.x, front.y}, yaw, half, house.forecourt + kUnder + outer, GroundKind::Path);
     patches.back().parks = house.forecourt > kParkable && draw.chance(0.8);
   } else if (house.forecourt > kBeforeDoor) {
-    const Vec3d door = house.place * Vec3d{house.doorX(), -kBeforeDoor, 0};
+    const Vec3d door = house.pose * Vec3d{house.doorX(), -kBeforeDoor, 0};
     addStrip({door.x, door.y}, yaw, kWalkway / 2, house.forecourt - kBeforeDoor + outer, GroundKind::Path);
   }
 }
@@ -203,10 +203,10 @@ void Layout::addGroundInFront(const House& house, double yaw, double width, doub
 // Adds a driveway at the right of the house. Returns true if there is a garage at its end.
 bool Layout::addDriveway(const House& house, double yaw, double outer, Draw& draw) {
   constexpr double kBeside = 0.3, kBehindFront = 6;  // m from the house, and from its front to the driveway's end
-  const Vec3d end = house.place * Vec3d{house.width + kDriveway / 2 + kBeside, kBehindFront, 0};
+  const Vec3d end = house.pose * Vec3d{house.width + kDriveway / 2 + kBeside, kBehindFront, 0};
   addStrip({end.x, end.y}, yaw, kDriveway / 2, house.forecourt + kBehindFront + outer, GroundKind::Driveway);
   patches.back().parks = true;
-  const Vec3d inside = house.place * house.garageMiddle();
+  const Vec3d inside = house.pose * house.garageMiddle();
   const Footprint garage{{inside.x, inside.y}, models::kGarageWidth / 2 - 0.05, models::kGarageDepth / 2, yaw};
   const bool built = draw.chance(0.55) && isOffRoads(garage, 1) && taken_.isFree(garage);
   if (built) taken_.add(garage);

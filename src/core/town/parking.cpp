@@ -70,16 +70,16 @@ void placeCarsAtSide(Placer& placer, const Road& road, int side, bool egoDrives,
 void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw, int& number) {
   constexpr double kBeside = 2.7;  // m between the middles of neighbours
   const double parked = placer.layout.character.parked;
-  const bool wide = patch.place.halfX > kBeside;
-  const double first = wide ? -patch.place.halfX + kBeside / 2 : 0;
-  for (const double u : models::steps(first, wide ? patch.place.halfX - 1 : 1, kBeside)) {
+  const bool wide = patch.rectangle.halfX > kBeside;
+  const double first = wide ? -patch.rectangle.halfX + kBeside / 2 : 0;
+  for (const double u : models::steps(first, wide ? patch.rectangle.halfX - 1 : 1, kBeside)) {
     if (!draw.chance(wide ? 0.65 + 0.3 * parked : 0.85 + 0.15 * parked)) continue;
     const Model& car = anyCar(placer, draw);
-    if (car.bounds.high.y - car.bounds.low.y > 2 * patch.place.halfX + 0.2) continue;
-    const double in = patch.place.halfY - 3 - draw.in(0, 1);
-    const double yaw = patch.place.yaw + kPi / 2;  // direction from the road to the house
+    if (car.bounds.high.y - car.bounds.low.y > 2 * patch.rectangle.halfX + 0.2) continue;
+    const double in = patch.rectangle.halfY - 3 - draw.in(0, 1);
+    const double yaw = patch.rectangle.yaw + kPi / 2;  // direction from the road to the house
     const double turned = draw.chance(0.6) ? 0 : kPi;
-    const Spot spot{patch.place.at(u, in), yaw + turned + draw.in(-0.03, 0.03), 1, 0};
+    const Spot spot{patch.rectangle.at(u, in), yaw + turned + draw.in(-0.03, 0.03), 1, 0};
     if (!placer.occupancy.isFree(footprint(car, spot, Placer::kGap))) continue;
     placer.park(car, spot, fmt::format("car {}", ++number));
   }
@@ -110,7 +110,7 @@ bool isOnLot(const Placer& placer, const Point2& p) {
   const Areas& areas = placer.layout.areas;
   const Beside b = placer.layout.besideAt(p);
   return placer.isOnGround(p) && areas.outsideHard(p) < -kFromEdge && areas.at(p) == Land::Lot &&
-         (!b.known || b.edge > b.section.outer() + kFromEdge);
+         (!b.nearRoad || b.edge > b.section.outer() + kFromEdge);
 }
 
 // Paints the lines of a row of bays and parks cars in a part of them. `about`: the rectangle around the lot, with its x
@@ -187,7 +187,7 @@ void placeStanding(Placer& placer) {
     if (lateral > 0) spot.yaw += kPi;
     const Beside b = l.besideAt(spot.at);
     // The place must not be at a crossing or on another road.
-    if (!b.known || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
+    if (!b.nearRoad || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
     return placer.tryPark(m, spot, name);
   };
   const auto onRoad = [&](const Model& m, const std::string& name) {

@@ -172,7 +172,7 @@ void placeParkedRow(Placer& placer, Draw& draw, const std::vector<Model>& forms,
       if (onRoad || place->along > place->road->length() - 3) break;
       spot.yaw += (across ? kPi / 2 : 0) + draw.in(-0.08, 0.08);
       spot.lean = lean;
-      if (!placer.tryPut(draw.of(forms), spot, fmt::format("{}.{}", name, found + 1))) break;
+      if (!placer.tryPut(draw.itemOf(forms), spot, fmt::format("{}.{}", name, found + 1))) break;
       place->along += across ? kApart : kApartAlong;
     }
     if (found > 0) return;
@@ -188,7 +188,7 @@ void placePedestrians(Placer& placer, int count) {
   const auto standing = models::makeForms(std::min((count + 2) / 3, kStanding),
                                           [&](int f) { return models::makePedestrian(placer.builder, seed, f); });
   for (int i = 0; i < count; ++i) {
-    Draw draw(seed, Kind::Pedestrian, static_cast<std::uint32_t>(i));
+    Draw draw(seed, Kind::Pedestrian, i);
     const std::string name = fmt::format("pedestrian {}", i + 1);
     const bool stands = i % 3 == 2;
     const models::Walker& walker = walking[static_cast<std::size_t>(i) % walking.size()];
@@ -208,7 +208,7 @@ void placeSidewalkCyclists(Placer& placer, int count) {
     return models::makeCyclist(placer.builder, seed, kRoadCyclistForms + f);
   });
   for (int i = 0; i < count; ++i) {
-    Draw draw(seed, Kind::SidewalkCyclist, static_cast<std::uint32_t>(i));
+    Draw draw(seed, Kind::SidewalkCyclist, i);
     const auto& [bicycle, rider] = riding[static_cast<std::size_t>(i) % riding.size()];
     for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
       if (placeCyclist(placer, draw, bicycle, rider, fmt::format("cyclist's bicycle on the sidewalk {}", i + 1))) break;
@@ -236,7 +236,7 @@ void placePeople(Placer& placer) {
   const auto bicycleForms =
       models::makeForms(std::min(bicycles, 4), [&](int f) { return models::makeBicycle(placer.builder, l.seed, f); });
   for (int i = 0; i < bicycles; ++i) {
-    Draw draw(l.seed, Kind::ParkedBicycles, static_cast<std::uint32_t>(i));
+    Draw draw(l.seed, Kind::ParkedBicycles, i);
     const double lean = radians(draw.in(-9, -5));
     placeParkedRow(placer, draw, bicycleForms, fmt::format("bicycle {}", i + 1), lean, 8);
   }
@@ -244,7 +244,7 @@ void placePeople(Placer& placer) {
   const auto motorcycleForms = models::makeForms(
       std::min(motorcycles, 2), [&](int f) { return models::makeMotorcycle(placer.builder, l.seed, f); });
   for (int i = 0; i < motorcycles; ++i) {
-    Draw draw(l.seed, Kind::ParkedMotorcycles, static_cast<std::uint32_t>(i));
+    Draw draw(l.seed, Kind::ParkedMotorcycles, i);
     placeParkedRow(placer, draw, motorcycleForms, fmt::format("motorcycle {}", i + 1), radians(8), 4);
   }
 }

@@ -43,7 +43,7 @@ bool plant(Placer& placer, Draw& draw, Spot spot, bool broadleaf, double room, c
            const MapTree& mapped = {}) {
   constexpr double kTrunkBelow = 0.05;  // m of the trunk below the ground
   const Beside b = placer.layout.besideAt(spot.at);
-  const bool far = !b.known || b.edge > kFar;
+  const bool far = !b.nearRoad || b.edge > kFar;
   const TreeModel& tree = randomTree(placer, draw, broadleaf, far);
   spot.yaw = draw.in(0, 2 * kPi);
   spot.scale = draw.in(0.75, 1.35);
@@ -65,7 +65,7 @@ bool plant(Placer& placer, Draw& draw, Spot spot, bool broadleaf, double room, c
 bool onLawn(const Layout& layout, const Point2& p, double beyond) {
   if (layout.areas.outsideHard(p) < 1) return false;
   const Beside b = layout.besideAt(p);
-  return !b.known || b.edge > b.section.paved() + beyond;
+  return !b.nearRoad || b.edge > b.section.paved() + beyond;
 }
 
 // Places squares of soil in the pavement, in which trees stand.
@@ -121,7 +121,7 @@ void plantPark(Placer& placer, const MapArea& park, Draw& draw, int& number) {
     const double u = draw.in(-about.halfX, about.halfX);
     const double v = draw.in(-about.halfY, about.halfY);
     const Point2 p = about.at(u, v);
-    const bool far = !l.besideAt(p).known;
+    const bool far = !l.besideAt(p).nearRoad;
     if (far || l.areas.at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
     if (plant(placer, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;
   }
@@ -153,7 +153,7 @@ constexpr int kMost = 2500;
 
 // Builds a tuft of blades that bend outwards. No blade is higher than a random limit of 0.12 to 0.4 m.
 Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
-  Draw draw(seed, Kind::Tuft, static_cast<std::uint32_t>(form));
+  Draw draw(seed, Kind::Tuft, form);
   models::Shape s(builder, "tuft of grass");
   const models::SurfaceIndex grass = s.surface("terrain", dry ? "grass_dry" : "grass");
   const double height = draw.in(0.12, 0.4);
@@ -186,7 +186,7 @@ void placeMapTrees(Placer& placer) {
     Draw draw(l.seed, Kind::MapTree, mapped++);
     const Beside b = l.besideAt(tree.at);
     // Trees may be on a road, which is wider here than on the map.
-    const bool onRoad = b.known && b.edge < 0.4;
+    const bool onRoad = b.nearRoad && b.edge < 0.4;
     const Spot spot{tree.at, draw.in(0, 2 * kPi), 1, 0};
     if (onRoad || !plant(placer, draw, spot, true, 0, fmt::format("tree {}", mapped), tree)) lost = true;
   }
@@ -238,13 +238,13 @@ void placeWoods(Placer& placer) {
       const Spot spot{{x + draw.in(0, spacing), y + draw.in(0, spacing)}, draw.in(0, 2 * kPi), draw.in(0.7, 1.4), 0};
       const Beside b = l.besideAt(spot.at);
       // Skip places on a road or beside its sidewalk, and places far from all roads, which nearer trees would hide.
-      if (!b.known || b.edge < b.section.outer() + std::max(b.section.apron, 0.4)) continue;
+      if (!b.nearRoad || b.edge < b.section.outer() + std::max(b.section.apron, 0.4)) continue;
       const double density = relief({l.seed, Field::Woods}, spot.at.x, spot.at.y, 45) +
                              0.4 * relief({l.seed, Field::Clearings}, spot.at.x, spot.at.y, 12);
       const std::optional<Land> land = l.areas.at(spot.at);
       if (land ? *land != Land::Wood : density < threshold) continue;
       if (draw.chance(0.55)) {
-        const Model& bush = draw.of(bushes);
+        const Model& bush = draw.itemOf(bushes);
         if (placer.isFree({spot.at, 1.1, 1.1, 0})) {
           placer.occupancy.add({spot.at, 0.8, 0.8, 0});
           placer.put(bush, spot, fmt::format("undergrowth {}", cell), 0.05);
@@ -276,7 +276,7 @@ void placeBushes(Placer& placer) {
       spot.yaw = draw.in(0, 2 * kPi);
       spot.scale = draw.in(0.6, 1.5);
       if (!onLawn(l, spot.at, 0.4 * spot.scale)) continue;
-      const Model& bush = draw.of(forms);
+      const Model& bush = draw.itemOf(forms);
       if (!placer.isFree({spot.at, 0.7 * spot.scale, 0.7 * spot.scale, 0})) continue;
       placer.occupancy.add({spot.at, 0.5 * spot.scale, 0.5 * spot.scale, 0});
       placer.put(bush, spot, fmt::format("bush {}", ++number), 0.03);
@@ -312,7 +312,7 @@ void placeGrass(Placer& placer) {
         if (!placer.isFree({spot.at, 0.1, 0.1, 0})) continue;
         spot.yaw = draw.in(0, 2 * kPi);
         spot.scale = draw.in(0.6, 1.4);
-        placer.put(draw.of(forms), spot, fmt::format("tuft {}", ++number));
+        placer.put(draw.itemOf(forms), spot, fmt::format("tuft {}", ++number));
       }
     }
   }

@@ -157,7 +157,7 @@ Beside RoadNetwork::at(const Point2& p) const {
     // grows steeply beyond its end.
     constexpr double kSteep = 3;
     const double edge = n.distance - own.half + kSteep * n.behind * corner / kRounding * (found.size() > 1 ? 1 : 0);
-    if (!beside.known) {
+    if (!beside.nearRoad) {
       beside = {true, edge, n.road, n.along, n.left ? n.distance : -n.distance, own};
       least = edge;
       continue;
@@ -174,7 +174,7 @@ Beside RoadNetwork::at(const Point2& p) const {
   }
   // The island inside a roundabout, at the left of the ring's line, has no pavements, although the roads that join the
   // ring may have pavements.
-  if (beside.known && roads_[beside.road].ring && beside.lateral > 0) beside.section = roads_[beside.road].section;
+  if (beside.nearRoad && roads_[beside.road].ring && beside.lateral > 0) beside.section = roads_[beside.road].section;
   return beside;
 }
 

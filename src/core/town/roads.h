@@ -70,8 +70,8 @@ models::Spot besideRoad(const Road& road, double along, double lateral);
 
 // The position of a point relative to the nearest road: beside that road or on it.
 struct Beside {
-  bool known = false;  // false: no road's centre line is within RoadNetwork::kReach
-  double edge = 1e9;   // m beyond the edge of the carriageway, negative on it; corners at joints are rounded
+  bool nearRoad = false;  // true: a road's centre line is within RoadNetwork::kReach
+  double edge = 1e9;      // m beyond the edge of the carriageway, negative on it; corners at joints are rounded
   std::uint32_t road = 0;
   double along = 0;      // m along the road's centre line
   double lateral = 0;    // m to the left of the centre line

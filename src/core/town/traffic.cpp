@@ -276,7 +276,7 @@ class Traffic {
         const Model& m = !heavy ? anyCar(placer_, draw) : pick < 0.16 ? busOf(placer_) : anyTruck(placer_, draw);
         const bool turns = !heavy && !turns_.empty() && draw.chance(0.25);
         std::uint32_t route = 0;
-        if (turns) route = draw.of(turns_);
+        if (turns) route = draw.itemOf(turns_);
         const std::vector<Leg>& legs = routes_[route].legs;
         // Lorries and buses keep to the middle of the lane: in bends they need its width.
         addDriver(at < legs.front().to - 30 ? route : 0, at, m, std::nullopt, speed, heavy ? 0 : off, kAlways);

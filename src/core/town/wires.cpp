@@ -43,7 +43,7 @@ bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
   for (int k = 0; k <= kPlaces; ++k) {
     const Vec3d p = a + (b - a) * (static_cast<double>(k) / kPlaces);
     const Beside beside = l.besideAt({p.x, p.y});
-    if (beside.known && beside.edge < 0.5 && p.z < l.heightAt({p.x, p.y}) + kClear) return false;
+    if (beside.nearRoad && beside.edge < 0.5 && p.z < l.heightAt({p.x, p.y}) + kClear) return false;
   }
   return true;
 }
@@ -62,7 +62,7 @@ std::vector<Standing> placePoles(Placer& placer, Draw& draw, const UtilityPole& 
       const double out = road.section.outer() + 0.45;
       const Spot spot = besideRoad(road, at, side * (road.section.half + out));
       const Beside b = l.besideAt(spot.at);
-      if (!b.known || b.edge < out - 0.25 || l.areas.outsideHard(spot.at) < 0.3) continue;
+      if (!b.nearRoad || b.edge < out - 0.25 || l.areas.outsideHard(spot.at) < 0.3) continue;
       if (!placer.isFree({spot.at, 0.35, 0.35, spot.yaw})) continue;
       placer.occupancy.add({spot.at, 0.25, 0.25, spot.yaw});
       placer.put(pole.model, spot, fmt::format("utility pole {}", poles.size() + 1));
@@ -99,7 +99,7 @@ void placeWires(Placer& placer) {
   }
   for (const models::House& house : l.houses) {
     if (poles.empty() || !draw.chance(0.7)) continue;
-    const Vec3d gable = house.place * Vec3d{draw.in(0.2, 0.8) * house.width, -0.02, 2.7 * house.floors};
+    const Vec3d gable = house.pose * Vec3d{draw.in(0.2, 0.8) * house.width, -0.02, 2.7 * house.floors};
     const auto distance = [&](const Standing& p) { return length(p.place.translation - gable); };
     const auto nearest = std::min_element(
         poles.begin(), poles.end(), [&](const Standing& a, const Standing& b) { return distance(a) < distance(b); });

@@ -35,7 +35,7 @@ TEST(Town, TerracedStreetsArePavedToTheWalls) {
     std::size_t feet = 0;
     for (const models::House& house : layout.houses) {
       for (const double x : {0.2, 0.5, 0.8}) {
-        const Vec3d foot = house.place * Vec3d{x * house.width, -0.25, 0};
+        const Vec3d foot = house.pose * Vec3d{x * house.width, -0.25, 0};
         const town::Point2 p{foot.x, foot.y};
         ++feet;
         soft += layout.kindAt(layout.besideAt(p), p) == town::GroundKind::Lawn ? 1 : 0;
@@ -68,7 +68,7 @@ TEST(Town, MotorwaysHaveRailsAndSeveralLanes) {
         const Vec3d at = i.worldFromMeshAt(time) * Vec3d{};
         const town::Beside b = layout.besideAt({at.x, at.y});
         // Vehicles are hidden below the ground before they arrive and after they have left.
-        const bool hidden = !b.known || b.along < 15 || b.along > road.length() - 15;
+        const bool hidden = !b.nearRoad || b.along < 15 || b.along > road.length() - 15;
         if (hidden || at.z < layout.heightAt({at.x, at.y}) - 0.5) continue;
         const double out = (std::abs(b.lateral) - road.section.median) / road.section.laneWidth();
         EXPECT_NEAR(out - std::floor(out), 0.5, 0.25) << i.name;
@@ -165,8 +165,8 @@ TEST(Town, RowsOfHousesStandOnBothSidesOfBends) {
         if (next && before != nullptr && house != nullptr) {
           // The house on the left, as seen from the road, and the left front corner of the other.
           const models::House& left = plot.side > 0 ? *before : *house;
-          const Vec3d corner = (plot.side > 0 ? *house : *before).place.translation - left.place.translation;
-          const double gap = dot(corner, left.place.linear.x) - left.width;
+          const Vec3d corner = (plot.side > 0 ? *house : *before).pose.translation - left.pose.translation;
+          const double gap = dot(corner, left.pose.linear.x) - left.width;
           ++side.neighbours;
           side.touching += std::abs(gap) < 0.1 ? 1 : 0;
         }

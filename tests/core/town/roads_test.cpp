@@ -21,14 +21,14 @@ TEST(RoadNetwork, TellsWhereAPointLiesBesideARoad) {
   RoadNetwork roads;
   roads.add(straight({-100, 0}, {100, 0}, 3.5));
   const Beside left = roads.at({20.3, 5});
-  ASSERT_TRUE(left.known);
+  ASSERT_TRUE(left.nearRoad);
   EXPECT_NEAR(left.edge, 1.5, 1e-12);
   EXPECT_NEAR(left.lateral, 5, 1e-12);
   EXPECT_NEAR(left.along, 120.3, 1e-9);
   EXPECT_NEAR(roads.at({-60, -1}).lateral, -1, 1e-12);
   EXPECT_NEAR(roads.at({-60, -1}).edge, -2.5, 1e-12);
-  EXPECT_FALSE(roads.at({0, RoadNetwork::kReach + 0.1}).known);
-  EXPECT_TRUE(roads.at({0, RoadNetwork::kReach - 0.1}).known);
+  EXPECT_FALSE(roads.at({0, RoadNetwork::kReach + 0.1}).nearRoad);
+  EXPECT_TRUE(roads.at({0, RoadNetwork::kReach - 0.1}).nearRoad);
   EXPECT_NEAR(roads.at({103, 4}).edge, 1.5, 1e-12) << "round about its end";
 }
 
@@ -109,8 +109,8 @@ TEST(RoadNetwork, FindsTheNearestPointOfALine) {
       along = road.at[k] + part * size;
     }
     const Beside beside = roads.at({p.x, p.y});
-    ASSERT_EQ(beside.known, least <= RoadNetwork::kReach);
-    if (!beside.known) continue;
+    ASSERT_EQ(beside.nearRoad, least <= RoadNetwork::kReach);
+    if (!beside.nearRoad) continue;
     ++known;
     EXPECT_NEAR(std::abs(beside.lateral), least, 1e-9);
     EXPECT_NEAR(beside.along, along, 1e-6);

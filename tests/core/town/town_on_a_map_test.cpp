@@ -86,7 +86,7 @@ TEST(Town, SizesOfTheMapAreBuilt) {
   const town::Layout layout{street.parameters(), 1, street.place()};
   EXPECT_NEAR(panel.high.z, layout.heightAt({panel.center().x, panel.center().y}) + 5, 0.1);
   EXPECT_TRUE(std::any_of(layout.patches.begin(), layout.patches.end(), [](const town::Patch& patch) {
-    return patch.kind == town::GroundKind::Path && patch.place.halfY == 2;
+    return patch.kind == town::GroundKind::Path && patch.rectangle.halfY == 2;
   }));
 }
 
@@ -219,10 +219,10 @@ TEST(Town, StandsWhereTheMapSays) {
   for (std::size_t i = 0; i < one.houses.size(); ++i) {
     const models::House& a = one.houses[i];
     const models::House& b = two.houses[i];
-    EXPECT_NEAR(
-        std::hypot(a.place.translation.x - b.place.translation.x, a.place.translation.y - b.place.translation.y), 0, 4)
+    EXPECT_NEAR(std::hypot(a.pose.translation.x - b.pose.translation.x, a.pose.translation.y - b.pose.translation.y), 0,
+                4)
         << "the same rectangle, perhaps with its front to another road";
-    const Vec3d middle = a.place * Vec3d{a.width / 2, a.depth / 2, 0};
+    const Vec3d middle = a.pose * Vec3d{a.width / 2, a.depth / 2, 0};
     for (const town::MapBuilding& building : place.buildings) {
       inside += town::isInside({&building.outline}, {middle.x, middle.y}) ? 1 : 0;
     }
