@@ -8,7 +8,6 @@
 #include "dataset/objects.h"
 #include "dataset/parts.h"
 #include "dataset/reader.h"
-#include "dataset/shard_index.h"
 #include "dataset/voxels.h"
 #include "formats/format.h"
 #include "formats/reasons_png.h"

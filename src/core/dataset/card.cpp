@@ -1,10 +1,13 @@
 #include "dataset/card.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -20,7 +23,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the text with the characters that Markdown would take for markup in a table escaped.
+// Returns a text for a cell of a Markdown table: markup is escaped, line breaks are blanks.
 std::string cell(std::string_view text) {
   std::string escaped;
   for (const char c : text) {
@@ -30,18 +33,34 @@ std::string cell(std::string_view text) {
   return escaped;
 }
 
-std::string aboutOf(const Manifest& manifest, const std::string& key, const std::string& otherwise) {
-  const auto found = manifest.about.find(key);
-  return found == manifest.about.end() ? otherwise : found->second;
+// Returns what the pipeline says under `about` by this key; `defaultText` if it does not have the key.
+std::string aboutText(const Manifest& manifest, const std::string& key, const std::string& defaultText) {
+  const auto entry = manifest.about.find(key);
+  return entry == manifest.about.end() ? defaultText : entry->second;
 }
 
 std::string summaryOf(const Manifest& manifest, const ScanTotals& totals) {
-  std::string sensors;
-  for (const SensorRecord& sensor : manifest.sensors) {
-    sensors += (sensors.empty() ? "" : ", ") + sensor.beams.model;
-  }
+  const auto modelOf = [](const SensorRecord& sensor) { return sensor.beams.model; };
   return fmt::format("{} samples of simulated LiDAR scans ({}) with {} points, each labelled with its class and object",
-                     grouped(manifest.samples.size()), sensors, grouped(totals.points));
+                     grouped(manifest.samples.size()),
+                     fmt::join(manifest.sensors | std::views::transform(modelOf), ", "), grouped(totals.points));
+}
+
+std::string splitTable(const Manifest& manifest) {
+  struct Split {
+    std::set<std::string> sequences;
+    std::size_t samples = 0;
+  };
+  std::map<std::string, Split> splits;
+  for (const SampleRecord& sample : manifest.samples) {
+    splits[sample.split].sequences.insert(partsOfKey(sample.key).sequence);
+    ++splits[sample.split].samples;
+  }
+  std::string text = "| split | sequences | samples |\n|---|---|---|\n";
+  for (const auto& [name, split] : splits) {
+    text += fmt::format("| {} | {} | {} |\n", name, split.sequences.size(), split.samples);
+  }
+  return text;
 }
 
 std::string sensorTable(const Manifest& manifest) {
@@ -59,12 +78,13 @@ std::string sensorTable(const Manifest& manifest) {
   return text;
 }
 
+// Returns the table of the classes that have points, the class with most points first.
 std::string classTable(const Manifest& manifest, const ScanTotals& totals) {
-  std::vector<std::pair<std::uint64_t, std::uint16_t>> classes;
-  for (const auto& [id, points] : totals.perClass) classes.emplace_back(points, id);
-  std::sort(classes.rbegin(), classes.rend());
+  std::vector<std::pair<std::uint64_t, std::uint16_t>> pointsAndIds;
+  for (const auto& [id, points] : totals.perClass) pointsAndIds.emplace_back(points, id);
+  std::ranges::sort(pointsAndIds, std::greater<>());
   std::string text = "| class | id | points | share |\n|---|---|---|---|\n";
-  for (const auto& [points, id] : classes) {
+  for (const auto& [points, id] : pointsAndIds) {
     text += fmt::format("| {} | {} | {} | {:.3g} % |\n",
                         cell(requireClass(id, std::string(kCardName), manifest.ontology).name), id, points,
                         100.0 * static_cast<double>(points) / static_cast<double>(totals.points));
@@ -76,7 +96,7 @@ std::string columnTable(const Manifest& manifest) {
   std::string text = "| column | unit | what |\n|---|---|---|\n";
   for (const std::string& name : manifest.columns) {
     const std::size_t index = columnIndex(name);
-    if (index == kColumnCount) continue;  // x, y and z
+    if (index == kColumnCount) continue;  // x, y and z, which are not in the table of columns
     text += fmt::format("| {} | {} | {} |\n", name, kColumns[index].unit, cell(kColumns[index].meaning));
   }
   return text;
@@ -84,10 +104,11 @@ std::string columnTable(const Manifest& manifest) {
 
 // Returns what the scans model, and what was left out, as two lists. Items on how the program computes are omitted.
 std::string modelText(const std::vector<ModelledItem>& items) {
-  constexpr std::array<std::string_view, 3> kProgram{"channels", "properties of hits that nothing reads", "instancing"};
+  constexpr std::array<std::string_view, 3> kComputingTopics{"channels", "properties of hits that nothing reads",
+                                                             "instancing"};
   std::string modelled, omitted;
   for (const ModelledItem& item : items) {
-    if (std::ranges::find(kProgram, item.topic) != kProgram.end()) continue;
+    if (std::ranges::find(kComputingTopics, item.topic) != kComputingTopics.end()) continue;
     (item.leftOut ? omitted : modelled) += "- " + cell(lineOf(item)) + "\n";
   }
   std::string text = "What was modelled:\n\n" + modelled;
@@ -97,25 +118,26 @@ std::string modelText(const std::vector<ModelledItem>& items) {
 
 // Returns the frame of the points, in words.
 std::string frameText(const Manifest& manifest) {
-  const bool moves = std::ranges::any_of(manifest.samples, [](const SampleRecord& sample) {
+  const bool anySensorMoves = std::ranges::any_of(manifest.samples, [](const SampleRecord& sample) {
     return std::ranges::any_of(sample.scans, [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
   });
   const std::string_view when = manifest.deskewed ? " at the start of the revolution (deskewed)"
-                                : moves           ? " at the time when the point's column fired (not deskewed)"
+                                : anySensorMoves  ? " at the time when the point's column fired (not deskewed)"
                                                   : "";
   return fmt::format("x, y and z are in metres in the sensor's frame{}: x forward, y left, z up.", when);
 }
 
-// Returns a sentence on the full scale of intensities; empty if there is none.
+// Returns a sentence on the full scale of the column intensity; empty if the scans do not have the column.
 std::string intensityText(const Manifest& manifest) {
   if (std::ranges::find(manifest.columns, "intensity") == manifest.columns.end()) return {};
-  std::string scales;
-  for (const SensorRecord& sensor : manifest.sensors) {
-    scales += fmt::format("{}{:g} ({})", scales.empty() ? "" : ", ", sensor.intensityFullScale, cell(sensor.name));
-  }
-  return fmt::format(" Full scale of the intensity: {}.", scales);
+  const auto scaleOf = [](const SensorRecord& sensor) {
+    return fmt::format("{:g} ({})", sensor.intensityFullScale, cell(sensor.name));
+  };
+  return fmt::format(" Full scale of the intensity: {}.",
+                     fmt::join(manifest.sensors | std::views::transform(scaleOf), ", "));
 }
 
+// Returns true if any sample has a member whose name has this suffix.
 bool hasMembers(const Manifest& manifest, std::string_view suffix) {
   return std::ranges::any_of(manifest.samples, [&](const SampleRecord& sample) {
     return std::ranges::any_of(sample.members, [&](const std::string& member) { return member.ends_with(suffix); });
@@ -124,14 +146,10 @@ bool hasMembers(const Manifest& manifest, std::string_view suffix) {
 
 // Returns what a sample consists of.
 std::string membersText(const Manifest& manifest) {
-  std::string formats;
-  for (const FormatRecord& format : manifest.formats) {
-    formats += fmt::format("{}`.{}`", formats.empty() ? "" : ", ", format.suffix);
-  }
   return fmt::format(
       "The shards are tar files. A sample consists of the members whose names begin with its key: a scan for each "
-      "sensor ({}), and `.json` with the sample's description{}.",
-      formats,
+      "sensor (`.{}`), and `.json` with the sample's description{}.",
+      fmt::join(manifest.formats | std::views::transform(&FormatRecord::suffix), "`, `."),
       hasMembers(manifest, kObjectsSuffix) ? fmt::format(", and `.{}` with the boxes of objects", kObjectsSuffix) : "");
 }
 
@@ -145,8 +163,10 @@ std::string fenceFor(const std::string& text) {
   return std::string(longest + 1, '`');
 }
 
-OrderedJson fieldJson(const char* name, const char* description, const char* source, OrderedJson extract,
-                      const char* pattern) {
+// Returns a field of the record set `samples`. `source`: the set of files that has the field's text. `extract`: how to
+// get the text from a file. `pattern`: regular expression whose first group is the value; null: the complete text.
+OrderedJson sampleField(const char* name, const char* description, const char* source, OrderedJson extract,
+                        const char* pattern) {
   OrderedJson field{
       {"@type", "cr:Field"},   {"@id", fmt::format("samples/{}", name)},
       {"name", name},          {"description", description},
@@ -221,24 +241,25 @@ OrderedJson croissantRecords(const Manifest& manifest) {
   for (const SemanticClass& c : manifest.ontology.classes) {
     classes.push_back({{"classes/id", c.id}, {"classes/name", c.name}});
   }
-  return {{{"@type", "cr:RecordSet"},
-           {"@id", "classes"},
-           {"name", "classes"},
-           {"description", "The classes of the column `label` of scans."},
-           {"key", {{"@id", "classes/id"}}},
-           {"field",
-            {{{"@type", "cr:Field"}, {"@id", "classes/id"}, {"name", "id"}, {"dataType", "sc:Integer"}},
-             {{"@type", "cr:Field"}, {"@id", "classes/name"}, {"name", "name"}, {"dataType", "sc:Text"}}}},
-           {"data", std::move(classes)}},
-          {{"@type", "cr:RecordSet"},
-           {"@id", "samples"},
-           {"name", "samples"},
-           {"description", "One record for each sample: its key, and its description with poses and counts as JSON."},
-           {"key", {{"@id", "samples/key"}}},
-           {"field",
-            {fieldJson("key", "scene, seed, trajectory and frame", "samples-json", {{"fileProperty", "filename"}},
-                       "^(?:.*/)?([^/.]+)\\.json$"),
-             fieldJson("description", "the sample as JSON", "samples-json", {{"fileProperty", "content"}}, nullptr)}}}};
+  return {
+      {{"@type", "cr:RecordSet"},
+       {"@id", "classes"},
+       {"name", "classes"},
+       {"description", "The classes of the column `label` of scans."},
+       {"key", {{"@id", "classes/id"}}},
+       {"field",
+        {{{"@type", "cr:Field"}, {"@id", "classes/id"}, {"name", "id"}, {"dataType", "sc:Integer"}},
+         {{"@type", "cr:Field"}, {"@id", "classes/name"}, {"name", "name"}, {"dataType", "sc:Text"}}}},
+       {"data", std::move(classes)}},
+      {{"@type", "cr:RecordSet"},
+       {"@id", "samples"},
+       {"name", "samples"},
+       {"description", "One record for each sample: its key, and its description with poses and counts as JSON."},
+       {"key", {{"@id", "samples/key"}}},
+       {"field",
+        {sampleField("key", "scene, seed, trajectory and frame", "samples-json", {{"fileProperty", "filename"}},
+                     "^(?:.*/)?([^/.]+)\\.json$"),
+         sampleField("description", "the sample as JSON", "samples-json", {{"fileProperty", "content"}}, nullptr)}}}};
 }
 
 }  // namespace
@@ -259,25 +280,23 @@ ScanTotals totalsOf(const Manifest& manifest) {
 
 MountSpans mountSpans(const Manifest& manifest, const SensorRecord& sensor) {
   MountSpans spans;
-  const auto add = [&](const Pose& mount) {
+  const auto extendBy = [&](const Pose& mount) {
     const Vec3d& t = mount.translation;
-    const Quat& q = mount.rotation;  // the angles from which fromYawPitchRoll() computes it
-    const std::array<double, 6> values{
-        t.x,
-        t.y,
-        t.z,
-        degrees(std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))) + 0.0,
-        degrees(std::asin(std::clamp(2 * (q.w * q.y - q.z * q.x), -1.0, 1.0))) + 0.0,
-        degrees(std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y))) + 0.0};
+    const Quat& q = mount.rotation;
+    // The angles from which fromYawPitchRoll() computes the rotation.
+    const double yaw = std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
+    const double pitch = std::asin(std::clamp(2 * (q.w * q.y - q.z * q.x), -1.0, 1.0));
+    const double roll = std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y));
+    const std::array<double, 6> values{t.x, t.y, t.z, degrees(yaw) + 0.0, degrees(pitch) + 0.0, degrees(roll) + 0.0};
     for (std::size_t i = 0; i < values.size(); ++i) {
       spans[i].least = std::min(spans[i].least, values[i]);
       spans[i].most = std::max(spans[i].most, values[i]);
     }
   };
-  if (sensor.vehicleFromSensor) add(*sensor.vehicleFromSensor);
+  if (sensor.vehicleFromSensor) extendBy(*sensor.vehicleFromSensor);
   for (const SampleRecord& sample : manifest.samples) {
     for (const ScanRecord& scan : sample.scans) {
-      if (scan.sensor == sensor.name && scan.vehicleFromSensor) add(*scan.vehicleFromSensor);
+      if (scan.sensor == sensor.name && scan.vehicleFromSensor) extendBy(*scan.vehicleFromSensor);
     }
   }
   return spans;
@@ -285,6 +304,7 @@ MountSpans mountSpans(const Manifest& manifest, const SensorRecord& sensor) {
 
 std::string spanText(const Span& span) {
   if (span.least > span.most) return "none";
+  // Adding 0.0 turns -0 into 0.
   const auto text = [](double value) { return fmt::format("{:g}", std::round(value * 1e4) / 1e4 + 0.0); };
   const std::string least = text(span.least), most = text(span.most);
   return least == most ? least : least + " to " + most;
@@ -292,44 +312,37 @@ std::string spanText(const Span& span) {
 
 std::string cardText(const Manifest& manifest) {
   const ScanTotals totals = totalsOf(manifest);
-  const std::string license = aboutOf(manifest, "license", "");
+  const std::string license = aboutText(manifest, "license", "");
   std::string text = fmt::format("---\npretty_name: {}\n", scalarText(OrderedJson(manifest.name)));
   if (!license.empty()) text += fmt::format("license: {}\n", scalarText(OrderedJson(license)));
   text += "tags: [lidar, point-cloud, synthetic, semantic-segmentation]\n---\n\n";
   text += fmt::format("# {}\n\n{}.\n\n", cell(manifest.name),
-                      aboutOf(manifest, "description", summaryOf(manifest, totals)));
+                      aboutText(manifest, "description", summaryOf(manifest, totals)));
   text += fmt::format(
-      "- Creator: {}\n- License: {}\n", aboutOf(manifest, "creator", "not stated"),
+      "- Creator: {}\n- License: {}\n", aboutText(manifest, "creator", "not stated"),
       license.empty() ? "not stated; the licenses of the scenes' assets hold for what was made of them" : license);
   for (const char* key : {"url", "citation"}) {
-    const std::string value = aboutOf(manifest, key, "");
+    const std::string value = aboutText(manifest, key, "");
     if (!value.empty()) text += fmt::format("- {}: {}\n", key[0] == 'u' ? "Page" : "Cite as", value);
   }
-  std::map<std::string, std::pair<std::set<std::string>, std::size_t>> splits;  // sequences and number of samples
-  std::set<std::string> draws, methods;
+  std::set<std::string> randomKeys, methods;
   for (const SampleRecord& sample : manifest.samples) {
-    auto& [sequences, samples] = splits[sample.split];
-    sequences.insert(partsOfKey(sample.key).sequence);
-    ++samples;
-    for (const DrawnValue& draw : sample.draws) draws.insert(draw.key);
+    for (const DrawnValue& draw : sample.draws) randomKeys.insert(draw.key);
   }
-  for (const auto& [sensor, ofSensor] : totals.methods) methods.insert(ofSensor.begin(), ofSensor.end());
-  text += "\n## What it contains\n\n| split | sequences | samples |\n|---|---|---|\n";
-  for (const auto& [split, counts] : splits) {
-    text += fmt::format("| {} | {} | {} |\n", split, counts.first.size(), counts.second);
-  }
+  for (const auto& [sensor, sensorMethods] : totals.methods) methods.insert(sensorMethods.begin(), sensorMethods.end());
   text += fmt::format(
-      "\n{} points of {} beams. All samples of a sequence are in one split. `manifest.json` describes each sample, "
+      "\n## What it contains\n\n{}\n{} points of {} beams. All samples of a sequence are in one split. `manifest.json` "
+      "describes each sample, "
       "with poses, counts and hashes.\n\n{}\n{}\n{}\n{}{} {}\n\n",
-      grouped(totals.points), grouped(totals.beams), sensorTable(manifest), columnTable(manifest),
+      splitTable(manifest), grouped(totals.points), grouped(totals.beams), sensorTable(manifest), columnTable(manifest),
       classTable(manifest, totals), frameText(manifest), intensityText(manifest), membersText(manifest));
   text += fmt::format(
       "## How it was made\n\nSimulated with Scanmill {} by the method {}, with the seed {}. Labels are those of the "
       "surfaces that the beams hit, as the scenes or images state them. {}",
       manifest.programVersion, fmt::join(methods, ", "), manifest.seed, modelText(manifest.modelled));
-  if (!draws.empty()) {
-    text +=
-        fmt::format("\nRandom values, which the manifest states for each sample: `{}`.\n", fmt::join(draws, "`, `"));
+  if (!randomKeys.empty()) {
+    text += fmt::format("\nRandom values, which the manifest states for each sample: `{}`.\n",
+                        fmt::join(randomKeys, "`, `"));
   }
   const std::string fence = fenceFor(manifest.pipelineText);
   text += fmt::format("\nThe pipeline, from which `scanmill generate` makes the same bytes:\n\n{0}yaml\n{1}{2}{0}\n\n",
@@ -349,15 +362,15 @@ std::string croissantJson(const Manifest& manifest) {
                    {"@type", "sc:Dataset"},
                    {"conformsTo", "http://mlcommons.org/croissant/1.0"},
                    {"name", manifest.name},
-                   {"description", aboutOf(manifest, "description", summaryOf(manifest, totals) + ".")},
+                   {"description", aboutText(manifest, "description", summaryOf(manifest, totals) + ".")},
                    {"keywords", {"LiDAR", "point cloud", "synthetic", "semantic segmentation"}}};
   for (const char* key : {"license", "url"}) {
-    if (const std::string value = aboutOf(manifest, key, ""); !value.empty()) json[key] = value;
+    if (const std::string value = aboutText(manifest, key, ""); !value.empty()) json[key] = value;
   }
-  if (const std::string creator = aboutOf(manifest, "creator", ""); !creator.empty()) {
+  if (const std::string creator = aboutText(manifest, "creator", ""); !creator.empty()) {
     json["creator"] = {{"@type", "sc:Organization"}, {"name", creator}};
   }
-  if (const std::string cite = aboutOf(manifest, "citation", ""); !cite.empty()) json["citeAs"] = cite;
+  if (const std::string cite = aboutText(manifest, "citation", ""); !cite.empty()) json["citeAs"] = cite;
   json["distribution"] = croissantFiles(manifest);
   json["recordSet"] = croissantRecords(manifest);
   return layOut(json) + "\n";

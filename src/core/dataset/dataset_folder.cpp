@@ -45,13 +45,13 @@ bool surelyExists(const fs::path& path) {
 // Returns the nearest folder above that has a dataset, complete or not; empty if there is none, or if the folder is in
 // a dataset's hidden folder, where regenerate() makes shards again.
 fs::path datasetAbove(const fs::path& folder) {
-  fs::path above = fs::absolute(folder).lexically_normal();
-  if (!above.has_filename()) above = above.parent_path();
-  while (above.has_relative_path()) {
-    above = above.parent_path();
-    if (above.filename() == kHiddenName) return {};
+  fs::path ancestor = fs::absolute(folder).lexically_normal();
+  if (!ancestor.has_filename()) ancestor = ancestor.parent_path();  // the path ends in a slash
+  while (ancestor.has_relative_path()) {
+    ancestor = ancestor.parent_path();
+    if (ancestor.filename() == kHiddenName) return {};
     try {
-      if (isUnfinished(above) || !filesListedIn(above / kManifestName).empty()) return above;
+      if (isUnfinished(ancestor) || !filesListedIn(ancestor / kManifestName).empty()) return ancestor;
     } catch (const InputError&) {
       continue;  // a manifest of another program
     }
@@ -61,19 +61,19 @@ fs::path datasetAbove(const fs::path& folder) {
 
 // Throws InputError if the path cannot be an output folder, whatever it contains.
 void checkPath(const fs::path& folder) {
-  if (const fs::path above = datasetAbove(folder); !above.empty()) {
+  if (const fs::path dataset = datasetAbove(folder); !dataset.empty()) {
     throw InputError({folder.string()},
                      fmt::format("is in the dataset {}, to which no other files belong: choose another output folder "
                                  "with -o",
-                                 above.string()));
+                                 dataset.string()));
   }
   if (fs::exists(folder) && !fs::is_directory(folder)) {
     throw InputError({folder.string()}, "is a file: choose another output folder");
   }
   if (!fs::exists(folder)) return;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const bool linked = entry.is_symlink() && (entry.is_directory() || entry.path().filename() == kHiddenName);
-    if (linked || (entry.path().filename() == kHiddenName && !entry.is_directory())) {
+    const bool isHiddenFolder = entry.path().filename() == kHiddenName;
+    if (entry.is_symlink() ? isHiddenFolder || entry.is_directory() : isHiddenFolder && !entry.is_directory()) {
       throw ForeignFile({entry.path().string()}, "is a link or a file, where this program has a folder: remove it");
     }
   }
@@ -116,6 +116,7 @@ void clearHidden(const fs::path& hidden) {
   for (const fs::path& path : paths) fs::remove_all(path);
 }
 
+// Removes a shard, and also the folder of its split if that is then empty. `name`: relative to the dataset's folder.
 void removeShard(const fs::path& folder, const std::string& name) {
   removeFile(folder, folder / name);
   std::error_code notEmpty;
@@ -125,19 +126,17 @@ void removeShard(const fs::path& folder, const std::string& name) {
 // Returns the text of the manifest. If the descriptions of all samples together take more than `mostBytes`, they are
 // left out of the manifest and written to files beside the shards.
 std::string manifestText(const fs::path& folder, std::uint64_t mostBytes, const Manifest& manifest) {
-  std::vector<std::vector<std::uint64_t>> numbers(manifest.shards.size());
-  for (std::size_t i = 0; i < manifest.samples.size(); ++i) numbers[manifest.samples[i].shard].push_back(i);
+  std::vector<std::vector<std::uint64_t>> samplesOfShard(manifest.shards.size());  // indices into manifest.samples
+  for (std::size_t i = 0; i < manifest.samples.size(); ++i) samplesOfShard[manifest.samples[i].shard].push_back(i);
   std::uint64_t bytes = 0;
-  std::uint32_t measured = 0;
-  while (measured < numbers.size() && bytes <= mostBytes) {
-    bytes += samplesJson(manifest, measured, numbers[measured]).size();
-    ++measured;
+  for (std::uint32_t shard = 0; shard < samplesOfShard.size() && bytes <= mostBytes; ++shard) {
+    bytes += samplesJson(manifest, shard, samplesOfShard[shard]).size();
   }
   if (bytes <= mostBytes) return toJson(manifest);
   Manifest head = manifest;
   head.samples.clear();
-  for (std::uint32_t shard = 0; shard < numbers.size(); ++shard) {
-    const std::string text = samplesJson(manifest, shard, numbers[shard]);
+  for (std::uint32_t shard = 0; shard < samplesOfShard.size(); ++shard) {
+    const std::string text = samplesJson(manifest, shard, samplesOfShard[shard]);
     writeFile(folder, folder / samplesFileOf(manifest.shards[shard].file), text);
     head.shards[shard].samplesSha256 = sha256(text);
   }
@@ -191,8 +190,7 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
     checkPath(folder_);  // check again: another process may have changed the folder before it was locked
     checkContents(folder_, use);
     complete_ = shared_ && !isUnfinished(folder_) && fs::exists(folder_ / kManifestName);
-    int ignored = 0;
-    identity_ = identityOf(folder_, ignored);
+    identity_ = identityOf(folder_);
     if (!complete_) writeOrMatchPlan(use);
   } catch (const fs::filesystem_error& error) {
     leave();
@@ -203,10 +201,10 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
   }
 }
 
-DatasetFolder::Identity DatasetFolder::identityOf(const fs::path& path, int& error) {
+DatasetFolder::Identity DatasetFolder::identityOf(const fs::path& path) {
   struct stat status {};
-  error = ::stat(path.c_str(), &status) == 0 ? 0 : errno;
-  return error == 0 ? Identity{status.st_dev, status.st_ino} : Identity{};
+  if (::stat(path.c_str(), &status) != 0) return {.error = errno};
+  return {.device = status.st_dev, .inode = status.st_ino};
 }
 
 // Releases the lock. Removes the hidden folder if it is empty, and also the dataset's folder if the constructor has
@@ -218,12 +216,14 @@ void DatasetFolder::leave() {
   if (created_) fs::remove(folder_, ignored);
 }
 
-// Takes a shared lock. Waits for some time if another process is completing the dataset, because that process may
-// remove the hidden folder.
+// Takes a shared lock. If another process is completing the dataset, it may hold the lock alone or remove the hidden
+// folder; share() therefore tries again, for kProcessWait or kFolderWait at most.
 void DatasetFolder::share() {
   shared_ = true;
   const auto begin = std::chrono::steady_clock::now();
-  const auto waitedLonger = [&](std::chrono::seconds most) { return std::chrono::steady_clock::now() - begin > most; };
+  const auto waitedLongerThan = [&](std::chrono::seconds limit) {
+    return std::chrono::steady_clock::now() - begin > limit;
+  };
   while (lock_ == nullptr) {
     try {
       fs::create_directories(folder_);
@@ -232,9 +232,9 @@ void DatasetFolder::share() {
     } catch (const ForeignFile&) {
       throw;
     } catch (const InputError&) {  // another process has the lock
-      if (waitedLonger(kProcessWait)) throw;
+      if (waitedLongerThan(kProcessWait)) throw;
     } catch (const Error&) {  // the hidden folder was removed, or the disk fails
-      if (waitedLonger(kFolderWait)) throw;
+      if (waitedLongerThan(kFolderWait)) throw;
     }
     if (lock_ == nullptr) std::this_thread::sleep_for(kPause);
   }
@@ -242,12 +242,12 @@ void DatasetFolder::share() {
 
 // Waits until no other process that shares the folder starts a dataset. None starts one while the lock lives.
 std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
-  const auto end = std::chrono::steady_clock::now() + kProcessWait;
-  std::string holder;
+  const auto deadline = std::chrono::steady_clock::now() + kProcessWait;
+  std::string holder;  // the process that has the lock
   while (true) {
     auto lock = FolderLock::tryTake(folder_, staging_ / kStartName, LockKind::Alone, holder);
     if (lock != nullptr) return lock;
-    if (std::chrono::steady_clock::now() > end) {
+    if (std::chrono::steady_clock::now() > deadline) {
       throw InputError({folder_.string()},
                        "is in use by " + holder + ", which starts a dataset: wait until it has started");
     }
@@ -285,8 +285,7 @@ bool DatasetFolder::makeAlone() {
 
 DatasetFolder::~DatasetFolder() {
   std::error_code ignored;
-  int error = 0;
-  if (identityOf(folder_, error) != identity_ || !makeAlone()) return;
+  if (identityOf(folder_) != identity_ || !makeAlone()) return;
   bool resumable = false;
   try {
     resumable = !published_ && !complete_ && hasRecords();
@@ -340,19 +339,20 @@ std::optional<DatasetPart> DatasetFolder::findRecord(const std::string& name, Ch
                      "belongs to another pipeline, changed files that it names, or another version of this program "
                      "than the other shards: remove this file and its shard");
   }
-  const ShardRecord& stated = part.manifest.shards[0];
+  const ShardRecord& recorded = part.manifest.shards[0];
   std::error_code failure;
   const std::uint64_t bytes = fs::file_size(shard, failure);
   if (failure) throw Error(fmt::format("{}: {}", shard.string(), failure.message()));
-  if (stated.file != name || bytes != stated.bytes) return std::nullopt;
-  if (check == Check::Bytes && sha256OfFile(shard) != stated.sha256) return std::nullopt;
+  if (recorded.file != name || bytes != recorded.bytes) return std::nullopt;
+  if (check == Check::Bytes && sha256OfFile(shard) != recorded.sha256) return std::nullopt;
   return part;
 }
 
 void DatasetFolder::requireSameFolder() const {
-  int error = 0;
-  if (identityOf(folder_, error) == identity_) return;
-  const std::string why = error != 0 && error != ENOENT ? fmt::format(" ({})", std::strerror(error)) : "";
+  const Identity current = identityOf(folder_);
+  if (current == identity_) return;
+  const bool failed = current.error != 0 && current.error != ENOENT;
+  const std::string why = failed ? fmt::format(" ({})", std::strerror(current.error)) : "";
   throw Error(fmt::format("{}: was removed or replaced while the dataset was written{}", folder_.string(), why));
 }
 
@@ -385,7 +385,7 @@ std::set<fs::path> DatasetFolder::moveShards(const std::vector<ShardRecord>& sha
   return folders;
 }
 
-// Writes a file, and gives it its name after check().
+// Writes a file under a temporary name, calls check(), and then gives the file its name. check() may throw.
 void DatasetFolder::writeChecked(std::string_view name, const std::string& bytes,
                                  const std::function<void()>& check) const {
   requireSameFolder();

@@ -84,13 +84,13 @@ class DatasetFolder {
   void requireSameFolder() const;
 
  private:
-  // Identifies a folder whatever its name; zeros: it does not exist.
+  // Identifies a folder whatever its name.
   struct Identity {
     std::uint64_t device = 0, inode = 0;
+    int error = 0;  // the system's error number if the folder cannot be examined, such as ENOENT; 0: none
     bool operator==(const Identity&) const = default;
   };
-  // Sets `error` to the system's error number; 0: none.
-  static Identity identityOf(const std::filesystem::path& path, int& error);
+  static Identity identityOf(const std::filesystem::path& path);
 
   void share();
   void leave();

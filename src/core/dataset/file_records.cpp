@@ -1,9 +1,8 @@
-#include "dataset/file_records.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 
 #include "base/append_new.h"
@@ -11,6 +10,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "config/resources.h"
+#include "dataset/manifest.h"
 
 namespace scanmill {
 
@@ -21,34 +21,33 @@ std::vector<FileRecord> recordsOf(const FilesRead& read, const std::filesystem::
   return files;
 }
 
-std::string addFiles(const std::vector<FileRecord>& more, std::vector<FileRecord>& files) {
-  files.insert(files.end(), more.begin(), more.end());
+std::string addFiles(const std::vector<FileRecord>& added, std::vector<FileRecord>& files) {
+  files.insert(files.end(), added.begin(), added.end());
   std::ranges::sort(files);
   files.erase(std::unique(files.begin(), files.end()), files.end());
-  const auto twice =
-      std::ranges::adjacent_find(files, [](const FileRecord& a, const FileRecord& b) { return a.file == b.file; });
-  return twice == files.end() ? std::string() : twice->file;
+  const auto changed = std::ranges::adjacent_find(files, std::ranges::equal_to(), &FileRecord::file);
+  return changed == files.end() ? std::string() : changed->file;
 }
 
 void requireUnchangedFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
                            const std::filesystem::path& dataset) {
-  constexpr std::size_t kNamed = 5;
+  constexpr std::size_t kMostNamed = 5;  // files in the message
   std::vector<std::string> changed;
-  std::map<std::filesystem::path, std::string> now;  // hashes; empty: the file is missing
+  std::map<std::filesystem::path, std::string> currentHashes;  // empty: the file is missing
   for (const FileRecord& record : files) {
     const std::filesystem::path file = fileOfSavedPath(record.file, folder);
-    const auto [hash, isNew] = now.try_emplace(file);
+    const auto [hash, isNew] = currentHashes.try_emplace(file);
     if (isNew && isFile(file)) hash->second = xxh3OfFile(file);
     if (hash->second != record.xxh3) appendNew({file.string()}, changed);
   }
   if (changed.empty()) return;
-  const std::size_t named = std::min(kNamed, changed.size());
-  const std::string more = named < changed.size() ? fmt::format(" and {} more", changed.size() - named) : "";
+  const std::size_t named = std::min(kMostNamed, changed.size());
+  const std::string unnamed = named < changed.size() ? fmt::format(" and {} more", changed.size() - named) : "";
   changed.resize(named);
   throw InputError({dataset.string()},
                    fmt::format("has shards that were made before these files changed or went: {}{}: restore the files, "
                                "add --overwrite to start again, or give --resume=anyway to keep these shards",
-                               fmt::join(changed, ", "), more));
+                               fmt::join(changed, ", "), unnamed));
 }
 
 }  // namespace scanmill

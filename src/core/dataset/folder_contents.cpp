@@ -53,7 +53,7 @@ bool isUnfinished(const fs::path& folder) {
   return pathExists(folder / kHiddenName / kPlanName);
 }
 
-void requireDataset(const fs::path& folder, const std::string& otherwise) {
+void requireDataset(const fs::path& folder, const std::string& alternatives) {
   std::error_code failure;
   if (fs::exists(folder / kManifestName, failure)) return;
   const auto refuse = [&](const std::string& why) { throw InputError({folder.string()}, why); };
@@ -71,31 +71,31 @@ void requireDataset(const fs::path& folder, const std::string& otherwise) {
                     "stopped, `scanmill generate PIPELINE -o {} --resume` completes it",
                     kManifestName, folder.string()));
   }
-  refuse(
-      fmt::format("is not a dataset: it has no {}, which `scanmill generate` writes last{}", kManifestName, otherwise));
+  refuse(fmt::format("is not a dataset: it has no {}, which `scanmill generate` writes last{}", kManifestName,
+                     alternatives));
 }
 
 FolderContents contentsOf(const fs::path& folder) {
-  FolderContents run;
-  run.unfinished = isUnfinished(folder);
+  FolderContents contents;
+  contents.unfinished = isUnfinished(folder);
   for (const std::string& name : filesIn(folder)) {
     if (name == kManifestName) {
-      run.manifest = true;
+      contents.manifest = true;
     } else if (isShardName(name)) {
-      run.shards.push_back(name);
+      contents.shards.push_back(name);
     } else if (isLeftover(name)) {
-      run.leftovers.push_back(name);
-    } else if (run.foreign.empty()) {
-      run.foreign = name;
+      contents.leftovers.push_back(name);
+    } else if (contents.foreign.empty()) {
+      contents.foreign = name;
     }
   }
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.path().filename() == kHiddenName) continue;
-    if (entry.is_directory() && run.foreign.empty() && !couldBeSplit(entry.path())) {
-      run.foreign = entry.path().filename().string();
+    if (entry.is_directory() && contents.foreign.empty() && !couldBeSplit(entry.path())) {
+      contents.foreign = entry.path().filename().string();
     }
   }
-  return run;
+  return contents;
 }
 
 std::vector<std::string> filesListedIn(const fs::path& file) {

@@ -1,14 +1,14 @@
 #pragma once
 
 // Each record in the JSON files of datasets and recordings is described once, by a function describe() that names the
-// keys in the order of the file and the limits of their values. The writer and the strict reader follow it.
+// keys in the order of the file and the limits of their values. The writer and the strict reader call describe().
 //
 //   void describe(RecordKeys& keys, ObjectCount& count) {
 //     keys("objects", count.objects, wholeNumber(1));
 //     keys("with_points", count.withPoints, wholeNumber(0, count.objects));
 //   }
 //
-// Limits are functions of the JsonNode that has been read, which fail if they do not allow its value.
+// Limits are functions of a JsonNode. They are called after the value has been read, and fail if it is not allowed.
 
 #include <cstdint>
 #include <limits>
@@ -27,11 +27,10 @@ namespace scanmill {
 
 inline const OrderedJson kAbsent(OrderedJson::value_t::discarded);
 
-// Things that records refer to. `ontology`: null leaves the names of classes out. `head`: the manifest without its
-// samples.
+// What the descriptions of samples and scans refer to.
 struct RecordContext {
-  const Ontology* ontology = nullptr;
-  const Manifest* head = nullptr;
+  const Ontology* ontology = nullptr;  // null: names of classes are left out
+  const Manifest* head = nullptr;      // the manifest without its samples
 };
 
 // Returns the JSON of a value or record. Throws Error for numbers that are not finite; the message begins with `name`.
@@ -41,12 +40,16 @@ OrderedJson jsonOf(const T& value, const std::string& name, const RecordContext&
 template <class T>
 void readJson(const JsonNode& node, T& value, const RecordContext& context = {});
 
-// The argument of describe(): it lists a record's keys, writes a record, or reads one.
+// The argument of describe(). Depending on the constructor it collects the keys of a record, writes a record to `json`,
+// or reads a record.
 class RecordKeys {
  public:
-  RecordKeys() = default;  // lists the keys
-  RecordKeys(std::string name, const RecordContext& known) : context(known), writes_(true), name_(std::move(name)) {}
-  RecordKeys(const JsonNode& node, const RecordContext& known) : context(known), node_(&node) {}
+  RecordKeys() = default;  // collects the keys
+  // Writes. `name`: the record's name in error messages.
+  RecordKeys(std::string name, const RecordContext& records)
+      : context(records), mode_(Mode::Write), name_(std::move(name)) {}
+  // Reads. The node must have passed JsonNode::keys() with the record's keys, and must outlive this object.
+  RecordKeys(const JsonNode& node, const RecordContext& records) : context(records), mode_(Mode::Read), node_(&node) {}
 
   // A key that every record has.
   template <class T, class... Limits>
@@ -58,11 +61,12 @@ class RecordKeys {
   void mayBeMissing(const char* key, T& value, const Limits&... limits) {
     optionalIf(true, key, value, limits...);
   }
-  // A key that is left out if the value is that of an empty record, or unless `written` is true.
+  // A key that is left out if the value is that of an empty record.
   template <class T, class... Limits>
   void optional(const char* key, T& value, const Limits&... limits) {
     optionalIf(value != T{}, key, value, limits...);
   }
+  // A key that is left out unless `written` is true.
   template <class T, class... Limits>
   void optionalIf(bool written, const char* key, T& value, const Limits&... limits) {
     const auto write = writing(key, value);
@@ -77,52 +81,52 @@ class RecordKeys {
           if (node.text() != text) node.fail(fmt::format("is not '{}'", text));
         });
   }
-  // A key that is not written any more, and not read.
+  // A key of earlier versions: it is accepted, but neither written nor read.
   void former(const char* key) {
     customOptional(
         key, [] { return kAbsent; }, [](const JsonNode&) {});
   }
-  // A key that every record that is read has, whose JSON write() returns (kAbsent: not written) and read(node) reads.
+  // A key that a record must have to be read. write() returns its JSON (kAbsent: not written), read(node) reads it.
   template <class Write, class Read>
   void custom(const char* key, const Write& write, const Read& read) {
-    if (!writes_ && !reads()) all.emplace_back(key);
-    add(key, write);
-    if (reads()) read((*node_)[key]);
+    if (mode_ == Mode::Collect) requiredKeys.emplace_back(key);
+    if (mode_ == Mode::Write) put(key, write());
+    if (mode_ == Mode::Read) read((*node_)[key]);
   }
   // The same for a key that may be missing.
   template <class Write, class Read>
   void customOptional(const char* key, const Write& write, const Read& read) {
-    if (!writes_ && !reads()) others.emplace_back(key);
-    add(key, write);
-    if (reads() && node_->has(key)) read((*node_)[key]);
+    if (mode_ == Mode::Collect) optionalKeys.emplace_back(key);
+    if (mode_ == Mode::Write) put(key, write());
+    if (mode_ == Mode::Read && node_->has(key)) read((*node_)[key]);
   }
-  // A map of its own, whose keys fill(keys) describes.
-  template <class Fill>
-  void map(const char* key, const Fill& fill) {
+  // A nested map, whose keys describeMap(keys) describes.
+  template <class Describe>
+  void map(const char* key, const Describe& describeMap) {
     const auto write = [&] {
       RecordKeys nested(name_ + "/" + key, context);
-      fill(nested);
+      describeMap(nested);
       return nested.json;
     };
     custom(key, write, [&](const JsonNode& node) {
-      RecordKeys list, nested(node, context);
-      fill(list);
-      node.keys(list.all, list.others);
-      fill(nested);
+      RecordKeys collected, nested(node, context);
+      describeMap(collected);
+      node.keys(collected.requiredKeys, collected.optionalKeys);
+      describeMap(nested);
     });
   }
 
-  bool reads() const { return node_ != nullptr; }
+  bool reads() const { return mode_ == Mode::Read; }
 
   RecordContext context;
-  std::vector<std::string_view> all, others;  // the keys that all records have, and other keys
-  OrderedJson json = OrderedJson::object();   // the record that was written
+  std::vector<std::string_view> requiredKeys, optionalKeys;  // the keys that were collected
+  OrderedJson json = OrderedJson::object();                  // the record that was written
 
  private:
-  template <class Write>
-  void add(const char* key, const Write& write) {
-    if (!writes_) return;
-    if (OrderedJson value = write(); !value.is_discarded()) json[key] = std::move(value);
+  enum class Mode { Collect, Write, Read };
+
+  void put(const char* key, OrderedJson value) {
+    if (!value.is_discarded()) json[key] = std::move(value);
   }
   template <class T>
   auto writing(const char* key, const T& value) const {
@@ -136,11 +140,23 @@ class RecordKeys {
     };
   }
 
-  bool writes_ = false;
+  Mode mode_ = Mode::Collect;
   std::string name_;
   const JsonNode* node_ = nullptr;
 };
 
+// An std::optional or a smart pointer.
+template <class T>
+concept Nullable = requires(const T& value) {
+  *value;
+};
+template <class T>
+concept List = requires(T& list) {
+  list.emplace_back();
+};
+
+// Types without a branch are records, which describe() describes. A nullable value must not be null: keys without a
+// value are left out before.
 template <class T>
 OrderedJson jsonOf(const T& value, const std::string& name, const RecordContext& context) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -149,19 +165,19 @@ OrderedJson jsonOf(const T& value, const std::string& name, const RecordContext&
     return poseJson(value, name);
   } else if constexpr (std::is_same_v<T, Vec3d>) {
     return finiteList({value.x, value.y, value.z}, name);
-  } else if constexpr (requires { *value; }) {  // a value that may be absent
+  } else if constexpr (Nullable<T>) {
     return jsonOf(*value, name, context);
   } else if constexpr (std::is_same_v<T, std::vector<double>>) {
     return finiteList(value, name);
-  } else if constexpr (requires(T list) { list.emplace_back(); }) {
+  } else if constexpr (List<T>) {
     OrderedJson list = OrderedJson::array();
     for (const auto& item : value) list.push_back(jsonOf(item, fmt::format("{}/{}", name, list.size()), context));
     return list;
-  } else if constexpr (std::is_constructible_v<OrderedJson, const T&>) {
+  } else if constexpr (std::is_constructible_v<OrderedJson, const T&>) {  // integers, bools and texts
     return OrderedJson(value);
   } else {
     RecordKeys keys(name, context);
-    describe(keys, const_cast<T&>(value));  // which writing does not change
+    describe(keys, const_cast<T&>(value));  // describe() takes a reference for reading; writing changes nothing
     return std::move(keys.json);
   }
 }
@@ -181,35 +197,34 @@ void readJson(const JsonNode& node, T& value, const RecordContext& context) {
   } else if constexpr (std::is_same_v<T, Vec3d>) {
     const std::vector<double> v = node.numbers(3);
     value = {v[0], v[1], v[2]};
-  } else if constexpr (std::is_same_v<T, std::array<std::uint8_t, 3>>) {
+  } else if constexpr (std::is_same_v<T, std::array<std::uint8_t, 3>>) {  // a colour
     node.numbers(value.size());
     for (std::size_t i = 0; i < value.size(); ++i) value[i] = node.item(i).template integer<std::uint8_t>();
-  } else if constexpr (requires { *value; }) {
-    auto content = std::make_shared<std::remove_cvref_t<decltype(*value)>>();
-    readJson(node, *content, context);
+  } else if constexpr (Nullable<T>) {
+    std::remove_cvref_t<decltype(*value)> content;
+    readJson(node, content, context);
     if constexpr (std::is_assignable_v<T&, decltype(content)>) {
       value = std::move(content);
     } else {
-      value = std::move(*content);
+      value = std::make_shared<decltype(content)>(std::move(content));
     }
-  } else if constexpr (requires(T list) { list.emplace_back(); }) {
+  } else if constexpr (List<T>) {
     value.clear();
     node.forEach([&](const JsonNode& item) { readJson(item, value.emplace_back(), context); });
   } else {
-    static const RecordKeys list = [] {
+    static const RecordKeys collected = [] {
       RecordKeys keys;
-      T none{};
-      describe(keys, none);
+      T empty{};
+      describe(keys, empty);
       return keys;
     }();
-    node.keys(list.all, list.others);
+    node.keys(collected.requiredKeys, collected.optionalKeys);
     RecordKeys keys(node, context);
     describe(keys, value);
   }
 }
 
-// Limits of values: of numbers, of whole numbers, of the length of a list of numbers, of hashes, and of lists of
-// records no two of which may have the same value of a key.
+// Limits of values: of numbers, of whole numbers, of the length of a list of numbers, and of hashes.
 inline auto within(double low, double high = std::numeric_limits<double>::max()) {
   return [=](const JsonNode& node) { node.number(low, high); };
 }
@@ -221,6 +236,7 @@ inline auto numberCount(std::size_t numbers) {
 }
 inline constexpr auto kSha256Digits = [](const JsonNode& node) { node.sha256(); };
 inline constexpr auto kXxh3Digits = [](const JsonNode& node) { node.xxh3(); };
+// A limit of a list of records: no two records may have the same value of the key.
 inline auto distinct(const char* key) {
   return [=](const JsonNode& list) {
     std::set<std::string> values;

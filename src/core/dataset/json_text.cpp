@@ -12,31 +12,36 @@ bool isNumberList(const OrderedJson& value) {
   return value.is_array() && std::ranges::all_of(value, [](const OrderedJson& v) { return v.is_number(); });
 }
 
-// Joins the texts of the items of a list or an object, between brackets.
-std::string joined(const std::vector<std::string>& parts, const char* brackets, bool oneLine, std::size_t indent) {
-  std::size_t width = indent + 2;
-  std::size_t bytes = 2 * indent + 8;
-  bool flat = true;
-  for (const std::string& part : parts) {
-    flat = flat && part.find('\n') == std::string::npos;
-    width += part.size() + 2;
-    bytes += part.size() + indent + 3;
+enum class Lines { One, AsNeeded };  // AsNeeded: a line for each item if one line would be too long
+
+// Joins the texts of the items of a list or an object. `brackets`: the opening and the closing one, "[]" or "{}".
+// `indent`: level of the list or object itself. An item with line breaks always causes a line for each item.
+std::string joined(const std::vector<std::string>& items, const char* brackets, Lines lines, std::size_t indent) {
+  std::size_t width = indent + 2;      // of the text on one line
+  std::size_t bytes = 2 * indent + 8;  // enough for the text on several lines
+  bool hasBreaks = false;
+  for (const std::string& item : items) {
+    hasBreaks = hasBreaks || item.find('\n') != std::string::npos;
+    width += item.size() + 2;
+    bytes += item.size() + indent + 3;
   }
-  flat = flat && (width <= kLineWidth || oneLine);
-  const std::string separator = flat ? ", " : ",\n" + std::string(indent + 1, ' ');
+  const bool onOneLine = !hasBreaks && (width <= kLineWidth || lines == Lines::One);
+  const std::string lineBreak = "\n" + std::string(indent, ' ');  // followed by one more space before an item
+  const std::string separator = onOneLine ? ", " : "," + lineBreak + " ";
   std::string text;
   text.reserve(bytes);
   text += brackets[0];
-  if (!flat) text += "\n" + std::string(indent + 1, ' ');
-  for (std::size_t i = 0; i < parts.size(); ++i) {
+  if (!onOneLine) text += lineBreak + " ";
+  for (std::size_t i = 0; i < items.size(); ++i) {
     if (i > 0) text += separator;
-    text += parts[i];
+    text += items[i];
   }
-  if (!flat) text += "\n" + std::string(indent, ' ');
+  if (!onOneLine) text += lineBreak;
   text += brackets[1];
   return text;
 }
 
+// Returns the line and column of a byte, which is counted from 1.
 Location placeOfByte(const std::string& text, std::size_t byte, const std::string& file) {
   const std::string_view before = std::string_view(text).substr(0, byte == 0 ? 0 : std::min(byte - 1, text.size()));
   const std::size_t lineStart = before.rfind('\n') + 1;  // if there is no line break, npos + 1 is 0
@@ -53,17 +58,16 @@ std::string scalarText(const OrderedJson& value) {
 
 std::string layOut(const OrderedJson& value, std::size_t indent) {
   if (!value.is_structured()) return scalarText(value);
-  std::vector<std::string> parts;
+  std::vector<std::string> items;
   for (const auto& [key, child] : value.items()) {
-    std::string part = value.is_object() ? scalarText(key) + ": " : std::string();
-    part += layOut(child, indent + 1);
-    parts.push_back(std::move(part));
+    items.push_back(value.is_object() ? scalarText(key) + ": " : std::string());
+    items.back() += layOut(child, indent + 1);
   }
-  return joined(parts, value.is_object() ? "{}" : "[]", isNumberList(value), indent);
+  return joined(items, value.is_object() ? "{}" : "[]", isNumberList(value) ? Lines::One : Lines::AsNeeded, indent);
 }
 
 std::string layOutList(const std::vector<std::string>& items, std::size_t indent) {
-  return joined(items, "[]", false, indent);
+  return joined(items, "[]", Lines::AsNeeded, indent);
 }
 
 double finite(double value, std::string_view what) {
@@ -84,9 +88,9 @@ OrderedJson poseJson(const Pose& pose, std::string_view what) {
 }
 
 const SemanticClass& requireClass(std::uint16_t id, const std::string& key, const Ontology& ontology) {
-  const SemanticClass* const known = ontology.find(id);
-  if (known == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology.name));
-  return *known;
+  const SemanticClass* const semantic = ontology.find(id);
+  if (semantic == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology.name));
+  return *semantic;
 }
 
 Json parseJson(const std::string& text, const std::string& file) {

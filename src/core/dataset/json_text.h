@@ -63,11 +63,11 @@ class JsonNode {
   const JsonNode& keys(std::span<const std::string_view> required, std::span<const std::string_view> optional) const {
     expect(value_.is_object(), "a map");
     for (const auto& entry : value_.items()) {  // checks unknown keys first, since a missing key may only be misspelt
-      const auto is = [&](std::string_view key) { return key == entry.key(); };
-      if (std::ranges::any_of(required, is) || std::ranges::any_of(optional, is)) continue;
-      std::vector<std::string> known(required.begin(), required.end());
-      known.insert(known.end(), optional.begin(), optional.end());
-      fail(fmt::format("key '{}' is unknown{}", entry.key(), suggestion(entry.key(), known)));
+      const auto isEntry = [&](std::string_view key) { return key == entry.key(); };
+      if (std::ranges::any_of(required, isEntry) || std::ranges::any_of(optional, isEntry)) continue;
+      std::vector<std::string> allowed(required.begin(), required.end());
+      allowed.insert(allowed.end(), optional.begin(), optional.end());
+      fail(fmt::format("key '{}' is unknown{}", entry.key(), suggestion(entry.key(), allowed)));
     }
     for (const std::string_view key : required) {
       if (!value_.contains(key)) fail(fmt::format("key '{}' is missing", key));
@@ -141,8 +141,8 @@ class JsonNode {
     }
     return hash;
   }
-  void expect(bool holds, std::string_view what) const {
-    if (!holds) fail(fmt::format("is {}, but must be {}", value_.type_name(), what));
+  void expect(bool hasType, std::string_view what) const {
+    if (!hasType) fail(fmt::format("is {}, but must be {}", value_.type_name(), what));
   }
 
   const Json& value_;
@@ -150,6 +150,7 @@ class JsonNode {
   const std::string& file_;
 };
 
+// Reads {"rotation": [w, x, y, z], "translation": [x, y, z]}. Throws InputError unless the quaternion is a unit one.
 Pose poseOf(const JsonNode& node);
 
 }  // namespace scanmill

@@ -13,15 +13,33 @@
 #include <string_view>
 #include <vector>
 
+#include "base/input_budget.h"
 #include "base/vec.h"
 #include "config/distribution.h"
-#include "dataset/file_records.h"
 #include "scan/modelled_item.h"
 #include "scan/reasons.h"
 #include "scene/ontology.h"
 #include "sensors/beams.h"
 
 namespace scanmill {
+
+// A file that a dataset was made from.
+struct FileRecord {
+  std::string file;  // path, as savedPath() gives it
+  std::string xxh3;  // hash of the file's bytes
+  auto operator<=>(const FileRecord&) const = default;
+};
+
+// Returns the records of files. `folder`: the folder of the pipeline file.
+std::vector<FileRecord> recordsOf(const FilesRead& read, const std::filesystem::path& folder);
+
+// Adds records to a list, which is then sorted and without duplicates. Returns the first file in the list that has two
+// different hashes; empty if there is none.
+std::string addFiles(const std::vector<FileRecord>& added, std::vector<FileRecord>& files);
+
+// Throws InputError at `dataset` if any of the files has other bytes now, or is missing; the message names these files.
+void requireUnchangedFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
+                           const std::filesystem::path& dataset);
 
 struct SensorRecord {
   std::string name;                       // name of the sensor on the vehicle

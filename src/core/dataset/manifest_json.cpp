@@ -61,62 +61,71 @@ OrderedJson framesJson(const Manifest& manifest) {
   };
 }
 
-// Returns the text of a file that describes the samples of a shard. Throws InputError if its SHA-256 is not the stated
-// one, or if it is larger than any description of a shard of this size, which has its samples' descriptions, too.
-std::string soundText(const std::filesystem::path& file, const ShardRecord& shard) {
-  constexpr std::uint64_t kLeast = 1 << 20;
-  std::error_code error;
-  const std::uint64_t bytes = std::filesystem::file_size(file, error);
-  std::string text = error || bytes / 4 <= kLeast + shard.bytes ? readFile(file) : std::string();
+// Returns the text of a file that describes the samples of a shard. Throws InputError if the file is unreadable or its
+// SHA-256 is not the stated one. Does not read files that are too large to be genuine: each description is in the shard
+// too, so that the file takes at most about four times the shard's bytes.
+std::string readSamplesText(const std::filesystem::path& file, const ShardRecord& shard) {
+  constexpr std::uint64_t kAlwaysRead = 1 << 20;  // bytes added to the shard's, so that files of small shards are read
+  std::error_code unreadable;                     // readFile() reports the reason
+  const std::uint64_t bytes = std::filesystem::file_size(file, unreadable);
+  const bool plausible = unreadable || bytes / 4 <= kAlwaysRead + shard.bytes;
+  std::string text = plausible ? readFile(file) : std::string();
   if (sha256(text) == shard.samplesSha256) return text;
   throw InputError({file.string()}, "was changed since it was written: its SHA-256 differs from the manifest");
 }
 
-// Parses the text that describes a shard's samples, and stores each sample in `samples` at the sample's number.
-// `samples` has the size of the complete dataset.
-void parseSamples(const std::string& text, const std::filesystem::path& folder, std::uint32_t number,
+// Parses the text that describes the samples of the shard with the index `shardIndex`. Stores each sample in `samples`,
+// which has the size of the complete dataset, at the index that the text states for the sample.
+void parseSamples(const std::string& text, const std::filesystem::path& folder, std::uint32_t shardIndex,
                   const Manifest& head, std::vector<SampleRecord>& samples) {
-  const ShardRecord& shard = head.shards[number];
+  const ShardRecord& shard = head.shards[shardIndex];
   const std::string file = (folder / samplesFileOf(shard.file)).string();
   const Json json = parseJson(text, file);
   const JsonNode root(json, "", file);
   root.keys({"shard", "numbers", "samples"});
-  std::vector<std::uint64_t> numbers;
+  std::vector<std::uint64_t> indices;  // of the text's samples among all samples
   root["numbers"].forEach([&](const JsonNode& item) {
-    numbers.push_back(item.integer<std::uint64_t>());
-    if (numbers.back() >= samples.size())
+    indices.push_back(item.integer<std::uint64_t>());
+    if (indices.back() >= samples.size())
       item.fail(fmt::format("is not below {}, the number of samples", samples.size()));
   });
-  std::size_t next = 0;
+  std::size_t readCount = 0;
   root["samples"].forEach([&](const JsonNode& item) {
     SampleRecord sample;
     readJson(item, sample, {&head.ontology, &head});
-    if (sample.shard != number) item["shard"].fail(fmt::format("is not {}, the number of {}", number, shard.file));
-    if (next >= numbers.size() || !samples[numbers[next]].key.empty())
+    if (sample.shard != shardIndex)
+      item["shard"].fail(fmt::format("is not {}, the number of {}", shardIndex, shard.file));
+    if (readCount >= indices.size() || !samples[indices[readCount]].key.empty())
       item.fail("has no number, or the number of another sample");
-    samples[numbers[next++]] = std::move(sample);
+    samples[indices[readCount++]] = std::move(sample);
   });
-  if (next != shard.samples) root["samples"].fail(fmt::format("has {} entries, not {}", next, shard.samples));
+  if (readCount != shard.samples) root["samples"].fail(fmt::format("has {} entries, not {}", readCount, shard.samples));
 }
 
-// Adds the samples that the files beside the shards describe to a manifest: see readManifest().
-Manifest described(Manifest manifest, const std::filesystem::path& folder,
-                   std::map<std::uint32_t, std::string>& undescribed) {
+// Returns true if files beside the shards describe the samples, not the manifest itself.
+bool hasSamplesFiles(const Manifest& manifest) {
+  return std::ranges::any_of(manifest.shards, [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
+}
+
+// Returns the manifest with the samples that the files beside the shards describe. Puts the problem of each file that
+// is missing or damaged into `undescribed`, see readManifest().
+Manifest withSamplesOfFiles(Manifest manifest, const std::filesystem::path& folder,
+                            std::map<std::uint32_t, std::string>& undescribed) {
+  if (!hasSamplesFiles(manifest)) return manifest;
   const std::filesystem::path file = folder / kManifestName;
-  const auto inFile = [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); };
-  if (std::ranges::none_of(manifest.shards, inFile)) return manifest;
-  constexpr std::uint64_t kMost = 10'000'000;  // 2 GB
-  std::uint64_t count = 0;
+  constexpr std::uint64_t kMostSamples = 10'000'000;  // their records take 2 GB of memory
+  std::uint64_t sampleCount = 0;
   for (const ShardRecord& shard : manifest.shards) {
-    count += std::min(shard.samples, kMost + 1);
-    if (count > kMost) throw InputError({file.string()}, fmt::format("states more than {} samples", kMost));
+    sampleCount += std::min(shard.samples, kMostSamples + 1);
+    if (sampleCount > kMostSamples)
+      throw InputError({file.string()}, fmt::format("states more than {} samples", kMostSamples));
   }
-  std::vector<SampleRecord> samples(count);
+  std::vector<SampleRecord> samples(sampleCount);
   for (std::uint32_t shard = 0; shard < manifest.shards.size(); ++shard) {
     const ShardRecord& record = manifest.shards[shard];
     std::string text;
     try {
-      text = soundText(folder / samplesFileOf(record.file), record);
+      text = readSamplesText(folder / samplesFileOf(record.file), record);
     } catch (const InputError& error) {
       undescribed[shard] = error.what();
       continue;
@@ -133,10 +142,12 @@ Manifest described(Manifest manifest, const std::filesystem::path& folder,
   return manifest;
 }
 
+// Returns a sample as the manifest, or a file beside a shard, describes it.
 OrderedJson sampleEntry(const SampleRecord& sample, const Manifest& manifest) {
   return jsonOf(sample, sample.key, {&manifest.ontology, &manifest});
 }
 
+// Returns a sample as its member `<key>.json` describes it, see sampleJson().
 OrderedJson sampleObject(const SampleRecord& sample) {
   const KeyParts parts = partsOfKey(sample.key);
   OrderedJson json{{"key", sample.key}, {"sequence", parts.sequence}, {"frame", parts.frame}, {"split", sample.split}};
@@ -148,18 +159,20 @@ OrderedJson sampleObject(const SampleRecord& sample) {
   return json;
 }
 
+// Throws InputError unless the JSON is a manifest of this program, of a version that can be read. `root`: node of
+// `json`.
 void checkVersion(const JsonNode& root, const Json& json, const std::string& file) {
-  const bool ours = json.is_object() && json.contains("schema_version") && json["schema_version"].is_number_integer() &&
-                    json.contains("program") && json["program"].is_object() &&
-                    json["program"].value("name", Json()) == "scanmill";
-  if (!ours) throw InputError({file}, "is not a manifest of scanmill");
+  const bool isManifest = json.is_object() && json.contains("schema_version") &&
+                          json["schema_version"].is_number_integer() && json.contains("program") &&
+                          json["program"].is_object() && json["program"].value("name", Json()) == "scanmill";
+  if (!isManifest) throw InputError({file}, "is not a manifest of scanmill");
   const JsonNode version = root["schema_version"];
-  const std::int64_t found = json["schema_version"].get<std::int64_t>();
-  if (found > Manifest::kSchemaVersion) {
-    version.fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill", found,
+  const std::int64_t number = json["schema_version"].get<std::int64_t>();
+  if (number > Manifest::kSchemaVersion) {
+    version.fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill", number,
                              Manifest::kSchemaVersion));
   }
-  if (found < 1) version.fail(fmt::format("{} is not a version: the first version is 1", found));
+  if (number < 1) version.fail(fmt::format("{} is not a version: the first version is 1", number));
 }
 
 }  // namespace
@@ -227,13 +240,13 @@ std::string toJson(const Manifest& manifest) {
   // Samples are converted to text one by one: the JSON objects of all samples would take ten times as much memory as
   // their text.
   std::vector<std::string> samples;
-  const auto isInFile = [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); };
-  if (std::ranges::none_of(manifest.shards, isInFile)) {
+  if (!hasSamplesFiles(manifest)) {
     samples.reserve(manifest.samples.size());
     for (const SampleRecord& sample : manifest.samples) samples.push_back(layOut(sampleEntry(sample, manifest), 2));
   }
-  constexpr std::string_view kPlace = "\n \"samples\": null";  // occurs once, since JSON strings escape line breaks
-  text.replace(text.rfind(kPlace) + kPlace.size() - 4, 4, layOutList(samples, 1));
+  constexpr std::string_view kKey = "\n \"samples\": ", kNull = "null";  // describe() writes null for the samples
+  const std::size_t key = text.rfind(kKey);  // occurs once, since JSON strings escape line breaks
+  text.replace(key + kKey.size(), kNull.size(), layOutList(samples, 1));
   text.replace(text.rfind(kNoDigest), kNoDigest.size(), sha256(text));
   return text;
 }
@@ -267,12 +280,12 @@ std::string digestProblem(std::string text) {
   if (key == std::string::npos) return "has no digest, so that changes of it cannot be detected";
   const std::string stated = text.substr(key + kKey.size(), kNoDigest.size());
   text.replace(key + kKey.size(), stated.size(), kNoDigest);
-  const std::string found = sha256(text);
-  if (found == stated) return {};
+  const std::string computed = sha256(text);
+  if (computed == stated) return {};
   return fmt::format(
       "was changed since it was written: its digest is {}, but it states {}; `scanmill generate PIPELINE --overwrite` "
       "makes the dataset again",
-      found, stated);
+      computed, stated);
 }
 
 void requireStatedDigest(const std::filesystem::path& file, const std::string& text) {
@@ -286,10 +299,10 @@ std::string sampleJson(const SampleRecord& sample) {
 
 std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sample) {
   if (text == sampleJson(sample)) return {};
-  const OrderedJson found = OrderedJson::parse(text, nullptr, false);
-  if (found.is_discarded()) return "is not valid JSON";
+  const OrderedJson member = OrderedJson::parse(text, nullptr, false);
+  if (member.is_discarded()) return "is not valid JSON";
   const OrderedJson expected = sampleObject(sample);
-  const OrderedJson changes = OrderedJson::diff(expected, found);
+  const OrderedJson changes = OrderedJson::diff(expected, member);  // a JSON patch (RFC 6902)
   if (changes.empty()) return {};
   std::string path = changes[0]["path"].get<std::string>();
   const std::string operation = changes[0]["op"].get<std::string>();
@@ -335,11 +348,11 @@ Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_
   requireDataset(folder);
   const std::string text = readFile(file);
   try {
-    return described(parseManifest(text, file.string()), folder, undescribed);
+    return withSamplesOfFiles(parseManifest(text, file.string()), folder, undescribed);
   } catch (const InputError& error) {
     try {
       requireStatedDigest(file, text);
-    } catch (const InputError& changed) {  // files that contradict it may be sound
+    } catch (const InputError& changed) {  // the error may follow from the change of the manifest: name both
       throw InputError(fmt::format("{}; {}", changed.what(), error.what()));
     }
     throw;

@@ -40,34 +40,36 @@ void describe(RecordKeys& keys, ModelledItem& item) {
 
 namespace {
 
-// Returns the item of which an earlier version stored the line, see lineOf().
+// Returns the item of a line that an earlier version wrote, see lineOf(): "TOPIC: left out, TEXT" or "TOPIC: left out
+// TEXT" states what is left out, any other line what is modelled.
 ModelledItem itemOfLine(const std::string& line) {
   constexpr std::string_view kLeftOut = ": left out";
-  const std::size_t at = line.find(kLeftOut);
-  if (at == std::string::npos) return {"", line};
-  std::string why = line.substr(at + kLeftOut.size());
-  if (!why.empty() && !why.starts_with(' ') && !why.starts_with(", ")) return {"", line};
-  why.erase(0, why.find_first_not_of(", "));
-  return {line.substr(0, at), why, true};
+  const std::size_t colon = line.find(kLeftOut);
+  if (colon == std::string::npos) return {.topic = "", .text = line};
+  std::string text = line.substr(colon + kLeftOut.size());
+  if (!text.empty() && !text.starts_with(' ') && !text.starts_with(", ")) return {.topic = "", .text = line};
+  text.erase(0, text.find_first_not_of(", "));
+  return {.topic = line.substr(0, colon), .text = text, .leftOut = true};
 }
 
 OrderedJson reasonsJson(const ScanRecord& scan) {
   OrderedJson json = OrderedJson::object();
   for (const auto& [reason, beams] : scan.beamsPerReason) {
-    const ReasonEntry* known = findReason(reason);
-    if (known == nullptr) throw Error(fmt::format("no reason has the value {}", reason));
-    json[std::string(known->name)] = beams;
+    const ReasonEntry* const entry = findReason(reason);
+    if (entry == nullptr) throw Error(fmt::format("no reason has the value {}", reason));
+    json[std::string(entry->name)] = beams;
   }
   return json;
 }
 
+// Reads the counts that reasonsJson() writes. Throws InputError unless their sum is `beams`, the scan's beams.
 ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
   ReasonCounts counts;
   std::uint64_t sum = 0;
   node.forEachEntry([&](const std::string& name, const JsonNode& count) {
-    const ReasonEntry* known = findReason(name);
-    if (known == nullptr) count.fail(fmt::format("'{}' is not a reason", name));
-    counts[static_cast<std::uint8_t>(known->reason)] = count.integer<std::uint64_t>(1, beams);
+    const ReasonEntry* const entry = findReason(name);
+    if (entry == nullptr) count.fail(fmt::format("'{}' is not a reason", name));
+    counts[static_cast<std::uint8_t>(entry->reason)] = count.integer<std::uint64_t>(1, beams);
     sum += count.integer<std::uint64_t>();
   });
   if (sum != beams) node.fail(fmt::format("add up to {} beams, not {}", sum, beams));
@@ -123,12 +125,12 @@ static void describe(RecordKeys& keys, ListedBeams& beams) {
   keys("azimuth", beams.azimuth);
   keys("elevation", beams.elevation);
   keys("time", beams.time);
-  std::vector<double> origin;  // x, y, z, x, ...
-  for (const Vec3f& o : beams.origin) origin.insert(origin.end(), {double{o.x}, double{o.y}, double{o.z}});
-  keys.optional("origin", origin);
+  std::vector<double> coordinates;  // x, y, z of the first beam's origin, x of the second beam's, ...
+  for (const Vec3f& o : beams.origin) coordinates.insert(coordinates.end(), {double{o.x}, double{o.y}, double{o.z}});
+  keys.optional("origin", coordinates);
   if (!keys.reads()) return;
-  for (std::size_t i = 2; i < origin.size(); i += 3) {
-    beams.origin.push_back(static_cast<Vec3f>(Vec3d{origin[i - 2], origin[i - 1], origin[i]}));
+  for (std::size_t i = 0; i + 2 < coordinates.size(); i += 3) {
+    beams.origin.push_back(static_cast<Vec3f>(Vec3d{coordinates[i], coordinates[i + 1], coordinates[i + 2]}));
   }
 }
 
@@ -169,6 +171,8 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   keys("azimuth_offset", b.azimuthOffset, numberCount(b.rings));
   keys("firing_offset", b.firingOffset, numberCount(b.rings));
   keys.optional("vehicle_from_sensor", sensor.vehicleFromSensor);
+  // At most one of the two patterns is present. They are copied here, because BeamTable stores them in a variant, and
+  // stored in the table if the record is read.
   std::shared_ptr<const ListedBeams> listed = b.listed();
   keys.optional("beams", listed, [&](const JsonNode& node) {
     for (const char* const key : {"azimuth", "elevation", "time"}) node[key].numbers(b.size());
@@ -179,8 +183,8 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   keys.optionalIf(rosette.has_value(), "rosette", rosette, [&](const JsonNode& node) {
     if (node.has("left")) node["left"].numbers(b.rings);
   });
-  if (rosette && b.rosette() == nullptr) b.pattern = std::move(*rosette);
-  if (listed != nullptr && listed != b.listed()) b.pattern = std::move(listed);
+  if (keys.reads() && rosette) b.pattern = std::move(*rosette);
+  if (keys.reads() && listed != nullptr) b.pattern = std::move(listed);
   keys.optionalIf(b.sweep > 0, "sweep", b.sweep, within(0, b.period));
   keys.optionalIf(sensor.intensityFullScale != 1, "intensity_full_scale", sensor.intensityFullScale, within(1e-9));
   keys.optional("origin_left", b.originLeft, numberCount(b.rings));
@@ -192,43 +196,44 @@ void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& i
   keys.custom(
       key, [&] { return ontology == nullptr ? kAbsent : OrderedJson(requireClass(id, key, *ontology).name); },
       [&](const JsonNode& node) {
-        const SemanticClass* const known = ontology->find(id);
-        if (known == nullptr) node.fail(fmt::format("class {} is not in ontology '{}'", id, ontology->name));
-        if (node.text() != known->name) node.fail(fmt::format("class {} is '{}' in the ontology", id, known->name));
+        const SemanticClass* const semantic = ontology->find(id);
+        if (semantic == nullptr) node.fail(fmt::format("class {} is not in ontology '{}'", id, ontology->name));
+        if (node.text() != semantic->name)
+          node.fail(fmt::format("class {} is '{}' in the ontology", id, semantic->name));
       });
 }
 
+// The number of a scan's points of a class.
 struct ClassPoints {
   std::uint16_t id = 0;
   std::uint64_t points = 0;
 };
 
-static void describe(RecordKeys& keys, ClassPoints& counted) {
-  keys("id", counted.id);
-  describeClassName(keys, "name", counted.id);
-  keys("points", counted.points);
+static void describe(RecordKeys& keys, ClassPoints& entry) {
+  keys("id", entry.id);
+  describeClassName(keys, "name", entry.id);
+  keys("points", entry.points);
 }
 
+// The numbers of a sample's objects of a class.
 struct ClassObjects {
   std::uint16_t id = 0;
   ObjectCount count;
 };
 
-static void describe(RecordKeys& keys, ClassObjects& counted) {
-  keys("id", counted.id);
-  describeClassName(keys, "name", counted.id);
-  keys("objects", counted.count.objects, wholeNumber(1));
-  keys("with_points", counted.count.withPoints, wholeNumber(0, counted.count.objects));
+static void describe(RecordKeys& keys, ClassObjects& entry) {
+  keys("id", entry.id);
+  describeClassName(keys, "name", entry.id);
+  keys("objects", entry.count.objects, wholeNumber(1));
+  keys("with_points", entry.count.withPoints, wholeNumber(0, entry.count.objects));
 }
 
 void describe(RecordKeys& keys, ScanRecord& scan) {
-  const auto sensorOf = [&](const JsonNode& name) -> const SensorRecord& {
-    for (const SensorRecord& known : keys.context.head->sensors) {
-      if (known.name == scan.sensor) return known;
-    }
-    name.fail(fmt::format("no sensor is named '{}'", scan.sensor));
-  };
-  keys("sensor", scan.sensor, sensorOf);
+  keys("sensor", scan.sensor, [&](const JsonNode& node) {
+    const std::vector<SensorRecord>& sensors = keys.context.head->sensors;
+    if (std::ranges::find(sensors, scan.sensor, &SensorRecord::name) != sensors.end()) return;
+    node.fail(fmt::format("no sensor is named '{}'", scan.sensor));
+  });
   keys.optional("revolution", scan.revolution);
   keys("method", scan.method);
   keys("time", scan.time);
@@ -263,7 +268,7 @@ OrderedJson drawsJson(const SampleRecord& sample) {
 }
 
 void describe(RecordKeys& keys, SampleRecord& s) {
-  const Manifest* const head = keys.context.head;
+  const Manifest* const head = keys.context.head;  // only used by limits, which need a context with a manifest
   keys("key", s.key, [&](const JsonNode& node) {
     if (!s.key.empty() && s.key.find_first_of("./") == std::string::npos && s.key == oneLine(s.key)) return;
     node.fail(fmt::format("'{}' is not a key (text without dots, slashes and control characters)", s.key));
@@ -289,11 +294,8 @@ void describe(RecordKeys& keys, SampleRecord& s) {
   });
   keys("scans", s.scans, [&](const JsonNode& node) {
     for (std::size_t i = 0; i < s.scans.size(); ++i) {
-      if (s.scans[i].vehicleFromSensor) continue;
-      const auto hasRandomMount = [&](const SensorRecord& sensor) {
-        return sensor.name == s.scans[i].sensor && !sensor.vehicleFromSensor;
-      };
-      if (std::ranges::none_of(head->sensors, hasRandomMount)) continue;
+      const auto sensor = std::ranges::find(head->sensors, s.scans[i].sensor, &SensorRecord::name);  // exists
+      if (s.scans[i].vehicleFromSensor || sensor->vehicleFromSensor) continue;
       node.item(i).fail("key 'vehicle_from_sensor' is missing, as in the scan's sensor");
     }
   });
@@ -303,7 +305,7 @@ void describe(RecordKeys& keys, SampleRecord& s) {
   }
   keys.optionalIf(s.objects.has_value(), "objects", objects, distinct("id"), [&](const JsonNode&) {
     s.objects.emplace();
-    for (const ClassObjects& counted : objects) (*s.objects)[counted.id] = counted.count;
+    for (const ClassObjects& entry : objects) (*s.objects)[entry.id] = entry.count;
   });
   keys.customOptional(
       "draws", [&] { return drawsJson(s); },

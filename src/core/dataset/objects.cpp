@@ -11,34 +11,36 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kLengths = 1e4;  // rounding steps of lengths and coordinates, per metre
-constexpr double kAngles = 1e9;   // rounding steps of a quaternion's components, per unit
-constexpr double kShares = 1e3;   // rounding steps of a fraction from 0 to 1
-constexpr double kTimes = 1e7;    // rounding steps of times, per second
+constexpr double kLengthSteps = 1e4;      // rounding steps of lengths, coordinates and speeds, per metre
+constexpr double kQuaternionSteps = 1e9;  // rounding steps of a quaternion's components, per unit
+constexpr double kFractionSteps = 1e3;    // rounding steps of a fraction from 0 to 1
+constexpr double kTimeSteps = 1e7;        // rounding steps of times, per second
 
-double rounded(double value, double steps) {
-  const double result = std::round(value * steps) / steps;
+double rounded(double value, double stepsPerUnit) {
+  const double result = std::round(value * stepsPerUnit) / stepsPerUnit;
   return result == 0 ? 0.0 : result;  // avoids -0
 }
 
 // Returns the sample with numbers as its file has them.
-SampleObjects rounded(SampleObjects sample) {
-  const auto each = [](double steps, auto&... values) { ((values = rounded(values, steps)), ...); };
-  const auto vector = [&](Vec3d& v) { each(kLengths, v.x, v.y, v.z); };
-  const auto pose = [&](Pose& p) {
-    each(kAngles, p.rotation.w, p.rotation.x, p.rotation.y, p.rotation.z);
-    vector(p.translation);
+SampleObjects roundedForFile(SampleObjects sample) {
+  const auto roundVector = [&](Vec3d& v) {
+    for (double* const coordinate : {&v.x, &v.y, &v.z}) *coordinate = rounded(*coordinate, kLengthSteps);
   };
-  each(kTimes, sample.time);
+  const auto roundPose = [&](Pose& pose) {
+    Quat& q = pose.rotation;
+    for (double* const component : {&q.w, &q.x, &q.y, &q.z}) *component = rounded(*component, kQuaternionSteps);
+    roundVector(pose.translation);
+  };
+  sample.time = rounded(sample.time, kTimeSteps);
   for (ObjectRecord& object : sample.objects) {
-    pose(object.worldFromBox);
-    vector(object.size);
-    vector(object.velocity);
+    roundPose(object.worldFromBox);
+    roundVector(object.size);
+    roundVector(object.velocity);
     for (ObjectView& view : object.views) {
-      each(kTimes, view.time);
-      pose(view.sensorFromBox);
-      each(kShares, view.truncation);
-      if (view.nearestRange) each(kLengths, *view.nearestRange);
+      view.time = rounded(view.time, kTimeSteps);
+      roundPose(view.sensorFromBox);
+      view.truncation = rounded(view.truncation, kFractionSteps);
+      if (view.nearestRange) view.nearestRange = rounded(*view.nearestRange, kLengthSteps);
     }
   }
   return sample;
@@ -55,11 +57,11 @@ static void describe(RecordKeys& keys, ObjectView& view) {
   keys("beams_alone", view.beamsAlone);
   keys.custom(
       "visibility",
-      [&] { return view.visibility() ? OrderedJson(rounded(*view.visibility(), kShares)) : OrderedJson(); },
+      [&] { return view.visibility() ? OrderedJson(rounded(*view.visibility(), kFractionSteps)) : OrderedJson(); },
       [&](const JsonNode& node) {
         const std::optional<double> computed = view.visibility();
         const bool same =
-            node.isNull() ? !computed : computed && std::abs(node.number(0, 1) - *computed) <= 1 / kShares;
+            node.isNull() ? !computed : computed && std::abs(node.number(0, 1) - *computed) <= 1 / kFractionSteps;
         if (!same) node.fail("is not beams / beams_alone");
       });
   keys("truncation", view.truncation, within(0, 1));
@@ -105,14 +107,14 @@ std::map<std::uint16_t, ObjectCount> SampleObjects::counts() const {
   for (const ObjectRecord& object : objects) {
     ObjectCount& count = counts[object.semantic];
     ++count.objects;
-    const auto points = [](const ObjectView& view) { return view.points > 0; };
-    count.withPoints += std::ranges::any_of(object.views, points) ? 1 : 0;
+    const auto hasPoints = [](const ObjectView& view) { return view.points > 0; };
+    if (std::ranges::any_of(object.views, hasPoints)) ++count.withPoints;
   }
   return counts;
 }
 
 std::string objectsJson(const SampleObjects& sample, const Ontology& ontology) {
-  return layOut(jsonOf(rounded(sample), sample.key, {.ontology = &ontology})) + "\n";
+  return layOut(jsonOf(roundedForFile(sample), sample.key, {.ontology = &ontology})) + "\n";
 }
 
 SampleObjects parseObjects(std::string_view text, const std::string& name, const Ontology& ontology) {

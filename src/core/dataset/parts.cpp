@@ -59,9 +59,9 @@ std::string toJson(const DatasetPart& part) {
 }
 
 DatasetPart parsePart(const std::string& text, const std::string& file) {
-  const std::size_t end = std::min(text.find('\n'), text.size());
-  const std::string manifest = text.substr(std::min(end + 1, text.size()));
-  const Json json = parseJson(text.substr(0, end), file);
+  const std::size_t firstLineEnd = std::min(text.find('\n'), text.size());
+  const std::string manifest = text.substr(std::min(firstLineEnd + 1, text.size()));
+  const Json json = parseJson(text.substr(0, firstLineEnd), file);
   DatasetPart part;
   readJson(JsonNode(json, "", file), part);
   part.manifest = parseManifest(manifest, file);
@@ -72,18 +72,39 @@ DatasetPart parsePart(const std::string& text, const std::string& file) {
   return part;
 }
 
+// Moves the samples of a part to their indices in `joined`, whose samples are empty records at first and whose last
+// shard is that of the part. Throws Error if an index is out of range or has a sample already.
+static void moveSamples(DatasetPart& part, Manifest& joined) {
+  const auto shardIndex = static_cast<std::uint32_t>(joined.shards.size() - 1);
+  const std::string& shardFile = joined.shards[shardIndex].file;
+  for (std::size_t i = 0; i < part.numbers.size(); ++i) {
+    const std::uint64_t sampleIndex = part.numbers[i];
+    if (sampleIndex >= joined.samples.size()) {
+      throw Error(fmt::format("{}: sample {} is out of range: the plan has {} samples", shardFile, sampleIndex,
+                              joined.samples.size()));
+    }
+    SampleRecord& sample = joined.samples[sampleIndex];
+    if (!sample.key.empty()) {
+      throw Error(fmt::format("sample {} is in two shards, {} and {}", sample.key, joined.shards[sample.shard].file,
+                              shardFile));
+    }
+    sample = std::move(part.manifest.samples[i]);
+    sample.shard = shardIndex;
+  }
+}
+
 Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool anyFiles) {
   if (parts.empty()) throw Error("a dataset must have at least one shard");
   Manifest joined = parts.front().manifest;
   joined.shards.clear();
   joined.sequences.clear();
-  std::set<std::string> sequences;  // names
+  std::set<std::string> sequenceNames;
   joined.samples.assign(plan.samples, {});
-  for (std::size_t shard = 0; shard < parts.size(); ++shard) {
-    Manifest& part = parts[shard].manifest;
+  for (DatasetPart& datasetPart : parts) {
+    const Manifest& part = datasetPart.manifest;
     joined.shards.push_back(part.shards[0]);
     for (const SequenceRecord& sequence : part.sequences) {
-      if (sequences.insert(sequence.name).second) joined.sequences.push_back(sequence);
+      if (sequenceNames.insert(sequence.name).second) joined.sequences.push_back(sequence);
     }
     addItems(part.modelled, joined.modelled);
     const std::string changed = addFiles(part.files, joined.files);
@@ -93,28 +114,15 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool
                       "again with `generate --overwrite`, or complete it by `generate --resume=anyway`",
                       changed));
     }
-    for (std::size_t i = 0; i < part.samples.size(); ++i) {
-      const std::uint64_t number = parts[shard].numbers[i];
-      if (number >= plan.samples) {
-        throw Error(fmt::format("{}: sample {} is out of range: the plan has {} samples", part.shards[0].file, number,
-                                plan.samples));
-      }
-      SampleRecord& sample = joined.samples[number];
-      if (!sample.key.empty()) {
-        throw Error(fmt::format("sample {} is in two shards, {} and {}", sample.key, joined.shards[sample.shard].file,
-                                part.shards[0].file));
-      }
-      sample = std::move(part.samples[i]);
-      sample.shard = static_cast<std::uint32_t>(shard);
-    }
+    moveSamples(datasetPart, joined);
   }
   for (std::size_t i = 0; i < joined.samples.size(); ++i) {
     if (joined.samples[i].key.empty()) throw Error(fmt::format("sample {} of {} is in no shard", i, plan.samples));
   }
-  std::vector<std::string> scenes;
-  for (const ModelledItem& item : joined.modelled) appendNew(item.scenes, scenes);
+  std::vector<std::string> allScenes;
+  for (const ModelledItem& item : joined.modelled) appendNew(item.scenes, allScenes);
   for (ModelledItem& item : joined.modelled) {  // an item about all scenes lists none
-    if (item.scenes.size() == scenes.size()) item.scenes.clear();
+    if (item.scenes.size() == allScenes.size()) item.scenes.clear();
   }
   return joined;
 }
@@ -127,14 +135,13 @@ Manifest mergeDataset(const std::filesystem::path& folder) {
   const DatasetPlan plan = DatasetFolder::planned(folder);
   DatasetFolder opened(folder, FolderUse::Resume, plan);
   std::vector<DatasetPart> parts;
-  std::vector<std::uint64_t> missing;
+  std::vector<std::uint64_t> missing;  // numbers of shards
   const std::vector<std::string> names = plan.shards();
-  for (std::size_t shard = 0; shard < names.size(); ++shard) {
-    std::optional<DatasetPart> part = opened.findRecord(names[shard], DatasetFolder::Check::Size);
-    if (part) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::optional<DatasetPart> part = opened.findRecord(names[i], DatasetFolder::Check::Size)) {
       parts.push_back(std::move(*part));
     } else {
-      missing.push_back(shard);
+      missing.push_back(i);
     }
   }
   if (!missing.empty()) {

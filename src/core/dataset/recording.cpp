@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <set>
 
 #include "base/file.h"
@@ -16,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kIndex = "recording.json";
-constexpr const char* kWhat = "scanmill recording";
+constexpr const char* kIndexName = "recording.json";
+constexpr const char* kWhat = "scanmill recording";  // the index's value of the key `what`
 
 std::string shotName(std::string_view sample, std::string_view sensor) {
   return fmt::format("{}.{}", sample, sensor);
@@ -30,10 +32,11 @@ std::vector<double> numbersOf(const Pose& pose) {
   return {q.w, q.x, q.y, q.z, t.x, t.y, t.z};
 }
 
+// Reads the numbers that numbersOf() returns. Throws InputError unless the quaternion is a unit one.
 Pose poseOfNumbers(const JsonNode& node) {
   const std::vector<double> n = node.numbers(7);
-  const double norm = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3];
-  if (!(std::abs(norm - 1) < 1e-6))
+  const double squaredNorm = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3];
+  if (!(std::abs(squaredNorm - 1) < 1e-6))
     node.fail(
         "must be a unit quaternion w, x, y, z and then the position x, y, z, but the quaternion has another length");
   return {{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}};
@@ -41,7 +44,7 @@ Pose poseOfNumbers(const JsonNode& node) {
 
 // Reads the name of a file, which must be directly in the recording's folder: other paths are refused, because the JSON
 // may come from an untrusted source.
-std::string fileOf(const JsonNode& node) {
+std::string fileNameOf(const JsonNode& node) {
   std::string name = node.text();
   if (name.empty() || fs::path(name).filename() != name || name == "." || name == "..") {
     node.fail(fmt::format("'{}' must be the name of a file in this folder", name));
@@ -49,16 +52,17 @@ std::string fileOf(const JsonNode& node) {
   return name;
 }
 
-// Returns true if a file has the name of a file that this program writes for the recording `earlier`, such as
-// "street-s1-lane-000012.top.json" for its sequences and sensors.
-bool isOurs(const std::string& name, const Recording& earlier) {
-  if (name == kIndex || name.find(".partial-") != std::string::npos) return true;
+// Returns true if a file has the name of a file that this program writes for the recording: "recording.json", a name
+// such as "street-s1-lane-000012.top.json" of a sequence and a sensor of the recording, or a temporary name.
+bool isFileOf(const Recording& recording, const std::string& name) {
+  if (name == kIndexName || name.find(".partial-") != std::string::npos) return true;
   if (!name.ends_with(".exr") && !name.ends_with(".json")) return false;
   const std::size_t dot = name.find('.');
   const std::string key = name.substr(0, dot);
-  const bool sequence = std::ranges::any_of(
-      earlier.sequences, [&](const auto& s) { return key.starts_with(fmt::format("{}-s{}-", s.scene, s.seed)); });
-  return sequence && std::ranges::any_of(earlier.sensors, [&](const RecordedSensor& s) {
+  const bool hasSequence = std::ranges::any_of(recording.sequences, [&](const RecordedSequence& s) {
+    return key.starts_with(fmt::format("{}-s{}-", s.scene, s.seed));
+  });
+  return hasSequence && std::ranges::any_of(recording.sensors, [&](const RecordedSensor& s) {
            return name.compare(dot + 1, s.name.size() + 1, s.name + ".") == 0;
          });
 }
@@ -76,19 +80,22 @@ void removeEarlier(const fs::path& folder) {
   if (earlier.programVersion.empty()) {
     throw InputError({folder.string()}, "has a recording that another program made: choose another folder");
   }
-  std::vector<fs::path> old;
+  std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (!entry.is_regular_file() || !isOurs(entry.path().filename().string(), earlier)) {
+    if (!entry.is_regular_file() || !isFileOf(earlier, entry.path().filename().string())) {
       throw InputError({entry.path().string()},
                        "does not belong to the recording in this folder: --overwrite replaces only recordings; choose "
                        "another folder");
     }
-    old.push_back(entry.path());
+    files.push_back(entry.path());
   }
-  fs::remove(folder / kIndex);  // remove the index first, so that the other files never look like a finished recording
-  for (const fs::path& file : old) fs::remove(file);
+  fs::remove(folder /
+             kIndexName);  // remove the index first, so that the other files never look like a finished recording
+  for (const fs::path& file : files) fs::remove(file);
 }
 
+// Creates the folder, or empties it as removeEarlier() does if `overwrite` is true. Throws InputError if the folder
+// cannot be used.
 void prepareFolder(const fs::path& folder, bool overwrite) {
   try {
     if (fs::exists(folder) && !fs::is_directory(folder)) {
@@ -155,22 +162,22 @@ static void describe(RecordKeys& keys, Recording& r) {
   keys.custom(
       "kind", [&] { return OrderedJson(nameOf(r.kind)); },
       [&](const JsonNode& node) {
-        const std::string found = node.text();
-        if (found == nameOf(r.kind)) return;
-        if (found != "hits" && found != "passes") node.fail(fmt::format("'{}' is neither hits nor passes", found));
-        node.fail(fmt::format("is a recording of {}: read it with --from-{}", found, found));
+        const std::string kind = node.text();
+        if (kind == nameOf(r.kind)) return;
+        if (kind != "hits" && kind != "passes") node.fail(fmt::format("'{}' is neither hits nor passes", kind));
+        node.fail(fmt::format("is a recording of {0}: read it with --from-{0}", kind));
       });
   keys.mayBeMissing("method", r.method);
   keys.mayBeMissing("ontology", r.ontology);
   keys("sensors", r.sensors, distinct("name"));
   keys("sequences", r.sequences, [&](const JsonNode& node) {
-    std::set<std::string> known;
+    std::set<std::string> names;
     for (std::size_t i = 0; i < r.sequences.size(); ++i) {
       const RecordedSequence& s = r.sequences[i];
       const std::string name = fmt::format("{} {} {}", s.scene, s.seed, s.trajectory);
-      if (!known.insert(name).second) node.item(i).fail("is listed twice");
+      if (!names.insert(name).second) node.item(i).fail("is listed twice");
     }
-    if (known.empty()) node.fail("is empty: nothing was recorded");
+    if (names.empty()) node.fail("is empty: nothing was recorded");
   });
   keys.mayBeMissing("materials", r.materials);
   keys.customOptional(
@@ -178,6 +185,7 @@ static void describe(RecordKeys& keys, Recording& r) {
       [&](const JsonNode& node) { readModelled(node, true, r.modelled); });
 }
 
+// world_from_rig may be missing in recordings by other programs; the step's shot then states the pose.
 static void describe(RecordKeys& keys, RecordedStep& step) {
   std::vector<std::uint32_t> columns{step.firstColumn, step.endColumn};
   keys("columns", columns, numberCount(2), [&](const JsonNode& node) {
@@ -186,14 +194,13 @@ static void describe(RecordKeys& keys, RecordedStep& step) {
   });
   std::vector<double> rig = numbersOf(step.worldFromRig);
   keys.mayBeMissing("world_from_rig", rig, [&](const JsonNode& node) { step.worldFromRig = poseOfNumbers(node); });
-  keys("images", step.images, [](const JsonNode& images) {
-    std::size_t files = 0;
-    images.forEach([&](const JsonNode& image) { files += fileOf(image).size(); });
-    if (files == 0) images.fail("names no file");
+  keys("images", step.images, [&](const JsonNode& images) {
+    images.forEach([](const JsonNode& image) { fileNameOf(image); });
+    if (step.images.empty()) images.fail("names no file");
   });
 }
 
-// Describes the file of a shot, which has either hits or steps.
+// Describes the file of a shot, which has either hits or steps; Recording::shot() requires those of its kind.
 static void describe(RecordKeys& keys, RecordedShot& shot) {
   keys.optional("sample", shot.sample);
   keys.optional("sensor", shot.sensor);
@@ -204,15 +211,15 @@ static void describe(RecordKeys& keys, RecordedShot& shot) {
     node.forEach([&](const JsonNode& pose) { shot.worldFromSensor.push_back(poseOfNumbers(pose)); });
     if (shot.worldFromSensor.empty()) node.fail("has no pose");
   });
-  keys.optional("hits", shot.hits, [](const JsonNode& node) { fileOf(node); });
+  keys.optional("hits", shot.hits, [](const JsonNode& node) { fileNameOf(node); });
   keys.optionalIf(!shot.steps.empty(), "steps", shot.steps, [&](const JsonNode& steps) {
-    std::uint32_t next = 0;
+    std::uint32_t nextColumn = 0;
     for (std::size_t i = 0; i < shot.steps.size(); ++i) {
-      if (shot.steps[i].firstColumn != next) {
+      if (shot.steps[i].firstColumn != nextColumn) {
         steps.item(i)["columns"].fail(
-            fmt::format("must be [first, end] with first = {}, since steps must have consecutive columns", next));
+            fmt::format("must be [first, end] with first = {}, since steps must have consecutive columns", nextColumn));
       }
-      next = shot.steps[i].endColumn;
+      nextColumn = shot.steps[i].endColumn;
       if (!steps.item(i).has("world_from_rig")) shot.steps[i].worldFromRig = shot.worldFromSensor.front();
     }
   });
@@ -220,13 +227,12 @@ static void describe(RecordKeys& keys, RecordedShot& shot) {
 
 std::string beamsHash(const BeamTable& beams) {
   Sha256 hash;
-  const auto add = [&](const auto* values, std::size_t count) {
-    hash.add({reinterpret_cast<const char*>(values), count * sizeof *values});
+  const auto addBytesOf = [&](const auto& values) {
+    hash.add({reinterpret_cast<const char*>(std::data(values)), std::size(values) * sizeof *std::data(values)});
   };
-  add(beams.direction.data(), beams.direction.size());
-  add(beams.origin.data(), beams.origin.size());
-  const double limits[] = {beams.minRange, beams.maxRange};
-  add(limits, 2);
+  addBytesOf(beams.direction);
+  addBytesOf(beams.origin);
+  addBytesOf(std::array{beams.minRange, beams.maxRange});
   return hash.hex();
 }
 
@@ -235,7 +241,7 @@ std::string_view nameOf(RecordingKind kind) {
 }
 
 Recording readRecording(const fs::path& folder, RecordingKind kind) {
-  const fs::path file = folder / kIndex;
+  const fs::path file = folder / kIndexName;
   if (isFolder(folder) && !pathExists(file)) {
     throw InputError({folder.string()},
                      "has no recording.json: it is not a recording, or the run that wrote it did not end; make one by "
@@ -254,7 +260,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   r.method = firstMethodThat(&MethodCapabilities::passes).name;
   readJson(root, r);
   const std::size_t tables = r.materials.size();
-  if (r.materials.empty()) r.materials.emplace_back();
+  if (r.materials.empty()) r.materials.emplace_back();  // sequences without the key `materials` refer to table 0
   for (std::size_t i = 0; i < r.sequences.size(); ++i) {
     if (r.sequences[i].materials < r.materials.size()) continue;
     root["sequences"].item(i)["materials"].fail(
@@ -264,7 +270,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
 }
 
 std::optional<RecordingKind> recordingIn(const fs::path& folder) {
-  const fs::path file = folder / kIndex;
+  const fs::path file = folder / kIndexName;
   if (!pathExists(file)) return std::nullopt;
   const Json json = parseJson(readFile(file), file.string());
   const Json kind = json.is_object() ? json.value("kind", Json()) : Json();
@@ -279,12 +285,12 @@ RecordedShot Recording::shot(const std::string& sample, const std::string& senso
   readJson(root, shot);
   shot.sample = sample;
   shot.sensor = sensor;
-  const char* const needed = kind == RecordingKind::Passes ? "steps" : "hits";
-  if (!root.has(needed)) root.fail(fmt::format("key '{}' is missing", needed));
-  const auto known = std::ranges::find_if(sensors, [&](const auto& s) { return s.name == sensor; });
-  const std::uint32_t end = shot.steps.empty() ? 0 : shot.steps.back().endColumn;
-  if (kind == RecordingKind::Passes && known != sensors.end() && end != known->columns) {
-    root["steps"].fail(fmt::format("end at column {}, but '{}' has {} columns", end, sensor, known->columns));
+  const char* const requiredKey = kind == RecordingKind::Passes ? "steps" : "hits";
+  if (!root.has(requiredKey)) root.fail(fmt::format("key '{}' is missing", requiredKey));
+  const auto recorded = std::ranges::find(sensors, sensor, &RecordedSensor::name);
+  const std::uint32_t endColumn = shot.steps.empty() ? 0 : shot.steps.back().endColumn;
+  if (kind == RecordingKind::Passes && recorded != sensors.end() && endColumn != recorded->columns) {
+    root["steps"].fail(fmt::format("end at column {}, but '{}' has {} columns", endColumn, sensor, recorded->columns));
   }
   return shot;
 }
@@ -302,7 +308,7 @@ void RecordingWriter::add(const RecordedShot& shot) {
 }
 
 void RecordingWriter::finish(const Recording& recording) {
-  writeFile(folder_ / kIndex, layOut(jsonOf(recording, "recording")) + "\n");
+  writeFile(folder_ / kIndexName, layOut(jsonOf(recording, "recording")) + "\n");
 }
 
 }  // namespace scanmill

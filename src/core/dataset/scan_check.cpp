@@ -20,21 +20,23 @@ constexpr double kRangeRounding = 1e-5;
 // Counts the points that break a rule, and stores the first of them.
 class Rule {
  public:
-  explicit Rule(std::string what) : what_(std::move(what)) {}
-  void check(bool holds, std::size_t point) {
-    if (holds) return;
-    if (count_++ == 0) first_ = point;
+  // `violation`: what is wrong with a point, after its noun in the message: "not finite", "with a ring above 63".
+  explicit Rule(std::string violation) : violation_(std::move(violation)) {}
+  void check(bool isKept, std::size_t point) {
+    if (isKept) return;
+    if (violations_++ == 0) firstPoint_ = point;
   }
+  // Appends a line to `problems` if any point breaks the rule.
   void report(std::vector<std::string>& problems) const {
-    if (count_ == 0) return;
-    problems.push_back(
-        fmt::format("{} point{} {} (the first is point {})", count_, count_ == 1 ? "" : "s", what_, first_));
+    if (violations_ == 0) return;
+    problems.push_back(fmt::format("{} point{} {} (the first is point {})", violations_, violations_ == 1 ? "" : "s",
+                                   violation_, firstPoint_));
   }
 
  private:
-  std::string what_;
-  std::size_t count_ = 0;
-  std::size_t first_ = 0;
+  std::string violation_;
+  std::size_t violations_ = 0;
+  std::size_t firstPoint_ = 0;
 };
 
 // Returns the distance (m) that the sensor moves during the revolution. Deskewed points may exceed the maximum
@@ -43,6 +45,7 @@ double egoMotion(const ScanRecord& record) {
   return length(record.worldFromSensor.back().translation - record.worldFromSensor.front().translation);
 }
 
+// Checks one scan; beams_ is set, because the manifest lists the record's sensor.
 class ScanCheck {
  public:
   ScanCheck(const Scan& scan, const ScanRecord& record, const Manifest& manifest, double maxError)
@@ -78,8 +81,8 @@ class ScanCheck {
 
   // Returns true if the point possibly does not come from a surface: its cause is not Surface, or the scan lacks the
   // column `cause`.
-  bool mayComeFromNothing(std::size_t i) const {
-    return scan_[kCause].empty() || scan_[kCause][i] != static_cast<std::uint8_t>(1);
+  bool mayHaveNoSurface(std::size_t i) const {
+    return scan_[kCause].empty() || scan_[kCause][i] != static_cast<std::uint8_t>(Reason::Surface);
   }
 
   void checkShape() {
@@ -88,45 +91,49 @@ class ScanCheck {
       problem("{} x {} points, but its sensor has {} rings of {} columns", scan_.height(), scan_.width(), beams_->rings,
               beams_->columns);
     }
-    if (scan_.size() > 0) checkColumns();
+    if (scan_.size() > 0) checkColumns();  // an empty scan of an earlier version has no columns
   }
 
-  // A format may leave out `time`, because it follows from ring, column and the beam table. An empty scan of an
-  // earlier version has no columns.
+  // Compares the columns with those of the manifest. A format may leave out `time`, because it follows from ring,
+  // column and the beam table.
   void checkColumns() {
-    const std::vector<std::string> found = columnNames(scan_);
-    const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    const std::vector<std::string> scanColumns = columnNames(scan_);
+    const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
       return std::ranges::find(names, name) != names.end();
     };
-    for (const std::string& name : found) {
-      if (!has(manifest_.columns, name)) problem("the scan has the column {}, but the manifest does not list it", name);
+    for (const std::string& name : scanColumns) {
+      if (!contains(manifest_.columns, name))
+        problem("the scan has the column {}, but the manifest does not list it", name);
     }
     for (const std::string& name : manifest_.columns) {
-      if (!has(found, name) && name != kTime.row.name)
+      if (!contains(scanColumns, name) && name != kTime.row.name)
         problem("the scan has no column {}, but the manifest lists it", name);
     }
   }
 
+  // Checks that the points are finite and within the sensor's reach, and counts them.
   void checkPositions() {
-    const auto most = [](const std::vector<double>& offsets) {
-      double largest = 0;
-      for (const double offset : offsets) largest = std::max(largest, std::abs(offset));
-      return largest;
+    const auto largest = [](const std::vector<double>& offsets) {
+      double magnitude = 0;
+      for (const double offset : offsets) magnitude = std::max(magnitude, std::abs(offset));
+      return magnitude;
     };
+    // m: from the origin of the sensor's frame, so that the offsets of the beams' origins are added to the range.
     const double reach = kNoiseReach * beams_->maxRange + std::hypot(beams_->originOffset, beams_->originHeight) +
-                         std::hypot(most(beams_->originLeft), most(beams_->originUp)) + egoMotion(record_) + maxError_;
-    Rule finite("not finite");
-    Rule near(fmt::format("farther than {:.6g} m, the sensor's greatest range", reach));
+                         std::hypot(largest(beams_->originLeft), largest(beams_->originUp)) + egoMotion(record_) +
+                         maxError_;
+    Rule finiteRule("not finite");
+    Rule reachRule(fmt::format("farther than {:.6g} m, the sensor's greatest range", reach));
     std::uint64_t points = 0;
     for (std::size_t i = 0; i < scan_.size(); ++i) {
       if (isMiss(i)) continue;
       ++points;
-      const bool known = isFinite(scan_.position[i]);
-      finite.check(known, i);
-      if (known) near.check(length(static_cast<Vec3d>(scan_.position[i])) <= reach, i);
+      const bool finite = isFinite(scan_.position[i]);
+      finiteRule.check(finite, i);
+      if (finite) reachRule.check(length(static_cast<Vec3d>(scan_.position[i])) <= reach, i);
     }
-    finite.report(problems_);
-    near.report(problems_);
+    finiteRule.report(problems_);
+    reachRule.report(problems_);
     if (points != record_.points) problem("{} points, but the manifest says {}", points, record_.points);
   }
 
@@ -139,12 +146,13 @@ class ScanCheck {
 
   template <class T>
   void checkColumn(const Column& column, const std::vector<T>& values) {
-    const auto check = [&](const std::string& what, const auto& holds) {
-      Rule rule(what);
-      for (std::size_t i = 0; i < values.size(); ++i) rule.check(holds(i, static_cast<double>(values[i])), i);
+    // Reports the points for which isValid(index of the point, value) is false.
+    const auto check = [&](const std::string& violation, const auto& isValid) {
+      Rule rule(violation);
+      for (std::size_t i = 0; i < values.size(); ++i) rule.check(isValid(i, static_cast<double>(values[i])), i);
       rule.report(problems_);
     };
-    const auto below = [&](std::uint32_t count) {
+    const auto checkBelow = [&](std::uint32_t count) {
       check(fmt::format("with a {} above {}", column.name, count - 1),
             [&](std::size_t, double value) { return value < count; });
     };
@@ -155,29 +163,30 @@ class ScanCheck {
         return check(fmt::format("with {} not finite", column.name),
                      [](std::size_t, double value) { return std::isfinite(value); });
       case ColumnValidity::Rings:
-        return below(beams_->rings);
+        return checkBelow(beams_->rings);
       case ColumnValidity::Columns:
-        return below(beams_->columns);
+        return checkBelow(beams_->columns);
       case ColumnValidity::SensorRange: {
-        const double slack = maxError_ + kRangeRounding * beams_->maxRange;
+        const double tolerance = maxError_ + kRangeRounding * beams_->maxRange;  // m
         return check(fmt::format("with {} outside {:.6g} to {:.6g} m", column.name, beams_->minRange, beams_->maxRange),
                      [&](std::size_t i, double value) {
-                       return isMiss(i) || (std::isnan(value) && mayComeFromNothing(i)) ||
-                              (value >= beams_->minRange - slack && value <= beams_->maxRange + slack);
+                       return isMiss(i) || (std::isnan(value) && mayHaveNoSurface(i)) ||
+                              (value >= beams_->minRange - tolerance && value <= beams_->maxRange + tolerance);
                      });
       }
       case ColumnValidity::Interval: {
         // Twice the largest error that a lossy format may cause, and the rounding of a bound to float32.
-        const double slack = 2 * column.lossBound + 1e-6 * std::max(std::abs(column.low), std::abs(column.high));
+        const double tolerance = 2 * column.lossBound + 1e-6 * std::max(std::abs(column.low), std::abs(column.high));
         return check(
             fmt::format("with {} outside {:.6g} to {:.6g} {}", column.name, column.low, column.high, column.unit),
             [&](std::size_t, double value) {
-              return std::isnan(value) || (value >= column.low - slack && value <= column.high + slack);
+              return std::isnan(value) || (value >= column.low - tolerance && value <= column.high + tolerance);
             });
       }
     }
   }
 
+  // Compares the numbers of points of each class with those of the manifest.
   void checkClasses() {
     if (scan_[kLabel].empty()) return;
     std::map<std::uint16_t, std::uint64_t> counts;
@@ -185,14 +194,14 @@ class ScanCheck {
       if (!isMiss(i)) ++counts[scan_[kLabel][i]];
     }
     for (const auto& [id, points] : counts) {
-      const SemanticClass* known = manifest_.ontology.find(id);
-      if (known == nullptr) {
+      const SemanticClass* const semantic = manifest_.ontology.find(id);
+      if (semantic == nullptr) {
         problem("{} points of class {}, which is not in the ontology '{}'", points, id, manifest_.ontology.name);
         continue;
       }
-      const auto listed = record_.pointsPerClass.find(id);
-      const std::uint64_t expected = listed == record_.pointsPerClass.end() ? 0 : listed->second;
-      if (points != expected) problem("{} points of {}, but the manifest says {}", points, known->name, expected);
+      const auto entry = record_.pointsPerClass.find(id);
+      const std::uint64_t expected = entry == record_.pointsPerClass.end() ? 0 : entry->second;
+      if (points != expected) problem("{} points of {}, but the manifest says {}", points, semantic->name, expected);
     }
     for (const auto& [id, expected] : record_.pointsPerClass) {
       if (expected == 0 || counts.contains(id)) continue;
@@ -203,10 +212,10 @@ class ScanCheck {
   void checkInstances() {
     if (scan_[kInstance].empty()) return;
     std::unordered_set<std::uint32_t> instances;
-    std::uint32_t last = 0;  // id of the previous point: neighbouring points mostly belong to the same object
+    std::uint32_t previousId = 0;  // spares most insertions: neighbouring points mostly belong to the same object
     for (const std::uint32_t id : scan_[kInstance]) {
-      if (id != last && id != 0) instances.insert(id);
-      last = id;
+      if (id != previousId && id != 0) instances.insert(id);
+      previousId = id;
     }
     if (instances.size() != record_.instances) {
       problem("{} instances, but the manifest says {}", instances.size(), record_.instances);

@@ -40,11 +40,9 @@ std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& fold
     try {
       auto manifest = std::make_shared<const Manifest>(readManifest(folder));
       const std::string relative = file.lexically_relative(folder).generic_string();
-      for (const ShardRecord& s : manifest->shards) {
-        if (s.file != relative) continue;
-        folderOfManifest = folder;
-        return manifest;
-      }
+      if (std::ranges::find(manifest->shards, relative, &ShardRecord::file) == manifest->shards.end()) continue;
+      folderOfManifest = folder;
+      return manifest;
     } catch (const InputError& e) {
       warn(fmt::format("classes are shown without names: {}", e.what()));
     }
@@ -52,27 +50,29 @@ std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& fold
   return nullptr;
 }
 
-// Returns true if a member with this name contains the scan.
+// Returns true if a member with this name contains the scan, a ScanRecord or a StoredScan.
 bool isIn(const auto& scan, const MemberName& name) {
   return lowerCase(scan.sensor) == lowerCase(name.sensor) && scan.revolution == name.revolution &&
          lowerCase(scan.method) == lowerCase(name.method);
 }
 
+// Returns the record of the scan that the member contains; null if there is none.
 const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
   if (sample == nullptr) return nullptr;
-  const auto found = std::ranges::find_if(sample->scans, [&](const ScanRecord& r) { return isIn(r, name); });
-  return found == sample->scans.end() ? nullptr : &*found;
+  const auto record = std::ranges::find_if(sample->scans, [&](const ScanRecord& scan) { return isIn(scan, name); });
+  return record == sample->scans.end() ? nullptr : &*record;
 }
 
-// Returns the scan. Throws InputError if its rings and columns are those of far more beams than a sensor with so many
-// points has, because images of all beams are made from scans.
-Scan checked(Scan scan, const std::string& what) {
-  constexpr std::uint64_t kUsual = 1 << 22, kBeamsPerPoint = 256;
+// Returns the scan. Throws InputError at `what` if its rings and columns are those of far more beams than a sensor with
+// so many points has, because images of all beams are made from scans.
+Scan requirePlausibleBeams(Scan scan, const std::string& what) {
+  constexpr std::uint64_t kAlwaysAllowed = 1 << 22;  // beams
+  constexpr std::uint64_t kMostBeamsPerPoint = 256;
   if (!knowsBeams(scan)) return scan;
   const PointKey extent = extentOf(scan);
   const std::uint64_t rings = std::max(scan.rings, extent.ring);
   const std::uint64_t columns = std::max(scan.columns, extent.column);
-  if (rings * columns <= std::max<std::uint64_t>(kUsual, kBeamsPerPoint * scan.size())) return scan;
+  if (rings * columns <= std::max<std::uint64_t>(kAlwaysAllowed, kMostBeamsPerPoint * scan.size())) return scan;
   throw InputError({what},
                    fmt::format("has {} points on beams of {} rings and {} columns, which no sensor has: correct "
                                "its columns 'ring' and 'column', or leave them out",
@@ -106,9 +106,10 @@ void ScanStore::openSingle() {
             "is neither the folder of a dataset nor a file of the kinds .tar, {}{}", scanSuffixes(),
             suffix == ".yaml" ? "; for a picture of a scene: `scanmill view SCENE.yaml --screenshot FILE.png`" : ""));
   }
-  single_ = checked(formatBySuffix(suffix.substr(1)) != nullptr ? decodeMember(path_.string(), readFile(path_))
-                                                                : scanOf(readCloud(path_), path_.string()),
-                    path_.string());
+  const bool hasFormat = formatBySuffix(suffix.substr(1)) != nullptr;
+  single_ = requirePlausibleBeams(
+      hasFormat ? decodeMember(path_.string(), readFile(path_)) : scanOf(readCloud(path_), path_.string()),
+      path_.string());
   ontology_ = ontologyBeside(path_);
   keys_.push_back(path_.filename().string());
 }
@@ -153,29 +154,28 @@ void ScanStore::addSample(const std::string& key, Sample sample) {
 
 std::shared_ptr<const BeamTable> ScanStore::beams(const std::string& sensor, double time) const {
   if (manifest_ == nullptr) return nullptr;
-  const std::vector<SensorRecord>& known = manifest_->sensors;
-  const auto found =
-      std::ranges::find_if(known, [&](const SensorRecord& s) { return lowerCase(s.name) == lowerCase(sensor); });
-  if (found == known.end()) return nullptr;
-  const auto number = static_cast<std::size_t>(found - known.begin());
+  const std::vector<SensorRecord>& sensors = manifest_->sensors;
+  const auto record =
+      std::ranges::find_if(sensors, [&](const SensorRecord& s) { return lowerCase(s.name) == lowerCase(sensor); });
+  if (record == sensors.end()) return nullptr;
+  const auto sensorIndex = static_cast<std::size_t>(record - sensors.begin());
   {
     const std::lock_guard lock(mutex_);
-    beams_.resize(known.size());
-    if (beams_[number] != nullptr) return beamsAt(beams_[number], time);
+    beams_.resize(sensors.size());
+    if (beams_[sensorIndex] != nullptr) return beamsAt(beams_[sensorIndex], time);
   }
   // The table is filled without the lock, because the threads that fill it may take up other work, which may call this
   // function.
-  auto table = std::make_shared<BeamTable>(found->beams);
+  auto table = std::make_shared<BeamTable>(record->beams);
   if (table->size() <= kMostFilledBeams) fillBeams(*table);
   const std::lock_guard lock(mutex_);
-  if (beams_[number] == nullptr) beams_[number] = std::move(table);
-  return beamsAt(beams_[number], time);
+  if (beams_[sensorIndex] == nullptr) beams_[sensorIndex] = std::move(table);
+  return beamsAt(beams_[sensorIndex], time);
 }
 
 std::optional<std::size_t> ScanStore::find(const std::string& key) const {
-  const auto found = byKey_.find(key);
-  if (found == byKey_.end()) return std::nullopt;
-  return found->second;
+  const auto entry = byKey_.find(key);
+  return entry == byKey_.end() ? std::nullopt : std::optional(entry->second);
 }
 
 std::vector<std::string> ScanStore::sensors() const {
@@ -203,46 +203,49 @@ StoredScan ScanStore::scanOfRecorded(std::size_t sample, const std::string& sens
     throw InputError({path_.string()}, fmt::format("has no sensor '{}'{}", sensor,
                                                    recorded_->sensor.empty() ? "" : "; it has " + recorded_->sensor));
   }
-  return {recorded_->sensor, 0, "", {recorded_->scans.at(sample).points.string()}, nullptr};
+  return {.sensor = recorded_->sensor, .method = "", .members = {recorded_->scans.at(sample).points.string()}};
+}
+
+std::vector<StoredScan> ScanStore::scansInShard(const Sample& sample) const {
+  std::vector<StoredScan> scans;
+  const bool manifestLists = sample.members.empty() && sample.record != nullptr;
+  for (const std::string& member : manifestLists ? sample.record->members : sample.members) {
+    const MemberName name = partsOfMember(member);
+    if (formatBySuffix(name.suffix) == nullptr) continue;
+    const auto sameScan = std::ranges::find_if(scans, [&](const StoredScan& scan) { return isIn(scan, name); });
+    if (sameScan != scans.end()) {
+      sameScan->members.push_back(member);
+      continue;
+    }
+    const ScanRecord* const record = recordOf(sample.record, name);
+    scans.push_back({.sensor = record ? record->sensor : name.sensor,
+                     .revolution = name.revolution,
+                     .method = record ? record->method : name.method,
+                     .members = {member},
+                     .record = record});
+  }
+  if (manifest_ == nullptr) return scans;
+  const auto errorOf = [&](const std::string& member) {
+    const auto format = std::ranges::find(manifest_->formats, partsOfMember(member).suffix, &FormatRecord::suffix);
+    return format == manifest_->formats.end() ? INFINITY : format->maxErrorMetres;
+  };
+  for (StoredScan& scan : scans) std::ranges::stable_sort(scan.members, {}, errorOf);
+  return scans;
 }
 
 std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& sensor) const {
   if (single_) return {{}};
   if (recorded_) return {scanOfRecorded(sample, sensor)};
-  const Sample& stored = samples_.at(sample);
-  std::vector<StoredScan> all;
-  const bool manifestLists = stored.members.empty() && stored.record != nullptr;
-  for (const std::string& member : manifestLists ? stored.record->members : stored.members) {
-    const MemberName name = partsOfMember(member);
-    if (formatBySuffix(name.suffix) == nullptr) continue;
-    const auto known = std::ranges::find_if(all, [&](const StoredScan& s) { return isIn(s, name); });
-    if (known != all.end()) {
-      known->members.push_back(member);
-      continue;
-    }
-    const ScanRecord* record = recordOf(stored.record, name);
-    all.push_back({record ? record->sensor : name.sensor,
-                   name.revolution,
-                   record ? record->method : name.method,
-                   {member},
-                   record});
-  }
-  if (manifest_ != nullptr) {
-    const auto errorOf = [&](const std::string& member) {
-      const auto format = std::ranges::find(manifest_->formats, partsOfMember(member).suffix, &FormatRecord::suffix);
-      return format == manifest_->formats.end() ? INFINITY : format->maxErrorMetres;
-    };
-    for (StoredScan& scan : all) std::ranges::stable_sort(scan.members, {}, errorOf);
-  }
-  const std::string where = shards_[stored.shard].file.string();
-  if (all.empty()) {
+  std::vector<StoredScan> scans = scansInShard(samples_.at(sample));
+  const std::string where = shards_[samples_[sample].shard].file.string();
+  if (scans.empty()) {
     throw InputError({where}, fmt::format("has no scan of the sample '{}' in a known format", keys_[sample]));
   }
-  if (sensor.empty()) return all;
+  if (sensor.empty()) return scans;
   std::vector<std::string> sensors;
-  for (const StoredScan& scan : all) appendNew({lowerCase(scan.sensor)}, sensors);
-  std::erase_if(all, [&](const StoredScan& scan) { return lowerCase(scan.sensor) != lowerCase(sensor); });
-  if (!all.empty()) return all;
+  for (const StoredScan& scan : scans) appendNew({lowerCase(scan.sensor)}, sensors);
+  std::erase_if(scans, [&](const StoredScan& scan) { return lowerCase(scan.sensor) != lowerCase(sensor); });
+  if (!scans.empty()) return scans;
   throw InputError({where}, fmt::format("the sample '{}' has no sensor '{}'; it has {}", keys_[sample], sensor,
                                         fmt::join(sensors, ", ")));
 }
@@ -306,28 +309,28 @@ Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
   if (single_) return *single_;
   if (recorded_) {
     const FolderScan& recorded = recorded_->scans.at(sample);
-    return checked(readFolderScan(recorded), recorded.points.string());
+    return requirePlausibleBeams(readFolderScan(recorded), recorded.points.string());
   }
   const ShardIndex& index = shard(samples_.at(sample).shard);
-  std::string failures;
+  std::vector<std::string> problems;  // of the members
   for (const std::string& name : scan.members) {
-    const auto fail = [&](const std::string& what) { failures += (failures.empty() ? "" : "; ") + what; };
     const ShardMember* member = index.find(name);
     if (member == nullptr) {
-      fail(index.damage().empty() ? fmt::format("has no member {}, but the manifest lists it", name)
-                                  : name + " comes after the damage");
+      problems.push_back(index.damage().empty() ? fmt::format("has no member {}, but the manifest lists it", name)
+                                                : name + " comes after the damage");
       continue;
     }
     const std::string bytes = index.read(*member);
     requireUnchanged(samples_[sample], name, bytes);
     try {
-      return checked(decodeMember(name, bytes), name);
+      return requirePlausibleBeams(decodeMember(name, bytes), name);
     } catch (const InputError& e) {
-      fail(e.what());
+      problems.emplace_back(e.what());
     }
   }
-  if (!index.damage().empty()) throw InputError(fmt::format("{}; {}", index.damage(), failures));
-  throw InputError({index.file().string()}, failures);
+  const std::string problemText = fmt::format("{}", fmt::join(problems, "; "));
+  if (!index.damage().empty()) throw InputError(fmt::format("{}; {}", index.damage(), problemText));
+  throw InputError({index.file().string()}, problemText);
 }
 
 ScanSource findScan(const std::filesystem::path& path, const std::string& sample, const std::string& sensor) {
@@ -337,23 +340,22 @@ ScanSource findScan(const std::filesystem::path& path, const std::string& sample
       throw InputError({path.string()},
                        "is a single scan, so that --sample and --sensor have no effect: leave them out");
     }
-    return {store.decode(0, {}), store.keys().front(), nullptr, {}};
+    return {.scan = store.decode(0, {}), .title = store.keys().front(), .beams = nullptr, .ontology = {}};
   }
-  std::size_t chosen = findKey(store.keys(), sample, path.string());
-  const bool first = sensor.empty() && store.manifest() != nullptr;
-  const std::string wanted = first ? store.manifest()->sensors.front().name : sensor;
-  if (sample.empty()) {  // the first sample may have no scan of a sensor that turns slowly
-    const auto isOfSensor = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(wanted); };
-    for (std::size_t i = chosen; i < store.keys().size() && !wanted.empty(); ++i) {
-      if (std::ranges::none_of(store.scans(i), isOfSensor)) continue;
-      chosen = i;
-      break;
-    }
+  std::size_t sampleIndex = findKey(store.keys(), sample, path.string());
+  const bool takesFirst = sensor.empty() && store.manifest() != nullptr;
+  const std::string sensorName = takesFirst ? store.manifest()->sensors.front().name : sensor;
+  if (sample.empty() && !sensorName.empty()) {
+    // The middle sample may have no scan of a sensor that turns slowly: take the next sample with one, if there is any.
+    const auto isOfSensor = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(sensorName); };
+    std::size_t i = sampleIndex;
+    while (i < store.keys().size() && std::ranges::none_of(store.scans(i), isOfSensor)) ++i;
+    if (i < store.keys().size()) sampleIndex = i;
   }
-  const std::string& key = store.keys()[chosen];
-  const StoredScan stored = store.scans(chosen, wanted).front();
+  const std::string& key = store.keys()[sampleIndex];
+  const StoredScan stored = store.scans(sampleIndex, sensorName).front();
   ScanSource source;
-  source.scan = store.decode(chosen, stored);
+  source.scan = store.decode(sampleIndex, stored);
   source.title = stored.sensor.empty() ? key : key + ", " + lowerCase(stored.sensor);
   source.beams = store.beams(stored.sensor, stored.record == nullptr ? 0 : stored.record->time);
   if (store.ontology() != nullptr) source.ontology = *store.ontology();

@@ -15,7 +15,7 @@
 
 #include "dataset/manifest.h"
 #include "dataset/objects.h"
-#include "dataset/shard_index.h"
+#include "dataset/reader.h"
 #include "imports/scan_folder.h"
 #include "scan/scan.h"
 
@@ -94,6 +94,8 @@ class ScanStore {
   void openShard();
   void openSingle();
   StoredScan scanOfRecorded(std::size_t sample, const std::string& sensor) const;
+  // Returns the scans of a sample of a dataset or shard, all of them.
+  std::vector<StoredScan> scansInShard(const Sample& sample) const;
   void addSample(const std::string& key, Sample sample);
   const ShardIndex& shard(std::size_t number) const;
 
@@ -103,11 +105,11 @@ class ScanStore {
 
   Digests digests_;
   std::filesystem::path path_;
-  std::filesystem::path folder_;
-  std::shared_ptr<const Manifest> manifest_;
-  std::optional<Scan> single_;
-  std::optional<ScanFolder> recorded_;
-  std::optional<Ontology> ontology_;  // classes of scans that were recorded or are single files
+  std::filesystem::path folder_;              // of the manifest; empty: there is none
+  std::shared_ptr<const Manifest> manifest_;  // only of datasets and shards
+  std::optional<Scan> single_;                // only of the file of one scan, which then has no shards
+  std::optional<ScanFolder> recorded_;        // only of a folder of recorded scans, which then has no shards
+  std::optional<Ontology> ontology_;          // classes of scans that were recorded or are single files
   std::vector<std::string> keys_;
   std::vector<Sample> samples_;  // in the order of keys_
   std::unordered_map<std::string, std::size_t> byKey_;

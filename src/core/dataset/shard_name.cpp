@@ -32,20 +32,23 @@ bool isShardName(std::string_view name) {
   const std::size_t slash = name.find('/');
   if (slash == std::string_view::npos || !isSplitName(name.substr(0, slash))) return false;
   const std::string_view split = name.substr(0, slash);
-  std::string_view file = name.substr(slash + 1);
-  if (!file.starts_with(split) || !file.ends_with(".tar")) return false;
+  constexpr std::string_view kSuffix = ".tar";
+  constexpr std::size_t kLeastDigits = 6;
+  std::string_view file = name.substr(slash + 1);  // "train-000000.tar"
+  if (!file.starts_with(split) || !file.ends_with(kSuffix)) return false;
   file.remove_prefix(split.size());
-  file.remove_suffix(4);
-  return file.starts_with('-') && file.size() >= 7 && isDigits(file.substr(1));
+  file.remove_suffix(kSuffix.size());
+  return file.starts_with('-') && file.size() > kLeastDigits && isDigits(file.substr(1));
 }
 
 bool isLeftover(std::string_view name) {
   const std::optional<std::string_view> final = finalName(name);
   if (!final) return false;
   constexpr std::string_view kJson = ".json";
-  const bool ofSamples = final->ends_with(kJson) &&  // true for names that samplesFileOf() returns
-                         isShardName(std::string(final->substr(0, final->size() - kJson.size())) + ".tar");
-  return *final == kManifestName || *final == kCardName || *final == kCroissantName || isShardName(*final) || ofSamples;
+  const bool isSamplesFile = final->ends_with(kJson) &&  // true for names that samplesFileOf() returns
+                             isShardName(std::string(final->substr(0, final->size() - kJson.size())) + ".tar");
+  return *final == kManifestName || *final == kCardName || *final == kCroissantName || isShardName(*final) ||
+         isSamplesFile;
 }
 
 std::optional<std::string_view> finalName(std::string_view name) {
@@ -74,7 +77,7 @@ std::vector<std::uint64_t> parseShardRanges(std::string_view text, std::uint64_t
     throw InputError(fmt::format("'{}': {}; give shards such as 0-9,12", text, why));
   };
   std::set<std::uint64_t> numbers;
-  const auto number = [&](std::string_view digits) {
+  const auto readNumber = [&](std::string_view digits) {
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc() || end != digits.data() + digits.size()) fail(fmt::format("'{}' is not a number", digits));
@@ -83,15 +86,15 @@ std::vector<std::uint64_t> parseShardRanges(std::string_view text, std::uint64_t
     }
     return value;
   };
-  for (std::size_t first = 0; first <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', first), text.size());
-    const std::string_view range = text.substr(first, comma - first);
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    const std::string_view range = text.substr(begin, comma - begin);
     const std::size_t dash = range.find('-');
-    const std::uint64_t low = number(range.substr(0, dash));
-    const std::uint64_t high = dash == std::string_view::npos ? low : number(range.substr(dash + 1));
+    const std::uint64_t low = readNumber(range.substr(0, dash));
+    const std::uint64_t high = dash == std::string_view::npos ? low : readNumber(range.substr(dash + 1));
     if (high < low) fail(fmt::format("{} is greater than {}", low, high));
-    for (std::uint64_t n = low; n <= high; ++n) numbers.insert(n);
-    first = comma + 1;
+    for (std::uint64_t number = low; number <= high; ++number) numbers.insert(number);
+    begin = comma + 1;
   }
   return {numbers.begin(), numbers.end()};
 }

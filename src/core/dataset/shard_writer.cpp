@@ -25,11 +25,12 @@ namespace {
 constexpr std::size_t kPieceBytes = 1 << 17;
 // Size up to which headers, padding and short members are collected before they are written.
 constexpr std::size_t kShortBytes = 1 << 14;
-constexpr std::uint64_t kTarBytes = 512;
-constexpr std::size_t kUstarName = 100;
+constexpr std::uint64_t kTarBlockBytes = 512;
+constexpr std::size_t kMostUstarNameBytes = 100;
 
-std::uint64_t wholeBlocks(std::uint64_t bytes) {
-  return (bytes + kTarBytes - 1) / kTarBytes * kTarBytes;
+// Returns the bytes that contents of this size take in a tar file, which consists of blocks.
+std::uint64_t paddedBytes(std::uint64_t bytes) {
+  return (bytes + kTarBlockBytes - 1) / kTarBlockBytes * kTarBlockBytes;
 }
 
 constexpr std::string_view kJsonSuffix = "json";
@@ -42,8 +43,8 @@ constexpr std::string_view kJsonSuffix = "json";
 // agree up to the first dot, and uses the rest of the name, in lower case, as the member's key. Names must be printable
 // ASCII, so that all tar readers read the same names.
 void checkNames(const Sample& sample) {
-  const auto plain = [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != '\\'; };
-  if (sample.key.empty() || !std::ranges::all_of(sample.key, [&](char c) { return plain(c) && c != '.'; })) {
+  const auto isAllowed = [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != '\\'; };
+  if (sample.key.empty() || !std::ranges::all_of(sample.key, [&](char c) { return isAllowed(c) && c != '.'; })) {
     refuse(sample, "its key must be printable ASCII without dots, slashes and spaces");
   }
   if (!isSplitName(sample.split)) refuse(sample, fmt::format("'{}' is not a name of a split", sample.split));
@@ -51,7 +52,7 @@ void checkNames(const Sample& sample) {
   for (const Member& member : sample.members) {
     const std::string& suffix = member.suffix;
     if (suffix.empty() || suffix.front() == '.' ||
-        !std::ranges::all_of(suffix, [&](char c) { return plain(c) && !(c >= 'A' && c <= 'Z'); })) {
+        !std::ranges::all_of(suffix, [&](char c) { return isAllowed(c) && !(c >= 'A' && c <= 'Z'); })) {
       refuse(sample,
              fmt::format("the suffix '{}' must be lower-case printable ASCII without slashes and spaces", suffix));
     }
@@ -59,11 +60,19 @@ void checkNames(const Sample& sample) {
   }
 }
 
+// Returns the sample's record without the members, of which the writer adds names and hashes.
 SampleRecord recordOf(const Sample& sample) {
-  return {sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws, sample.time};
+  return {.key = sample.key,
+          .split = sample.split,
+          .scans = sample.scans,
+          .members = {},
+          .objects = sample.objects,
+          .draws = sample.draws,
+          .time = sample.time};
 }
 
-std::filesystem::path madeFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file) {
+// Creates the folder and the folders between it and the file. Returns the file.
+std::filesystem::path prepareFile(const std::filesystem::path& folder, const std::filesystem::path& file) {
   std::filesystem::create_directories(folder);
   makeFolders(folder, file.parent_path());
   return file;
@@ -77,11 +86,12 @@ struct ShardFile::State {
   Sha256 hash;
   archive* tar = archive_write_new();
   archive_entry* entry = archive_entry_new();
-  std::string waiting;         // bytes that are not hashed and written yet
+  std::string pendingBytes;    // not hashed and written yet
   std::exception_ptr failure;  // exception from writeBytes(), which must not pass through libarchive's C code
   bool discard = false;        // if true, nothing more is written
 
-  State(const std::filesystem::path& folder, const std::filesystem::path& where) : path(where), file(folder, where) {}
+  State(const std::filesystem::path& folder, const std::filesystem::path& tarPath)
+      : path(tarPath), file(folder, tarPath) {}
   ~State() {
     archive_entry_free(entry);
     discard = true;  // set first, because freeing an unfinished archive flushes it
@@ -90,6 +100,7 @@ struct ShardFile::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
+  // The callback of libarchive. `self`: the State.
   static la_ssize_t writeBytes(archive*, void* self, const void* data, std::size_t size) {
     State& state = *static_cast<State*>(self);
     if (state.discard) return static_cast<la_ssize_t>(size);
@@ -105,8 +116,8 @@ struct ShardFile::State {
   }
 
   void put(std::string_view bytes) {
-    if (bytes.size() + waiting.size() <= kShortBytes) {
-      waiting += bytes;
+    if (bytes.size() + pendingBytes.size() <= kShortBytes) {
+      pendingBytes += bytes;
       return;
     }
     flush();
@@ -118,11 +129,12 @@ struct ShardFile::State {
   }
 
   void flush() {
-    hash.add(waiting);
-    file.write(waiting);
-    waiting.clear();
+    hash.add(pendingBytes);
+    file.write(pendingBytes);
+    pendingBytes.clear();
   }
 
+  // Throws the exception of writeBytes(), or Error if a function of libarchive returned a failure.
   void check(la_ssize_t result) {
     if (failure) std::rethrow_exception(failure);
     if (result < ARCHIVE_OK) {
@@ -164,9 +176,10 @@ ShardFile::Digest ShardFile::close() {
 }
 
 std::uint64_t ShardFile::memberBytes(std::size_t nameLength, std::uint64_t bytes) {
-  std::uint64_t size = kTarBytes + wholeBlocks(bytes);
+  std::uint64_t size = kTarBlockBytes + paddedBytes(bytes);
   // A long name needs a pax header with one record: "<length> path=<name>\n".
-  if (nameLength > kUstarName) size += kTarBytes + wholeBlocks(nameLength + 16);
+  constexpr std::size_t kRecordBytes = 16;  // upper bound of the record's bytes beside the name
+  if (nameLength > kMostUstarNameBytes) size += kTarBlockBytes + paddedBytes(nameLength + kRecordBytes);
   return size;
 }
 
@@ -180,7 +193,8 @@ std::uint64_t bytesInShard(const Sample& sample) {
 }
 
 ShardWriter::ShardWriter(const std::filesystem::path& folder, const std::string& name, const std::string& split)
-    : part_{{name, split, {}, 0, 0}, {}}, file_(folder, madeFolderOf(folder, folder / name)) {}
+    : part_{.shard = {.file = name, .split = split, .sha256 = {}}, .samples = {}},
+      file_(folder, prepareFile(folder, folder / name)) {}
 
 void ShardWriter::add(const Sample& sample) {
   if (broken_) refuse(sample, "an earlier sample of this shard failed");
@@ -190,7 +204,7 @@ void ShardWriter::add(const Sample& sample) {
   }
   SampleRecord record = recordOf(sample);
   const std::string json = sampleJson(record);
-  std::vector<std::string_view> contents{json};
+  std::vector<std::string_view> contents{json};  // of the members, in their order
   record.members.push_back(fmt::format("{}.{}", sample.key, kJsonSuffix));
   for (const Member& member : sample.members) {
     record.members.push_back(fmt::format("{}.{}", sample.key, member.suffix));

@@ -1,11 +1,15 @@
 #include "dataset/split.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <set>
 
 #include "base/error.h"
@@ -18,10 +22,11 @@ namespace {
 
 constexpr std::array<const char*, 3> kSplits = {"train", "val", "test"};
 constexpr const char* kAdvice = "; --set splits=null puts all sequences into train";
-using Assignment = std::map<std::string, std::string>;  // maps the name of a group to the group's split
+using SplitOfGroup = std::map<std::string, std::string>;  // split by name of a group
 
-std::string groupOf(const SequenceName& sequence, bool bySeed) {
-  return bySeed ? std::to_string(sequence.seed) : sequence.trajectory;
+// Groups are named by their seeds or trajectories, depending on the key `by`: "seed" or "trajectory".
+std::string groupOf(const SequenceName& sequence, const std::string& by) {
+  return by == "seed" ? std::to_string(sequence.seed) : sequence.trajectory;
 }
 
 std::string plural(const std::string& by) {
@@ -31,30 +36,30 @@ std::string plural(const std::string& by) {
 // Sorts groups by a hash of the seed and the group's name. The order of the groups in the pipeline therefore does not
 // matter, and a new group does not change the order of the others.
 std::vector<std::string> shuffled(const std::set<std::string>& groups, std::uint64_t seed) {
-  std::map<std::string, std::string> ranked;
-  for (const std::string& group : groups) ranked[sha256(fmt::format("split {} {}", seed, group))] = group;
-  std::vector<std::string> order;
-  for (const auto& [rank, group] : ranked) order.push_back(group);
+  std::vector<std::string> order(groups.begin(), groups.end());
+  std::ranges::sort(order, {},
+                    [&](const std::string& group) { return sha256(fmt::format("split {} {}", seed, group)); });
   return order;
 }
 
-// Returns the number of groups of each share: the integer part of its quota, and one more for the shares with the
-// largest remainders. Among equal remainders the first in kSplits is preferred.
+// Returns the number of groups of each split: the integer part of its quota (its share of all groups), and one more for
+// the splits with the largest remainders. Among equal remainders the first in kSplits is preferred.
 std::array<std::size_t, kSplits.size()> apportion(const std::array<double, kSplits.size()>& shares,
                                                   std::size_t groups) {
+  constexpr double kRounding = 1e-9;  // tolerance: 0.29 * 100 is just below 29
   std::array<std::size_t, kSplits.size()> counts{};
   std::array<double, kSplits.size()> remainders{};
-  std::size_t given = 0;
+  std::size_t assigned = 0;
   for (std::size_t i = 0; i < kSplits.size(); ++i) {
     const double quota = shares[i] * static_cast<double>(groups);
-    counts[i] = static_cast<std::size_t>(std::floor(quota + 1e-9));  // 0.29 * 100 is just below 29
+    counts[i] = static_cast<std::size_t>(std::floor(quota + kRounding));
     remainders[i] = quota - static_cast<double>(counts[i]);
-    given += counts[i];
+    assigned += counts[i];
   }
-  for (; given < groups; ++given) {
+  for (; assigned < groups; ++assigned) {
     std::size_t largest = 0;
     for (std::size_t i = 1; i < kSplits.size(); ++i) {
-      if (remainders[i] > remainders[largest] + 1e-9) largest = i;
+      if (remainders[i] > remainders[largest] + kRounding) largest = i;
     }
     ++counts[largest];
     remainders[largest] -= 1;
@@ -62,19 +67,18 @@ std::array<std::size_t, kSplits.size()> apportion(const std::array<double, kSpli
   return counts;
 }
 
-Assignment byShares(Fields& fields, const std::set<std::string>& groups, const std::string& by, std::uint64_t seed) {
+// Assigns the groups by {train: 0.8, val: 0.2}. Throws InputError if the shares do not sum to 1, or a share above 0
+// gets no group.
+SplitOfGroup byShares(Fields& fields, const std::set<std::string>& groups, const std::string& by, std::uint64_t seed) {
   std::array<double, kSplits.size()> shares{};
-  double sum = 0;
-  for (std::size_t i = 0; i < kSplits.size(); ++i) {
-    shares[i] = fields.number(kSplits[i], {0, 1}, 0);
-    sum += shares[i];
-  }
+  for (std::size_t i = 0; i < kSplits.size(); ++i) shares[i] = fields.number(kSplits[i], {0, 1}, 0);
+  const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
   if (std::abs(sum - 1) > 1e-6)
     throw InputError(fields.where(), fmt::format("the sum of the shares is {}, but must be 1", sum));
   const auto counts = apportion(shares, groups.size());
   const std::vector<std::string> order = shuffled(groups, seed);
-  Assignment splits;
-  std::size_t next = 0;
+  SplitOfGroup splits;
+  std::size_t assigned = 0;
   for (std::size_t i = 0; i < kSplits.size(); ++i) {
     if (shares[i] > 0 && counts[i] == 0) {
       throw InputError(
@@ -83,33 +87,34 @@ Assignment byShares(Fields& fields, const std::set<std::string>& groups, const s
               "{}: a share of {} of {} {} is less than one: add {}, change the shares, or list the {} of each split",
               kSplits[i], shares[i], groups.size(), groups.size() == 1 ? by : plural(by), plural(by), plural(by)));
     }
-    for (std::size_t n = 0; n < counts[i]; ++n) splits[order[next++]] = kSplits[i];
+    for (std::size_t n = 0; n < counts[i]; ++n) splits[order[assigned++]] = kSplits[i];
   }
   return splits;
 }
 
+// Returns the names of the groups in the list of a split, and their places in the file.
 std::vector<std::pair<std::string, Location>> listedGroups(const Value& list, const std::string& by) {
-  std::vector<std::pair<std::string, Location>> listed;
+  std::vector<std::pair<std::string, Location>> groups;
   if (by == "seed") {
     for (const PlacedInteger& seed : readIntegers(list, "seed", 0, std::numeric_limits<std::int64_t>::max())) {
-      listed.emplace_back(std::to_string(seed.value), seed.where);
+      groups.emplace_back(std::to_string(seed.value), seed.where);
     }
-    return listed;
+    return groups;
   }
-  for (const Value& item : list.items) listed.emplace_back(readText(item, "trajectory"), item.where);
-  return listed;
+  for (const Value& item : list.items) groups.emplace_back(readText(item, "trajectory"), item.where);
+  return groups;
 }
 
-Assignment byLists(Fields& fields, const std::set<std::string>& groups, const std::string& by) {
-  std::string known;
-  for (const std::string& group : groups) known += (known.empty() ? "" : ", ") + group;
-  Assignment splits;
+// Assigns the groups by {train: [a, b], val: [c]}. Throws InputError unless each group is in exactly one list.
+SplitOfGroup byLists(Fields& fields, const std::set<std::string>& groups, const std::string& by) {
+  SplitOfGroup splits;
   for (const char* split : kSplits) {
     const Value* list = fields.find(split);
     if (list == nullptr) continue;
     for (const auto& [group, where] : listedGroups(*list, by)) {
       if (!groups.contains(group)) {
-        throw InputError(where, fmt::format("no sequence has the {} {} (known: {}){}", by, group, known, kAdvice));
+        throw InputError(
+            where, fmt::format("no sequence has the {} {} (known: {}){}", by, group, fmt::join(groups, ", "), kAdvice));
       }
       const auto [entry, isNew] = splits.emplace(group, split);
       if (!isNew) throw InputError(where, fmt::format("{} {} is in '{}' already", by, group, entry->second));
@@ -123,20 +128,20 @@ Assignment byLists(Fields& fields, const std::set<std::string>& groups, const st
   return splits;
 }
 
-// Returns true if the splits are given as lists. Throws InputError if shares and lists are mixed.
+// Returns true if the splits are given as lists. Throws InputError if shares and lists are mixed, or there are none.
 bool usesLists(Fields& fields) {
-  bool any = false;
-  bool lists = false;
+  std::optional<bool> areLists;
   for (const char* split : kSplits) {
     const Value* value = fields.find(split);
     if (value == nullptr) continue;
     const bool isList = value->kind == Value::Kind::Sequence;
-    if (any && isList != lists) throw InputError(value->where, "splits must be either all shares or all lists");
-    any = true;
-    lists = isList;
+    if (areLists.value_or(isList) != isList) {
+      throw InputError(value->where, "splits must be either all shares or all lists");
+    }
+    areLists = isList;
   }
-  if (!any) throw InputError(fields.where(), fmt::format("splits name no train, val or test{}", kAdvice));
-  return lists;
+  if (!areLists) throw InputError(fields.where(), fmt::format("splits name no train, val or test{}", kAdvice));
+  return *areLists;
 }
 
 }  // namespace
@@ -148,11 +153,10 @@ std::vector<std::string> assignSplits(const Value* value, const std::vector<Sequ
   fields.also({"by", "train", "val", "test"}).finish();
   const std::string by = fields.choice("by", {"seed", "trajectory"}, "seed");
   std::set<std::string> groups;
-  for (const SequenceName& sequence : sequences) groups.insert(groupOf(sequence, by == "seed"));
-  const bool lists = usesLists(fields);
-  const Assignment splits = lists ? byLists(fields, groups, by) : byShares(fields, groups, by, seed);
+  for (const SequenceName& sequence : sequences) groups.insert(groupOf(sequence, by));
+  const SplitOfGroup splits = usesLists(fields) ? byLists(fields, groups, by) : byShares(fields, groups, by, seed);
   std::vector<std::string> result;
-  for (const SequenceName& sequence : sequences) result.push_back(splits.at(groupOf(sequence, by == "seed")));
+  for (const SequenceName& sequence : sequences) result.push_back(splits.at(groupOf(sequence, by)));
   return result;
 }
 

@@ -2,17 +2,18 @@
 #include <archive_entry.h>
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <memory>
+#include <ranges>
 #include <system_error>
 #include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "dataset/reader.h"
-#include "dataset/shard_index.h"
 #include "formats/format.h"
 
 namespace scanmill {
@@ -59,25 +60,26 @@ class TarReader {
     if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_sparse_count(entry) > 0) {
       fail(fmt::format("has a member '{}' that is not a plain file", name_));
     }
-    begin_ = position();
+    memberBegin_ = position();
     memberBytes_ = static_cast<std::uint64_t>(archive_entry_size(entry));
-    if (memberBytes_ > size_ - begin_) {
+    if (memberBytes_ > size_ - memberBegin_) {
       fail(fmt::format("is truncated: member '{}' has {} bytes and the file ends after {}", name_, memberBytes_,
-                       size_ - begin_));
+                       size_ - memberBegin_));
     }
-    end_ = begin_ + (memberBytes_ + kTarBlock - 1) / kTarBlock * kTarBlock;
+    memberEnd_ = memberBegin_ + (memberBytes_ + kTarBlock - 1) / kTarBlock * kTarBlock;
     return true;
   }
 
   // The following calls refer to the current member.
   const std::string& name() const { return name_; }
-  std::uint64_t offset() const { return begin_; }  // position of the member's first byte in the file
+  std::uint64_t offset() const { return memberBegin_; }  // position of the member's first byte in the file
   std::uint64_t bytes() const { return memberBytes_; }
   // Replaces `bytes` by the bytes of the member.
   void readInto(std::string& bytes) {
     bytes.resize(memberBytes_);
-    const la_ssize_t got = archive_read_data(tar_.get(), bytes.data(), bytes.size());
-    if (got < 0 || static_cast<std::uint64_t>(got) != memberBytes_) fail(fmt::format("is truncated in '{}'", name_));
+    const la_ssize_t readBytes = archive_read_data(tar_.get(), bytes.data(), bytes.size());
+    if (readBytes < 0 || static_cast<std::uint64_t>(readBytes) != memberBytes_)
+      fail(fmt::format("is truncated in '{}'", name_));
   }
 
  private:
@@ -90,9 +92,9 @@ class TarReader {
   // Throws InputError if the end mark is missing. Libarchive accepts a file that ends between two members; only the end
   // mark shows that the file is complete.
   void checkEnd() const {
-    if (size_ >= end_ + kEndBytes) return;
+    if (size_ >= memberEnd_ + kEndBytes) return;
     throw InputError({file_.string()},
-                     fmt::format("is truncated: no end mark at offset {} (the file has {} bytes)", end_, size_));
+                     fmt::format("is truncated: no end mark at offset {} (the file has {} bytes)", memberEnd_, size_));
   }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -104,8 +106,9 @@ class TarReader {
   std::filesystem::path file_;
   std::unique_ptr<archive, Free> tar_;
   std::uint64_t size_ = 0;  // size of the file
-  std::uint64_t begin_ = 0;
-  std::uint64_t end_ = 0;  // end of the current member, with its padding
+  // The current member: offsets of its first byte and of the end of its padding, and its bytes without padding.
+  std::uint64_t memberBegin_ = 0;
+  std::uint64_t memberEnd_ = 0;
   std::uint64_t memberBytes_ = 0;
   std::string name_;
 };
@@ -131,13 +134,12 @@ Scan decodeMember(const std::string& name, std::string_view bytes) {
   const std::string suffix = dot == std::string::npos ? std::string() : name.substr(dot + 1);
   const FormatEntry* entry = formatBySuffix(suffix);
   if (entry == nullptr) {
-    std::string known;
-    for (const FormatEntry& format : formats()) known += fmt::format("{}.{}", known.empty() ? "" : ", ", format.suffix);
-    throw InputError({name}, fmt::format("no format reads '.{}' (known: {})", suffix, known));
+    const auto suffixes = formats() | std::views::transform(&FormatEntry::suffix);
+    throw InputError({name}, fmt::format("no format reads '.{}' (known: .{})", suffix, fmt::join(suffixes, ", .")));
   }
-  Value none;
-  none.kind = Value::Kind::Map;
-  Fields options(none, "format");
+  Value noOptions;
+  noOptions.kind = Value::Kind::Map;
+  Fields options(noOptions, "format");
   return entry->make(options)->decode(bytes, name);
 }
 
@@ -162,17 +164,18 @@ std::string ShardIndex::read(const ShardMember& member) const {
   const Descriptor file(::open(file_.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.number < 0) throw InputError({file_.string()}, "cannot be read: " + errnoText(errno));
   std::string bytes(member.bytes, '\0');
-  std::size_t done = 0;
+  std::size_t done = 0;  // bytes read so far: pread() may read fewer than it is asked for
   while (done < bytes.size()) {
-    const ssize_t got =
+    const ssize_t count =
         ::pread(file.number, bytes.data() + done, bytes.size() - done, static_cast<off_t>(member.offset + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw InputError({file_.string()}, fmt::format("cannot read '{}': {}", member.name, errnoText(errno)));
-    if (got == 0) {
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0)
+      throw InputError({file_.string()}, fmt::format("cannot read '{}': {}", member.name, errnoText(errno)));
+    if (count == 0) {
       throw InputError({file_.string()},
                        fmt::format("is truncated in '{}': it was longer when it was opened", member.name));
     }
-    done += static_cast<std::size_t>(got);
+    done += static_cast<std::size_t>(count);
   }
   return bytes;
 }

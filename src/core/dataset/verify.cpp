@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Checks one shard: its file, its members and its scans.
+// Checks one shard: its file, its members and its scans. run() is called once.
 class ShardCheck {
  public:
   // `samples`: the shard's samples in the manifest; null: they are unknown, so that only the file is checked.
@@ -40,8 +40,8 @@ class ShardCheck {
     if (!described_) return;
     for (const SampleRecord* sample : *samples) {
       for (const std::string& member : sample->members) {
-        expected_.push_back(member);
-        owner_.emplace(member, sample);
+        expectedNames_.push_back(member);
+        sampleOfMember_.emplace(member, sample);
       }
     }
   }
@@ -90,26 +90,26 @@ class ShardCheck {
       return;
     }
     if (bytes != record_.bytes) problem(fmt::format("has {} bytes, but the manifest says {}", bytes, record_.bytes));
-    const std::string found = hash.hex();
-    if (found != record_.sha256)
-      problem(fmt::format("its SHA-256 is {}, but the manifest says {}", found, record_.sha256));
+    const std::string sha256 = hash.hex();
+    if (sha256 != record_.sha256)
+      problem(fmt::format("its SHA-256 is {}, but the manifest says {}", sha256, record_.sha256));
   }
 
   void checkMembers() {
-    std::vector<std::string> found;
+    std::vector<std::string> names;  // of the members of the file, in its order
     try {
       readTar(file_, [&](const std::string& name, std::string_view bytes) {
-        found.push_back(name);
-        const auto owner = owner_.find(name);
-        if (owner == owner_.end()) return;  // checkOrder() reports this
-        const std::size_t before = problems_.size();
-        checkMember(name, bytes, *owner->second);
-        if (problems_.size() == before) checkDigest(name, bytes, *owner->second);
+        names.push_back(name);
+        const auto entry = sampleOfMember_.find(name);
+        if (entry == sampleOfMember_.end()) return;  // checkNames() reports this member
+        const std::size_t problemsBefore = problems_.size();
+        checkMember(name, bytes, *entry->second);
+        if (problems_.size() == problemsBefore) checkDigest(name, bytes, *entry->second);
       });
     } catch (const InputError& error) {
       problem(withoutPath(error));
     }
-    checkOrder(found);
+    checkNames(names);
   }
 
   void checkMember(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
@@ -118,12 +118,11 @@ class ShardCheck {
       if (!difference.empty()) problem(fmt::format("{}: {}", name, difference));
       return;
     }
-    const std::string endOfReasons = "." + std::string(kReasonsSuffix);
-    const std::string endOfVoxels = "." + std::string(kVoxelsSuffix);
+    const auto hasSuffix = [&](std::string_view suffix) { return name.ends_with("." + std::string(suffix)); };
     try {
       if (name == objectsMember(sample.key)) return checkObjects(name, bytes, sample);
-      if (name.ends_with(endOfReasons)) return checkReasons(name, bytes, sample);
-      if (name.ends_with(endOfVoxels)) return checkVoxels(name, bytes);
+      if (hasSuffix(kReasonsSuffix)) return checkReasons(name, bytes, sample);
+      if (hasSuffix(kVoxelsSuffix)) return checkVoxels(name, bytes);
     } catch (const InputError& error) {
       return problem(error.what());
     }
@@ -138,10 +137,10 @@ class ShardCheck {
   // manifest in all other respects.
   void checkDigest(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     const std::string stated = sample.xxh3Of(name);
-    const std::string found = xxh3(bytes);
-    if (stated.empty() || found == stated) return;
-    problem(fmt::format("{}: was changed since it was written: its XXH3 is {}, but the manifest says {}", name, found,
-                        stated));
+    const std::string computed = xxh3(bytes);
+    if (stated.empty() || computed == stated) return;
+    problem(fmt::format("{}: was changed since it was written: its XXH3 is {}, but the manifest says {}", name,
+                        computed, stated));
   }
 
   // Returns the record of the scan to which a member belongs. If the sample has no such scan, reports the member and
@@ -154,14 +153,14 @@ class ShardCheck {
     return nullptr;
   }
 
+  // Checks a scan that was decoded from a member.
   void checkDecoded(const std::string& name, const Scan& scan, const SampleRecord& sample) {
     ++scans_;
     const std::string format = name.substr(name.rfind('.') + 1);
     const ScanRecord* const record = recordOf(name, format, sample);
     if (record == nullptr) return;
     points_ += record->points;
-    if (objects_ != nullptr && objects_->key == sample.key && !countedSensors_.contains(record->sensor)) {
-      countedSensors_.insert(record->sensor);
+    if (objects_ != nullptr && objects_->key == sample.key && countedSensors_.insert(record->sensor).second) {
       checkObjectPoints(name, scan, record->sensor);
     }
     double maxError = 0;
@@ -175,8 +174,8 @@ class ShardCheck {
 
   void checkVoxels(const std::string& name, std::string_view bytes) {
     const ScanVoxels voxels = decodeVoxels(bytes, name);
-    const auto known = [&](std::uint16_t id) { return id == 0 || manifest_.ontology.find(id) != nullptr; };
-    const auto unknown = std::ranges::find_if_not(voxels.label, known);
+    const auto isKnown = [&](std::uint16_t id) { return id == 0 || manifest_.ontology.find(id) != nullptr; };
+    const auto unknown = std::ranges::find_if_not(voxels.label, isKnown);
     if (unknown != voxels.label.end()) problem(fmt::format("{}: the ontology has no class {}", name, *unknown));
   }
 
@@ -194,28 +193,27 @@ class ShardCheck {
     }
   }
 
+  // Compares the scan's numbers of points of each object with objects_. Reports the first difference.
   void checkObjectPoints(const std::string& name, const Scan& scan, const std::string& sensor) {
     if (scan[kInstance].empty()) return;
-    std::map<std::uint32_t, std::uint64_t> found;
+    std::map<std::uint32_t, std::uint64_t> pointsOfObject;  // by instance id
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (scan[kInstance][i] != 0 && isFinite(scan.position[i])) ++found[scan[kInstance][i]];
+      if (scan[kInstance][i] != 0 && isFinite(scan.position[i])) ++pointsOfObject[scan[kInstance][i]];
     }
     for (const ObjectRecord& object : objects_->objects) {
-      const auto view = std::ranges::find_if(object.views, [&](const ObjectView& v) { return v.sensor == sensor; });
-      const auto points = found.find(object.id);
-      const std::uint64_t counted = points == found.end() ? 0 : points->second;
+      const auto view = std::ranges::find(object.views, sensor, &ObjectView::sensor);
       const std::uint64_t stated = view == object.views.end() ? 0 : view->points;
+      const std::uint64_t counted = pointsOfObject[object.id];
       if (counted != stated) {
         problem(fmt::format("{}: has {} points of the object {}, but {} says {}", name, counted, object.id,
                             objectsMember(objects_->key), stated));
         return;
       }
-      if (points != found.end()) found.erase(points);
+      pointsOfObject.erase(object.id);
     }
-    if (!found.empty()) {
-      problem(fmt::format("{}: has points of the object {}, which is not in {}", name, found.begin()->first,
-                          objectsMember(objects_->key)));
-    }
+    if (pointsOfObject.empty()) return;
+    problem(fmt::format("{}: has points of the object {}, which is not in {}", name, pointsOfObject.begin()->first,
+                        objectsMember(objects_->key)));
   }
 
   void checkReasons(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
@@ -224,29 +222,31 @@ class ShardCheck {
     problem(fmt::format("{}: the numbers of its pixels differ from the reasons in the manifest", name));
   }
 
-  void checkOrder(const std::vector<std::string>& found) {
-    if (found == expected_) return;
-    const std::size_t before = problems_.size();
-    std::set<std::string> seen;
-    for (const std::string& name : found) {
-      if (!seen.insert(name).second) problem(fmt::format("{}: is in the shard twice", name));
-      if (!owner_.contains(name)) problem(fmt::format("{}: is not in the manifest", name));
+  // Checks that the shard has exactly the members that the manifest lists, in their order. `names`: its members.
+  void checkNames(const std::vector<std::string>& names) {
+    if (names == expectedNames_) return;
+    const std::size_t problemsBefore = problems_.size();
+    std::set<std::string> distinctNames;
+    for (const std::string& name : names) {
+      if (!distinctNames.insert(name).second) problem(fmt::format("{}: is in the shard twice", name));
+      if (!sampleOfMember_.contains(name)) problem(fmt::format("{}: is not in the manifest", name));
     }
-    for (const std::string& name : expected_) {
-      if (!seen.contains(name)) problem(fmt::format("{}: is missing", name));
+    for (const std::string& name : expectedNames_) {
+      if (!distinctNames.contains(name)) problem(fmt::format("{}: is missing", name));
     }
-    if (problems_.size() > before) return;
-    const auto first = std::mismatch(found.begin(), found.end(), expected_.begin());
-    problem(fmt::format("the members are out of order: '{}' is in the place of '{}'", *first.first, *first.second));
+    if (problems_.size() > problemsBefore) return;
+    // Both lists have the same names, so that they have the same length and differ in their order alone.
+    const auto [actual, expected] = std::ranges::mismatch(names, expectedNames_);
+    problem(fmt::format("the members are out of order: '{}' is in the place of '{}'", *actual, *expected));
   }
 
   const Manifest& manifest_;
   const ShardRecord& record_;
   fs::path file_;
   bool described_;
-  std::uint64_t samples_;
-  std::vector<std::string> expected_;                 // names of the members, in order
-  std::map<std::string, const SampleRecord*> owner_;  // sample of a member, by name of the member
+  std::uint64_t samples_;                                      // number of samples
+  std::vector<std::string> expectedNames_;                     // of the members, in the order of the manifest
+  std::map<std::string, const SampleRecord*> sampleOfMember_;  // by name of the member
   std::vector<std::string> problems_;
   std::unique_ptr<const SampleObjects> objects_;  // latest list of objects; null: it is damaged
   std::set<std::string> countedSensors_;          // sensors whose points were compared with objects_
@@ -260,12 +260,11 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
   if (sha256(manifest.pipelineText) != manifest.pipelineSha256) {
     problem("the SHA-256 of the pipeline's text differs from the stated one");
   }
-  std::map<std::string, std::string> splitOf;
-  std::set<std::string> parted;
+  std::map<std::string, std::set<std::string>> splitsOfSequence;
   for (const SampleRecord& sample : manifest.samples) {
     const std::string sequence = partsOfKey(sample.key).sequence;
-    if (!sequence.empty() && splitOf.emplace(sequence, sample.split).first->second != sample.split &&
-        parted.insert(sequence).second) {
+    std::set<std::string>& splits = splitsOfSequence[sequence];
+    if (splits.insert(sample.split).second && splits.size() == 2 && !sequence.empty()) {
       problem(fmt::format("frames of sequence {} are in several splits", sequence));
     }
     const auto lists = [&](const std::string& member) {
@@ -291,7 +290,7 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
 
 // Reports files that look like part of the dataset but are not listed: any other file beside the shards of a split, and
 // any tar or temporary file in the folder or below it. Other files in the dataset's folder, such as notes, are allowed.
-void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vector<std::string>& problems) {
+void checkUnlistedFiles(const fs::path& folder, const Manifest& manifest, std::vector<std::string>& problems) {
   std::set<std::string> listed;
   std::set<std::string> splits;
   for (const ShardRecord& shard : manifest.shards) {
@@ -299,23 +298,19 @@ void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vecto
     if (!shard.samplesSha256.empty()) listed.insert(samplesFileOf(shard.file));
     splits.insert(shard.split);
   }
-  std::set<std::string> strangers;
-  const auto look = [&](const fs::path& file, bool besideShards) {
-    const std::string name = file.lexically_relative(folder).generic_string();
-    const bool suspect = besideShards || name.ends_with(".tar") || name.find(".partial-") != std::string::npos;
-    if (suspect && !listed.contains(name)) strangers.insert(name);
-  };
-  for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator(); ++at) {
-    const fs::directory_entry& entry = *at;
-    if (entry.path() == folder / kHiddenName) {
-      at.disable_recursion_pending();
+  std::set<std::string> unlisted;
+  for (auto file = fs::recursive_directory_iterator(folder); file != fs::recursive_directory_iterator(); ++file) {
+    if (file->path() == folder / kHiddenName) {
+      file.disable_recursion_pending();
       continue;
     }
-    const fs::path above = entry.path().parent_path().lexically_relative(folder);
-    const bool besideShards = splits.contains(above.generic_string());
-    if (besideShards || !entry.is_directory()) look(entry.path(), besideShards);
+    const fs::path relative = file->path().lexically_relative(folder);
+    const std::string name = relative.generic_string();
+    const bool besideShards = splits.contains(relative.parent_path().generic_string());
+    const bool looksLikePart = name.ends_with(".tar") || name.find(".partial-") != std::string::npos;
+    if ((besideShards || (looksLikePart && !file->is_directory())) && !listed.contains(name)) unlisted.insert(name);
   }
-  for (const std::string& name : strangers) problems.push_back(name + ": is not in the manifest");
+  for (const std::string& name : unlisted) problems.push_back(name + ": is not in the manifest");
 }
 
 }  // namespace
@@ -361,7 +356,7 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
     total.problems.insert(total.problems.end(), part.problems.begin(), part.problems.end());
   }
   try {
-    checkStrangers(folder, manifest, total.problems);
+    checkUnlistedFiles(folder, manifest, total.problems);
   } catch (const fs::filesystem_error& error) {
     total.problems.push_back(fmt::format("{}: cannot be listed: {}", error.path1().string(), error.code().message()));
   }

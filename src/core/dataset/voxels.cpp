@@ -20,38 +20,41 @@ constexpr const char* kUInt16 = "<u2";
 constexpr const char* kFloat64 = "<f8";
 constexpr const char* kBool = "|b1";
 
-// The arrays of an archive, found by their names.
+// The arrays of an archive, found by their names. All functions throw InputError for arrays that do not fit.
 class VoxelArrays {
  public:
   VoxelArrays(std::string_view bytes, const std::string& what) : what_(what), arrays_(readNpzArrays(bytes, what)) {}
 
-  const NpyArray& of(std::string_view name, std::string_view type, std::size_t dimensions) const {
-    const auto found = std::ranges::find_if(arrays_, [&](const NpyArray& a) { return a.name == name; });
-    if (found == arrays_.end()) fail(fmt::format("has no array `{}`", name));
-    if (found->type != type || found->shape.size() != dimensions) {
-      fail(fmt::format("{} has the type {} and {} dimensions, but must have {} and {}", name, found->type,
-                       found->shape.size(), type, dimensions));
+  // Returns an array of this type, such as "<u2".
+  const NpyArray& array(std::string_view name, std::string_view type, std::size_t dimensions) const {
+    const auto array = std::ranges::find(arrays_, name, &NpyArray::name);
+    if (array == arrays_.end()) fail(fmt::format("has no array `{}`", name));
+    if (array->type != type || array->shape.size() != dimensions) {
+      fail(fmt::format("{} has the type {} and {} dimensions, but must have {} and {}", name, array->type,
+                       array->shape.size(), type, dimensions));
     }
-    return *found;
+    return *array;
   }
 
+  // Returns the finite numbers of an array with `count` numbers.
   std::vector<double> numbers(std::string_view name, std::size_t dimensions, std::size_t count) const {
-    const NpyArray& array = of(name, kFloat64, dimensions);
-    std::vector<double> values(array.bytes.size() / sizeof(double));
+    const std::string_view bytes = array(name, kFloat64, dimensions).bytes;
+    std::vector<double> values(bytes.size() / sizeof(double));
     if (values.size() != count) fail(fmt::format("{} has {} numbers, but must have {}", name, values.size(), count));
-    std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
+    std::memcpy(values.data(), bytes.data(), bytes.size());
     if (!std::ranges::all_of(values, [](double v) { return std::isfinite(v); })) {
       fail(fmt::format("{} has values that are not finite", name));
     }
     return values;
   }
 
+  // Returns the flags, each 0 or 1, of an array with the shape of the array `label`.
   std::vector<std::uint8_t> flags(std::string_view name, const std::vector<std::size_t>& shape,
                                   std::size_t voxels) const {
-    const NpyArray& array = of(name, kBool, shape.size());
-    if (array.shape != shape || array.bytes.size() != voxels)
+    const NpyArray& flagArray = array(name, kBool, shape.size());
+    if (flagArray.shape != shape || flagArray.bytes.size() != voxels)
       fail(fmt::format("{} and label have different sizes", name));
-    std::vector<std::uint8_t> flags(array.bytes.begin(), array.bytes.end());
+    std::vector<std::uint8_t> flags(flagArray.bytes.begin(), flagArray.bytes.end());
     if (std::ranges::any_of(flags, [](std::uint8_t f) { return f > 1; })) {
       fail(fmt::format("{} has values besides 0 and 1", name));
     }
@@ -71,9 +74,9 @@ std::string encodeVoxels(const ScanVoxels& voxels) {
   const VoxelGrid& grid = voxels.grid;
   const std::vector<std::size_t> shape{grid.counts[0], grid.counts[1], grid.counts[2]};
   std::vector<std::pair<std::string, std::string>> files;
-  const auto add = [&](std::string_view name, const char* type, const std::vector<std::size_t>& of,
+  const auto add = [&](std::string_view name, const char* type, const std::vector<std::size_t>& arrayShape,
                        std::string_view bytes) {
-    files.emplace_back(std::string(name) + ".npy", npyOf(type, of, bytes));
+    files.emplace_back(std::string(name) + ".npy", npyOf(type, arrayShape, bytes));
   };
   const auto addFlags = [&](std::string_view name, const std::vector<std::uint8_t>& flags) {
     add(name, kBool, shape, {reinterpret_cast<const char*>(flags.data()), flags.size()});
@@ -98,10 +101,10 @@ ScanVoxels decodeVoxels(std::string_view bytes, const std::string& what) {
   if (!(voxels.grid.size > 0)) arrays.fail("size is not above 0");
   const std::vector<double> low = arrays.numbers("low", 1, 3);
   voxels.grid.low = {low[0], low[1], low[2]};
-  const NpyArray& label = arrays.of("label", kUInt16, 3);
-  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
-  if (std::ranges::any_of(label.shape, [](std::size_t n) { return n == 0 || n > kMost; }) ||
-      label.bytes.size() / 2 > kMost) {
+  const NpyArray& label = arrays.array("label", kUInt16, 3);
+  constexpr std::size_t kMostVoxels = std::numeric_limits<std::uint32_t>::max();
+  if (std::ranges::any_of(label.shape, [](std::size_t count) { return count == 0 || count > kMostVoxels; }) ||
+      label.bytes.size() / sizeof(std::uint16_t) > kMostVoxels) {
     arrays.fail("label has no voxels, or more than 2^32");
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -116,8 +119,11 @@ ScanVoxels decodeVoxels(std::string_view bytes, const std::string& what) {
 }
 
 std::uint64_t mostVoxelsBytes(const VoxelGrid& grid) {
-  const std::uint64_t plain = std::uint64_t{grid.voxels()} * (sizeof(std::uint16_t) + 3);
-  return plain + plain / 100 + 4096;  // deflate stores incompressible bytes unchanged
+  constexpr std::uint64_t kBytesPerVoxel = sizeof(std::uint16_t) + 3;  // label and three flags
+  constexpr std::uint64_t kHeaderBytes = 4096;                         // more than all headers of the archive
+  const std::uint64_t uncompressed = std::uint64_t{grid.voxels()} * kBytesPerVoxel;
+  // Deflate stores incompressible bytes unchanged, in blocks whose headers take far less than a hundredth.
+  return uncompressed + uncompressed / 100 + kHeaderBytes;
 }
 
 }  // namespace scanmill

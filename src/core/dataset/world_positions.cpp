@@ -10,17 +10,17 @@ WorldPositions::WorldPositions(const Scan& scan, const ScanRecord& record, const
       last_(record.worldFromSensor.back()),
       moves_(record.worldFromSensor.size() > 1 && !deskewed) {
   if (!moves_) return;
-  std::vector<double> starts;  // firing time of each column (s since the start of the revolution)
+  std::vector<double> columnTimes;  // firing time of each column (s since the start of the revolution)
   if (const auto listed = beams.listed()) {
-    starts = listed->columnStarts(beams.columns);
+    columnTimes = listed->columnStarts(beams.columns);
   } else {
-    for (std::uint32_t column = 0; column < beams.columns; ++column) starts.push_back(beams.columnTime(column));
+    for (std::uint32_t column = 0; column < beams.columns; ++column) columnTimes.push_back(beams.columnTime(column));
   }
-  if (starts.empty()) return;
-  start_ = starts.front();
-  end_ = starts.back();
+  if (columnTimes.empty()) return;
+  start_ = columnTimes.front();
+  end_ = columnTimes.back();
   if (!knowsBeams(scan)) return;
-  for (const double time : starts) poses_.push_back(interpolate(first_, last_, fractionAt(time)));
+  for (const double time : columnTimes) poses_.push_back(interpolate(first_, last_, fractionAt(time)));
 }
 
 double WorldPositions::fractionAt(double time) const {

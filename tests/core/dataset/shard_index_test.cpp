@@ -1,4 +1,3 @@
-#include "dataset/shard_index.h"
 
 #include "base/error.h"
 #include "base/file.h"

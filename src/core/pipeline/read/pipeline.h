@@ -18,7 +18,7 @@
 #include "base/vec.h"
 #include "config/fields.h"
 #include "config/value.h"
-#include "dataset/file_records.h"
+#include "dataset/manifest.h"
 #include "dataset/recording.h"
 #include "formats/format.h"
 #include "methods/method.h"

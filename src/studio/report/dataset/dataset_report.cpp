@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "dataset/shard_index.h"
+#include "dataset/reader.h"
 #include "dataset/verify.h"
 #include "formats/reasons_png.h"
 #include "pipeline/run/progress.h"
