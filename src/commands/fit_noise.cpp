@@ -36,9 +36,9 @@ void printBands(const std::vector<PatchGroup>& bands) {
       return any ? fmt::format("{:.{}f}", value, digits) : std::string("-");
     };
     const auto millimetres = [&](double metres) { return figure(g.patches > 0, 1000 * metres, 2); };
-    const bool tested = g.dropOut.of > 0;
+    const bool tested = g.dropOut.beams > 0;
     rows.push_back({g.name, grouped(g.patches), grouped(g.points), millimetres(g.sigma), millimetres(g.error),
-                    millimetres(g.withStep), millimetres(g.planeSigma), grouped(g.dropOut.lost), grouped(g.dropOut.of),
+                    millimetres(g.withStep), millimetres(g.planeSigma), grouped(g.dropOut.lost), grouped(g.dropOut.beams),
                     figure(tested, 100 * g.dropOut.share(), 2), figure(tested, 100 * g.dropOut.error, 2),
                     g.leftOut.empty() ? "" : "left out: " + g.leftOut});
   }

@@ -145,7 +145,7 @@ GroundCells cellsOf(const std::vector<Vec3d>& points, double size) {
 
 // Returns the points of the ground, which is the level surface below the sensor, in cells of kCell without objects;
 // nothing if they are too few. Fits a plane to the lowest point in each cell of 4 m, then three times a plane to the
-// points within 0.5 m of the previous plane. The limits were chosen by eye on street scenes.
+// points within 0.5 m of the previous plane. The limits were chosen by eye.
 GroundCells groundOf(const Scan& scan, const RangeGrid& grid) {
   constexpr double kLeastDepth = 0.3;    // m below the sensor
   constexpr double kMostDistance = 0.5;  // m from the plane

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -19,9 +18,10 @@ namespace {
 
 constexpr std::size_t kFewestPatches = 50;  // least number of patches in a band that the fit uses
 constexpr double kMostUneven = 2.5;         // largest `unevenness` (see fit_noise.h) of a band that the fit uses
-constexpr int kResamples = 200;
-constexpr double kGoodChiSquare = 3;  // largest acceptable chi^2 per degree of freedom
-constexpr double kGoodMisfit = 0.1;   // if no band has a larger relative error, any chi^2 is acceptable
+constexpr int kResamples = 200;             // number of sets of patches for a bootstrap error
+constexpr double kGoodChiSquare = 3;        // largest acceptable chi^2 per degree of freedom
+constexpr double kGoodMisfit = 0.1;         // if no band has a larger relative error, any chi^2 is acceptable
+constexpr double kLeastError = 1e-6;        // a band's standard error counts as at least this (m)
 
 using FlatPatches = std::vector<const FlatPatch*>;
 
@@ -38,14 +38,14 @@ double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
                       const std::function<double(const FlatPatches&)>& measure) {
   if (patches.size() < 2) return 0;
   double sum = 0, squares = 0;
-  FlatPatches drawn(patches.size());
+  FlatPatches sampled(patches.size());
   for (std::uint32_t round = 0; round < kResamples; ++round) {
     for (std::uint32_t i = 0; i < patches.size(); ++i) {
       const RandomBlock block =
           randomBlock({.scene = stream, .frame = round, .beam = i, .purpose = Purpose::Bootstrap});
-      drawn[i] = patches[static_cast<std::size_t>(uniform(block[0]) * static_cast<double>(patches.size()))];
+      sampled[i] = patches[static_cast<std::size_t>(uniform(block[0]) * static_cast<double>(patches.size()))];
     }
-    const double value = measure(drawn);
+    const double value = measure(sampled);
     sum += value;
     squares += value * value;
   }
@@ -53,54 +53,57 @@ double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
   return std::sqrt(std::max(0.0, squares / kResamples - mean * mean) * kResamples / (kResamples - 1));
 }
 
+// Returns the fraction of the patches' enclosed beams that are holes. `stream`: selects the random numbers.
 MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
-  const auto count = [](const FlatPatches& chosen) {
-    MeasuredShare share;
-    for (const FlatPatch* p : chosen) {
-      share.lost += p->holes;
-      share.of += p->enclosed;
+  const auto count = [](const FlatPatches& counted) {
+    MeasuredShare dropOut;
+    for (const FlatPatch* p : counted) {
+      dropOut.lost += p->holes;
+      dropOut.beams += p->enclosed;
     }
-    return share;
+    return dropOut;
   };
-  MeasuredShare all = count(patches);
-  if (all.of == 0) return all;
-  // If no return is lost, the bootstrap error is 0, which is too small. The error is then one lost return.
-  const double least = std::sqrt(static_cast<double>(all.lost + 1)) / static_cast<double>(all.of);
-  const double spread =
-      bootstrapError(patches, stream, [&](const FlatPatches& chosen) { return count(chosen).share(); });
-  all.error = std::max(all.lost == 0 ? least : 0.0, spread);
-  return all;
+  MeasuredShare dropOut = count(patches);
+  if (dropOut.beams == 0) return dropOut;
+  // If no return is lost, the bootstrap error would be 0, which is too small. The error is then one lost return.
+  dropOut.error =
+      dropOut.lost == 0
+          ? 1 / static_cast<double>(dropOut.beams)
+          : bootstrapError(patches, stream, [&](const FlatPatches& sampled) { return count(sampled).share(); });
+  return dropOut;
 }
 
-// Returns the noise on the patches of one band of ranges. `high`: its upper end (m). `stream`: selects random numbers.
+// Returns the noise on the patches of one band of ranges. `high`: the band's upper end (m). `step`: see NoiseFit::step.
+// `stream`: selects the random numbers.
 PatchGroup measureBand(const FlatPatches& patches, std::string name, double high, double step, std::uint32_t stream) {
+  constexpr double kOneSigma = 0.84;  // probability below one standard deviation of the normal distribution
   PatchGroup group;
   group.name = std::move(name);
   group.high = high;
   group.dropOut = dropOutOf(patches, 2 * stream);
-  FlatPatches measured;
-  std::vector<double> ranges, planes, variances;
+  FlatPatches measured;  // patches whose measured half has enough returns
+  std::vector<double> ranges, planeVariances, variances;
   for (const FlatPatch* p : patches) {
     if (p->measuredLines.freedom <= 0) continue;
     measured.push_back(p);
     group.points += p->points;
     ranges.push_back(p->range);
-    planes.push_back(p->measuredPlane.variance() / chiSquareQuantile(p->measuredPlane.freedom, 0));
+    planeVariances.push_back(p->measuredPlane.variance() / chiSquareQuantile(p->measuredPlane.freedom, 0));
     variances.push_back(p->measuredLines.variance());
   }
   group.patches = measured.size();
   if (measured.empty()) return group;
-  group.range = std::accumulate(ranges.begin(), ranges.end(), 0.0) / static_cast<double>(ranges.size());
+  group.range = meanOf(ranges);
   group.withStep = commonDeviation(measured);
   group.sigma = withoutStep(group.withStep, step);
-  group.planeSigma = withoutStep(std::sqrt(medianOf(planes)), step);
+  group.planeSigma = withoutStep(std::sqrt(medianOf(planeVariances)), step);
   group.error = bootstrapError(measured, 2 * stream + 1,
-                               [&](const FlatPatches& chosen) { return withoutStep(commonDeviation(chosen), step); });
+                               [&](const FlatPatches& sampled) { return withoutStep(commonDeviation(sampled), step); });
   const double freedom = measured.front()->measuredLines.freedom;
   const double median = medianOf(variances);
   if (median > 0) {
     group.unevenness =
-        quantileOf(variances, 0.84) / median / (chiSquareQuantile(freedom, 1) / chiSquareQuantile(freedom, 0));
+        quantileOf(variances, kOneSigma) / median / (chiSquareQuantile(freedom, 1) / chiSquareQuantile(freedom, 0));
   }
   return group;
 }
@@ -129,9 +132,9 @@ std::vector<PatchGroup> measureBands(const FlatPatches& patches, double step) {
   return bands;
 }
 
-// Returns the weight of a band in the fit: 1 / the standard error of its sigma, which counts as at least 1e-6 m.
+// Returns the factor of a band's equation in the fit: 1 / the standard error of its sigma (1/m).
 double weightOf(const PatchGroup& band) {
-  return 1 / std::max(band.error, 1e-6);
+  return 1 / std::max(band.error, kLeastError);
 }
 
 // The coefficients of the line that are not fixed at zero.
@@ -139,6 +142,7 @@ struct FreeTerms {
   bool base = true, growth = true;
 };
 
+// Fits the free coefficients (base and growth, in this order) to the sigmas of the bands; the others are 0.
 LinearFit fitTerms(const std::vector<const PatchGroup*>& used, FreeTerms free) {
   std::vector<double> design, values;
   for (const PatchGroup* band : used) {
@@ -153,7 +157,7 @@ LinearFit fitTerms(const std::vector<const PatchGroup*>& used, FreeTerms free) {
 void addStandardErrors(const std::vector<const PatchGroup*>& used, FreeTerms free, NoiseFit& fit) {
   double s = 0, sr = 0, srr = 0;  // sums of the squared weights, times the range, times the squared range
   for (const PatchGroup* band : used) {
-    const double weight = 1 / std::pow(std::max(band->error, 1e-6), 2);
+    const double weight = std::pow(weightOf(*band), 2);
     s += weight;
     sr += weight * band->range;
     srr += weight * band->range * band->range;
@@ -174,9 +178,9 @@ void addStandardErrors(const std::vector<const PatchGroup*>& used, FreeTerms fre
 void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   FreeTerms free{.base = true, .growth = used.size() > 1};
   LinearFit line = fitTerms(used, free);
-  const bool falls = line.coefficients[1] < 0;
-  if (falls || line.coefficients[0] < 0) {
-    free = {.base = falls, .growth = !falls};
+  const bool fallsWithRange = line.coefficients[1] < 0;
+  if (fallsWithRange || line.coefficients[0] < 0) {
+    free = {.base = fallsWithRange, .growth = !fallsWithRange};
     line = fitTerms(used, free);
   }
   fit.base = line.coefficients[0];
@@ -218,7 +222,7 @@ std::string ringBiasYaml(const RingErrors& rings) {
 
 }  // namespace
 
-std::vector<const PatchGroup*> NoiseFit::used() const {
+std::vector<const PatchGroup*> NoiseFit::usedBands() const {
   std::vector<const PatchGroup*> list;
   for (const PatchGroup& band : bands) {
     if (band.leftOut.empty()) list.push_back(&band);
@@ -228,7 +232,7 @@ std::vector<const PatchGroup*> NoiseFit::used() const {
 
 double NoiseFit::measuredUpTo() const {
   double last = 0;
-  for (const PatchGroup* band : used()) last = std::max(last, band->range);
+  for (const PatchGroup* band : usedBands()) last = std::max(last, band->range);
   return last;
 }
 
@@ -243,12 +247,12 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   fit.step = rangeStep(scans);
   fit.sensorReach = beams.maxRange;
 
-  FlatPatches steep;
+  FlatPatches steep;  // not at grazing incidence
   for (const FlatPatch& p : patches) {
     if (p.incidence >= kSteep) steep.push_back(&p);
   }
   fit.bands = measureBands(steep, fit.step);
-  const std::vector<const PatchGroup*> used = fit.used();
+  const std::vector<const PatchGroup*> used = fit.usedBands();
   for (const PatchGroup* band : used) {
     fit.patches += band->patches;
     fit.points += band->points;
@@ -262,27 +266,27 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
         beams.rings < kPatchRings ? fmt::format("; and a sensor of at least {} rings", kPatchRings) : ""));
   }
   fitLine(fit, used);
-  FlatPatches chosen;
-  std::vector<FlatPatch> ringPatches;
-  // The mean range of a band lies in the band.
+  FlatPatches usedPatches;
+  std::vector<FlatPatch> ringPatches;  // the same patches
   for (const FlatPatch* p : steep) {
+    // The mean range of a band lies in the band.
     const bool isUsed = std::ranges::any_of(
         used, [&](const PatchGroup* band) { return rangeBandOf(band->range) == rangeBandOf(p->range); });
     if (!isUsed) continue;
-    chosen.push_back(p);
+    usedPatches.push_back(p);
     ringPatches.push_back(*p);
   }
-  constexpr std::uint32_t kDropOutStream = 1000;
-  fit.dropOut = dropOutOf(chosen, kDropOutStream);
+  constexpr std::uint32_t kDropOutStream = 1000;  // above those of the bands, see measureBands()
+  fit.dropOut = dropOutOf(usedPatches, kDropOutStream);
   fit.rings = fitRingErrors(beams, scans, ringPatches);
   return fit;
 }
 
 std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
   const double last = fit.measuredUpTo();
-  double end = 0;
-  for (const PatchGroup* band : fit.used()) end = std::max(end, band->high);
-  if (!(fit.sensorReach > end)) return {};
+  double highestEnd = 0;  // of the used bands (m)
+  for (const PatchGroup* band : fit.usedBands()) highestEnd = std::max(highestEnd, band->high);
+  if (!(fit.sensorReach > highestEnd)) return {};
   const char* rule = !fit.linear || fit.growth <= 0 ? "the last value is used" : "the line is extrapolated";
   std::vector<std::string> lines{
       fmt::format("Measured up to {:.0f} m; from there to {:g} m {}.", last, fit.sensorReach, rule)};
@@ -295,7 +299,7 @@ std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
 }
 
 std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
-  const std::vector<const PatchGroup*> used = fit.used();
+  const std::vector<const PatchGroup*> used = fit.usedBands();
   const PatchGroup* const first = used.front();
   const PatchGroup* const last = used.back();
   std::string rows;
@@ -307,10 +311,12 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
       "  # {} flat patches with {} points, {:.3g} to {:.3g} m away and up to {:g} deg from their normals.\n",
       fit.patches, fit.points, first->range, last->range, kMostIncidenceDegrees);
   if (fit.dropOut.lost > 0) {
-    text += fmt::format("  # Beams lost among returns of flat patches: {} of {}.\n", fit.dropOut.lost, fit.dropOut.of);
+    text +=
+        fmt::format("  # Beams lost among returns of flat patches: {} of {}.\n", fit.dropOut.lost, fit.dropOut.beams);
     text += fmt::format("  - dropout: {{probability: {:.2g}}}\n", fit.dropOut.share());
   } else {
-    text += fmt::format("  # No drop-out: none of {} beams was lost among returns of flat patches.\n", fit.dropOut.of);
+    text +=
+        fmt::format("  # No drop-out: none of {} beams was lost among returns of flat patches.\n", fit.dropOut.beams);
   }
   text += ringBiasYaml(fit.rings);
   for (const std::string& line : beyondMeasured(fit)) text += fmt::format("  # {}\n", line);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "evaluate/spread.h"
 #include "sensors/beams.h"
 #include "study/noise/flat_patches.h"
 #include "study/noise/recorded_scan.h"
@@ -43,12 +44,12 @@ RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>
 // Least RingSpread::agreement for which errors are attributed to the sensor.
 constexpr double kOwnErrors = 0.5;
 
-// The fraction `lost` / `of`, with its standard error.
+// The fraction of beams whose returns are lost, with its standard error.
 struct MeasuredShare {
-  std::uint64_t lost = 0, of = 0;
+  std::uint64_t lost = 0, beams = 0;
   double error = 0;
 
-  double share() const { return of > 0 ? static_cast<double>(lost) / static_cast<double>(of) : 0; }
+  double share() const { return shareOf(lost, beams); }
 };
 
 // The noise on all patches in a band of ranges. "Step" means the distance to which the sensor rounds ranges. Sigma is
@@ -89,7 +90,7 @@ struct NoiseFit {
   MeasuredShare dropOut;     // lost returns in the bands that the fit uses
   RingErrors rings;          // errors of rings, from patches with ranges and incidences that the fit uses
 
-  std::vector<const PatchGroup*> used() const;  // returns the bands of range that the fit uses
+  std::vector<const PatchGroup*> usedBands() const;  // returns the bands of range that the fit uses
 
   double measuredUpTo() const;  // returns the mean range (m) of the last band that the fit uses
 };

@@ -20,8 +20,8 @@ constexpr double kFewestFreedom = 6;
 // Least cosine of the incidence angle of a patch; more grazing views say little about noise.
 constexpr double kEdgeOn = 0.02;
 constexpr double kDeepest = 3;  // largest ratio between the farthest and the nearest range in a patch
-constexpr double kPlaneTolerance =
-    3;  // largest RMS deviation of a patch from its plane, as a multiple of the group's noise
+// Largest RMS deviation of a patch from its plane, as a multiple of the group's noise.
+constexpr double kPlaneTolerance = 3;
 // Largest distance of the points around a possible hole from the patch's plane, as a multiple of the patch's deviation.
 constexpr double kOnPlane = 4;
 constexpr std::size_t kTelling = 100;     // least number of windows in a group for a meaningful quantile
@@ -40,6 +40,7 @@ struct Cell {
 
 using Cells = std::array<Cell, kCells>;
 
+// Returns the beams of a window, row by row; nothing if a ring has no beam in a column of the window.
 std::optional<Cells> cellsOf(const BeamImage& image, const RecordedScan& scan, const PatchWindow& window) {
   Cells cells;
   for (std::size_t i = 0; i < kCells; ++i) {
@@ -56,12 +57,13 @@ std::optional<Cells> cellsOf(const BeamImage& image, const RecordedScan& scan, c
   return cells;
 }
 
-std::vector<const Cell*> returnedOf(const Cells& cells, bool tested) {
-  std::vector<const Cell*> chosen;
+// Returns the beams with a return of one half of the window: of the tested or of the measured half.
+std::vector<const Cell*> returnsOfHalf(const Cells& cells, bool tested) {
+  std::vector<const Cell*> returns;
   for (const Cell& cell : cells) {
-    if (cell.returned && cell.tested == tested) chosen.push_back(&cell);
+    if (cell.returned && cell.tested == tested) returns.push_back(&cell);
   }
-  return chosen;
+  return returns;
 }
 
 struct PlaneFit {
@@ -69,9 +71,10 @@ struct PlaneFit {
   SurfaceFit fit;  // of the ranges along the beams
 };
 
-// Fits a plane by least squares of the range differences along the beams. First solves plane * point = 1, which is
+// Fits a plane by least squares of the range differences along the beams. First solves dot(plane, point) = 1, which is
 // linear in the plane but weights points by incidence; then Gauss-Newton steps minimise the range differences
-// themselves.
+// themselves. `cells`: beams with a return. Returns nothing if they do not determine a plane, or if it is behind a
+// beam.
 std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const Cell*>& cells) {
   std::vector<double> design, values;
   for (const Cell* cell : cells) {
@@ -81,14 +84,15 @@ std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const
   }
   LinearFit fit = fitLinear(design, 3, values);
   if (fit.rank < 3) return {};
-  PlaneFit found{{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]}, {}};
-  for (int step = 0; step < 3; ++step) {
+  PatchPlane plane{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]};
+  constexpr int kSteps = 2;
+  for (int step = 0; step <= kSteps; ++step) {
     design.clear();
     values.clear();
     for (const Cell* cell : cells) {
       const Vec3d& u = beams.direction[cell->beam];
-      const double slope = dot(found.plane, u);
-      const double range = rangeOnPlane(beams, cell->beam, found.plane);
+      const double slope = dot(plane, u);
+      const double range = rangeOnPlane(beams, cell->beam, plane);
       if (!(range > 0)) return {};
       const Vec3d p = beams.originOf(cell->beam) + u * range;
       design.insert(design.end(), {-p.x / slope, -p.y / slope, -p.z / slope});
@@ -96,10 +100,10 @@ std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const
     }
     fit = fitLinear(design, 3, values);
     if (fit.rank < 3) return {};
-    if (step < 2) found.plane += Vec3d{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]};
+    // After the last step, `fit` only measures the range differences that remain.
+    if (step < kSteps) plane += Vec3d{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]};
   }
-  found.fit = {fit.squares, static_cast<double>(fit.freedom())};
-  return found;
+  return PlaneFit{plane, {fit.squares, static_cast<double>(fit.freedom())}};
 }
 
 // Fits the differences between the ranges and the plane by a model: an offset and a slope for each ring, where the
@@ -125,22 +129,24 @@ LinearFit fitLines(const BeamTable& beams, const std::vector<const Cell*>& cells
 }
 
 // Counts enclosed beams and holes. A measured beam inside of the window is enclosed if at least three of its four
-// neighbours, all of which are tested beams, have returns, and all these returns lie on the plane. An enclosed beam
-// without a return is a hole.
+// neighbours, all of which are tested beams, have returns, and all these returns lie on the patch's plane. An enclosed
+// beam without a return is a hole. `deviation`: standard deviation of the tested half from the plane (m).
 void countHoles(const BeamTable& beams, const Cells& cells, double deviation, FlatPatch& patch) {
   for (const Cell& cell : cells) {
-    const bool inner = cell.row > 0 && cell.row + 1 < kPatchRings && cell.column > 0 && cell.column + 1 < kPatchColumns;
-    if (cell.tested || !inner) continue;
-    const std::size_t at = std::size_t{cell.row} * kPatchColumns + cell.column;
-    int on = 0;
-    bool off = false;
-    for (const std::size_t neighbour : {at - kPatchColumns, at - 1, at + 1, at + kPatchColumns}) {
-      const Cell& other = cells[neighbour];
-      if (!other.returned) continue;
-      ++on;
-      off = off || std::abs(other.range - rangeOnPlane(beams, other.beam, patch.plane)) > kOnPlane * deviation;
+    const bool isInside =
+        cell.row > 0 && cell.row + 1 < kPatchRings && cell.column > 0 && cell.column + 1 < kPatchColumns;
+    if (cell.tested || !isInside) continue;
+    const std::size_t index = std::size_t{cell.row} * kPatchColumns + cell.column;
+    int returns = 0;
+    bool allOnPlane = true;
+    for (const std::size_t neighbourIndex : {index - kPatchColumns, index - 1, index + 1, index + kPatchColumns}) {
+      const Cell& neighbour = cells[neighbourIndex];
+      if (!neighbour.returned) continue;
+      ++returns;
+      const double distance = neighbour.range - rangeOnPlane(beams, neighbour.beam, patch.plane);
+      if (std::abs(distance) > kOnPlane * deviation) allOnPlane = false;
     }
-    if (on < 3 || off) continue;
+    if (returns < 3 || !allOnPlane) continue;
     ++patch.enclosed;
     patch.holes += cell.returned ? 0u : 1u;
   }
@@ -172,37 +178,37 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   std::vector<double> usual(groups(), 0.0);
   for (const std::size_t incidence : {0, 1}) {  // steep, grazing
     // Noise does not decrease with range: from far to near, the least deviation so far is kept.
-    double ofFarther = INFINITY;
+    double fartherDeviation = INFINITY;
     for (std::size_t band = bands; band-- > 0;) {
       const std::size_t group = 2 * band + incidence;
       std::vector<double>& v = variances[group];
       if (v.empty()) continue;
       const auto tenth = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 10);
       std::nth_element(v.begin(), tenth, v.end());
-      usual[group] = std::min(ofFarther, std::sqrt(*tenth));
-      if (v.size() >= kTelling) ofFarther = usual[group];
+      usual[group] = std::min(fartherDeviation, std::sqrt(*tenth));
+      if (v.size() >= kTelling) fartherDeviation = usual[group];
     }
     // Noise grows at most with the square of the range: from near to far, its growth is limited.
     double nearerRange = 0;
-    double ofNearer = 0;
+    double nearerDeviation = 0;
     for (std::size_t band = 0; band < bands; ++band) {
       const std::size_t group = 2 * band + incidence;
       if (variances[group].empty()) continue;
       const double range = medianOf(ranges[group]);
       const double growth = range / nearerRange;
-      if (nearerRange > 0) usual[group] = std::min(usual[group], ofNearer * growth * growth);
+      if (nearerRange > 0) usual[group] = std::min(usual[group], nearerDeviation * growth * growth);
       if (variances[group].size() < kTelling) continue;
       nearerRange = range;
-      ofNearer = usual[group];
+      nearerDeviation = usual[group];
     }
   }
   return usual;
 }
 
-// Returns flat windows in raster order, separately for each scan and colour of the tested beams. Skips windows that
-// overlap a chosen window.
-std::vector<FlatPatch> choose(const std::vector<FlatPatch>& candidates, const std::vector<double>& usualOfGroup,
-                              const BeamImage& image) {
+// Returns the flat windows among the candidates, which are in raster order, separately for each scan and colour of the
+// tested beams. Skips windows that overlap a chosen window. `usualOfGroup`: the result of usualDeviations().
+std::vector<FlatPatch> chooseFlat(const std::vector<FlatPatch>& candidates, const std::vector<double>& usualOfGroup,
+                                  const BeamImage& image) {
   std::vector<FlatPatch> chosen;
   std::vector<bool> taken(std::size_t{image.rows()} * image.columns());
   const FlatPatch* previous = nullptr;
@@ -228,7 +234,7 @@ std::vector<FlatPatch> choose(const std::vector<FlatPatch>& candidates, const st
   return chosen;
 }
 
-// Fits the measured half, if it has enough returns.
+// Sets the fits of the measured half and the number of points, if the half has enough returns.
 void addMeasuredHalf(const BeamTable& beams, const std::vector<const Cell*>& measured, FlatPatch& patch) {
   constexpr double kLeastFree = 0.1;  // least 1 - leverage; other returns determine a coefficient almost alone
   if (measured.size() < kFewestMeasured) return;
@@ -247,12 +253,11 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
                                       const PatchWindow& window) {
   const std::optional<Cells> cells = cellsOf(image, scan, window);
   if (!cells) return {};
-  const std::vector<const Cell*> tested = returnedOf(*cells, true);
-  const auto all = std::ranges::count_if(*cells, [](const Cell& c) { return c.tested; });
-  if (static_cast<double>(tested.size()) < kReturned * static_cast<double>(all)) return {};
-  const auto [near, far] = std::minmax_element(tested.begin(), tested.end(),
-                                               [](const Cell* a, const Cell* b) { return a->range < b->range; });
-  if ((*far)->range > kDeepest * (*near)->range) return {};
+  const std::vector<const Cell*> tested = returnsOfHalf(*cells, true);
+  const auto testedBeams = std::ranges::count_if(*cells, &Cell::tested);
+  if (static_cast<double>(tested.size()) < kReturned * static_cast<double>(testedBeams)) return {};
+  const auto [near, far] = std::ranges::minmax(tested, {}, &Cell::range);
+  if (far->range > kDeepest * near->range) return {};
 
   const std::optional<PlaneFit> plane = fitPlane(beams, tested);
   if (!plane) return {};
@@ -272,7 +277,7 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
   const LinearFit lines = fitLines(beams, tested, plane->plane);
   patch.testedLines = {lines.squares, static_cast<double>(lines.freedom())};
   if (patch.testedLines.freedom < 1) return {};
-  addMeasuredHalf(beams, returnedOf(*cells, false), patch);
+  addMeasuredHalf(beams, returnsOfHalf(*cells, false), patch);
   countHoles(beams, *cells, patch.testedPlaneDeviation, patch);
   return patch;
 }
@@ -297,14 +302,14 @@ std::uint32_t BeamImage::starts(std::uint32_t width) const {
 }
 
 std::optional<std::uint32_t> BeamImage::beam(std::uint32_t row, std::uint32_t column) const {
-  std::int64_t at = static_cast<std::int64_t>(column) - shift_[row];
-  const std::int64_t turn = columns_;
+  std::int64_t ringColumn = static_cast<std::int64_t>(column) - shift_[row];
+  const std::int64_t columns = columns_;
   if (wraps_) {
-    at = ((at % turn) + turn) % turn;
-  } else if (at < 0 || at >= turn) {
+    ringColumn = ((ringColumn % columns) + columns) % columns;
+  } else if (ringColumn < 0 || ringColumn >= columns) {
     return {};
   }
-  return ring_[row] * columns_ + static_cast<std::uint32_t>(at);
+  return ring_[row] * columns_ + static_cast<std::uint32_t>(ringColumn);
 }
 
 double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& plane) {
@@ -317,8 +322,8 @@ std::vector<double> rangeBandEdges() {
 
 std::size_t rangeBandOf(double range) {
   static const std::vector<double> edges = rangeBandEdges();
-  const auto above = std::upper_bound(edges.begin(), edges.end(), range);
-  return above == edges.begin() ? 0 : static_cast<std::size_t>(above - edges.begin()) - 1;
+  const auto next = std::ranges::upper_bound(edges, range);
+  return next == edges.begin() ? 0 : static_cast<std::size_t>(next - edges.begin()) - 1;
 }
 
 double chiSquareQuantile(double freedom, double standardNormal) {
@@ -358,7 +363,7 @@ std::vector<FlatPatch> findFlatPatches(const BeamTable& beams, const std::vector
       }
     }
   }
-  return choose(candidates, usualDeviations(candidates), image);
+  return chooseFlat(candidates, usualDeviations(candidates), image);
 }
 
 }  // namespace scanmill

@@ -70,7 +70,7 @@ class BeamImage {
 
   std::uint32_t rows() const { return static_cast<std::uint32_t>(ring_.size()); }
   std::uint32_t columns() const { return columns_; }
-  // Returns the number of columns at which a window of this width (columns) can start.
+  // Returns the number of columns at which a window of `width` columns can start.
   std::uint32_t starts(std::uint32_t width) const;
   // Returns the index of a pixel's beam. Returns nothing if the ring has no beam there because it is shifted; this
   // happens only if the field of view is less than a full revolution.
@@ -92,7 +92,7 @@ std::vector<FlatPatch> findFlatPatches(const BeamTable& beams, const std::vector
 
 // Returns the lower edges of the bands of range (m), ascending. The last band has no upper edge.
 std::vector<double> rangeBandEdges();
-std::size_t rangeBandOf(double range);
+std::size_t rangeBandOf(double range);  // returns the index of the band that contains a range (m)
 
 // Returns the standard deviation (m) that is typical of the patches; 0 if there are no patches. It is computed from the
 // median of the patches' variances, so that a few curved or rough patches do not affect it.

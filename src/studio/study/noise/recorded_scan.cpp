@@ -18,8 +18,8 @@ constexpr double kNoReturn = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFewestReturns = 100;  // least number of returns to find the sensor's pose in the scan's frame
 
 struct BeamPoint {
-  std::size_t beam;
-  Vec3d point;        // position in the scan's frame (m)
+  std::size_t beam;   // index in the beam table
+  Vec3d position;     // in the scan's frame (m)
   std::size_t index;  // index in the scan
 };
 
@@ -34,45 +34,46 @@ std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& b
     const Vec3d p(scan.position[i]);
     if (isFinite(p) && length(p) > 0) elevations[ring].push_back(std::asin(p.z / length(p)));
   }
-  // Pairs of elevation (rad) and ring: `own` in the scan, `known` in the sensor.
-  std::vector<std::pair<double, std::uint16_t>> own, known;
+  std::vector<std::pair<double, std::uint16_t>> scanRings, sensorRings;  // pairs of elevation (rad) and ring
   for (std::size_t r = 0; r < elevations.size(); ++r) {
-    if (!elevations[r].empty()) own.emplace_back(medianOf(elevations[r]), static_cast<std::uint16_t>(r));
+    if (!elevations[r].empty()) scanRings.emplace_back(medianOf(elevations[r]), static_cast<std::uint16_t>(r));
   }
-  for (std::uint32_t r = 0; r < beams.rings; ++r) known.emplace_back(beams.elevation[r], static_cast<std::uint16_t>(r));
-  std::ranges::sort(own);
-  std::ranges::sort(known);
-  std::vector<std::uint16_t> rings(elevations.size(), 0);
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    const auto nearer = [&](const auto& a, const auto& b) {
-      return std::fabs(a.first - own[i].first) < std::fabs(b.first - own[i].first);
-    };
-    const auto& match = own.size() == known.size() ? known[i] : *std::ranges::min_element(known, nearer);
-    rings[own[i].second] = match.second;
+  for (std::uint32_t r = 0; r < beams.rings; ++r) {
+    sensorRings.emplace_back(beams.elevation[r], static_cast<std::uint16_t>(r));
   }
-  return rings;
+  std::ranges::sort(scanRings);
+  std::ranges::sort(sensorRings);
+  std::vector<std::uint16_t> sensorRingOf(elevations.size(), 0);
+  for (std::size_t i = 0; i < scanRings.size(); ++i) {
+    const auto [elevation, ring] = scanRings[i];
+    const auto distance = [elevation](const auto& sensorRing) { return std::fabs(sensorRing.first - elevation); };
+    sensorRingOf[ring] = scanRings.size() == sensorRings.size()
+                             ? sensorRings[i].second
+                             : std::ranges::min_element(sensorRings, {}, distance)->second;
+  }
+  return sensorRingOf;
 }
 
 // Returns the scan with the sensor's ring numbers instead of its own, and with a column number for each point, which
 // follows from the point's azimuth about the z axis of the scan's frame. This frame may be rotated relative to the
-// sensor's frame; alignedFrame() finds the rotation later.
+// sensor's frame; alignedFrame() finds the rotation later. The scan must have the column ring, but not column.
 Scan withColumns(const Scan& scan, const BeamTable& beams) {
-  Scan known = scan;
-  const std::vector<std::uint16_t> rings = ringsByElevation(scan, beams);
-  const double step = beams.field / (beams.fullTurn() ? beams.columns : std::max(beams.columns, 2u) - 1);
-  // Columns per revolution: for full turns the exact number, because the quotient is rounded.
-  const double turn = beams.fullTurn() ? beams.columns : 2 * kPi / step;
+  Scan assigned = scan;
+  const std::vector<std::uint16_t> sensorRingOf = ringsByElevation(scan, beams);
+  const double step = beams.field / (beams.fullTurn() ? beams.columns : std::max(beams.columns, 2u) - 1);  // rad
+  // The exact number for full turns, since the quotient is rounded.
+  const double columnsPerTurn = beams.fullTurn() ? beams.columns : 2 * kPi / step;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const std::uint16_t ring = rings[scan[kRing][i]];
-    known[kRing][i] = ring;
+    const std::uint16_t ring = sensorRingOf[scan[kRing][i]];
+    assigned[kRing][i] = ring;
     const double offset = ring < beams.azimuthOffset.size() ? beams.azimuthOffset[ring] : 0;
     const Vec3f& p = scan.position[i];
     const double azimuth = std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) - offset;
     double column = std::round((azimuth - beams.firstAzimuth) / (beams.clockwise ? -step : step));
-    column -= std::floor(column / turn) * turn;
-    known[kColumn].push_back(static_cast<std::uint16_t>(std::min<double>(column, beams.columns - 1)));
+    column -= std::floor(column / columnsPerTurn) * columnsPerTurn;
+    assigned[kColumn].push_back(static_cast<std::uint16_t>(std::min<double>(column, beams.columns - 1)));
   }
-  return known;
+  return assigned;
 }
 
 // Returns the first return of each beam, if it has a finite position. If the scan is not organised, the columns ring
@@ -89,9 +90,8 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
                                         scan.rings, scan.columns, beams.model, beams.rings, beams.columns));
   }
   std::vector<BeamPoint> points;
-  // True for beams of which a point has been found. If returns are not numbered, a beam's first point in the file
-  // counts.
-  std::vector<bool> taken(beams.size());
+  // True for beams with an entry in `points`. If returns are not numbered, a beam's first point in the file counts.
+  std::vector<bool> hasPoint(beams.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const PointKey key = keyOf(scan, i);
     if (key.ring >= beams.rings || key.column >= beams.columns) {
@@ -101,8 +101,8 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
     }
     if (!isFinite(scan.position[i]) || scan.position[i] == Vec3f{}) continue;  // some recordings store misses as zeros
     const std::size_t beam = std::size_t{key.ring} * beams.columns + key.column;
-    if (key.number != 0 || taken[beam]) continue;
-    taken[beam] = true;
+    if (key.number != 0 || hasPoint[beam]) continue;
+    hasPoint[beam] = true;
     points.push_back({beam, static_cast<Vec3d>(scan.position[i]), i});
   }
   return points;
@@ -114,8 +114,8 @@ double startingYaw(const std::vector<BeamPoint>& points, const BeamTable& beams)
   double sine = 0, cosine = 0;
   for (const BeamPoint& p : points) {
     const Vec3d& u = beams.direction[p.beam];
-    sine += u.x * p.point.y - u.y * p.point.x;
-    cosine += u.x * p.point.x + u.y * p.point.y;
+    sine += u.x * p.position.y - u.y * p.position.x;
+    cosine += u.x * p.position.x + u.y * p.position.y;
   }
   return std::atan2(sine, cosine);
 }
@@ -126,47 +126,53 @@ double medianAngle(const std::vector<BeamPoint>& points, const BeamTable& beams,
   std::vector<double> angles;
   angles.reserve(points.size());
   for (const BeamPoint& p : points) {
-    const Vec3d ray = sensorFromScan * p.point - beams.originOf(p.beam);
+    const Vec3d ray = sensorFromScan * p.position - beams.originOf(p.beam);
     const Vec3d& u = beams.direction[p.beam];
     angles.push_back(std::atan2(length(cross(ray, u)), dot(ray, u)));
   }
   return medianOf(std::move(angles));
 }
 
+// Returns a step of alignedFrame(): the small motion of the sensor's frame that reduces the angles between the points'
+// directions and their beams most, by least squares over every `stride`-th point.
+Pose alignmentStep(const std::vector<BeamPoint>& points, const BeamTable& beams, const Pose& sensorFromScan,
+                   std::size_t stride) {
+  std::vector<double> design, values;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const Vec3d position = sensorFromScan * points[i].position;
+    const Vec3d& direction = beams.direction[points[i].beam];
+    const Vec3d ray = position - beams.originOf(points[i].beam);
+    const double range = std::max(length(ray), 1e-3);
+    // The angle has two components, along axes across the beam.
+    const Vec3d across = normalized(cross(direction, std::abs(direction.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
+    for (const Vec3d& axis : {across, cross(across, direction)}) {
+      // A small rotation w and translation t of the sensor's frame change the position in this frame by
+      // -(w x position) - t.
+      const Vec3d lever = cross(position, axis);
+      for (const double term : {lever.x, lever.y, lever.z, axis.x, axis.y, axis.z}) design.push_back(term / range);
+      values.push_back(dot(axis, ray) / range);
+    }
+  }
+  const std::vector<double> c = fitLinear(design, 6, values).coefficients;
+  const Vec3d rotation{c[0], c[1], c[2]};  // axis times angle (rad)
+  const double angle = length(rotation);
+  const Vec3d axis = angle > 0 ? rotation * (std::sin(angle / 2) / angle) : Vec3d{};
+  return {{std::cos(angle / 2), axis.x, axis.y, axis.z}, {c[3], c[4], c[5]}};
+}
+
 // Returns the pose of the sensor in the scan's frame. Gauss-Newton steps over the six degrees of freedom minimise the
 // angles between the points' directions and their beams.
 Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) {
-  constexpr std::size_t kUsed = 3000;
-  constexpr int kRounds = 8;
+  constexpr std::size_t kUsedPoints = 3000;  // about; limits the time
+  constexpr int kMostSteps = 8;
+  constexpr double kConvergedAngle = 1e-12, kConvergedMove = 1e-10;  // rad, m
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kUsedPoints);
   Pose scanFromSensor{fromYawPitchRoll(startingYaw(points, beams), 0, 0), {}};
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / kUsed);
-  std::vector<double> design, values;
-  for (int round = 0; round < kRounds; ++round) {
-    const Pose sensorFromScan = inverse(scanFromSensor);
-    design.clear();
-    values.clear();
-    for (std::size_t i = 0; i < points.size(); i += stride) {
-      const Vec3d own = sensorFromScan * points[i].point;
-      const Vec3d& u = beams.direction[points[i].beam];
-      const Vec3d ray = own - beams.originOf(points[i].beam);
-      const double range = std::max(length(ray), 1e-3);
-      const Vec3d across = normalized(cross(u, std::abs(u.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
-      for (const Vec3d& axis : {across, cross(across, u)}) {
-        // A small rotation w and translation t of the sensor's frame change the point's coordinates in this frame by
-        // -(w x own) - t.
-        const Vec3d turn = cross(own, axis);
-        for (const double part : {turn.x, turn.y, turn.z, axis.x, axis.y, axis.z}) design.push_back(part / range);
-        values.push_back(dot(axis, ray) / range);
-      }
-    }
-    const LinearFit fit = fitLinear(design, 6, values);
-    const auto& c = fit.coefficients;
-    const Vec3d turn{c[0], c[1], c[2]};
-    const double angle = length(turn);
-    const Vec3d axis = angle > 0 ? turn * (std::sin(angle / 2) / angle) : Vec3d{};
-    const Pose step{{std::cos(angle / 2), axis.x, axis.y, axis.z}, {c[3], c[4], c[5]}};
+  for (int i = 0; i < kMostSteps; ++i) {
+    const Pose step = alignmentStep(points, beams, inverse(scanFromSensor), stride);
     scanFromSensor = scanFromSensor * step;
-    if (angle < 1e-12 && length(step.translation) < 1e-10) break;
+    const double angle = 2 * std::hypot(step.rotation.x, step.rotation.y, step.rotation.z);
+    if (angle < kConvergedAngle && length(step.translation) < kConvergedMove) break;
   }
   return scanFromSensor;
 }
@@ -186,10 +192,10 @@ double halfBeamSpacing(const BeamTable& beams) {
 
 constexpr double kSameRange = 2e-5;  // assumed error of ranges that are computed from float32 coordinates (m)
 
-// Returns a first estimate of the step (m), from the smallest gaps between sorted ranges; 0 if it cannot be told from
-// rounding errors.
+// Returns a first estimate of the step (m), from the smallest gaps between sorted ranges; 0 if the step cannot be told
+// from rounding errors.
 double smallestGap(const std::vector<double>& sorted) {
-  constexpr double kSmallest = 5e-4;  // smaller steps (m) cannot be distinguished from rounding errors
+  constexpr double kSmallestStep = 5e-4;  // m; smaller ones cannot be distinguished from rounding errors
   constexpr std::size_t kFewestGaps = 10;
   std::vector<double> gaps;
   for (std::size_t i = 1; i < sorted.size(); ++i) {
@@ -197,25 +203,27 @@ double smallestGap(const std::vector<double>& sorted) {
   }
   if (gaps.size() < kFewestGaps) return 0;
   std::ranges::sort(gaps);
-  const double gap = gaps[gaps.size() / 20];
-  return gap < kSmallest ? 0 : gap;
+  const double gap = gaps[gaps.size() / 20];  // not the smallest, which rounding may have shortened
+  return gap < kSmallestStep ? 0 : gap;
 }
 
-// Gaps between sorted ranges are only a few steps long. Longer distances determine the step more exactly.
-double refineStep(const std::vector<double>& sorted, double step) {
-  const double span = sorted.back() - sorted.front();
-  for (double reach = step; reach < span;) {
-    reach *= 4;
-    double product = 0, squares = 0;
-    for (const double r : sorted) {
-      const double distance = r - sorted.front();
-      if (distance > reach) break;
+// Returns the step (m) more exactly than `step`, from the distances of sorted ranges to the first range, which are many
+// steps long. Considers distances up to four steps, then up to sixteen and so on; each time, the previous step is exact
+// enough to count the steps in a distance, and the new step is the least-squares solution of distance = count * step.
+double refineStep(const std::vector<double>& sortedRanges, double step) {
+  const double longestDistance = sortedRanges.back() - sortedRanges.front();
+  for (double limit = step; limit < longestDistance;) {
+    limit *= 4;
+    double products = 0, squares = 0;  // sums of distance * count and of count^2
+    for (const double range : sortedRanges) {
+      const double distance = range - sortedRanges.front();
+      if (distance > limit) break;
       const double count = std::round(distance / step);
-      if (std::abs(distance - count * step) > step / 4) continue;
-      product += distance * count;
+      if (std::abs(distance - count * step) > step / 4) continue;  // not a multiple
+      products += distance * count;
       squares += count * count;
     }
-    if (squares > 0) step = product / squares;
+    if (squares > 0) step = products / squares;
   }
   return step;
 }
@@ -223,12 +231,7 @@ double refineStep(const std::vector<double>& sorted, double step) {
 // Returns the number of ranges that are multiples of the step plus a constant. The constant is the circular mean of the
 // ranges modulo the step.
 std::ptrdiff_t countMultiples(const std::vector<double>& ranges, double step) {
-  double sine = 0, cosine = 0;
-  for (const double r : ranges) {
-    sine += std::sin(2 * kPi * r / step);
-    cosine += std::cos(2 * kPi * r / step);
-  }
-  const double phase = std::atan2(sine, cosine) / (2 * kPi);
+  const double phase = circularMean(ranges, [&](double r) { return 2 * kPi * r / step; }) / (2 * kPi);  // in steps
   return std::ranges::count_if(ranges, [&](double r) {
     const double steps = r / step - phase;
     return std::abs(steps - std::round(steps)) * step < 5 * kSameRange;
@@ -240,8 +243,8 @@ std::ptrdiff_t countMultiples(const std::vector<double>& ranges, double step) {
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name) {
   const Location where{name};
   if (scan.size() == 0) throw InputError(where, "has no points to measure noise on");
-  const bool rings = !knowsBeams(scan) && !scan[kRing].empty() && beams.onCones();
-  const std::vector<BeamPoint> points = firstReturns(rings ? withColumns(scan, beams) : scan, beams, where);
+  const bool hasOnlyRings = !knowsBeams(scan) && !scan[kRing].empty() && beams.onCones();
+  const std::vector<BeamPoint> points = firstReturns(hasOnlyRings ? withColumns(scan, beams) : scan, beams, where);
   if (points.size() < kFewestReturns) {
     throw InputError(
         where, fmt::format("has {} returns, but noise is measured on at least {}", points.size(), kFewestReturns));
@@ -249,24 +252,24 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
   RecordedScan recorded;
   recorded.name = name;
   recorded.scanFromSensor = alignedFrame(points, beams);
-  const double off = medianAngle(points, beams, recorded.scanFromSensor);
-  if (!(off < halfBeamSpacing(beams))) {
+  const double error = medianAngle(points, beams, recorded.scanFromSensor);
+  if (!(error < halfBeamSpacing(beams))) {
     throw InputError(
         where,
         fmt::format("its points do not lie on the beams of {}: half of them are off by more than {:.3g} deg; give the "
                     "sensor that made the recording, and scans in its frame (not deskewed, not in world coordinates)",
-                    beams.model, degrees(off)));
+                    beams.model, degrees(error)));
   }
   recorded.range.assign(beams.size(), kNoReturn);
-  const bool lit = scan[kIntensity].size() == scan.size();
-  if (lit) recorded.intensity.assign(beams.size(), 0.0f);
+  const bool hasIntensities = scan[kIntensity].size() == scan.size();
+  if (hasIntensities) recorded.intensity.assign(beams.size(), 0.0f);
   const Pose sensorFromScan = inverse(recorded.scanFromSensor);
   for (const BeamPoint& p : points) {
-    const double range = dot(sensorFromScan * p.point - beams.originOf(p.beam), beams.direction[p.beam]);
+    const double range = dot(sensorFromScan * p.position - beams.originOf(p.beam), beams.direction[p.beam]);
     if (!(range > 0)) continue;
     ++recorded.returns;
     recorded.range[p.beam] = range;
-    if (lit) recorded.intensity[p.beam] = scan[kIntensity][p.index];
+    if (hasIntensities) recorded.intensity[p.beam] = scan[kIntensity][p.index];
   }
   return recorded;
 }

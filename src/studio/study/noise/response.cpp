@@ -17,10 +17,10 @@ namespace scanmill {
 namespace {
 
 constexpr std::array<double, 9> kBands{2, 4, 8, 12, 20, 30, 45, 70, 120};  // m, edges of the bands of ranges
-constexpr std::size_t kFewestInCell = 9;                                   // returns in a cell
-constexpr std::size_t kFewestSurfaces = 200;                               // cells of all scans
-constexpr std::size_t kFewestOfKind = 30;  // cells or returns of one kind that are compared
-constexpr double kReference = 10;          // m, range at which a white target has the power 1
+constexpr std::size_t kFewestInCell = 9;      // least number of returns in a cell that is used
+constexpr std::size_t kFewestSurfaces = 200;  // least number of used cells of all scans
+constexpr std::size_t kFewestOfKind = 30;     // least number of cells or returns of one kind that are compared
+constexpr double kReference = 10;             // m, range at which a white target has the power 1
 
 using ResponseTable = std::vector<std::pair<double, double>>;  // ResponseFit::table
 
@@ -48,24 +48,26 @@ std::optional<std::size_t> bandOf(double range) {
   return static_cast<std::size_t>(std::ranges::upper_bound(kBands, range) - kBands.begin()) - 1;
 }
 
-// Returns the height of the ground (m) below the sensor, as the most frequent height of the returns near the sensor.
+// Returns the z coordinate of the ground (m): the most frequent one of the returns near the sensor; 0 if there are
+// none.
 double groundHeight(const Scan& scan) {
-  constexpr double kStep = 0.1, kNearest = 5, kFarthest = 15;  // m
+  constexpr double kStep = 0.1, kNearest = 5, kFarthest = 15;  // m: bins of height, ranges that count
   std::map<long, std::size_t> counts;
   for (const Vec3f& p : scan.position) {
-    const double r = length(Vec3d(p));
-    if (r > kNearest && r < kFarthest) ++counts[std::lround(p.z / kStep)];
+    const double range = length(Vec3d(p));
+    if (range > kNearest && range < kFarthest) ++counts[std::lround(p.z / kStep)];
   }
-  const auto most = std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; });
-  return most == counts.end() ? 0 : kStep * static_cast<double>(most->first);
+  const auto mostFrequent = std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; });
+  return mostFrequent == counts.end() ? 0 : kStep * static_cast<double>(mostFrequent->first);
 }
 
-// Adds the returns and cells of a scan. `measured`: the intensity or power of each point.
-void addSurfaces(const Scan& scan, const std::vector<float>& measured, Surfaces& found) {
+// Adds the returns and cells of a scan to `surfaces`. `measured`: the intensity or power of each point. A cell has the
+// kind of its first return.
+void addSurfaces(const Scan& scan, const std::vector<float>& measured, Surfaces& surfaces) {
   constexpr double kGroundSlack = 0.3, kGroundSlope = 0.03;  // height difference (m), and its growth per m of range
   const double ground = groundHeight(scan);
   const auto cellIndex = [](double v) { return static_cast<std::uint64_t>(std::floor(v / kSurfaceCell)) & 0x1fffffu; };
-  std::map<std::uint64_t, SurfaceCell> cells;  // by three indices of 21 bits
+  std::map<std::uint64_t, SurfaceCell> cells;  // the key consists of the indices along x, y and z, with 21 bits each
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3d p(scan.position[i]);
     const double range = length(p);
@@ -75,10 +77,10 @@ void addSurfaces(const Scan& scan, const std::vector<float>& measured, Surfaces&
     SurfaceCell& cell = cells[cellIndex(p.x) << 42 | cellIndex(p.y) << 21 | cellIndex(p.z)];
     if (cell.samples.empty()) cell.kind = kind;
     cell.samples.push_back({range, double{measured[i]}});
-    found.returns[kind].push_back(cell.samples.back());
+    surfaces.returns[kind].push_back(cell.samples.back());
   }
   for (auto& [key, cell] : cells) {
-    if (cell.samples.size() >= kFewestInCell) found.cells.push_back(std::move(cell));
+    if (cell.samples.size() >= kFewestInCell) surfaces.cells.push_back(std::move(cell));
   }
 }
 
@@ -101,55 +103,53 @@ class Distribution {
     }
   }
 
-  // Returns the quantile `share`, from 0 to 1, linear between the values.
+  // Returns the quantile `share`, from 0 to 1, linear between the values. There must be values.
   double quantile(double share) const {
-    const auto above = std::ranges::lower_bound(share_, share) - share_.begin();
-    if (above == 0) return values_.front().value;
-    if (above == static_cast<std::ptrdiff_t>(share_.size())) return values_.back().value;
-    const auto k = static_cast<std::size_t>(above);
-    const double part = (share - share_[k - 1]) / (share_[k] - share_[k - 1]);
-    return values_[k - 1].value + part * (values_[k].value - values_[k - 1].value);
+    const auto k = static_cast<std::size_t>(std::ranges::lower_bound(share_, share) - share_.begin());
+    if (k == 0) return values_.front().value;
+    if (k == share_.size()) return values_.back().value;
+    const double fraction = (share - share_[k - 1]) / (share_[k] - share_[k - 1]);
+    return values_[k - 1].value + fraction * (values_[k].value - values_[k - 1].value);
   }
   // Returns the share of the weight that values of 0 have.
-  double zeros() const {
-    double sum = 0, all = 0;
+  double zeroShare() const {
+    double zeros = 0, sum = 0;
     for (const Weighted& v : values_) {
-      all += v.weight;
-      if (v.value <= 0) sum += v.weight;
+      sum += v.weight;
+      if (v.value <= 0) zeros += v.weight;
     }
-    return sum / all;
+    return zeros / sum;
   }
 
  private:
   std::vector<Weighted> values_;
-  std::vector<double> share_;
+  std::vector<double> share_;  // of the weight below the middle of each value
 };
 
-// Returns the step of which nearly all numbers are multiples; 0: there is none.
-double stepOf(const std::vector<double>& numbers) {
-  std::vector<double> values = numbers;
+// Returns the step of which nearly all values are multiples; 0 if there is none. There must be values.
+double stepOf(std::vector<double> values) {
+  constexpr double kRounding = 1e-5;    // values that differ by less, relative to the largest, are equal
+  constexpr double kTolerance = 0.05;   // largest distance of a multiple of the step, in steps
+  constexpr double kLeastShare = 0.99;  // of the values that must be multiples
   std::ranges::sort(values);
-  const double least = 1e-5 * std::max(1.0, values.back());  // closer numbers are equal but for rounding
+  const double leastGap = kRounding * std::max(1.0, values.back());
   double step = INFINITY;
   for (std::size_t i = 1; i < values.size(); ++i) {
-    if (values[i] - values[i - 1] > least) step = std::min(step, values[i] - values[i - 1]);
+    if (values[i] - values[i - 1] > leastGap) step = std::min(step, values[i] - values[i - 1]);
   }
-  if (!std::isfinite(step) || step < 10 * least) return 0;
-  // Refines the step by the largest number, which is many steps long.
+  if (!std::isfinite(step) || step < 10 * leastGap) return 0;
+  // Refines the step by the largest value, which is many steps long.
   step = values.back() / std::round(values.back() / step);
-  const auto fits =
-      std::ranges::count_if(values, [&](double v) { return std::abs(v - step * std::round(v / step)) < 0.05 * step; });
-  return static_cast<double>(fits) >= 0.99 * static_cast<double>(values.size()) ? step : 0;
+  const auto multiples = std::ranges::count_if(
+      values, [&](double v) { return std::abs(v - step * std::round(v / step)) < kTolerance * step; });
+  return static_cast<double>(multiples) >= kLeastShare * static_cast<double>(values.size()) ? step : 0;
 }
 
-// The sensor reports the power, or the reflectivity, which is the power corrected for the range.
-enum class Reports { Power, Reflectivity };
-
-// Returns the value of a simulated return from which a sensor of this kind computes the intensity. `floor`: power that
-// it does not measure.
-double valueOf(const SurfaceReturn& s, double floor, Reports reports) {
+// Returns the value of a simulated return from which a sensor with this model computes the intensity. `floor`: power
+// that it does not measure.
+double valueOf(const SurfaceReturn& s, double floor, ResponseModel model) {
   const double power = std::max(0.0, s.measured - floor);
-  return reports == Reports::Power ? power : power * (s.range / kReference) * (s.range / kReference);
+  return model == ResponseModel::Power ? power : power * (s.range / kReference) * (s.range / kReference);
 }
 
 // An intensity is 0 if the power is not above `floor`, or if the value, without the floor, is not above `dark`.
@@ -159,23 +159,23 @@ struct Darkness {
 
 // The returns of one kind of surface, recorded and simulated.
 struct KindReturns {
-  double zeros = 0;   // share of the recorded intensities that are 0
-  double weight = 0;  // number of recorded returns
+  double zeroShare = 0;  // share of the recorded intensities that are 0
+  double recorded = 0;   // number of recorded returns
   std::vector<SurfaceReturn> simulated;
 };
 
-// Returns the kinds with enough returns in both. Of many simulated returns, takes about kMost.
+// Returns the kinds with enough returns in both. Of many simulated returns of a kind, takes at most kMostReturns.
 std::vector<KindReturns> commonKinds(const Surfaces& recorded, const Surfaces& simulated) {
-  constexpr std::size_t kMost = 2000;
+  constexpr std::size_t kMostReturns = 2000;  // limits the time
   std::vector<KindReturns> kinds;
   for (const auto& [kind, returns] : recorded.returns) {
-    const auto same = simulated.returns.find(kind);
-    if (same == simulated.returns.end() || std::min(returns.size(), same->second.size()) < kFewestOfKind) continue;
-    KindReturns& own = kinds.emplace_back();
-    own.weight = static_cast<double>(returns.size());
-    for (const SurfaceReturn& s : returns) own.zeros += s.measured <= 0 ? 1 / own.weight : 0;
-    const std::size_t stride = 1 + same->second.size() / kMost;
-    for (std::size_t i = 0; i < same->second.size(); i += stride) own.simulated.push_back(same->second[i]);
+    const auto found = simulated.returns.find(kind);
+    if (found == simulated.returns.end() || std::min(returns.size(), found->second.size()) < kFewestOfKind) continue;
+    KindReturns& common = kinds.emplace_back();
+    common.recorded = static_cast<double>(returns.size());
+    for (const SurfaceReturn& s : returns) common.zeroShare += s.measured <= 0 ? 1 / common.recorded : 0;
+    const std::size_t stride = 1 + found->second.size() / kMostReturns;
+    for (std::size_t i = 0; i < found->second.size(); i += stride) common.simulated.push_back(found->second[i]);
   }
   return kinds;
 }
@@ -187,37 +187,38 @@ std::vector<double> zeroAndGeometric(double first, double factor, int count) {
   return values;
 }
 
-// Returns the pair that gives each kind of surface its share of recorded zeros, by least squares over all returns.
-// Faint echoes, which are far, are told from dark surfaces, which are near too, by the ranges. Among pairs that are
-// nearly equally good the smallest numbers are returned.
-Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, Reports reports) {
-  constexpr double kBetter = 0.98;   // ratio of sums of squares, for larger numbers
-  constexpr double kFewest = 0.002;  // a smaller share of zeros tells nothing
+// Returns the floor and the dark value that give each kind of surface its share of recorded zeros, by least squares
+// over all returns; both are 0 if the recording has hardly any zeros. Faint echoes, which are far, are told from dark
+// surfaces, which are near too, by the ranges. Among pairs that are nearly equally good the smallest numbers are
+// returned.
+Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, ResponseModel model) {
+  constexpr double kBetter = 0.98;  // larger numbers must reduce the sum of squares by this factor
+  constexpr double kLeastZeroShare = 0.002;
   const std::vector<KindReturns> kinds = commonKinds(recorded, simulated);
-  double zeros = 0, count = 0;
+  double zeros = 0, returns = 0;
   for (const KindReturns& kind : kinds) {
-    zeros += kind.zeros * kind.weight;
-    count += kind.weight;
+    zeros += kind.zeroShare * kind.recorded;
+    returns += kind.recorded;
   }
-  if (zeros < kFewest * count) return {};
-  const auto misfit = [&](const Darkness& d) {
-    double sum = 0;
+  if (zeros < kLeastZeroShare * returns) return {};
+  const auto squaresOf = [&](const Darkness& tried) {
+    double squares = 0;
     for (const KindReturns& kind : kinds) {
       const auto dark = std::ranges::count_if(
-          kind.simulated, [&](const SurfaceReturn& s) { return valueOf(s, d.floor, reports) <= d.dark; });
-      const double difference = static_cast<double>(dark) / static_cast<double>(kind.simulated.size()) - kind.zeros;
-      sum += kind.weight * difference * difference;
+          kind.simulated, [&](const SurfaceReturn& s) { return valueOf(s, tried.floor, model) <= tried.dark; });
+      const double difference = static_cast<double>(dark) / static_cast<double>(kind.simulated.size()) - kind.zeroShare;
+      squares += kind.recorded * difference * difference;
     }
-    return sum;
+    return squares;
   };
   Darkness best;
   double least = INFINITY;
   // If powers are reported, dark values and the floor are the same.
-  for (const double dark : zeroAndGeometric(1e-3, 1.25, reports == Reports::Power ? 0 : 26)) {  // up to 0.3
-    for (const double floor : zeroAndGeometric(1e-4, 1.15, 66)) {                               // up to 1
-      const double sum = misfit({floor, dark});
-      if (sum >= kBetter * least) continue;
-      least = sum;
+  for (const double dark : zeroAndGeometric(1e-3, 1.25, model == ResponseModel::Power ? 0 : 26)) {  // up to 0.3
+    for (const double floor : zeroAndGeometric(1e-4, 1.15, 66)) {                                   // up to 1
+      const double squares = squaresOf({floor, dark});
+      if (squares >= kBetter * least) continue;
+      least = squares;
       best = {floor, dark};
     }
   }
@@ -235,8 +236,8 @@ double medianIntensity(const SurfaceCell& cell) {
   return medianIn(cell, [](const SurfaceReturn& s) { return s.measured; });
 }
 
-double medianValue(const SurfaceCell& cell, double floor, Reports reports) {
-  return medianIn(cell, [&](const SurfaceReturn& s) { return valueOf(s, floor, reports); });
+double medianValue(const SurfaceCell& cell, double floor, ResponseModel model) {
+  return medianIn(cell, [&](const SurfaceReturn& s) { return valueOf(s, floor, model); });
 }
 
 // Returns the intensity of a value, as the effect `intensity` computes it from a table.
@@ -244,9 +245,10 @@ double respond(const ResponseTable& table, double value) {
   if (value <= 0) return 0;
   if (value <= table.front().first) return table.front().second;
   for (std::size_t k = 1; k < table.size(); ++k) {
-    const auto& [low, before] = table[k - 1];
-    const auto& [high, after] = table[k];
-    if (value <= high) return before + (after - before) * std::log(value / low) / std::log(high / low);
+    const auto& [low, lowIntensity] = table[k - 1];
+    const auto& [high, highIntensity] = table[k];
+    if (value > high) continue;
+    return lowIntensity + (highIntensity - lowIntensity) * std::log(value / low) / std::log(high / low);
   }
   return table.back().second;
 }
@@ -258,9 +260,9 @@ std::map<SurfaceKind, double> weightsOf(const Surfaces& recorded, const Surfaces
   for (const SurfaceCell& c : simulated.cells) ++simulatedCells[c.kind];
   std::map<SurfaceKind, double> weights;
   for (const auto& [kind, count] : recordedCells) {
-    const auto same = simulatedCells.find(kind);
-    if (same == simulatedCells.end() || std::min(count, same->second) < kFewestOfKind) continue;
-    weights[kind] = count / same->second;
+    const auto found = simulatedCells.find(kind);
+    if (found == simulatedCells.end() || std::min(count, found->second) < kFewestOfKind) continue;
+    weights[kind] = count / found->second;
   }
   return weights;
 }
@@ -273,8 +275,9 @@ void addRow(ResponseTable& table, double value, double intensity) {
   table.emplace_back(value, intensity);
 }
 
-// Returns the nearest values, in the least squares, that do not fall (pool adjacent violators; Ayer et al., "An
-// empirical distribution function for sampling with incomplete information", 1955).
+// Returns the values that do not fall from one to the next and have the least squared distance from the given values
+// (pool adjacent violators; Ayer et al., "An empirical distribution function for sampling with incomplete information",
+// 1955).
 Eigen::ArrayXd rising(const Eigen::ArrayXd& values) {
   std::vector<std::pair<double, Eigen::Index>> pools;  // mean and number of values
   for (const double v : values) {
@@ -282,10 +285,10 @@ Eigen::ArrayXd rising(const Eigen::ArrayXd& values) {
     while (pools.size() > 1 && pools[pools.size() - 2].first > pools.back().first) {
       const auto [mean, count] = pools.back();
       pools.pop_back();
-      auto& [other, others] = pools.back();
-      other = (other * static_cast<double>(others) + mean * static_cast<double>(count)) /
-              static_cast<double>(others + count);
-      others += count;
+      auto& [joinedMean, joinedCount] = pools.back();
+      joinedMean = (joinedMean * static_cast<double>(joinedCount) + mean * static_cast<double>(count)) /
+                   static_cast<double>(joinedCount + count);
+      joinedCount += count;
     }
   }
   Eigen::ArrayXd result(values.size());
@@ -302,18 +305,18 @@ Eigen::ArrayXd rising(const Eigen::ArrayXd& values) {
 // make the response steeper than that. In logarithms, both the intensities and the values less the intensities must
 // rise. Alternates between both conditions (Dykstra, "An algorithm for restricted least squares regression", 1983).
 void limitSlope(ResponseTable& table) {
-  constexpr int kRounds = 500;
+  constexpr int kRounds = 500;  // chosen by eye
   const auto first = std::ranges::find_if(table, [](const auto& row) { return row.second > 0; });
   Eigen::ArrayXd values(table.end() - first), intensities(table.end() - first);  // logarithms
   std::transform(first, table.end(), values.begin(), [](const auto& row) { return std::log(row.first); });
   std::transform(first, table.end(), intensities.begin(), [](const auto& row) { return std::log(row.second); });
-  // Corrections of the two conditions.
-  Eigen::ArrayXd ofIntensities = Eigen::ArrayXd::Zero(values.size()), ofDifferences = ofIntensities;
+  // Corrections that Dykstra's algorithm keeps for the two conditions.
+  Eigen::ArrayXd riseCorrection = Eigen::ArrayXd::Zero(values.size()), slopeCorrection = riseCorrection;
   for (int round = 0; round < kRounds; ++round) {
-    const Eigen::ArrayXd rise = rising(intensities + ofIntensities);
-    ofIntensities = (intensities + ofIntensities - rise).eval();
-    intensities = values - rising(values - (rise + ofDifferences));
-    ofDifferences = (rise + ofDifferences - intensities).eval();
+    const Eigen::ArrayXd rise = rising(intensities + riseCorrection);
+    riseCorrection = (intensities + riseCorrection - rise).eval();
+    intensities = values - rising(values - (rise + slopeCorrection));
+    slopeCorrection = (rise + slopeCorrection - intensities).eval();
   }
   for (std::size_t k = 0; k < static_cast<std::size_t>(values.size()); ++k) {
     first[static_cast<std::ptrdiff_t>(k)].second = std::exp(intensities[static_cast<Eigen::Index>(k)]);
@@ -324,11 +327,8 @@ double fullScaleOf(const ResponseFit& fit) {
   return fit.bytes ? 255 : 1;
 }
 
-Reports reportsOf(const ResponseFit& fit) {
-  return fit.reflectivity ? Reports::Reflectivity : Reports::Power;
-}
-
-// Sets the table and the slope of a fit with known `floor` and `reflectivity`. `dark`: value that has the intensity 0.
+// Sets the table and the slope of a fit whose `floor` and `model` are set. `weights`: the result of weightsOf().
+// `dark`: value that has the intensity 0.
 void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::map<SurfaceKind, double>& weights,
                double dark, ResponseFit& fit) {
   std::vector<Weighted> cellIntensities, cellValues, intensities, values;
@@ -337,19 +337,20 @@ void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::m
   }
   for (const SurfaceCell& c : simulated.cells) {
     const auto weight = weights.find(c.kind);
-    if (weight != weights.end()) cellValues.push_back({medianValue(c, fit.floor, reportsOf(fit)), weight->second});
+    if (weight != weights.end()) cellValues.push_back({medianValue(c, fit.floor, fit.model), weight->second});
   }
   for (const auto& [kind, weight] : weights) {
     const std::vector<SurfaceReturn>&ofRecorded = recorded.returns.at(kind), &ofSimulated = simulated.returns.at(kind);
     for (const SurfaceReturn& s : ofRecorded) intensities.push_back({s.measured});
-    const double each = static_cast<double>(ofRecorded.size()) / static_cast<double>(ofSimulated.size());
-    for (const SurfaceReturn& s : ofSimulated) values.push_back({valueOf(s, fit.floor, reportsOf(fit)), each});
+    const double returnWeight = static_cast<double>(ofRecorded.size()) / static_cast<double>(ofSimulated.size());
+    for (const SurfaceReturn& s : ofSimulated) values.push_back({valueOf(s, fit.floor, fit.model), returnWeight});
   }
   const Distribution recordedCells(std::move(cellIntensities)), simulatedCells(std::move(cellValues));
   const Distribution recordedReturns(std::move(intensities)), simulatedReturns(std::move(values));
   addRow(fit.table, dark, 0);
   for (const double share : {0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 0.99}) {
-    if (share > recordedCells.zeros()) addRow(fit.table, simulatedCells.quantile(share), recordedCells.quantile(share));
+    if (share > recordedCells.zeroShare())
+      addRow(fit.table, simulatedCells.quantile(share), recordedCells.quantile(share));
   }
   // The brightest returns come from small things, such as signs and plates, which fill no cell.
   constexpr double kBrightest = 0.9997;  // beyond what noise alone makes bright
@@ -361,7 +362,7 @@ void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::m
   }
 }
 
-// Returns ResponseFit::misfit.
+// Returns ResponseFit::misfit of a fit with a table. `weights`: the result of weightsOf(), whose kinds are compared.
 double misfitOf(const Surfaces& recorded, const Surfaces& simulated, const std::map<SurfaceKind, double>& weights,
                 const ResponseFit& fit) {
   std::map<SurfaceKind, std::vector<double>> ofRecorded, ofSimulated;  // medians of the cells
@@ -371,7 +372,7 @@ double misfitOf(const Surfaces& recorded, const Surfaces& simulated, const std::
     ofRecorded[c.kind].push_back(intensities.back());
   }
   for (const SurfaceCell& c : simulated.cells) {
-    ofSimulated[c.kind].push_back(respond(fit.table, medianValue(c, fit.floor, reportsOf(fit))));
+    ofSimulated[c.kind].push_back(respond(fit.table, medianValue(c, fit.floor, fit.model)));
   }
   double sum = 0, count = 0;
   for (const auto& [kind, weight] : weights) {
@@ -389,15 +390,15 @@ double scatterOf(const std::vector<SurfaceCell>& cells, const auto& intensityOf)
   std::vector<double> deviations;
   for (const SurfaceCell& cell : cells) {
     double sum = 0, squares = 0;
-    bool zeros = false;
+    bool hasZeros = false;
     for (const SurfaceReturn& s : cell.samples) {
       const double v = intensityOf(s);
-      zeros |= v <= 0;
+      hasZeros |= v <= 0;
       sum += v;
       squares += v * v;
     }
     const auto n = static_cast<double>(cell.samples.size());
-    if (!zeros) deviations.push_back(std::sqrt(std::max(0.0, squares - sum * sum / n) / (n - 1)));
+    if (!hasZeros) deviations.push_back(std::sqrt(std::max(0.0, squares - sum * sum / n) / (n - 1)));
   }
   return medianOf(std::move(deviations));
 }
@@ -442,10 +443,10 @@ ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Sca
         unfitted.recorded, unfitted.simulated, kSurfaceCell, kFewestInCell, kFewestSurfaces));
   }
   findScale(intensities, unfitted);
-  const auto fitted = [&](Reports reports) {
+  const auto fitted = [&](ResponseModel model) {
     ResponseFit fit = unfitted;
-    fit.reflectivity = reports == Reports::Reflectivity;
-    const Darkness darkness = darknessOf(ofRecorded, ofSimulated, reports);
+    fit.model = model;
+    const Darkness darkness = darknessOf(ofRecorded, ofSimulated, model);
     fit.floor = darkness.floor;
     fillTable(ofRecorded, ofSimulated, weights, darkness.dark, fit);
     if (fit.table.size() < 2) {
@@ -454,22 +455,21 @@ ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Sca
     fit.misfit = misfitOf(ofRecorded, ofSimulated, weights, fit);
     return fit;
   };
-  const ResponseFit byReflectivity = fitted(Reports::Reflectivity), byPower = fitted(Reports::Power);
+  const ResponseFit byReflectivity = fitted(ResponseModel::Reflectivity), byPower = fitted(ResponseModel::Power);
   ResponseFit fit = byPower.misfit < byReflectivity.misfit ? byPower : byReflectivity;
   fit.otherMisfit = std::max(byPower.misfit, byReflectivity.misfit);
   // The receiver's noise is the scatter that the simulated scans do not have.
   const double scatter = scatterOf(ofRecorded.cells, [](const SurfaceReturn& s) { return s.measured; });
-  const double withoutNoise = scatterOf(ofSimulated.cells, [&](const SurfaceReturn& s) {
-    return respond(fit.table, valueOf(s, fit.floor, reportsOf(fit)));
-  });
+  const double withoutNoise = scatterOf(
+      ofSimulated.cells, [&](const SurfaceReturn& s) { return respond(fit.table, valueOf(s, fit.floor, fit.model)); });
   fit.noise = std::sqrt(std::max(0.0, scatter * scatter - withoutNoise * withoutNoise)) / fullScaleOf(fit);
   return fit;
 }
 
 std::string responseYaml(const ResponseFit& fit, const std::string& diffuse, const std::string& source) {
   std::string rows;
-  for (const auto& [value, number] : fit.table) {
-    rows += fmt::format("{}[{:.3g}, {:.4g}]", rows.empty() ? "" : ", ", value, number);
+  for (const auto& [value, intensity] : fit.table) {
+    rows += fmt::format("{}[{:.3g}, {:.4g}]", rows.empty() ? "" : ", ", value, intensity);
   }
   std::string text = fmt::format(
       "  # The response: {} recorded cells of {} m are as bright, in the same order, as {} simulated ones of\n"
@@ -477,8 +477,9 @@ std::string responseYaml(const ResponseFit& fit, const std::string& diffuse, con
       "  # that nine tenths of the recorded surfaces have; {} for the range it would be {:.1f} %.\n"
       "  # The last value is that of the brightest returns; between it and the one before nothing was measured.\n",
       fit.recorded, kSurfaceCell, fit.simulated, source, 100 * fit.misfit,
-      fit.reflectivity ? "not corrected" : "corrected", 100 * fit.otherMisfit);
-  text += fmt::format("  - intensity:\n      model: {}\n", fit.reflectivity ? "reflectivity" : "power");
+      fit.model == ResponseModel::Reflectivity ? "not corrected" : "corrected", 100 * fit.otherMisfit);
+  text += fmt::format("  - intensity:\n      model: {}\n",
+                      fit.model == ResponseModel::Reflectivity ? "reflectivity" : "power");
   if (diffuse != "lambertian") text += fmt::format("      diffuse: {}\n", diffuse);
   if (fit.bytes) text += "      output: u8\n";
   text += fmt::format("      table: [{}]\n", rows);

@@ -20,9 +20,13 @@ namespace scanmill {
 
 constexpr double kSurfaceCell = 0.3;  // m, side of the cells
 
+// What a sensor computes intensities from, as the key `model` of the effect names it: the power of the echo, or the
+// reflectivity, which is the power corrected for the range.
+enum class ResponseModel { Power, Reflectivity };
+
 struct ResponseFit {
-  bool bytes = false;         // true: intensities are integers from 0 to 255; false: any numbers
-  bool reflectivity = false;  // true: the sensor corrects intensities for the range; false: it reports powers
+  bool bytes = false;  // true: intensities are integers from 0 to 255; false: any numbers
+  ResponseModel model = ResponseModel::Power;
   std::vector<std::pair<double, double>> table;  // value (power or reflectivity) and intensity, both ascending
   // Increase of the intensity's logarithm for an increase of the value's, over the middle half of the surfaces. Errors
   // of lasers' gains are larger in the power than in the intensity by this factor.
@@ -34,7 +38,7 @@ struct ResponseFit {
   double step = 0;    // step of the intensities, in parts of the full scale; 0: none was found
   double misfit = 0;  // root of the mean squared difference between the medians of recorded and simulated surfaces,
                       // over the bands of ranges, in parts of the span that nine tenths of the recorded surfaces have
-  double otherMisfit = 0;                   // the same for the other value of `reflectivity`
+  double otherMisfit = 0;                   // the same for the other model
   std::size_t recorded = 0, simulated = 0;  // numbers of surfaces
 };
 

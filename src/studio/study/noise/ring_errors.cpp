@@ -11,8 +11,9 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kFewestBeams = 20;  // a patch with fewer returns is not used
-constexpr double kRidge = 0.1;
-constexpr double kFarOff = 5;  // residuals larger than this multiple of their patch's median deviation are not used
+constexpr double kRidge = 0.1;            // chosen by eye
+constexpr double kOutlier = 5;            // ranges farther from the plane than this multiple of the median are not used
+constexpr std::size_t kFewestRings = 3;
 
 // The normal equations A x = b for one error per ring, solved by ridge regression: (A + kRidge a I) x = b, where a is
 // the mean of A's diagonal. The ridge keeps errors small that the patches do not determine: an error common to all
@@ -48,9 +49,10 @@ struct PatchValues {
   std::vector<RingValue> logIntensities;  // natural logarithms of the intensities above 0
 };
 
+// Returns the values of the patch's returns. Ranges far from the plane are left out if there are at least kFewestBeams.
 PatchValues valuesOf(const BeamTable& beams, const BeamImage& image, const RecordedScan& scan, const FlatPatch& patch) {
-  PatchValues found;
-  std::vector<double> sizes;
+  PatchValues values;
+  std::vector<double> distances;  // absolute distances from the plane (m)
   for (std::uint32_t row = 0; row < kPatchRings; ++row) {
     for (std::uint32_t column = 0; column < kPatchColumns; ++column) {
       const auto beam = image.beam(patch.window.row + row, patch.window.column + column);
@@ -58,18 +60,19 @@ PatchValues valuesOf(const BeamTable& beams, const BeamImage& image, const Recor
       const double onPlane = rangeOnPlane(beams, *beam, patch.plane);
       if (!(onPlane > 0)) continue;
       const std::uint32_t ring = *beam / beams.columns;
-      found.ranges.push_back({ring, scan.range[*beam] - onPlane, beams.direction[*beam] * (onPlane * onPlane)});
-      sizes.push_back(std::abs(found.ranges.back().value));
+      // The derivative of a range r with respect to the plane is -r^2 times the beam's direction.
+      values.ranges.push_back({ring, scan.range[*beam] - onPlane, beams.direction[*beam] * (onPlane * onPlane)});
+      distances.push_back(std::abs(values.ranges.back().value));
       if (!scan.intensity.empty() && scan.intensity[*beam] > 0) {
-        found.logIntensities.push_back(
+        values.logIntensities.push_back(
             {ring, std::log(double{scan.intensity[*beam]}), {1, static_cast<double>(row), 0}});
       }
     }
   }
-  if (found.ranges.size() < kFewestBeams) return found;
-  const double most = kFarOff * medianOf(std::move(sizes)) + 1e-6;
-  std::erase_if(found.ranges, [&](const RingValue& v) { return std::abs(v.value) > most; });
-  return found;
+  if (values.ranges.size() < kFewestBeams) return values;
+  const double largest = kOutlier * medianOf(std::move(distances)) + 1e-6;
+  std::erase_if(values.ranges, [&](const RingValue& v) { return std::abs(v.value) > largest; });
+  return values;
 }
 
 // Adds the values of a patch to the normal equations, without the part that the patch's own plane or line explains.
@@ -85,46 +88,49 @@ void addTo(RingSystem& system, const std::vector<RingValue>& values, Eigen::Inde
   }
   std::ranges::sort(rings);
   rings.erase(std::unique(rings.begin(), rings.end()), rings.end());
-  const auto own = static_cast<Eigen::Index>(rings.size());
-  Eigen::MatrixXd residuals(rows, own + 1);  // one indicator column per ring, then the values
+  const auto ringCount = static_cast<Eigen::Index>(rings.size());
+  Eigen::MatrixXd residuals(rows, ringCount + 1);  // one indicator column per ring, then the values
   for (Eigen::Index i = 0; i < rows; ++i) {
     const RingValue& v = values[static_cast<std::size_t>(i)];
-    residuals(i, own) = v.value;
-    for (Eigen::Index k = 0; k < own; ++k) residuals(i, k) = v.ring == rings[static_cast<std::size_t>(k)] ? 1 : 0;
+    residuals(i, ringCount) = v.value;
+    for (Eigen::Index k = 0; k < ringCount; ++k) residuals(i, k) = v.ring == rings[static_cast<std::size_t>(k)] ? 1 : 0;
   }
   residuals -= columns * columns.completeOrthogonalDecomposition().solve(residuals).eval();
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const auto to = static_cast<Eigen::Index>(values[static_cast<std::size_t>(i)].ring);
-    for (Eigen::Index k = 0; k < own; ++k) system.a(to, rings[static_cast<std::size_t>(k)]) += residuals(i, k);
-    system.b[to] += residuals(i, own);
+    const auto ring = static_cast<Eigen::Index>(values[static_cast<std::size_t>(i)].ring);
+    for (Eigen::Index k = 0; k < ringCount; ++k) system.a(ring, rings[static_cast<std::size_t>(k)]) += residuals(i, k);
+    system.b[ring] += residuals(i, ringCount);
   }
 }
 
-// Computes the ring errors from the equations of the odd and the even patches. Comparing both shows which part is
-// noise.
-RingSpread ringSpreadOf(const std::array<RingSystem, 2>& half) {
-  RingSystem both = half[0];
-  both.a += half[1].a;
-  both.b += half[1].b;
+// Returns the errors of the rings from the equations of all patches, and their spread and agreement from a comparison
+// of the odd with the even patches, which shows which part of the errors is noise. `halves`: the equations of the even
+// and of the odd patches.
+RingSpread ringSpreadOf(const std::array<RingSystem, 2>& halves) {
+  RingSystem both = halves[0];
+  both.a += halves[1].a;
+  both.b += halves[1].b;
+  const Eigen::VectorXd errors = both.solve();
   RingSpread spread;
-  const Eigen::VectorXd solved = both.solve();
-  spread.ofRing.assign(solved.begin(), solved.end());
-  std::vector<Eigen::Index> inBoth;
-  for (Eigen::Index ring = 0; ring < solved.size(); ++ring) {
-    if (half[0].contains(ring) && half[1].contains(ring)) inBoth.push_back(ring);
+  spread.ofRing.assign(errors.begin(), errors.end());
+  std::vector<Eigen::Index> ringsInBoth;
+  for (Eigen::Index ring = 0; ring < errors.size(); ++ring) {
+    if (halves[0].contains(ring) && halves[1].contains(ring)) ringsInBoth.push_back(ring);
   }
-  spread.rings = inBoth.size();
-  if (spread.rings < 3) return spread;
-  const auto n = static_cast<double>(spread.rings);
-  const auto aboutMean = [&](const RingSystem& system) -> Eigen::VectorXd {
-    const Eigen::VectorXd errors = system.solve()(inBoth);
-    return errors.array() - errors.mean();
+  spread.rings = ringsInBoth.size();
+  if (spread.rings < kFewestRings) return spread;
+  // Returns a half's errors of the rings in both halves, relative to their mean.
+  const auto centredErrors = [&](const RingSystem& half) -> Eigen::VectorXd {
+    const Eigen::VectorXd ofRings = half.solve()(ringsInBoth);
+    return ofRings.array() - ofRings.mean();
   };
-  const Eigen::VectorXd a = aboutMean(half[0]), b = aboutMean(half[1]);
-  // The covariance between the halves' solutions if true errors are independent with variance 1.
-  const double unitCovariance = half[0].resolution().cwiseProduct(half[1].resolution()).sum() / n;
-  spread.sigma = unitCovariance > 0 ? std::sqrt(std::max(0.0, a.dot(b) / n) / unitCovariance) : 0;
-  spread.agreement = a.norm() > 0 && b.norm() > 0 ? a.dot(b) / (a.norm() * b.norm()) : 0;
+  const Eigen::VectorXd even = centredErrors(halves[0]), odd = centredErrors(halves[1]);
+  const double covariance = even.dot(odd) / static_cast<double>(spread.rings);
+  // The covariance that the solutions of the halves have if the rings' true errors are independent with variance 1.
+  const double unitCovariance =
+      halves[0].resolution().cwiseProduct(halves[1].resolution()).sum() / static_cast<double>(spread.rings);
+  spread.sigma = unitCovariance > 0 ? std::sqrt(std::max(0.0, covariance) / unitCovariance) : 0;
+  spread.agreement = even.norm() > 0 && odd.norm() > 0 ? even.dot(odd) / (even.norm() * odd.norm()) : 0;
   return spread;
 }
 
@@ -133,20 +139,20 @@ RingSpread ringSpreadOf(const std::array<RingSystem, 2>& half) {
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                          const std::vector<FlatPatch>& patches) {
   const BeamImage image(beams);
-  const RingSystem none(beams.rings);
-  // Equations of the ranges and of the gains: one system each for the odd and for the even patches.
-  std::array<RingSystem, 2> ranges{none, none}, gains{none, none};
-  bool lit = false;
+  const RingSystem empty(beams.rings);
+  // Equations of the ranges and of the gains: one system each for the even and for the odd patches.
+  std::array<RingSystem, 2> ranges{empty, empty}, gains{empty, empty};
+  bool hasIntensities = false;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const PatchValues values = valuesOf(beams, image, scans[patches[p].window.scan], patches[p]);
-    if (values.ranges.size() >= kFewestBeams) addTo(ranges[p % 2], values.ranges, 3);
+    if (values.ranges.size() >= kFewestBeams) addTo(ranges[p % 2], values.ranges, 3);  // a plane
     if (values.logIntensities.size() < kFewestBeams) continue;
-    lit = true;
-    addTo(gains[p % 2], values.logIntensities, 2);
+    hasIntensities = true;
+    addTo(gains[p % 2], values.logIntensities, 2);  // a constant and a slope
   }
   RingErrors errors;
   errors.range = ringSpreadOf(ranges);
-  if (lit) errors.gain = ringSpreadOf(gains);
+  if (hasIntensities) errors.gain = ringSpreadOf(gains);
   return errors;
 }
 

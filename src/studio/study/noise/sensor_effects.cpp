@@ -13,8 +13,8 @@ namespace scanmill {
 namespace {
 
 bool isComment(const std::string& line) {
-  const std::size_t at = line.find_first_not_of(" \t");
-  return at != std::string::npos && line[at] == '#';
+  const std::size_t start = line.find_first_not_of(" \t");
+  return start != std::string::npos && line[start] == '#';
 }
 
 // True for a blank line or a comment without indentation: such a line between two keys may belong to the second key.
@@ -22,31 +22,43 @@ bool isBetweenKeys(const std::string& line) {
   return line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#';
 }
 
-// Returns the lines of the file's effects that are not replaced, each with the comments above it. `first`: index of the
-// line with the key. `end`: index of the line after its value.
-std::string keptEffects(const Value& list, const std::vector<std::string>& lines, std::size_t first, std::size_t end,
-                        const std::string& file, const std::string& effects) {
-  const Value fitted = parseYaml(effects, file);
+// Lines of a file, from `first` to before `end`.
+struct LineSpan {
+  std::size_t first, end;
+};
+
+std::string linesOf(const std::vector<std::string>& lines, LineSpan span) {
+  std::string text;
+  for (std::size_t i = span.first; i < span.end; ++i) text += lines[i] + "\n";
+  return text;
+}
+
+// Returns the lines of the file's effects that are not replaced, each with the comments above it. `list`: the file's
+// effects. `key`: the lines of the key `effects` and its value. `newEffects`: see withEffects().
+std::string keptEffects(const Value& list, const std::vector<std::string>& lines, LineSpan key,
+                        const std::string& newEffects) {
   std::vector<std::string> replaced;
-  for (const Value& item : fitted.find("effects")->items) replaced.push_back(readNamed(item, "an effect").name);
-  if (std::ranges::find(replaced, "range_noise") != replaced.end()) {
-    replaced.insert(replaced.end(), {"dropout", "shell", "quantize"});
+  for (const Value& item : parseYaml(newEffects, list.where.file).find("effects")->items) {
+    replaced.push_back(readNamed(item, "an effect").name);
   }
+  const auto isReplaced = [&](std::string_view name) { return std::ranges::find(replaced, name) != replaced.end(); };
+  if (isReplaced("range_noise")) replaced.insert(replaced.end(), {"dropout", "shell", "quantize"});
   // The noise of a fitted response stands for speckle too.
-  if (std::ranges::find(replaced, "intensity") != replaced.end()) replaced.emplace_back("speckle");
+  if (isReplaced("intensity")) replaced.emplace_back("speckle");
   std::string kept;
-  std::size_t begin = first + 1;  // first line of an item, with the comments above it
-  for (std::size_t i = 0; i < list.items.size(); ++i) {
-    // An item ends before the comments above the next item.
-    std::size_t stop = i + 1 < list.items.size() ? static_cast<std::size_t>(list.items[i + 1].where.line - 1) : end;
-    const auto itemLine = static_cast<std::size_t>(list.items[i].where.line - 1);
-    while (i + 1 < list.items.size() && stop > itemLine + 1 && isComment(lines[stop - 1])) --stop;
-    if (stop <= itemLine) throw InputError(list.items[i].where, "two effects on one line: give each a line of its own");
-    const std::string name = readNamed(list.items[i], "an effect").name;
-    if (std::ranges::find(replaced, name) == replaced.end()) {
-      for (std::size_t l = begin; l < stop; ++l) kept += lines[l] + "\n";
+  LineSpan item{key.first + 1, 0};  // an item with the comments above it
+  for (std::size_t i = 0; i < list.items.size(); ++i, item.first = item.end) {
+    const auto nameLine = static_cast<std::size_t>(list.items[i].where.line - 1);
+    item.end = key.end;
+    if (i + 1 < list.items.size()) {
+      // The item ends before the comments above the next item.
+      item.end = static_cast<std::size_t>(list.items[i + 1].where.line - 1);
+      while (item.end > nameLine + 1 && isComment(lines[item.end - 1])) --item.end;
     }
-    begin = stop;
+    if (item.end <= nameLine) {
+      throw InputError(list.items[i].where, "two effects on one line: give each a line of its own");
+    }
+    if (!isReplaced(readNamed(list.items[i], "an effect").name)) kept += linesOf(lines, item);
   }
   return kept;
 }
@@ -57,33 +69,31 @@ std::string withEffects(const std::string& text, const std::string& file, const 
   const Value root = parseYaml(text, file);
   expectKind(root, FileKind::Sensor);
   if (root.kind != Value::Kind::Map || root.entries.empty()) throw InputError({file}, "is not a sensor file");
-  const bool flow = text.find_first_not_of(" \t\r\n") != std::string::npos && root.where.line > 0 &&
-                    text[text.find_first_not_of(" \t\r\n")] == '{';
-  if (flow) throw InputError(root.where, "is written as {...}: give each key a line of its own");
+  const std::size_t start = text.find_first_not_of(" \t\r\n");
+  if (start != std::string::npos && root.where.line > 0 && text[start] == '{') {
+    throw InputError(root.where, "is written as {...}: give each key a line of its own");
+  }
   std::vector<std::string> lines;
-  std::istringstream reading(text);
-  for (std::string line; std::getline(reading, line);) lines.push_back(line);
-  std::size_t first = lines.size();
-  std::size_t end = lines.size();
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  // The lines of the key `effects` and its value, which end at the next key; at the file's end if the key is absent.
+  LineSpan key{lines.size(), lines.size()};
   for (const Value::Entry& entry : root.entries) {
     const auto line = static_cast<std::size_t>(entry.value.keyLine - 1);
     if (entry.key == "effects") {
-      first = line;
-    } else if (first < lines.size() && line > first) {
-      end = std::min(end, line);
+      key.first = line;
+    } else if (key.first < lines.size() && line > key.first) {
+      key.end = std::min(key.end, line);
     }
   }
-  while (end > first && isBetweenKeys(lines[end - 1])) --end;
-  std::string result;
-  for (std::size_t i = 0; i < first; ++i) result += lines[i] + "\n";
-  const Value* own = root.find("effects");
-  const bool list = own != nullptr && own->kind == Value::Kind::Sequence && !own->items.empty() &&
-                    own->items.front().where.line > static_cast<int>(first) + 1;
-  const std::string kept = list ? keptEffects(*own, lines, first, end, file, effects) : "";
-  const std::string key = "effects:\n";
-  result += kept.empty() ? effects : key + kept + effects.substr(key.size());
-  for (std::size_t i = end; i < lines.size(); ++i) result += lines[i] + "\n";
-  return result;
+  while (key.end > key.first && isBetweenKeys(lines[key.end - 1])) --key.end;
+  const Value* const list = root.find("effects");
+  const bool isBlockList = list != nullptr && list->kind == Value::Kind::Sequence && !list->items.empty() &&
+                           list->items.front().where.line > static_cast<int>(key.first) + 1;
+  const std::string kept = isBlockList ? keptEffects(*list, lines, key, effects) : "";
+  const std::string keyLine = "effects:\n";
+  return linesOf(lines, {0, key.first}) + (kept.empty() ? effects : keyLine + kept + effects.substr(keyLine.size())) +
+         linesOf(lines, {key.end, lines.size()});
 }
 
 }  // namespace scanmill

@@ -30,7 +30,7 @@ NoiseFit fitOf(const std::vector<Scan>& scans, const BeamTable& beams) {
 
 // Sigma (m) of the used band whose mean range is nearest to `range`.
 double sigmaNear(const NoiseFit& fit, double range) {
-  const std::vector<const PatchGroup*> used = fit.used();
+  const std::vector<const PatchGroup*> used = fit.usedBands();
   return (*std::ranges::min_element(used, {}, [&](const PatchGroup* b) { return std::abs(b->range - range); }))->sigma;
 }
 
@@ -53,7 +53,7 @@ class FitsNoise : public testing::TestWithParam<Truth> {};
 void expectTruth(const NoiseFit& fit, const Truth& truth) {
   double weighted = 0;
   double weights = 0;
-  for (const PatchGroup* band : fit.used()) {
+  for (const PatchGroup* band : fit.usedBands()) {
     const double sigma = truth.base + truth.growth * band->range;
     EXPECT_NEAR(band->sigma, sigma, 4 * band->error) << band->name;
     EXPECT_NEAR(band->sigma, sigma, 0.06 * sigma) << band->name;
@@ -61,7 +61,7 @@ void expectTruth(const NoiseFit& fit, const Truth& truth) {
     weighted += (band->sigma / sigma - 1) / (band->error * band->error) * sigma * sigma;
     weights += sigma * sigma / (band->error * band->error);
   }
-  EXPECT_GE(fit.used().size(), 5u);
+  EXPECT_GE(fit.usedBands().size(), 5u);
   EXPECT_NEAR(weighted / weights, 0, 0.015);
 }
 
@@ -129,7 +129,7 @@ TEST(FitNoise, CurvedSurfacesDoNotCount) {
   }
   const NoiseFit fit = fitOf(scans, *centred);
   ASSERT_GE(fit.patches, 50u);
-  for (const PatchGroup* band : fit.used()) {
+  for (const PatchGroup* band : fit.usedBands()) {
     EXPECT_NEAR(band->sigma, kSigma, 0.06 * kSigma) << band->name;
     EXPECT_GT(band->planeSigma, 1.1 * kSigma) << "the posts must be bent enough for the test to tell";
   }
@@ -151,7 +151,7 @@ TEST(FitNoise, FoliageDoesNotCount) {
         "[range_noise: {sigma_m: 0.01}]", i));
   }
   const NoiseFit fit = fitOf(scans, *beams);
-  for (const PatchGroup* band : fit.used()) EXPECT_NEAR(band->sigma, 0.01, 0.0008) << band->name;
+  for (const PatchGroup* band : fit.usedBands()) EXPECT_NEAR(band->sigma, 0.01, 0.0008) << band->name;
 }
 
 TEST(FitNoise, IsTheSameWithAnyNumberOfThreads) {
@@ -316,7 +316,7 @@ TEST(FitNoise, OfARealSensor) {
   EXPECT_NEAR(static_cast<double>(fit.returns) / static_cast<double>(fit.beams), 0.82, 0.005);
   EXPECT_GT(fit.patches, 1000u);
   std::size_t near = 0;
-  for (const PatchGroup* band : fit.used()) {
+  for (const PatchGroup* band : fit.usedBands()) {
     if (band->range < 5 || band->range > 20) continue;
     ++near;
     EXPECT_GT(band->sigma, 0.003) << band->name;

@@ -71,7 +71,7 @@ TEST(Response, FindsACurveOfReflectivities) {
   const ResponseFit fit = fitOf([&](double power, double range, std::uint32_t) {
     return std::round(std::min(255.0, curve(power * range * range / 100)));
   });
-  EXPECT_TRUE(fit.reflectivity);
+  EXPECT_EQ(fit.model, ResponseModel::Reflectivity);
   EXPECT_TRUE(fit.bytes);
   EXPECT_EQ(fit.step, 0);
   EXPECT_EQ(fit.floor, 0);
@@ -84,7 +84,7 @@ TEST(Response, FindsACurveOfReflectivities) {
 
 TEST(Response, FindsACurveOfPowers) {
   const ResponseFit fit = fitOf([](double power, double, std::uint32_t) { return 20 * std::sqrt(power); });
-  EXPECT_FALSE(fit.reflectivity) << fit.misfit << " " << fit.otherMisfit;
+  EXPECT_EQ(fit.model, ResponseModel::Power) << fit.misfit << " " << fit.otherMisfit;
   EXPECT_FALSE(fit.bytes);
   for (const double power : {0.03, 0.1, 0.3}) EXPECT_NEAR(at(fit, power) / (20 * std::sqrt(power)), 1, 0.1) << power;
 }
@@ -110,7 +110,7 @@ TEST(Response, FindsFloorNoiseAndStep) {
     const double noisy = 0.9 + 0.15 * std::log(value) + kNoise * normalAt(99, beam);
     return kStep * std::round(std::max(0.0, noisy) / kStep);
   });
-  EXPECT_TRUE(fit.reflectivity);
+  EXPECT_EQ(fit.model, ResponseModel::Reflectivity);
   EXPECT_NEAR(fit.floor, kFloor, 0.3 * kFloor);
   EXPECT_NEAR(fit.noise, kNoise, 0.25 * kNoise);
   EXPECT_NEAR(fit.step, kStep, 1e-4);
