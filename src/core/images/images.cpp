@@ -23,15 +23,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kMaxSize = 16384;
-constexpr int kMostSide = 4096;
+constexpr int kMostFileSide = 16384;     // px, width and height of images that are read
+constexpr int kMostSide = 4096;          // px, width and height to which larger images are reduced
 constexpr std::size_t kMagicBytes = 16;  // first bytes of a file, which identify most kinds of images
-constexpr int kBand = 64;                // number of rows that are decoded at a time
+constexpr int kRowsAtATime = 64;         // rows that are decoded at a time
 
 // Returns the kind of an image ("png", "jpg", ...) by its first bytes; empty if they do not show the kind.
 std::string kindOf(std::string_view bytes) {
-  const auto starts = [&](std::string_view magic, std::size_t at = 0) {
-    return bytes.size() >= at + magic.size() && bytes.substr(at, magic.size()) == magic;
+  const auto starts = [&](std::string_view magic, std::size_t offset = 0) {
+    return bytes.size() >= offset && bytes.substr(offset).starts_with(magic);
   };
   if (starts("\x89PNG")) return "png";
   if (starts("\xff\xd8\xff")) return "jpg";
@@ -67,9 +67,10 @@ const ImagesModule& moduleFor(const std::string& name, std::string_view kind) {
   }
 }
 
-// Calls work(), and turns what the libraries throw into an InputError "NAME: the image cannot be DONE: ...".
+// Calls work(), and turns what the libraries throw into an InputError "NAME: the image cannot be VERB: ...", such as
+// "decoded".
 template <class Work>
-auto withReason(const std::string& name, const char* done, const Work& work) {
+auto withReason(const std::string& name, const char* verb, const Work& work) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
@@ -77,7 +78,7 @@ auto withReason(const std::string& name, const char* done, const Work& work) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
-    throw InputError({name}, fmt::format("the image cannot be {}: {}", done, reason(e)));
+    throw InputError({name}, fmt::format("the image cannot be {}: {}", verb, reason(e)));
   }
 }
 
@@ -85,20 +86,21 @@ auto withReason(const std::string& name, const char* done, const Work& work) {
 // of `kind` states its format. `name` is the name of the image in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   return withReason(name, "read", [&] {
-    const std::string known = kindOf(bytes);
-    if (known == "png") return openPng(bytes);
-    auto jpeg = known == "jpg" ? openJpeg(bytes) : nullptr;
-    return jpeg != nullptr ? std::move(jpeg) : moduleFor(name, known).open(kind, bytes);
+    const std::string kindOfBytes = kindOf(bytes);
+    if (kindOfBytes == "png") return openPng(bytes);
+    auto jpeg = kindOfBytes == "jpg" ? openJpeg(bytes) : nullptr;
+    return jpeg != nullptr ? std::move(jpeg) : moduleFor(name, kindOfBytes).open(kind, bytes);
   });
 }
 
-// Returns the factors that undo a multiplication of 8-bit colours by alpha, one factor for each alpha (0 to 255).
+// Returns the factors that undo a multiplication of 8-bit colours by alpha, one factor for each alpha (0 to 255);
+// `gamma`: see ImageHeader::alphaGamma, above 0.
 std::array<float, 256> divisionByAlpha(double gamma) {
-  std::array<float, 256> gain{};
-  for (std::size_t i = 1; i < gain.size(); ++i) {
-    gain[i] = static_cast<float>(std::pow(255.0 / static_cast<double>(i), 1.0 / gamma));
+  std::array<float, 256> factors{};
+  for (std::size_t alpha = 1; alpha < factors.size(); ++alpha) {
+    factors[alpha] = static_cast<float>(std::pow(255.0 / static_cast<double>(alpha), 1.0 / gamma));
   }
-  return gain;
+  return factors;
 }
 
 // Maximum number of pixels that a byte of a file can encode: deflate expands a byte to at most 1032 bytes, and a byte
@@ -107,30 +109,32 @@ constexpr double kMostPixelsPerByte = 8 * 1032;
 
 bool isBoundedByBytes(const std::string& kind) {
   static constexpr std::array<std::string_view, 8> kKinds{"png", "jpg", "jpeg", "bmp", "gif", "sgi", "tga", "dds"};
-  return std::find(kKinds.begin(), kKinds.end(), kind) != kKinds.end();
+  return std::ranges::find(kKinds, kind) != kKinds.end();
 }
 
+// Throws InputError for an image without pixels, for one that is too large to decode, and for a size that an image of
+// this kind cannot have in a file of so many bytes. Charges the pixels to the input budget (base/input_budget.h).
 void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t bytes, const std::string& name) {
-  const auto fail = [&](const std::string& what) { throw InputError({name}, what); };
+  const auto fail = [&](const std::string& problem) { throw InputError({name}, problem); };
   if (header.width < 1 || header.height < 1 || header.channels < 1) fail("the image has no pixels");
   const std::string size = fmt::format("{} x {} pixels", header.width, header.height);
-  if (header.width > kMaxSize || header.height > kMaxSize) {
-    fail(fmt::format("the image of {} is larger than {} x {}: scale it down", size, kMaxSize, kMaxSize));
+  if (header.width > kMostFileSide || header.height > kMostFileSide) {
+    fail(fmt::format("the image of {} is larger than {} x {}: scale it down", size, kMostFileSide, kMostFileSide));
   }
   const double pixels = static_cast<double>(header.width) * header.height;
   if (isBoundedByBytes(kind) && pixels > kMostPixelsPerByte * static_cast<double>(bytes)) {
     fail(fmt::format("the image is damaged: its {} bytes cannot hold {}", bytes, size));
   }
   // Most readers decode the complete image at once, with up to four bytes per channel.
-  const bool byRows = kind == "png" || kind == "jpg" || kind == "jpeg";
-  const double needed = pixels * header.channels * 4;
+  const bool isDecodedByRows = kind == "png" || kind == "jpg" || kind == "jpeg";
+  const double neededBytes = pixels * header.channels * 4;
   chargePixels(pixels, {name});
-  const auto limit = static_cast<double>(memoryLimitBytes());
-  if (!byRows && needed > limit) {
+  const auto mostBytes = static_cast<double>(memoryLimitBytes());
+  if (!isDecodedByRows && neededBytes > mostBytes) {
     fail(
         fmt::format("the image of {} in {} channels may take {:.1f} GB to decode, and this process may take {:.1f} GB: "
                     "scale it down",
-                    size, header.channels, needed * 1e-9, limit * 1e-9));
+                    size, header.channels, neededBytes * 1e-9, mostBytes * 1e-9));
   }
 }
 
@@ -165,7 +169,8 @@ class Reduction {
       ++sum.count;
     }
   }
-  // Writes one reduced row, (width + factor - 1) / factor pixels: the means of the rows added since the last call.
+  // Writes one reduced row, (width + factor - 1) / factor pixels: the means of the rows added since the last call, of
+  // which there must be one at least.
   void take(std::uint8_t* rgba) {
     for (Sum& sum : sums_) {
       for (std::size_t c = 0; c < 3; ++c) *rgba++ = encoded(sum.light[c] / sum.weight);
@@ -175,8 +180,9 @@ class Reduction {
   }
 
  private:
+  // Sums over the pixels of a square.
   struct Sum {
-    std::array<float, 3> light{};
+    std::array<float, 3> light{};  // linear red, green and blue times their weights
     float weight = 0;
     std::uint32_t alpha = 0;
     std::uint32_t count = 0;
@@ -184,7 +190,7 @@ class Reduction {
 
   int width_;
   int factor_;
-  std::vector<Sum> sums_;
+  std::vector<Sum> sums_;  // by square of a row of squares
 };
 
 // Converts rows of a reader to 8-bit RGBA whose colours are not multiplied by alpha.
@@ -193,8 +199,8 @@ class RgbaConverter {
   explicit RgbaConverter(const ImageHeader& header)
       : channels_(header.channels),
         alpha_(header.alphaChannel),
-        multiplied_(header.alphaGamma > 0),
-        gain_(divisionByAlpha(multiplied_ ? header.alphaGamma : 1.0)) {
+        isMultiplied_(header.alphaGamma > 0),
+        factors_(divisionByAlpha(isMultiplied_ ? header.alphaGamma : 1.0)) {
     if (colorChannels() >= 3) colors_ = {0, 1, 2};
   }
 
@@ -207,6 +213,7 @@ class RgbaConverter {
     return channels_ - colors - (alpha_ >= 0 ? 1 : 0);
   }
 
+  // Converts `count` pixels of the reader to as many of RGBA.
   void convert(const std::uint8_t* pixels, std::size_t count, std::uint8_t* rgba) {
     // Copies, since stores of bytes may change members as far as the compiler knows.
     const int channels = channels_, alpha = alpha_;
@@ -217,8 +224,8 @@ class RgbaConverter {
       rgba[3] = alpha >= 0 ? pixels[alpha] : std::uint8_t{255};
       least = std::min(least, rgba[3]);
       greatest = std::max(greatest, rgba[3]);
-      for (int c = 0; multiplied_ && c < 3; ++c) {
-        rgba[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(rgba[c]) * gain_[rgba[3]] + 0.5f));
+      for (int c = 0; isMultiplied_ && c < 3; ++c) {
+        rgba[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(rgba[c]) * factors_[rgba[3]] + 0.5f));
       }
     }
     leastAlpha_ = least;
@@ -233,19 +240,20 @@ class RgbaConverter {
   int channels_;
   int alpha_;                           // index of the alpha channel; -1: none
   std::array<int, 3> colors_{0, 0, 0};  // channels of red, green and blue
-  bool multiplied_;
-  std::array<float, 256> gain_;
+  bool isMultiplied_;                   // true: the reader's colours are multiplied by alpha
+  std::array<float, 256> factors_;      // by alpha
   std::uint8_t leastAlpha_ = 255, greatestAlpha_ = 0;
 };
 
-// Decodes an image of `size` bytes, whose kind ("png") is `known`, or else the ending of its name. In BMP and TGA, an
-// alpha that is 0 everywhere is a byte without a meaning.
-DecodedImage decode(ImageReader& image, const std::string& known, std::uint64_t size, const std::string& name) {
+// Decodes an image of `fileBytes` bytes. `kindOfBytes`: see kindOf(); if it is empty, the ending of the name tells the
+// kind.
+DecodedImage decode(ImageReader& image, const std::string& kindOfBytes, std::uint64_t fileBytes,
+                    const std::string& name) {
   const std::string ending = lowerExtension(name);
-  const std::string kind = !known.empty() || ending.empty() ? known : ending.substr(1);
+  const std::string kind = !kindOfBytes.empty() || ending.empty() ? kindOfBytes : ending.substr(1);
   const ImageHeader header = image.header();
-  checkSize(header, kind, size, name);
-  const int factor = (std::max(header.width, header.height) + kMostSide - 1) / kMostSide;
+  checkSize(header, kind, fileBytes, name);
+  const int factor = (std::max(header.width, header.height) + kMostSide - 1) / kMostSide;  // of the reduction
   const auto width = static_cast<std::size_t>(header.width);
   const std::size_t rowBytes = width * static_cast<std::size_t>(header.channels);
   DecodedImage decoded;
@@ -253,13 +261,13 @@ DecodedImage decode(ImageReader& image, const std::string& known, std::uint64_t 
   decoded.height = static_cast<std::uint32_t>((header.height + factor - 1) / factor);
   decoded.linear = header.linear;
   decoded.rgba.resize(std::size_t{decoded.width} * decoded.height * 4);
-  std::uint8_t* out = decoded.rgba.data();
+  std::uint8_t* out = decoded.rgba.data();  // where the next rows go
   RgbaConverter converter(header);
   Reduction reduction(header.width, factor);
-  std::vector<std::uint8_t> rows(rowBytes * kBand);
+  std::vector<std::uint8_t> rows(rowBytes * kRowsAtATime);
   std::vector<std::uint8_t> rgbaRow(width * 4);
-  for (int first = 0; first < header.height; first += kBand) {
-    const int count = std::min(kBand, header.height - first);
+  for (int first = 0; first < header.height; first += kRowsAtATime) {
+    const int count = std::min(kRowsAtATime, header.height - first);
     withReason(name, "decoded", [&] { image.rows(count, rows.data()); });
     if (factor == 1) {
       converter.convert(rows.data(), width * static_cast<std::size_t>(count), out);
@@ -275,11 +283,12 @@ DecodedImage decode(ImageReader& image, const std::string& known, std::uint64_t 
       }
     }
   }
-  const bool meaningless = converter.greatestAlpha() == 0 && (kind == "bmp" || kind == "tga");
-  for (std::size_t i = 3; meaningless && i < decoded.rgba.size(); i += 4) decoded.rgba[i] = 255;
-  decoded.hasAlpha = converter.leastAlpha() < 255 && !meaningless;
+  // In BMP and TGA, an alpha that is 0 everywhere is a byte without a meaning.
+  const bool isOpaque = converter.greatestAlpha() == 0 && (kind == "bmp" || kind == "tga");
+  for (std::size_t i = 3; isOpaque && i < decoded.rgba.size(); i += 4) decoded.rgba[i] = 255;
+  decoded.hasAlpha = converter.leastAlpha() < 255 && !isOpaque;
   LeftOut leftOut;
-  for (const std::string& what : header.leftOut) leftOut.add(what);
+  for (const std::string& unreadContent : header.leftOut) leftOut.add(unreadContent);
   leftOut.add(kFurtherChannels, static_cast<std::uint64_t>(converter.unusedChannels()));
   leftOut.warn(name);
   return decoded;
@@ -303,17 +312,17 @@ const FormatSupport& imageFormat() {
 
 DecodedImage decodeImage(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) throw InputError({name}, "the image is empty");
-  const std::string known = kindOf(bytes);
-  return decode(*openImage(known.empty() ? name : "embedded." + known, bytes, name), known, bytes.size(), name);
+  const std::string kind = kindOf(bytes);
+  return decode(*openImage(kind.empty() ? name : "embedded." + kind, bytes, name), kind, bytes.size(), name);
 }
 
 DecodedImage readImage(const std::filesystem::path& path) {
   const std::string name = path.string();
   if (!isFile(path)) throw InputError({name}, "there is no such image");
-  const std::string known = kindOf(firstBytes(path, kMagicBytes));
-  if (isReadHere(known)) return decodeImage(readFile(path), name);
+  const std::string kind = kindOf(firstBytes(path, kMagicBytes));
+  if (isReadHere(kind)) return decodeImage(readFile(path), name);
   chargeFile(path);
-  return decode(*openImage(name, {}, name), known, std::filesystem::file_size(path), name);
+  return decode(*openImage(name, {}, name), kind, std::filesystem::file_size(path), name);
 }
 
 bool mayHaveAlpha(const std::filesystem::path& path) {

@@ -28,7 +28,7 @@ struct DecodedImage {
 };
 
 // Decodes PNG, JPEG, WebP, TGA, SGI, BMP, TIFF, EXR and all other kinds that OpenImageIO reads. `name` names the image
-// in messages; its ending gives the kind if the bytes do not show it. An image of more than 4096 pixels in a row or
+// in messages; its ending tells the kind if the bytes do not show it. An image of more than 4096 pixels in a row or
 // column is reduced to at most 4096: each pixel becomes the mean of a square of pixels. On a wall of 40 m a pixel is
 // then 1 cm wide, about as wide as a beam. Warns of what imageFormat() says to be left out. Throws an InputError that
 // starts with the name if the bytes are not an image, are damaged or are too few for the size in the header, if the

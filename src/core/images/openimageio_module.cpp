@@ -50,20 +50,21 @@ class OpenImageIoReader final : public ImageReader {
     const std::size_t rowValues = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
     const std::size_t values = static_cast<std::size_t>(count) * rowValues;
     light_.resize(isLinear() ? values : 0);
-    void* const to = isLinear() ? static_cast<void*>(light_.data()) : pixels;
+    void* const destination = isLinear() ? static_cast<void*>(light_.data()) : pixels;
     if (spec.tile_width == 0) {
-      const int first = spec.y + next_;
-      if (!input_->read_scanlines(0, 0, first, first + count, spec.z, 0, spec.nchannels, type, to)) {
+      const int first = spec.y + nextRow_;
+      if (!input_->read_scanlines(0, 0, first, first + count, spec.z, 0, spec.nchannels, type, destination)) {
         fail(input_.get());
       }
     } else {
-      if (whole_.empty()) {
-        whole_.resize(static_cast<std::size_t>(spec.height) * rowValues * type.size());
-        if (!input_->read_image(0, 0, 0, spec.nchannels, type, whole_.data())) fail(input_.get());
+      if (allRows_.empty()) {
+        allRows_.resize(static_cast<std::size_t>(spec.height) * rowValues * type.size());
+        if (!input_->read_image(0, 0, 0, spec.nchannels, type, allRows_.data())) fail(input_.get());
       }
-      std::memcpy(to, whole_.data() + static_cast<std::size_t>(next_) * rowValues * type.size(), values * type.size());
+      std::memcpy(destination, allRows_.data() + static_cast<std::size_t>(nextRow_) * rowValues * type.size(),
+                  values * type.size());
     }
-    next_ += count;
+    nextRow_ += count;
     if (isLinear()) encode(pixels);
   }
 
@@ -71,21 +72,27 @@ class OpenImageIoReader final : public ImageReader {
   // Returns the index of the alpha channel; -1: none. The reader of GIF names the channel behind it.
   int alphaChannel() const { return std::min(input_->spec().alpha_channel, input_->spec().nchannels - 1); }
 
+  // Fills header_. Throws std::runtime_error for an EXR whose pixels do not fill its display window.
   void describe() {
     const OIIO::ImageSpec spec = input_->spec();
     const std::string_view format = input_->format_name();
     // The reader of WebP multiplies in linear light. encode() divides linear colours.
     const double gamma = !isMultiplied() || isLinear() ? 0.0 : format == "webp" ? 2.2 : 1.0;
-    const bool exr = format == "openexr";
-    if (exr && spec.roi() != spec.roi_full()) {
+    const bool isExr = format == "openexr";
+    if (isExr && spec.roi() != spec.roi_full()) {
       throw std::runtime_error("its data window is not its display window: save it with one window");
     }
-    header_ = {spec.width, spec.height, spec.nchannels, alphaChannel(), gamma, isLinear()};
-    const int colors = alphaChannel() < 0 ? spec.nchannels : alphaChannel();
-    if (exr && colors < 3 && isOneOf("RGB", spec.channelnames[0])) header_.leftOut.emplace_back(kFewColors);
-    if (!exr && format != "tiff" && format != "gif" && format != "webp") return;
+    header_ = {.width = spec.width,
+               .height = spec.height,
+               .channels = spec.nchannels,
+               .alphaChannel = alphaChannel(),
+               .alphaGamma = gamma,
+               .linear = isLinear()};
+    const int colorChannels = alphaChannel() < 0 ? spec.nchannels : alphaChannel();
+    if (isExr && colorChannels < 3 && isOneOf("RGB", spec.channelnames[0])) header_.leftOut.emplace_back(kFewColors);
+    if (!isExr && format != "tiff" && format != "gif" && format != "webp") return;
     // Smaller images of TIFF are previews of the first.
-    if (input_->seek_subimage(1, 0) && (exr || input_->spec().width >= spec.width)) {
+    if (input_->seek_subimage(1, 0) && (isExr || input_->spec().width >= spec.width)) {
       header_.leftOut.emplace_back(kFurtherImages);
     }
     input_->geterror();
@@ -110,22 +117,24 @@ class OpenImageIoReader final : public ImageReader {
   // such as opacity, unless EXR names it a colour or the luminance (Y).
   bool isLinear() const {
     const OIIO::ImageSpec& spec = input_->spec();
-    const bool named = std::string_view(input_->format_name()) == "openexr" && isOneOf("RGBY", spec.channelnames[0]);
-    return spec.format.is_floating_point() && (spec.nchannels >= 3 || named);
+    const bool isColorOfExr =
+        std::string_view(input_->format_name()) == "openexr" && isOneOf("RGBY", spec.channelnames[0]);
+    return spec.format.is_floating_point() && (spec.nchannels >= 3 || isColorOfExr);
   }
 
-  // Converts the rows in light_ to bytes.
+  // Converts the rows in light_ to bytes: colours, divided by alpha if they are multiplied by it, to sRGB; alpha
+  // remains linear.
   void encode(std::uint8_t* pixels) const {
     const auto channels = static_cast<std::size_t>(input_->spec().nchannels);
-    const auto alpha = static_cast<std::size_t>(alphaChannel());  // beyond all channels if there is none
-    const bool divide = isMultiplied();
-    const auto part = [](double value) { return value > 0 ? std::min(value, 1.0) : 0.0; };  // 0 for NaN
+    const auto alphaIndex = static_cast<std::size_t>(alphaChannel());  // beyond all channels if there is none
+    const bool divides = isMultiplied();
+    const auto clamped = [](double value) { return value > 0 ? std::min(value, 1.0) : 0.0; };  // 0 for NaN
     for (std::size_t i = 0; i < light_.size(); i += channels) {
       for (std::size_t c = 0; c < channels; ++c) {
         const double value = double{light_[i + c]};
-        const double alphaOfPixel = divide ? part(double{light_[i + alpha]}) : 1.0;
-        const double coded = c == alpha ? part(value) : srgbOf(part(value / alphaOfPixel));
-        pixels[i + c] = static_cast<std::uint8_t>(std::lround(255 * coded));
+        const double alpha = divides ? clamped(double{light_[i + alphaIndex]}) : 1.0;
+        const double encodedValue = c == alphaIndex ? clamped(value) : srgbOf(clamped(value / alpha));
+        pixels[i + c] = static_cast<std::uint8_t>(std::lround(255 * encodedValue));
       }
     }
   }
@@ -133,9 +142,9 @@ class OpenImageIoReader final : public ImageReader {
   OIIO::Filesystem::IOMemReader memory_;
   std::unique_ptr<OIIO::ImageInput> input_;  // uses memory_, and must be destroyed before memory_
   ImageHeader header_;
-  std::vector<std::uint8_t> whole_;  // all rows, if the file has tiles
-  std::vector<float> light_;         // the latest rows, if colours are linear
-  int next_ = 0;                     // index of the next row
+  std::vector<std::uint8_t> allRows_;  // of a file with tiles, once a row is read
+  std::vector<float> light_;           // the latest rows, if colours are linear
+  int nextRow_ = 0;
 };
 
 // Keeps libtiff from printing. OpenImageIO tries all its readers on a damaged file, and from 2.5 on (Debian 13) libtiff

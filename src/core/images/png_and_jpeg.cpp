@@ -60,9 +60,9 @@ class PngReader final : public ImageReader {
     if (info_ == nullptr) throw std::bad_alloc();
     try {
       guard_.run([this] { readHeader(); });
-      // An animation (APNG) states it before the pixels.
-      const std::string_view before = bytes.substr(0, bytes.find("IDAT"));
-      if (before.find("acTL") != before.npos) header_.leftOut.emplace_back(kFurtherImages);
+      // An animation (APNG) has a chunk acTL before the chunks of pixels (IDAT).
+      const std::string_view chunksBefore = bytes.substr(0, bytes.find("IDAT"));
+      if (chunksBefore.find("acTL") != chunksBefore.npos) header_.leftOut.emplace_back(kFurtherImages);
     } catch (...) {
       png_destroy_read_struct(&png_, &info_, nullptr);
       throw;
@@ -78,38 +78,44 @@ class PngReader final : public ImageReader {
     const std::size_t rowBytes = std::size_t(header_.width) * std::size_t(header_.channels);
     if (interlaced_) {
       readInterlaced(rowBytes);
-      std::memcpy(pixels, allRows_.data() + std::size_t(next_) * rowBytes, std::size_t(count) * rowBytes);
+      std::memcpy(pixels, allRows_.data() + std::size_t(nextRow_) * rowBytes, std::size_t(count) * rowBytes);
     } else {
       guard_.run([=, this] {
         for (int i = 0; i < count; ++i) png_read_row(png_, pixels + std::size_t(i) * rowBytes, nullptr);
       });
     }
-    next_ += count;
-    if (next_ == header_.height) guard_.run([this] { png_read_end(png_, nullptr); });
+    nextRow_ += count;
+    if (nextRow_ == header_.height) guard_.run([this] { png_read_end(png_, nullptr); });
   }
 
  private:
-  static void take(png_structp png, png_bytep to, std::size_t size) {
-    auto& left = *static_cast<std::string_view*>(png_get_io_ptr(png));
-    if (size > left.size()) png_error(png, "it is truncated");
-    std::memcpy(to, left.data(), size);
-    left.remove_prefix(size);
+  // Gives libpng the next `size` bytes of unread_.
+  static void copyBytes(png_structp png, png_bytep to, std::size_t size) {
+    auto& unread = *static_cast<std::string_view*>(png_get_io_ptr(png));
+    if (size > unread.size()) png_error(png, "it is truncated");
+    std::memcpy(to, unread.data(), size);
+    unread.remove_prefix(size);
   }
 
+  // Fills header_ and interlaced_, and lets libpng convert all kinds of pixels to 8 bits per channel.
   void readHeader() {
-    png_set_read_fn(png_, &unread_, take);
+    png_set_read_fn(png_, &unread_, copyBytes);
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // skips chunks that do not affect pixels
-    png_set_user_limits(png_, 1 << 30, 1 << 30);                             // checkSize() checks the size later
+    constexpr png_uint_32 kNoLimit = 1 << 30;                                // checkSize() checks the size later
+    png_set_user_limits(png_, kNoLimit, kNoLimit);
     png_read_info(png_, info_);
     png_set_expand(png_);
     png_set_scale_16(png_);
     interlaced_ = png_set_interlace_handling(png_) > 1;
     png_read_update_info(png_, info_);
     const int channels = png_get_channels(png_, info_);
-    header_ = {static_cast<int>(png_get_image_width(png_, info_)), static_cast<int>(png_get_image_height(png_, info_)),
-               channels, channels == 2 || channels == 4 ? channels - 1 : -1, 0};
+    header_ = {.width = static_cast<int>(png_get_image_width(png_, info_)),
+               .height = static_cast<int>(png_get_image_height(png_, info_)),
+               .channels = channels,
+               .alphaChannel = channels == 2 || channels == 4 ? channels - 1 : -1};
   }
 
+  // Fills allRows_, unless an earlier call did.
   void readInterlaced(std::size_t rowBytes) {
     if (!allRows_.empty()) return;
     allRows_.resize(std::size_t(header_.height) * rowBytes);
@@ -126,12 +132,12 @@ class PngReader final : public ImageReader {
   ImageHeader header_;
   bool interlaced_ = false;
   std::vector<std::uint8_t> allRows_;  // all rows of an interlaced image
-  int next_ = 0;                       // index of the next row
+  int nextRow_ = 0;
 };
 
-// Maximum number of scans of a progressive JPEG: encoders write about ten, but a small hostile file may contain very
-// many, each of which is decoded over the complete image.
-constexpr int kMostScans = 500;  // limitScans() names it
+// Maximum number of scans of a progressive JPEG, which limitScans() names too: encoders write about ten, but a small
+// hostile file may contain very many, each of which is decoded over the complete image.
+constexpr int kMostScans = 500;
 
 class JpegReader final : public ImageReader {
  public:
@@ -156,8 +162,9 @@ class JpegReader final : public ImageReader {
   bool isOfInks() const { return jpeg_.num_components == 4; }
 
   ImageHeader header() const override {
-    return {static_cast<int>(jpeg_.image_width), static_cast<int>(jpeg_.image_height), jpeg_.out_color_components, -1,
-            0};
+    return {.width = static_cast<int>(jpeg_.image_width),
+            .height = static_cast<int>(jpeg_.image_height),
+            .channels = jpeg_.out_color_components};
   }
 
   void rows(int count, std::uint8_t* pixels) override {

@@ -21,11 +21,12 @@ bool isRecords(const fs::path& file) {
   return numbersOfRecord(file) == 4;
 }
 
-// Adds the scans of one sequence, whose folder contains velodyne/ or velodyne_points/data/.
-void addSequence(const fs::path& folder, const std::string& name, ScanFolder& found) {
-  for (const fs::path& scans : {folder / "velodyne", folder / "velodyne_points" / "data"}) {
-    for (const fs::path& file : filesIn(scans, isRecords)) {
-      found.scans.push_back({name.empty() ? file.stem().string() : name + "-" + file.stem().string(), file, {}});
+// Adds the scans of one sequence, whose folder contains velodyne/ or velodyne_points/data/. Their keys begin with the
+// sequence's name unless it is empty.
+void addSequence(const fs::path& sequence, const std::string& name, std::vector<FolderScan>& scans) {
+  for (const fs::path& folder : {sequence / "velodyne", sequence / "velodyne_points" / "data"}) {
+    for (const fs::path& file : filesIn(folder, isRecords)) {
+      scans.push_back({.key = (name.empty() ? "" : name + "-") + file.stem().string(), .points = file});
     }
   }
 }
@@ -33,21 +34,22 @@ void addSequence(const fs::path& folder, const std::string& name, ScanFolder& fo
 }  // namespace
 
 std::optional<ScanFolder> readKittiFolder(const fs::path& folder) {
-  ScanFolder found{"kitti", "velodyne", {}, {}};
-  const fs::path whole = fs::absolute(folder).lexically_normal();
-  const fs::path own = whole.has_filename() ? whole : whole.parent_path();
-  addSequence(own, "", found);
-  if (found.scans.empty() && own.filename() == "velodyne") addSequence(own.parent_path(), "", found);
-  for (const fs::path& above : {own, own / "sequences", own / "dataset" / "sequences"}) {
-    if (!found.scans.empty()) break;
-    for (const fs::path& sequence : foldersIn(above)) addSequence(sequence, sequence.filename().string(), found);
+  ScanFolder kitti{.layout = "kitti", .sensor = "velodyne"};
+  const fs::path absolute = fs::absolute(folder).lexically_normal();
+  const fs::path root = absolute.has_filename() ? absolute : absolute.parent_path();  // without a slash at its end
+  addSequence(root, "", kitti.scans);
+  if (kitti.scans.empty() && root.filename() == "velodyne") addSequence(root.parent_path(), "", kitti.scans);
+  for (const fs::path& sequences : {root, root / "sequences", root / "dataset" / "sequences"}) {
+    if (!kitti.scans.empty()) break;
+    for (const fs::path& sequence : foldersIn(sequences)) {
+      addSequence(sequence, sequence.filename().string(), kitti.scans);
+    }
   }
-  if (found.scans.empty()) return {};
-  for (const FolderScan& scan : found.scans) {
-    found.ontology = ontologyBeside(scan.points);
-    if (found.ontology) break;
+  if (kitti.scans.empty()) return {};
+  for (auto scan = kitti.scans.begin(); scan != kitti.scans.end() && !kitti.ontology; ++scan) {
+    kitti.ontology = ontologyBeside(scan->points);
   }
-  return found;
+  return kitti;
 }
 
 std::optional<Ontology> ontologyBeside(const fs::path& scan) {

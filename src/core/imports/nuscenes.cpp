@@ -26,18 +26,19 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::string_view kRows = "sample_data.json";
+constexpr std::string_view kScanTable = "sample_data.json";  // and of images
 
-// Calls take(row) for each row of a table. Each row is freed after the call, because a table of the complete dataset
+// Calls readRow(row) for each row of a table. Each row is freed after the call, because a table of the complete dataset
 // has millions of rows.
-void readTable(const fs::path& file, const std::function<void(const Json&)>& take) {
+void readTable(const fs::path& file, const std::function<void(const Json&)>& readRow) {
   try {
-    const Json rest = Json::parse(readFile(file), [&](int depth, Json::parse_event_t event, Json& row) {
+    // The parser keeps no row for which this callback returns false.
+    const Json table = Json::parse(readFile(file), [&](int depth, Json::parse_event_t event, Json& row) {
       if (event != Json::parse_event_t::object_end || depth != 1) return true;
-      take(row);
+      readRow(row);
       return false;
     });
-    if (!rest.is_array() || !rest.empty()) {
+    if (!table.is_array() || !table.empty()) {
       throw InputError({file.string()}, "is not a table of nuScenes: it must be a list of objects");
     }
   } catch (const Json::exception& e) {
@@ -48,11 +49,11 @@ void readTable(const fs::path& file, const std::function<void(const Json&)>& tak
 // Returns the folder of the tables, inside of `folder` or `folder` itself; empty if there is none. If `folder`
 // contains several versions, returns the first by name.
 fs::path tablesIn(const fs::path& folder) {
-  if (pathExists(folder / kRows)) return folder;
+  if (pathExists(folder / kScanTable)) return folder;
   std::vector<fs::path> versions;
   std::error_code failure;
   for (const auto& entry : fs::directory_iterator(folder, failure)) {
-    if (entry.path().filename().string().starts_with("v1.0-") && pathExists(entry.path() / kRows)) {
+    if (entry.path().filename().string().starts_with("v1.0-") && pathExists(entry.path() / kScanTable)) {
       versions.push_back(entry.path());
     }
   }
@@ -63,51 +64,54 @@ fs::path tablesIn(const fs::path& folder) {
 }  // namespace
 
 std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
-  const fs::path given = tablesIn(folder);
-  if (given.empty()) return {};
-  const fs::path tables = fs::absolute(given).lexically_normal();
+  const fs::path tablesAsGiven = tablesIn(folder);
+  if (tablesAsGiven.empty()) return {};
+  const fs::path tables = fs::absolute(tablesAsGiven).lexically_normal();
   const fs::path root = (tables.has_filename() ? tables : tables.parent_path()).parent_path();
-  std::map<std::string, std::string> sceneOf;  // token of the scene, by token of a sample
-  std::map<std::string, std::string> nameOf;   // name of a scene, by its token
-  readTable(tables / "scene.json",
-            [&](const Json& row) { nameOf[row.at("token").get<std::string>()] = row.at("name").get<std::string>(); });
-  readTable(tables / "sample.json", [&](const Json& row) {
-    sceneOf[row.at("token").get<std::string>()] = row.at("scene_token").get<std::string>();
-  });
-  const auto labelFiles = [&](const char* name) {
-    std::map<std::string, fs::path> files;  // by token of sample_data
-    if (!pathExists(tables / name)) return files;
-    readTable(tables / name, [&](const Json& row) {
-      files[row.at("sample_data_token").get<std::string>()] = root / row.at("filename").get<std::string>();
-    });
-    return files;
+  // Returns the column `value` of a table by the column `key`; nothing if an optional table is missing.
+  enum class Table { Required, Optional };
+  using Texts = std::map<std::string, std::string>;
+  const auto columnOf = [&](const char* table, const char* value, const char* key, Table need) {
+    Texts values;
+    if (need == Table::Optional && !pathExists(tables / table)) return values;
+    readTable(tables / table,
+              [&](const Json& row) { values[row.at(key).get<std::string>()] = row.at(value).get<std::string>(); });
+    return values;
   };
-  std::map<std::string, fs::path> lidarseg = labelFiles("lidarseg.json");
-  std::map<std::string, fs::path> panoptic = labelFiles("panoptic.json");
-  const bool labelled = !lidarseg.empty() || !panoptic.empty();
-  ScanFolder found{"nuscenes", "LIDAR_TOP", {}, {}};
-  std::size_t absent = 0;
-  readTable(tables / kRows, [&](const Json& row) {
+  Texts sceneNames = columnOf("scene.json", "name", "token", Table::Required);
+  Texts sceneTokens = columnOf("sample.json", "scene_token", "token", Table::Required);  // by token of a sample
+  // Files of labels, by token of sample_data.
+  Texts lidarseg = columnOf("lidarseg.json", "filename", "sample_data_token", Table::Optional);
+  Texts panoptic = columnOf("panoptic.json", "filename", "sample_data_token", Table::Optional);
+  const auto pathOf = [&](const Texts& labels, const std::string& token) {
+    const auto file = labels.find(token);
+    return file == labels.end() ? fs::path() : root / file->second;
+  };
+  ScanFolder nuScenes{.layout = "nuscenes", .sensor = "LIDAR_TOP"};
+  std::size_t missingScans = 0;
+  readTable(tables / kScanTable, [&](const Json& row) {
     if (!row.value("is_key_frame", false) || !row.value("filename", "").ends_with(".pcd.bin")) return;
     const fs::path points = root / row.at("filename").get<std::string>();
     const std::string sample = row.at("sample_token").get<std::string>();
     const std::string token = row.at("token").get<std::string>();
     if (!pathExists(points)) {
-      ++absent;
+      ++missingScans;
       return;
     }
     const std::uint64_t time = row.at("timestamp").get<std::uint64_t>();  // microseconds
-    found.scans.push_back(
-        {nameOf[sceneOf[sample]] + "-" + std::to_string(time), points, lidarseg[token], panoptic[token]});
+    nuScenes.scans.push_back({.key = sceneNames[sceneTokens[sample]] + "-" + std::to_string(time),
+                              .points = points,
+                              .lidarseg = pathOf(lidarseg, token),
+                              .panoptic = pathOf(panoptic, token)});
   });
-  if (found.scans.empty()) {
-    throw InputError({root.string()}, absent == 0 ? "has tables of nuScenes, but they list no scan of a lidar"
-                                                  : "has tables of nuScenes, but the scans that they list are missing");
+  if (nuScenes.scans.empty()) {
+    throw InputError({root.string()}, missingScans == 0
+                                          ? "has tables of nuScenes, but they list no scan of a lidar"
+                                          : "has tables of nuScenes, but the scans that they list are missing");
   }
-  std::sort(found.scans.begin(), found.scans.end(),
-            [](const FolderScan& a, const FolderScan& b) { return a.key < b.key; });
-  if (labelled) found.ontology = readOntology(namedResource("nuscenes", "labels"));
-  return found;
+  std::ranges::sort(nuScenes.scans, {}, &FolderScan::key);
+  if (!lidarseg.empty() || !panoptic.empty()) nuScenes.ontology = readOntology(namedResource("nuscenes", "labels"));
+  return nuScenes;
 }
 
 }  // namespace scanmill

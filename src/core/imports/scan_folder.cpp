@@ -15,13 +15,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns the entries of a folder for which `wanted` returns true, sorted by name; none if the folder does not exist.
-template <class Wanted>
-std::vector<fs::path> entriesIn(const fs::path& folder, const Wanted& wanted) {
+// Returns the entries of a folder that `accepts` accepts, sorted by name; none if the folder does not exist.
+template <class Accepts>
+std::vector<fs::path> entriesIn(const fs::path& folder, const Accepts& accepts) {
   std::vector<fs::path> entries;
   std::error_code failure;
   for (const auto& entry : fs::directory_iterator(folder, failure)) {
-    if (wanted(entry)) entries.push_back(entry.path());
+    if (accepts(entry)) entries.push_back(entry.path());
   }
   std::sort(entries.begin(), entries.end());
   return entries;
@@ -37,9 +37,9 @@ bool isFirstOfItsFolder(const fs::path& file) {
 
 }  // namespace
 
-std::vector<fs::path> filesIn(const fs::path& folder, bool (*wanted)(const fs::path&)) {
+std::vector<fs::path> filesIn(const fs::path& folder, bool (*accepts)(const fs::path&)) {
   std::error_code failure;
-  return entriesIn(folder, [&](const auto& entry) { return entry.is_regular_file(failure) && wanted(entry.path()); });
+  return entriesIn(folder, [&](const auto& entry) { return entry.is_regular_file(failure) && accepts(entry.path()); });
 }
 
 std::vector<fs::path> foldersIn(const fs::path& folder) {
@@ -48,37 +48,35 @@ std::vector<fs::path> foldersIn(const fs::path& folder) {
 }
 
 std::optional<ScanFolder> readPlainFolder(const fs::path& folder) {
-  ScanFolder found{"files", "", {}, {}};
-  const auto add = [&](const fs::path& from, const std::string& before) {
-    for (const fs::path& file : filesIn(from, [](const fs::path& f) { return isScan(f); })) {
+  ScanFolder plain{.layout = "files", .sensor = ""};
+  const auto addScansIn = [&](const fs::path& scans, const std::string& keyPrefix) {
+    for (const fs::path& file : filesIn(scans, [](const fs::path& f) { return isScan(f); })) {
       // CSV files in a subfolder may be the tables of a report and not scans, so they are skipped.
-      if (!before.empty() && file.extension() == ".csv") continue;
-      found.scans.push_back({before + file.filename().string(), file, {}});
+      if (!keyPrefix.empty() && file.extension() == ".csv") continue;
+      plain.scans.push_back({.key = keyPrefix + file.filename().string(), .points = file});
     }
   };
-  add(folder, "");
-  if (found.scans.empty()) {
-    for (const fs::path& below : foldersIn(folder)) add(below, below.filename().string() + "-");
+  addScansIn(folder, "");
+  if (plain.scans.empty()) {
+    for (const fs::path& subfolder : foldersIn(folder)) addScansIn(subfolder, subfolder.filename().string() + "-");
   }
-  if (found.scans.empty()) return {};
-  return found;
+  return plain.scans.empty() ? std::nullopt : std::optional(std::move(plain));
 }
 
 std::optional<ScanFolder> scanFolderIn(const fs::path& folder) {
   // More specific layouts are tried first.
-  for (const auto read : {readNuScenesFolder, readKittiFolder, readPlainFolder}) {
-    if (auto found = read(folder)) return found;
+  for (const auto readLayout : {readNuScenesFolder, readKittiFolder, readPlainFolder}) {
+    if (auto scans = readLayout(folder)) return scans;
   }
   return {};
 }
 
-Scan readFolderScan(const FolderScan& scan) {
-  Cloud cloud = readCloud(scan.points);
-  if (!cloud.leftOut.empty() && isFirstOfItsFolder(scan.points)) cloud.leftOut.warn(scan.points.string());
-  Scan read = std::move(cloud.scan);
-  if (!scan.lidarseg.empty()) addLidarsegLabels(readFile(scan.lidarseg), scan.lidarseg.string(), read);
-  if (!scan.panoptic.empty()) addPanopticLabels(readFile(scan.panoptic), scan.panoptic.string(), read);
-  return read;
+Scan readFolderScan(const FolderScan& files) {
+  Cloud cloud = readCloud(files.points);
+  if (!cloud.leftOut.empty() && isFirstOfItsFolder(files.points)) cloud.leftOut.warn(files.points.string());
+  if (!files.lidarseg.empty()) addLidarsegLabels(readFile(files.lidarseg), files.lidarseg.string(), cloud.scan);
+  if (!files.panoptic.empty()) addPanopticLabels(readFile(files.panoptic), files.panoptic.string(), cloud.scan);
+  return std::move(cloud.scan);
 }
 
 }  // namespace scanmill

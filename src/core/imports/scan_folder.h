@@ -16,15 +16,15 @@ namespace scanmill {
 struct FolderScan {
   std::string key;                      // sequence and frame, such as "08-000010"
   std::filesystem::path points;         // a file for readCloud() (formats/cloud_file.h)
-  std::filesystem::path lidarseg;       // file with the labels of nuScenes-lidarseg; empty: none
+  std::filesystem::path lidarseg = {};  // file with the labels of nuScenes-lidarseg; empty: none
   std::filesystem::path panoptic = {};  // file with the labels of Panoptic nuScenes; empty: none
 };
 
 struct ScanFolder {
-  std::string layout;                // name of the layout, such as "kitti"
-  std::string sensor;                // sensor's name, such as "velodyne"; empty: the layout does not name the sensor
-  std::optional<Ontology> ontology;  // classes of the labels; none: unknown, or no labels
-  std::vector<FolderScan> scans;     // ordered by key
+  std::string layout;  // name of the layout, such as "kitti"
+  std::string sensor;  // sensor's name, such as "velodyne"; empty: the layout does not name the sensor
+  std::optional<Ontology> ontology = {};  // classes of the labels; none: unknown, or no labels
+  std::vector<FolderScan> scans = {};     // ordered by key
 };
 
 // Finds the scans in a folder, with the first layout that fits. The folder may be a dataset's root or a part of the
@@ -33,7 +33,7 @@ std::optional<ScanFolder> scanFolderIn(const std::filesystem::path& folder);
 
 // Reads a scan with its labels, in the coordinate frame of its file. Warns of what the reader leaves out of the first
 // file of each folder that is read. May be called from any thread. Throws InputError.
-Scan readFolderScan(const FolderScan& scan);
+Scan readFolderScan(const FolderScan& files);
 
 // Returns the classes of the labels that readCloud() finds beside a scan; nothing if there are no labels.
 std::optional<Ontology> ontologyBeside(const std::filesystem::path& scan);
@@ -44,9 +44,9 @@ std::optional<ScanFolder> readNuScenesFolder(const std::filesystem::path& folder
 std::optional<ScanFolder> readKittiFolder(const std::filesystem::path& folder);
 std::optional<ScanFolder> readPlainFolder(const std::filesystem::path& folder);
 
-// Returns the files in a folder for which `wanted` returns true, sorted by name; none if the folder does not exist.
+// Returns the files in a folder that `accepts` accepts, sorted by name; none if the folder does not exist.
 std::vector<std::filesystem::path> filesIn(const std::filesystem::path& folder,
-                                           bool (*wanted)(const std::filesystem::path&));
+                                           bool (*accepts)(const std::filesystem::path&));
 // Returns the subfolders of a folder, sorted by name; none if the folder does not exist.
 std::vector<std::filesystem::path> foldersIn(const std::filesystem::path& folder);
 

@@ -16,10 +16,12 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/earth.h"
@@ -30,225 +32,251 @@ namespace scanmill {
 
 namespace {
 
-[[noreturn]] void fail(const char* otherwise) {
-  const std::string text = CPLGetLastErrorMsg();
+// Throws GDAL's latest error message or, if there is none, `fallback`.
+[[noreturn]] void fail(const char* fallback) {
+  const std::string message = CPLGetLastErrorMsg();
   CPLErrorReset();
-  throw std::runtime_error(text.empty() ? otherwise : text);
+  throw std::runtime_error(message.empty() ? fallback : message);
 }
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUsualMarker = -9999;  // marks missing samples in many files; the default of Esri's text grids
 
 // A coordinate system whose first axis is x (east) and whose second is y (north), as in the raster.
 class Reference {
  public:
   explicit Reference(const std::string& definition) : handle_(OSRNewSpatialReference(nullptr)) {
     // Neither opens files nor the network, unlike OSRSetFromUserInput().
-    known_ = !definition.empty() &&
-             OGRSpatialReference::FromHandle(handle_)->SetFromUserInput(
-                 definition.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) == OGRERR_NONE;
+    isValid_ = !definition.empty() &&
+               OGRSpatialReference::FromHandle(handle_)->SetFromUserInput(
+                   definition.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) == OGRERR_NONE;
     OSRSetAxisMappingStrategy(handle_, OAMS_TRADITIONAL_GIS_ORDER);
   }
-  explicit Reference(OGRSpatialReferenceH handle) : handle_(handle), known_(true) {
+  explicit Reference(OGRSpatialReferenceH handle) : handle_(handle), isValid_(true) {
     OSRSetAxisMappingStrategy(handle_, OAMS_TRADITIONAL_GIS_ORDER);
   }
   ~Reference() { OSRDestroySpatialReference(handle_); }
   Reference(const Reference&) = delete;
   Reference& operator=(const Reference&) = delete;
 
+  // Replaces the definition by Esri's, in the file `prj`.
   void readEsri(const std::string& prj) {
     char** const lines = CSLLoad(prj.c_str());
-    known_ = lines != nullptr && OSRImportFromESRI(handle_, lines) == OGRERR_NONE;
+    isValid_ = lines != nullptr && OSRImportFromESRI(handle_, lines) == OGRERR_NONE;
     CSLDestroy(lines);
   }
 
-  bool known() const { return known_; }
+  bool isValid() const { return isValid_; }
 
-  // Describes the system with its stretch at a place.
-  CoordinateSystem at(double x, double y) const {
+  // Describes the system; its stretch and its UTM zone are those at the point (x, y) in its own coordinates. An invalid
+  // system is described by CoordinateSystem's defaults.
+  CoordinateSystem describedAt(double x, double y) const {
     CoordinateSystem system;
-    if (!known_) return system;
+    if (!isValid_) return system;
     char* text = nullptr;
     if (OSRExportToWkt(handle_, &text) == OGRERR_NONE) system.definition = text;
     CPLFree(text);
     system.geographic = OSRIsGeographic(handle_) != 0;
     system.local = !system.geographic && OSRIsProjected(handle_) == 0 && OSRIsGeocentric(handle_) == 0;
-    if (system.geographic) {
-      system.perUnit = degrees(OSRGetAngularUnits(handle_, nullptr));
-      if (std::fabs(system.perUnit - 1) < 1e-9) system.perUnit = 1;  // definitions round it
-      const double earth = OSRGetSemiMajor(handle_, nullptr) / kEarthRadius;
-      if (OSRIsDerivedGeographic(handle_) != 0) system.foreign = "degrees of a sphere with another pole";
-      if (!(earth > 0.99 && earth < 1.01)) system.foreign = "degrees of another body than the earth";
-    } else {
-      char* name = nullptr;
-      system.perUnit = OSRGetLinearUnits(handle_, &name);
-      system.unit = name == nullptr ? "unit" : name;
-      if (OSRIsGeocentric(handle_) != 0) system.foreign = "earth-centred coordinates";
-      OGRAxisOrientation along = OAO_East, across = OAO_North;
-      OSRGetAxis(handle_, "PROJCS", 0, &along);
-      OSRGetAxis(handle_, "PROJCS", 1, &across);
-      const auto are = [&](OGRAxisOrientation a, OGRAxisOrientation b) { return along == a && across == b; };
-      if (are(OAO_South, OAO_West) || are(OAO_East, OAO_South) || are(OAO_West, OAO_North)) {
-        system.foreign = "coordinates that mirror the ground, with axes south and west or the like";
-      }
-    }
+    system.geographic ? describeDegrees(system) : describeLengths(system);
     if (OSRIsVertical(handle_) != 0) {
-      char* name = nullptr;
-      OGRAxisOrientation points = OAO_Up;
-      OSRGetAxis(handle_, "VERT_CS", 0, &points);
-      system.perHeight = OSRGetTargetLinearUnits(handle_, "VERT_CS", &name) * (points == OAO_Down ? -1 : 1);
-      system.heightUnit = name == nullptr ? "unit" : name;
+      char* unitName = nullptr;
+      OGRAxisOrientation heightAxis = OAO_Up;
+      OSRGetAxis(handle_, "VERT_CS", 0, &heightAxis);
+      system.perHeight = OSRGetTargetLinearUnits(handle_, "VERT_CS", &unitName) * (heightAxis == OAO_Down ? -1 : 1);
+      system.heightUnit = unitName == nullptr ? "unit" : unitName;
     }
-    measure(system, x, y);
+    if (OSRIsProjected(handle_) != 0) measureStretch(system, x, y);
     CPLErrorReset();
     return system;
   }
 
-  // Changes coordinates to another system. Returns false if they cannot be.
-  template <std::size_t Count>
-  bool transform(const Reference& other, std::array<double, Count>& x, std::array<double, Count>& y) const {
-    OGRCoordinateTransformationH change = OCTNewCoordinateTransformation(handle_, other.handle_);
-    if (change == nullptr) return false;
-    const bool done = OCTTransform(change, Count, x.data(), y.data(), nullptr) != 0;
-    OCTDestroyCoordinateTransformation(change);
-    return done && std::all_of(x.begin(), x.end(), [](double d) { return std::isfinite(d); }) &&
-           std::all_of(y.begin(), y.end(), [](double d) { return std::isfinite(d); });
+  // Converts points, in place, from this system's coordinates to those of `target`. Returns false if GDAL cannot.
+  bool transform(const Reference& target, std::span<double> x, std::span<double> y) const {
+    OGRCoordinateTransformationH transformation = OCTNewCoordinateTransformation(handle_, target.handle_);
+    if (transformation == nullptr) return false;
+    const bool isConverted = OCTTransform(transformation, static_cast<int>(x.size()), x.data(), y.data(), nullptr) != 0;
+    OCTDestroyCoordinateTransformation(transformation);
+    const auto isFinite = [](double coordinate) { return std::isfinite(coordinate); };
+    return isConverted && std::ranges::all_of(x, isFinite) && std::ranges::all_of(y, isFinite);
   }
 
+  // See shiftBetween(). Removes the vertical systems of both references.
   double shift(const Reference& other, double x, double y) const {
-    if (!known_ || !other.known_ || OSRIsProjected(handle_) == 0 || OSRIsProjected(other.handle_) == 0) return 0;
+    if (!isValid_ || !other.isValid_ || OSRIsProjected(handle_) == 0 || OSRIsProjected(other.handle_) == 0) return 0;
     OSRStripVertical(handle_);
     OSRStripVertical(other.handle_);
     const double unit = OSRGetLinearUnits(handle_, nullptr), otherUnit = OSRGetLinearUnits(other.handle_, nullptr);
-    std::array<double, 1> east{x / unit}, north{y / unit};
-    return transform(other, east, north) ? std::hypot(east[0] * otherUnit - x, north[0] * otherUnit - y) : 0;
+    double east = x / unit, north = y / unit;
+    return transform(other, {&east, 1}, {&north, 1}) ? std::hypot(east * otherUnit - x, north * otherUnit - y) : 0;
   }
 
-  bool same(const Reference& other) const {
+  // True if the horizontal systems are the same. Removes the vertical systems of both references.
+  bool isSameAs(const Reference& other) const {
     OSRStripVertical(handle_);
     OSRStripVertical(other.handle_);
     return OSRIsSame(handle_, other.handle_) != 0;
   }
 
  private:
-  // Fills stretch and utm.
-  void measure(CoordinateSystem& system, double x, double y) const {
-    if (OSRIsProjected(handle_) == 0) return;
-    const double step = 100;  // m
-    std::array<double, 3> east{x, x + step / system.perUnit, x};
-    std::array<double, 3> north{y, y, y + step / system.perUnit};
-    const Reference flat(OSRClone(handle_));
-    OSRStripVertical(flat.handle_);
+  // Fills the units of a system of longitudes and latitudes, and why its degrees cannot be used.
+  void describeDegrees(CoordinateSystem& system) const {
+    constexpr double kRounding = 1e-9;       // of degrees in definitions
+    constexpr double kLargestMisfit = 0.01;  // of the earth's ellipsoids; the radii of other bodies differ more
+    system.perUnit = degrees(OSRGetAngularUnits(handle_, nullptr));
+    if (std::fabs(system.perUnit - 1) < kRounding) system.perUnit = 1;
+    const double earthRadii = OSRGetSemiMajor(handle_, nullptr) / kEarthRadius;
+    if (OSRIsDerivedGeographic(handle_) != 0) system.foreign = "degrees of a sphere with another pole";
+    if (!(std::fabs(earthRadii - 1) < kLargestMisfit)) system.foreign = "degrees of another body than the earth";
+  }
+
+  // Fills the units of a system whose x and y are lengths, and why they cannot be used.
+  void describeLengths(CoordinateSystem& system) const {
+    char* unitName = nullptr;
+    system.perUnit = OSRGetLinearUnits(handle_, &unitName);
+    system.unit = unitName == nullptr ? "unit" : unitName;
+    if (OSRIsGeocentric(handle_) != 0) system.foreign = "earth-centred coordinates";
+    OGRAxisOrientation firstAxis = OAO_East, secondAxis = OAO_North;
+    OSRGetAxis(handle_, "PROJCS", 0, &firstAxis);
+    OSRGetAxis(handle_, "PROJCS", 1, &secondAxis);
+    const std::pair axes(firstAxis, secondAxis);
+    if (axes == std::pair(OAO_South, OAO_West) || axes == std::pair(OAO_East, OAO_South) ||
+        axes == std::pair(OAO_West, OAO_North)) {
+      system.foreign = "coordinates that mirror the ground, with axes south and west or the like";
+    }
+  }
+
+  // Fills stretch and utm of a projected system: converts two steps, along x and along y, to longitudes and latitudes,
+  // and compares their lengths with those on the ellipsoid. The step that is distorted more counts.
+  void measureStretch(CoordinateSystem& system, double x, double y) const {
+    constexpr double kStep = 100;  // m
+    std::array<double, 3> longitude{x, x + kStep / system.perUnit, x};
+    std::array<double, 3> latitude{y, y, y + kStep / system.perUnit};
+    const Reference horizontal(OSRClone(handle_));
+    OSRStripVertical(horizontal.handle_);
     const Reference geographic(OSRCloneGeogCS(handle_));
-    if (!flat.transform(geographic, east, north)) return;
-    const double radian = OSRGetAngularUnits(geographic.handle_, nullptr);
-    const double inverse = OSRGetInvFlattening(handle_, nullptr);
-    const double eccentricity2 = inverse > 1 ? (2 - 1 / inverse) / inverse : 0;
-    // Radii of curvature of the ellipsoid: along the meridian, and across it.
-    const double w = 1 - eccentricity2 * std::pow(std::sin(north[0] * radian), 2);
-    const double across = OSRGetSemiMajor(handle_, nullptr) / std::sqrt(w);
-    const double along = across * (1 - eccentricity2) / w;
+    if (!horizontal.transform(geographic, longitude, latitude)) return;
+    const double radiansPerUnit = OSRGetAngularUnits(geographic.handle_, nullptr);
+    const double inverseFlattening = OSRGetInvFlattening(handle_, nullptr);  // 0 for a sphere
+    const double eccentricity2 = inverseFlattening > 1 ? (2 - 1 / inverseFlattening) / inverseFlattening : 0;
+    // Radii of curvature of the ellipsoid (m): across the meridian, and along it.
+    const double w = 1 - eccentricity2 * std::pow(std::sin(latitude[0] * radiansPerUnit), 2);
+    const double radiusAcross = OSRGetSemiMajor(handle_, nullptr) / std::sqrt(w);
+    const double radiusAlong = radiusAcross * (1 - eccentricity2) / w;
     for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
-      const double dx = (east[k] - east[0]) * radian * std::cos(north[0] * radian) * across;
-      const double dy = (north[k] - north[0]) * radian * along;
-      const double stretch = step / std::hypot(dx, dy);
+      const double dx =
+          (longitude[k] - longitude[0]) * radiansPerUnit * std::cos(latitude[0] * radiansPerUnit) * radiusAcross;
+      const double dy = (latitude[k] - latitude[0]) * radiansPerUnit * radiusAlong;
+      const double stretch = kStep / std::hypot(dx, dy);
       if (std::fabs(std::log(stretch)) >= std::fabs(std::log(system.stretch))) system.stretch = stretch;
     }
-    const int zone = static_cast<int>(std::floor((degrees(east[0] * radian) + 180) / 6)) % 60 + 1;
-    system.utm = (north[0] < 0 ? 32700 : 32600) + zone;
+    // UTM has 60 zones of 6 degrees from longitude -180, with EPSG's codes 326xx in the north and 327xx in the south.
+    const int zone = static_cast<int>(std::floor((degrees(longitude[0] * radiansPerUnit) + 180) / 6)) % 60 + 1;
+    system.utm = (latitude[0] < 0 ? 32700 : 32600) + zone;
   }
 
   OGRSpatialReferenceH handle_;
-  bool known_ = false;
+  bool isValid_ = false;
 };
 
 class GdalReader final : public RasterReader {
  public:
-  explicit GdalReader(const std::string& file) : file_(file), set_(GDALOpen(file.c_str(), GA_ReadOnly)) {
-    if (set_ == nullptr) fail("is no raster that GDAL knows");
-    driver_ = GDALGetDriverShortName(GDALGetDatasetDriver(set_));
+  explicit GdalReader(const std::string& file) : dataset_(GDALOpen(file.c_str(), GA_ReadOnly)) {
+    if (dataset_ == nullptr) fail("is no raster that GDAL knows");
+    readHeader(file);
+    if (header_.driver == "VRT") markGapsOfMosaic();
   }
-  ~GdalReader() override { GDALClose(set_); }
+  ~GdalReader() override { GDALClose(dataset_); }
   GdalReader(const GdalReader&) = delete;
   GdalReader& operator=(const GdalReader&) = delete;
 
-  RasterHeader header() const override {
-    RasterHeader header;
-    header.width = GDALGetRasterXSize(set_);
-    header.height = GDALGetRasterYSize(set_);
-    for (int i = 1; i <= GDALGetRasterCount(set_); ++i) {
-      GDALRasterBandH band = GDALGetRasterBand(set_, i);
-      const double scale = GDALGetRasterScale(band, nullptr);
-      const double offset = GDALGetRasterOffset(band, nullptr);
-      const char* const zero = GDALGetMetadataItem(set_, "MINISWHITE", "IMAGE_STRUCTURE");
-      header.bands.push_back({GDALGetDataTypeName(GDALGetRasterDataType(band)),
-                              GDALGetColorInterpretationName(GDALGetRasterColorInterpretation(band)),
-                              GDALGetRasterUnitType(band), -9999 * scale + offset, scale != 1 || offset != 0,
-                              zero != nullptr && EQUAL(zero, "YES")});
-    }
-    // Each raster of a file has a name and a description here; a file with one raster has none.
-    const int named = CSLCount(GDALGetMetadata(set_, "SUBDATASETS")) / 2;
-    header.others = header.bands.empty() || named == 0 ? named : named - 1;
-    header.georeferenced = GDALGetGeoTransform(set_, header.transform.data()) == CE_None;
-    header.driver = driver_;
-    const char* const reference = GDALGetProjectionRef(set_);
-    Reference system(reference == nullptr ? "" : reference);
-    char** const files = GDALGetFileList(set_);
-    for (int i = 0; i < CSLCount(files); ++i) header.files.emplace_back(files[i]);
-    CSLDestroy(files);
-    for (const char* ending : {".prj", ".PRJ"}) {
-      const std::string prj = std::filesystem::path(file_).replace_extension(ending).string();
-      if (system.known() || !pathExists(prj)) continue;
-      system.readEsri(prj);
-      if (std::find(header.files.begin(), header.files.end(), prj) == header.files.end()) header.files.push_back(prj);
-    }
-    const auto& t = header.transform;
-    const double column = header.width / 2.0, row = header.height / 2.0;
-    header.system = system.at(t[0] + column * t[1] + row * t[2], t[3] + column * t[4] + row * t[5]);
-    CPLErrorReset();
-    return header;
-  }
+  const RasterHeader& header() const override { return header_; }
 
-  void read(int band, const std::array<int, 4>& xywh, double* values) override {
-    GDALRasterBandH handle = GDALGetRasterBand(set_, band);
-    if (handle == nullptr) fail("has no such band");
-    if (driver_ == "VRT" && GDALGetMaskFlags(handle) == GMF_ALL_VALID) {
-      // Where no raster of a mosaic lies, GDAL returns the mosaic's value of missing samples, or else 0. Without its
-      // name the changed mosaic is not written to its file.
-      GDALSetDescription(set_, "");
-      GDALSetRasterNoDataValue(handle, kNoValue);
-    }
-    readSamples(handle, xywh, values);
+  void read(int bandNumber, const std::array<int, 4>& xywh, double* values) override {
+    GDALRasterBandH band = GDALGetRasterBand(dataset_, bandNumber);
+    if (band == nullptr) fail("has no such band");
+    readSamples(band, xywh, values);
     const std::span samples(values, static_cast<std::size_t>(xywh[2]) * static_cast<std::size_t>(xywh[3]));
-    // GDAL before 3.7 has no type for signed bytes.
-    const char* const type = GDALGetMetadataItem(handle, "PIXELTYPE", "IMAGE_STRUCTURE");
+    // GDAL before 3.7 has no type for signed bytes, and returns them as 0 to 255.
+    const char* const type = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
     if (type != nullptr && EQUAL(type, "SIGNEDBYTE")) {
       for (double& sample : samples) sample -= sample > 127 ? 256 : 0;
     }
-    if (GDALGetMaskFlags(handle) != GMF_ALL_VALID) dropWhereZero(GDALGetMaskBand(handle), xywh, values);
-    for (int i = 1; i <= GDALGetRasterCount(set_); ++i) {
-      GDALRasterBandH alpha = GDALGetRasterBand(set_, i);
-      if (GDALGetRasterColorInterpretation(alpha) == GCI_AlphaBand) dropWhereZero(alpha, xywh, values);
+    if (GDALGetMaskFlags(band) != GMF_ALL_VALID) dropWhereZero(GDALGetMaskBand(band), xywh, values);
+    for (int i = 1; i <= GDALGetRasterCount(dataset_); ++i) {
+      if (isAlpha(GDALGetRasterBand(dataset_, i))) dropWhereZero(GDALGetRasterBand(dataset_, i), xywh, values);
     }
-    const double marker = markerOf(handle);
-    // Files state the marker in float32 or as a text: with six digits, if it is as large as -3.40282e+38.
-    const double rounding = std::fabs(marker) * (std::fabs(marker) > 1e6 ? 1e-5 : 1e-7);
-    const double scale = GDALGetRasterScale(handle, nullptr);
-    const double offset = GDALGetRasterOffset(handle, nullptr);
+    const double marker = markerOf(band);
+    // Relative errors of markers: files state them in float32 (24 bits), or as a text, which has six digits if the
+    // marker is as large as -3.40282e+38.
+    constexpr double kFloatRounding = 1e-7, kTextRounding = 1e-5, kLeastAsText = 1e6;
+    const double tolerance = std::fabs(marker) * (std::fabs(marker) > kLeastAsText ? kTextRounding : kFloatRounding);
+    const double scale = GDALGetRasterScale(band, nullptr);
+    const double offset = GDALGetRasterOffset(band, nullptr);
     for (double& sample : samples) {
-      const bool missing = std::isfinite(marker) && std::fabs(sample - marker) <= rounding;
-      sample = missing ? kNoValue : sample * scale + offset;
+      const bool isMissing = std::isfinite(marker) && std::fabs(sample - marker) <= tolerance;
+      sample = isMissing ? kNoValue : sample * scale + offset;
     }
   }
 
  private:
-  // Returns the value that marks missing samples of a band; NaN if there is none.
-  double markerOf(GDALRasterBandH band) const {
-    int has = 0;
-    const double marker = GDALGetRasterNoDataValue(band, &has);
-    if (has != 0) return marker;
-    return driver_ == "AAIGrid" ? -9999 : kNoValue;  // the default of Esri's text grids
+  void readHeader(const std::string& file) {
+    header_.width = GDALGetRasterXSize(dataset_);
+    header_.height = GDALGetRasterYSize(dataset_);
+    const char* const zeroIsWhite = GDALGetMetadataItem(dataset_, "MINISWHITE", "IMAGE_STRUCTURE");
+    for (int i = 1; i <= GDALGetRasterCount(dataset_); ++i) {
+      GDALRasterBandH band = GDALGetRasterBand(dataset_, i);
+      const double scale = GDALGetRasterScale(band, nullptr);
+      const double offset = GDALGetRasterOffset(band, nullptr);
+      header_.bands.push_back({.type = GDALGetDataTypeName(GDALGetRasterDataType(band)),
+                               .means = GDALGetColorInterpretationName(GDALGetRasterColorInterpretation(band)),
+                               .unit = GDALGetRasterUnitType(band),
+                               .marker = kUsualMarker * scale + offset,
+                               .scaled = scale != 1 || offset != 0,
+                               .inverted = zeroIsWhite != nullptr && EQUAL(zeroIsWhite, "YES")});
+    }
+    // Each raster of a file has two entries here, a name and a description; a file with one raster has none.
+    const int rasters = CSLCount(GDALGetMetadata(dataset_, "SUBDATASETS")) / 2;
+    header_.others = header_.bands.empty() || rasters == 0 ? rasters : rasters - 1;
+    header_.georeferenced = GDALGetGeoTransform(dataset_, header_.transform.data()) == CE_None;
+    header_.driver = GDALGetDriverShortName(GDALGetDatasetDriver(dataset_));
+    char** const files = GDALGetFileList(dataset_);
+    for (int i = 0; i < CSLCount(files); ++i) header_.files.emplace_back(files[i]);
+    CSLDestroy(files);
+    const char* const definition = GDALGetProjectionRef(dataset_);
+    Reference reference(definition == nullptr ? "" : definition);
+    for (const char* ending : {".prj", ".PRJ"}) {
+      const std::string prj = std::filesystem::path(file).replace_extension(ending).string();
+      if (reference.isValid() || !pathExists(prj)) continue;
+      reference.readEsri(prj);
+      if (std::ranges::find(header_.files, prj) == header_.files.end()) header_.files.push_back(prj);
+    }
+    const auto [x, y] = header_.pointAt(header_.width / 2.0, header_.height / 2.0);
+    header_.system = reference.describedAt(x, y);
+    CPLErrorReset();
   }
 
+  // Makes NaN the value of samples that no raster of a mosaic covers, if the mosaic states none: GDAL would return 0
+  // for them. The change is in memory only: a mosaic without a name is not written to its file.
+  void markGapsOfMosaic() {
+    GDALSetDescription(dataset_, "");
+    for (int i = 1; i <= GDALGetRasterCount(dataset_); ++i) {
+      GDALRasterBandH band = GDALGetRasterBand(dataset_, i);
+      if (GDALGetMaskFlags(band) == GMF_ALL_VALID && !isAlpha(band)) GDALSetRasterNoDataValue(band, kNoValue);
+    }
+  }
+
+  static bool isAlpha(GDALRasterBandH band) { return GDALGetRasterColorInterpretation(band) == GCI_AlphaBand; }
+
+  // Returns the value that marks missing samples of a band; NaN if there is none.
+  double markerOf(GDALRasterBandH band) const {
+    int isStated = 0;
+    const double marker = GDALGetRasterNoDataValue(band, &isStated);
+    if (isStated != 0) return marker;
+    return header_.driver == "AAIGrid" ? kUsualMarker : kNoValue;
+  }
+
+  // Reads the samples of a window without scale and offset; see RasterReader::read().
   static void readSamples(GDALRasterBandH band, const std::array<int, 4>& xywh, double* values) {
     if (GDALRasterIO(band, GF_Read, xywh[0], xywh[1], xywh[2], xywh[3], values, xywh[2], xywh[3], GDT_Float64, 0, 0) !=
         CE_None) {
@@ -256,6 +284,7 @@ class GdalReader final : public RasterReader {
     }
   }
 
+  // Makes samples NaN where the mask is 0.
   void dropWhereZero(GDALRasterBandH mask, const std::array<int, 4>& xywh, double* values) {
     mask_.resize(static_cast<std::size_t>(xywh[2]) * static_cast<std::size_t>(xywh[3]));
     readSamples(mask, xywh, mask_.data());
@@ -264,57 +293,61 @@ class GdalReader final : public RasterReader {
     }
   }
 
-  std::string file_;  // the data set's name can change
-  GDALDatasetH set_;
-  std::string driver_;
-  std::vector<double> mask_;
+  GDALDatasetH dataset_;
+  RasterHeader header_;
+  std::vector<double> mask_;  // storage of dropWhereZero()
 };
 
 // Returns the bytes of a GeoTIFF (TIFF 6.0, 1992) of one pixel with these keys: GDAL derives the coordinate system.
 std::string tiffOf(const GeoKeys& keys) {
-  std::string bytes("II*\0\0\0\0\0\0\0", 10);  // the first directory's place follows below; the pixel
+  // Byte order and version; the offset of the directory, which is stored below; the pixel, with padding.
+  std::string bytes("II*\0\0\0\0\0\0\0", 10);
+  constexpr std::size_t kDirectoryOffsetAt = 4;
+  constexpr std::uint32_t kPixelAt = 8;
   const auto put = [&](auto number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof(number)); };
+  enum Type : std::uint16_t { Ascii = 2, Short = 3, Long = 4, Double = 12 };
   struct Tag {
-    std::uint16_t tag, type;
-    std::uint32_t count, value;
+    std::uint16_t number;
+    Type type;
+    std::uint32_t count, value;  // value: the offset of the values, unless one fits in
   };
-  std::vector<Tag> tags{{256, 4, 1, 1}, {257, 4, 1, 1}, {258, 3, 1, 8}, {259, 3, 1, 1}, {262, 3, 1, 1},
-                        {273, 4, 1, 8}, {277, 3, 1, 1}, {278, 4, 1, 1}, {279, 4, 1, 1}};
-  const auto add = [&](std::uint16_t tag, std::uint16_t type, std::string_view values, std::size_t each) {
+  // ImageWidth, ImageLength, BitsPerSample, Compression (none), PhotometricInterpretation (0 is black), StripOffsets,
+  // SamplesPerPixel, RowsPerStrip, StripByteCounts.
+  std::vector<Tag> tags{{256, Long, 1, 1},  {257, Long, 1, 1},  {258, Short, 1, 8},
+                        {259, Short, 1, 1}, {262, Short, 1, 1}, {273, Long, 1, kPixelAt},
+                        {277, Short, 1, 1}, {278, Long, 1, 1},  {279, Long, 1, 1}};
+  const auto add = [&](std::uint16_t number, Type type, std::string_view values, std::size_t bytesPerValue) {
     // Values of four bytes or fewer would stand in the tag.
     if (values.size() <= 4) return;
-    tags.push_back(
-        {tag, type, static_cast<std::uint32_t>(values.size() / each), static_cast<std::uint32_t>(bytes.size())});
+    tags.push_back({number, type, static_cast<std::uint32_t>(values.size() / bytesPerValue),
+                    static_cast<std::uint32_t>(bytes.size())});
     bytes += values;
     bytes.resize((bytes.size() + 7) / 8 * 8);
   };
-  add(34735, 3, keys.directory, 2);
-  add(34736, 12, keys.numbers, 8);
-  add(34737, 2, keys.texts, 1);
+  add(34735, Short, keys.directory, 2);  // GeoKeyDirectoryTag
+  add(34736, Double, keys.numbers, 8);   // GeoDoubleParamsTag
+  add(34737, Ascii, keys.texts, 1);      // GeoAsciiParamsTag
   const auto directory = static_cast<std::uint32_t>(bytes.size());
-  std::memcpy(bytes.data() + 4, &directory, sizeof(directory));
+  std::memcpy(bytes.data() + kDirectoryOffsetAt, &directory, sizeof(directory));
   put(static_cast<std::uint16_t>(tags.size()));
-  for (const Tag& tag : tags) put(tag.tag), put(tag.type), put(tag.count), put(tag.value);
-  put(std::uint32_t{0});
+  for (const Tag& tag : tags) put(tag);
+  put(std::uint32_t{0});  // there is no further directory
   return bytes;
 }
 
-// Takes the key of the unit of heights, which GDAL ignores if the vertical system has another one. LAS files state
-// EPSG:5703, a system in metres, for heights in feet.
-void takeHeightUnit(const GeoKeys& keys, CoordinateSystem& system) {
-  constexpr std::uint16_t kVerticalUnit = 4099;
-  struct Unit {
-    std::uint16_t code;
-    double metres;
-  };
-  constexpr Unit kUnits[] = {{9001, 1}, {9002, 0.3048}, {9003, 1200.0 / 3937}};
-  std::uint16_t key[4];
-  for (std::size_t at = 0; at + sizeof(key) <= keys.directory.size(); at += sizeof(key)) {
-    std::memcpy(key, keys.directory.data() + at, sizeof(key));
-    for (const Unit& unit : kUnits) {
-      const bool states = key[0] == kVerticalUnit && key[1] == 0 && key[3] == unit.code;
-      if (states) system.perHeight = std::copysign(unit.metres, system.perHeight.value_or(1));
-    }
+// Sets the unit of heights to the one of the key VerticalUnits, which GDAL ignores if the vertical system has another
+// unit: LAS files state EPSG:5703, a system in metres, for heights in feet. Depths remain depths.
+void setHeightUnit(const GeoKeys& keys, CoordinateSystem& system) {
+  constexpr std::uint16_t kVerticalUnits = 4099;
+  // Metres, feet and US survey feet, by EPSG's codes.
+  static const std::map<std::uint16_t, double> kMetres{{9001, 1}, {9002, 0.3048}, {9003, 1200.0 / 3937}};
+  struct Entry {
+    std::uint16_t key, valueTag, count, value;  // valueTag 0: the value stands here
+  } entry{};
+  for (std::size_t at = 0; at + sizeof(entry) <= keys.directory.size(); at += sizeof(entry)) {
+    std::memcpy(&entry, keys.directory.data() + at, sizeof(entry));
+    if (entry.key != kVerticalUnits || entry.valueTag != 0 || !kMetres.contains(entry.value)) continue;
+    system.perHeight = std::copysign(kMetres.at(entry.value), system.perHeight.value_or(1));
   }
 }
 
@@ -331,7 +364,7 @@ class Gdal final : public RastersModule {
     return std::make_unique<GdalReader>(file);
   }
   CoordinateSystem system(const std::string& definition, double x, double y) const override {
-    return Reference(definition).at(x, y);
+    return Reference(definition).describedAt(x, y);
   }
   CoordinateSystem system(const GeoKeys& keys, double x, double y) const override {
     const std::string tiff = tiffOf(keys);
@@ -339,21 +372,21 @@ class Gdal final : public RastersModule {
     auto* const bytes = const_cast<GByte*>(reinterpret_cast<const GByte*>(tiff.data()));
     VSIFCloseL(VSIFileFromMemBuffer(name.c_str(), bytes, tiff.size(), 0));
     CoordinateSystem system;
-    if (GDALDatasetH const set = GDALOpen(name.c_str(), GA_ReadOnly); set != nullptr) {
-      if (OGRSpatialReferenceH const stated = GDALGetSpatialRef(set); stated != nullptr) {
-        system = Reference(OSRClone(stated)).at(x, y);
+    if (GDALDatasetH const dataset = GDALOpen(name.c_str(), GA_ReadOnly); dataset != nullptr) {
+      if (OGRSpatialReferenceH const reference = GDALGetSpatialRef(dataset); reference != nullptr) {
+        system = Reference(OSRClone(reference)).describedAt(x, y);
       }
-      GDALClose(set);
+      GDALClose(dataset);
     }
     VSIUnlink(name.c_str());
     CPLErrorReset();
-    takeHeightUnit(keys, system);
+    setHeightUnit(keys, system);
     return system;
   }
   bool same(const std::string& reference, const std::string& other) const override {
     const Reference a(reference);
     const Reference b(other);
-    return !a.known() || !b.known() || a.same(b);
+    return !a.isValid() || !b.isValid() || a.isSameAs(b);
   }
   double shift(const std::string& reference, const std::string& other, double x, double y) const override {
     const double distance = Reference(reference).shift(Reference(other), x, y);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -20,10 +21,11 @@
 namespace scanmill {
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
-  throw InputError({file.string()}, what);
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& problem) {
+  throw InputError({file.string()}, problem);
 }
 
+// Opens a raster. Throws InputError if it is absent or no raster, and Error if GDAL cannot be loaded.
 std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   if (!pathExists(file)) fail(file, "there is no such file");
   try {
@@ -35,21 +37,23 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   }
 }
 
-// Checks a text grid (Esri's .asc): GDAL would place one that does not say where it lies at [0, 0], and read 0 for
-// samples that are missing and for words that are no numbers.
+// Checks a text grid (Esri's .asc), whose lines of heading, a key and its value, stand before the samples. Throws
+// InputError for a grid without a position, which GDAL would place at [0, 0], and for missing samples and words that
+// are no numbers, which GDAL would read as 0.
 void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header) {
   constexpr std::array<std::string_view, 10> kHeading{
       "ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "cellsize", "dx", "dy", "nodata_value"};
   const std::string text = readFile(file);
-  std::string_view rest = text;
-  std::set<std::string> heading;
-  std::size_t samplesRead = 0;  // 0: still in the heading
-  for (std::string_view word = takeWord(rest); !word.empty(); word = takeWord(rest)) {
+  std::string_view unreadText = text;
+  std::set<std::string> keys;
+  std::size_t samplesRead = 0;
+  for (std::string_view word = takeWord(unreadText); !word.empty(); word = takeWord(unreadText)) {
     const std::string key = samplesRead == 0 ? lowerCase(word) : "";
-    if (!key.empty() && std::isalpha(static_cast<unsigned char>(key[0])) != 0 && key != "nan" && key != "inf") {
-      heading.insert(key);
-      word = takeWord(rest);
-      if (std::find(kHeading.begin(), kHeading.end(), key) == kHeading.end()) continue;
+    const bool isKey = std::isalpha(static_cast<unsigned char>(key[0])) != 0 && key != "nan" && key != "inf";
+    if (isKey) {
+      keys.insert(key);
+      word = takeWord(unreadText);
+      if (std::ranges::find(kHeading, key) == kHeading.end()) continue;  // the value may be no number
     } else {
       ++samplesRead;
     }
@@ -61,13 +65,13 @@ void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header
                                  "of NODATA_value",
                                  word.substr(0, 40)));
   }
-  const auto has = [&](const char* x, const char* y) { return heading.contains(x) && heading.contains(y); };
-  if (!has("xllcorner", "yllcorner") && !has("xllcenter", "yllcenter")) {
+  const auto hasBoth = [&](const char* x, const char* y) { return keys.contains(x) && keys.contains(y); };
+  if (!hasBoth("xllcorner", "yllcorner") && !hasBoth("xllcenter", "yllcenter")) {
     fail(file, "does not say where it lies: its heading needs xllcorner and yllcorner, or xllcenter and yllcenter");
   }
-  const std::size_t samples = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
-  if (samplesRead != samples) {
-    fail(file, fmt::format("has {} samples, but its heading promises {}", samplesRead, samples));
+  const std::size_t statedSamples = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
+  if (samplesRead != statedSamples) {
+    fail(file, fmt::format("has {} samples, but its heading promises {}", samplesRead, statedSamples));
   }
 }
 
@@ -75,21 +79,21 @@ void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header
 void checkFiles(const std::filesystem::path& file, const RasterHeader& header) {
   if (header.driver == "AAIGrid") checkTextGrid(file, header);
   if (header.driver == "GRASSASCIIGrid") fail(file, "is a text grid of GRASS: write a GeoTIFF by r.out.gdal");
-  for (const std::filesystem::path other : header.files) {
-    const std::string ending = lowerExtension(other);
+  for (const std::filesystem::path usedFile : header.files) {
+    const std::string ending = lowerExtension(usedFile);
     // GDAL fills the gaps of mosaics in a mosaic with 0.
-    if (ending == ".vrt" && other.filename() != file.filename()) {
+    if (ending == ".vrt" && usedFile.filename() != file.filename()) {
       fail(file, fmt::format("is a mosaic of mosaics such as {}: build it from their rasters by gdalbuildvrt, or make "
                              "it one raster by gdalwarp -dstnodata -9999",
-                             other.string()));
+                             usedFile.string()));
     }
     if (ending != ".prj") continue;
-    if (lowerCase(readFile(other)).starts_with("projection")) {
-      fail(other,
+    if (lowerCase(readFile(usedFile)).starts_with("projection")) {
+      fail(usedFile,
            "is of Esri's old kind: replace it by well-known text, which `gdalsrsinfo -o wkt_esri EPSG:CODE` prints");
     }
     if (header.system.definition.empty()) {
-      warn(fmt::format("{}: is no coordinate system that can be read: x and y of {} count as metres", other.string(),
+      warn(fmt::format("{}: is no coordinate system that can be read: x and y of {} count as metres", usedFile.string(),
                        file.string()));
     }
   }
@@ -99,25 +103,24 @@ void checkFiles(const std::filesystem::path& file, const RasterHeader& header) {
   }
 }
 
-// Returns the metres per unit of length, by its name; nullopt if it is not known.
+// Returns the metres per unit of length, by the unit's name; nullopt for an unknown name.
 std::optional<double> metresOf(std::string_view unit) {
-  struct Unit {
-    std::string_view names;  // without blanks and marks
-    double metres;
-  };
-  static constexpr std::array<Unit, 4> kUnits{
+  // Names between bars, without blanks and marks.
+  static constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
       {{"|m|metre|metres|meter|meters|", 1},
        {"|cm|centimetre|centimeter|", 0.01},
        {"|ft|foot|feet|", 0.3048},
        {"|ussurveyfoot|ussurveyfeet|usfoot|usft|ftus|footus|surveyfoot|", 1200.0 / 3937}}};
-  std::string word = "|" + lowerCase(unit) + "|";
-  std::erase_if(word, [](char c) { return c != '|' && std::isalnum(static_cast<unsigned char>(c)) == 0; });
-  const auto* const known =
-      std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.names.find(word) != u.names.npos; });
-  return known == kUnits.end() ? std::nullopt : std::optional(known->metres);
+  std::string name = "|" + lowerCase(unit) + "|";
+  std::erase_if(name, [](char c) { return c != '|' && std::isalnum(static_cast<unsigned char>(c)) == 0; });
+  for (const auto& [names, metres] : kUnits) {
+    if (names.find(name) != names.npos) return metres;
+  }
+  return std::nullopt;
 }
 
-// Returns the metres per unit of the heights, negative if they are depths.
+// Returns the metres per unit of the heights, negative if they are depths: by the band's unit, else by that of the
+// vertical system, else metres. Throws InputError for an unknown unit.
 double metresPerHeight(const std::filesystem::path& file, const RasterHeader& header) {
   const std::string& unit = header.bands[0].unit;
   const CoordinateSystem& system = header.system;
@@ -139,8 +142,8 @@ double metresPerHeight(const std::filesystem::path& file, const RasterHeader& he
                          unit));
 }
 
-// Throws InputError if the bands are no heights.
-void expectHeights(const std::filesystem::path& file, const RasterHeader& header, bool georeferenced) {
+// Throws InputError if the first band holds colours, or if x and y cannot be used.
+void requireHeights(const std::filesystem::path& file, const RasterHeader& header, bool georeferenced) {
   if (!header.system.foreign.empty())
     fail(file, fmt::format("is in {}: convert it by gdalwarp -dstnodata -9999 -t_srs", header.system.foreign));
   const std::string& means = header.bands[0].means;
@@ -151,9 +154,10 @@ void expectHeights(const std::filesystem::path& file, const RasterHeader& header
                          means));
 }
 
-// Returns a band of real numbers. Throws InputError if the file has none of this number, or is not read at all.
-const RasterBand& checkedBand(const std::filesystem::path& file, const RasterHeader& header,
-                              const RasterRequest& request) {
+// Returns the requested band. Throws InputError if the file has no such band or holds complex numbers, or if it cannot
+// be used at all.
+const RasterBand& requestedBand(const std::filesystem::path& file, const RasterHeader& header,
+                                const RasterRequest& request) {
   if (header.bands.empty() && header.others > 0) {
     fail(file, fmt::format("holds {} rasters: take one of them by gdal_translate", header.others));
   }
@@ -195,40 +199,40 @@ struct Window {
   int width = 0, height = 0;
 };
 
-// Returns the samples whose centres lie in the bounds or, if `partly` is true, those that cover a part of the bounds.
-Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, bool partly) {
-  double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
-  for (const double x : {bounds[0], bounds[2]}) {
-    for (const double y : {bounds[1], bounds[3]}) {
-      const auto [column, row] = grid.columnAndRow(x, y);
-      left = std::min(left, column);
-      right = std::max(right, column);
-      top = std::min(top, row);
-      bottom = std::max(bottom, row);
-    }
+// Returns the samples in the bounds, cut off at the raster's edges: of heights those whose centres lie in the bounds,
+// of classes and colours those that cover a part of the bounds.
+Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, RasterUse use) {
+  const auto [x0, y0, x1, y1] = bounds;
+  const std::array corners{grid.columnAndRow(x0, y0), grid.columnAndRow(x0, y1), grid.columnAndRow(x1, y0),
+                           grid.columnAndRow(x1, y1)};
+  std::array<int, 2> first{}, end{};  // column and row
+  for (const std::size_t axis : {std::size_t{0}, std::size_t{1}}) {
+    const auto atAxis = [&](const std::array<double, 2>& corner) { return corner[axis]; };
+    const double low = std::ranges::min(corners, {}, atAxis)[axis], high = std::ranges::max(corners, {}, atAxis)[axis];
+    const bool byCentre = use == RasterUse::Heights;
+    const double samples = axis == 0 ? grid.width : grid.height;
+    first[axis] = static_cast<int>(std::clamp(byCentre ? std::round(low) : std::floor(low), 0.0, samples));
+    end[axis] = static_cast<int>(std::clamp(byCentre ? std::round(high) : std::ceil(high), 0.0, samples));
   }
-  const auto within = [](double edge, int count) { return static_cast<int>(std::clamp(edge, 0.0, double(count))); };
-  const int column = within(partly ? std::floor(left) : std::round(left), grid.width);
-  const int row = within(partly ? std::floor(top) : std::round(top), grid.height);
-  return {column, row, within(partly ? std::ceil(right) : std::round(right), grid.width) - column,
-          within(partly ? std::ceil(bottom) : std::round(bottom), grid.height) - row};
+  return {.column = first[0], .row = first[1], .width = end[0] - first[0], .height = end[1] - first[1]};
 }
 
 // Returns the samples that the request asks for, without the last columns and rows that do not fill a square of `every`
-// x `every` samples. Throws InputError if there are none, or too many squares.
+// x `every` samples; a window that is narrower or lower than a square is one square. Throws InputError if there are no
+// samples or too many squares.
 Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const RasterRequest& request) {
   const auto& t = grid.transform;
   const double determinant = t[1] * t[5] - t[2] * t[4];
   if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(t[0] + t[3])) {
     fail(file, "has a geotransform that is none");
   }
-  Window window{0, 0, grid.width, grid.height};
-  if (request.within) window = windowIn(grid, *request.within, request.use != RasterUse::Heights);
+  Window window{.width = grid.width, .height = grid.height};
+  if (request.within) window = windowIn(grid, *request.within, request.use);
   if (window.width <= 0 || window.height <= 0) {
-    const auto [x, y] = grid.centreOf(0, 0);
-    const auto [x2, y2] = grid.centreOf(grid.width - 1, grid.height - 1);
+    const auto [x0, y0] = grid.centreOf(0, 0);
+    const auto [x1, y1] = grid.centreOf(grid.width - 1, grid.height - 1);
     fail(file, fmt::format("has no sample there: it reaches from [{:.10g}, {:.10g}] to [{:.10g}, {:.10g}]",
-                           std::min(x, x2), std::min(y, y2), std::max(x, x2), std::max(y, y2)));
+                           std::min(x0, x1), std::min(y0, y1), std::max(x0, x1), std::max(y0, y1)));
   }
   const int columns = std::max(window.width / request.every, 1);
   const int rows = std::max(window.height / request.every, 1);
@@ -244,77 +248,74 @@ Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const
 
 // Returns the grid of a window whose squares of `every` x `every` samples are one sample each; a window that is
 // narrower or lower than a square has rectangles instead.
-Raster reducedGrid(const RasterGrid& whole, const Window& window, int every) {
-  Raster grid{whole, {}};
+Raster reducedGrid(const RasterGrid& fileGrid, const Window& window, int every) {
+  Raster grid{fileGrid, {}};
   grid.width = std::max(window.width / every, 1);
   grid.height = std::max(window.height / every, 1);
-  const double columnsEach = double(window.width) / grid.width, rowsEach = double(window.height) / grid.height;
-  const auto& t = whole.transform;
-  grid.transform = {t[0] + window.column * t[1] + window.row * t[2], t[1] * columnsEach, t[2] * rowsEach,
-                    t[3] + window.column * t[4] + window.row * t[5], t[4] * columnsEach, t[5] * rowsEach};
+  const double columnsPerSquare = double(window.width) / grid.width,
+               rowsPerSquare = double(window.height) / grid.height;
+  const auto& t = fileGrid.transform;
+  const auto [x, y] = fileGrid.pointAt(window.column, window.row);
+  grid.transform = {x, t[1] * columnsPerSquare, t[2] * rowsPerSquare, y, t[4] * columnsPerSquare, t[5] * rowsPerSquare};
   return grid;
 }
 
-// Fills the raster's values with the means of the window's squares, times `factor`. Returns true if samples have the
-// value `marker`, and all others are above it or all are below it.
+// Fills the values of `raster`, a reducedGrid() of the window, with the means of the window's squares, times `factor`.
+// Returns true if `marker` seems to mark missing samples: if samples have this value, and no others are below it or
+// none are above it.
 bool readMeans(RasterReader& reader, int band, double marker, const Window& window, double factor, Raster& raster) {
-  constexpr int kSamplesAtATime = 4'000'000;
-  const int columnsEach = window.width / raster.width, rowsEach = window.height / raster.height;  // of a square
-  const int rowsAtATime = std::max(kSamplesAtATime / window.width, 1);
-  std::vector<double> samples;
-  std::vector<double> sums(static_cast<std::size_t>(raster.width));  // by square of a row of squares
-  std::vector<std::uint32_t> counts(sums.size());
+  constexpr int kSamplesPerBlock = 4'000'000;  // 32 MB; a block consists of complete rows
+  const int columnsPerSquare = window.width / raster.width, rowsPerSquare = window.height / raster.height;
+  const int rowsPerBlock = std::max(kSamplesPerBlock / window.width, 1);
+  std::vector<double> block;
+  struct Square {
+    double sum = 0;
+    std::uint32_t count = 0;  // of the samples with a value
+  };
+  std::vector<Square> squares(static_cast<std::size_t>(raster.width));  // of one row
   double least = marker, greatest = marker;
-  bool marked = false;
+  bool hasMarker = false;
   for (int row = 0; row < window.height; ++row) {
-    const int rowInBlock = row % rowsAtATime;
+    const int rowInBlock = row % rowsPerBlock;
     if (rowInBlock == 0) {
-      const int rows = std::min(rowsAtATime, window.height - row);
-      samples.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(window.width));
-      reader.read(band, {window.column, window.row + row, window.width, rows}, samples.data());
+      const int rows = std::min(rowsPerBlock, window.height - row);
+      block.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(window.width));
+      reader.read(band, {window.column, window.row + row, window.width, rows}, block.data());
     }
-    const double* sample =
-        samples.data() + static_cast<std::size_t>(rowInBlock) * static_cast<std::size_t>(window.width);
-    for (std::size_t square = 0; square < sums.size(); ++square) {
-      for (int column = 0; column < columnsEach; ++column, ++sample) {
+    const double* sample = block.data() + static_cast<std::size_t>(rowInBlock) * static_cast<std::size_t>(window.width);
+    for (Square& square : squares) {
+      for (int column = 0; column < columnsPerSquare; ++column, ++sample) {
         if (!std::isfinite(*sample)) continue;
-        marked |= *sample == marker;
+        hasMarker |= *sample == marker;
         least = std::min(least, *sample);
         greatest = std::max(greatest, *sample);
-        sums[square] += *sample;
-        ++counts[square];
+        square.sum += *sample;
+        ++square.count;
       }
     }
-    if ((row + 1) % rowsEach != 0) continue;
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-      const double mean = counts[i] > 0 ? sums[i] / counts[i] : std::numeric_limits<double>::quiet_NaN();
+    if ((row + 1) % rowsPerSquare != 0) continue;
+    for (Square& square : squares) {
+      const double mean = square.count > 0 ? square.sum / square.count : std::numeric_limits<double>::quiet_NaN();
       raster.values.push_back(static_cast<float>(mean * factor));
+      square = {};
     }
-    sums.assign(sums.size(), 0);
-    counts.assign(counts.size(), 0);
   }
-  return marked && (least == marker || greatest == marker);
+  return hasMarker && (least == marker || greatest == marker);
 }
 
 }  // namespace
 
-std::array<double, 2> RasterGrid::centreOf(int column, int row) const {
-  const double c = column + 0.5;
-  const double r = row + 0.5;
-  return {transform[0] + c * transform[1] + r * transform[2], transform[3] + c * transform[4] + r * transform[5]};
-}
-
 std::array<double, 2> RasterGrid::columnAndRow(double x, double y) const {
-  const double det = transform[1] * transform[5] - transform[2] * transform[4];
-  const double dx = x - transform[0];
-  const double dy = y - transform[3];
-  return {(transform[5] * dx - transform[2] * dy) / det, (transform[1] * dy - transform[4] * dx) / det};
+  const auto& t = transform;
+  const double determinant = t[1] * t[5] - t[2] * t[4];
+  const double dx = x - t[0], dy = y - t[3];
+  return {(t[5] * dx - t[2] * dy) / determinant, (t[1] * dy - t[4] * dx) / determinant};
 }
 
 float Raster::valueAt(double x, double y) const {
-  const auto [c, r] = columnAndRow(x, y);
-  if (!(c >= 0 && r >= 0 && c < width && r < height)) return std::numeric_limits<float>::quiet_NaN();
-  return values[static_cast<std::size_t>(r) * static_cast<std::size_t>(width) + static_cast<std::size_t>(c)];
+  const auto [column, row] = columnAndRow(x, y);
+  if (!(column >= 0 && row >= 0 && column < width && row < height)) return std::numeric_limits<float>::quiet_NaN();
+  return values[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
 }
 
 std::array<double, 2> Raster::range() const {
@@ -344,12 +345,12 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   const std::unique_ptr<RasterReader> reader = open(file);
   const RasterHeader header = reader->header();
   recordFile(file);
-  for (const std::filesystem::path other : header.files) recordFile(other);
-  const RasterBand& band = checkedBand(file, header, request);
-  const bool heights = request.use == RasterUse::Heights;
-  if (heights) expectHeights(file, header, request.georeferenced);
-  const double factor = heights ? metresPerHeight(file, header) : 1;
-  if (heights && request.georeferenced) warnOfDoubtfulHeights(file, header.system, band);
+  for (const std::filesystem::path usedFile : header.files) recordFile(usedFile);
+  const RasterBand& band = requestedBand(file, header, request);
+  const bool isOfHeights = request.use == RasterUse::Heights;
+  if (isOfHeights) requireHeights(file, header, request.georeferenced);
+  const double factor = isOfHeights ? metresPerHeight(file, header) : 1;
+  if (isOfHeights && request.georeferenced) warnOfDoubtfulHeights(file, header.system, band);
   LeftOut leftOut;
   for (std::size_t k = 1; k < header.bands.size() && request.use != RasterUse::Colors; ++k) {
     if (header.bands[k].means != "Alpha") leftOut.add("bands behind the first");
@@ -359,7 +360,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   const Window window = windowOf(file, header, request);
   Raster raster = reducedGrid(header, window, request.every);
   try {
-    if (readMeans(*reader, request.band, band.marker, window, factor, raster) && heights) {
+    if (readMeans(*reader, request.band, band.marker, window, factor, raster) && isOfHeights) {
       warn(
           fmt::format("{}: has samples of -9999: if this value marks missing samples, say so by 'gdal_edit.py "
                       "-a_nodata -9999'",
@@ -397,21 +398,21 @@ double shiftBetween(const std::string& reference, const std::string& other, doub
 
 std::array<int, 3> colorBands(const std::filesystem::path& file) {
   const std::vector<RasterBand> bands = open(file)->header().bands;
-  const auto called = [&](std::string_view means) {
-    const auto found = std::find_if(bands.begin(), bands.end(), [&](const RasterBand& b) { return b.means == means; });
-    return found == bands.end() ? 0 : static_cast<int>(found - bands.begin()) + 1;
+  constexpr int kNone = 0;
+  const auto numberOf = [&](std::string_view meaning) {
+    const auto band = std::ranges::find(bands, meaning, &RasterBand::means);
+    return band == bands.end() ? kNone : static_cast<int>(band - bands.begin()) + 1;
   };
-  if (called("Palette") != 0)
+  if (numberOf("Palette") != kNone)
     fail(file, "has a colour table: replace its numbers by colours with gdal_translate -expand rgb");
-  for (const char* other : {"Cyan", "Hue", "YCbCr_Y"}) {
-    if (called(other) != 0)
-      fail(file, fmt::format("has a band '{}': convert its colours to red, green and blue", other));
+  for (const char* foreignColor : {"Cyan", "Hue", "YCbCr_Y"}) {
+    if (numberOf(foreignColor) != kNone)
+      fail(file, fmt::format("has a band '{}': convert its colours to red, green and blue", foreignColor));
   }
-  const std::array<int, 3> named{called("Red"), called("Green"), called("Blue")};
-  if (named[0] != 0 && named[1] != 0 && named[2] != 0) return named;
-  const int alpha = called("Alpha");
-  const auto others = static_cast<int>(bands.size()) - (alpha != 0 ? 1 : 0);
-  return others >= 3 ? std::array{1, 2, 3} : std::array{1, 1, 1};
+  const std::array<int, 3> rgb{numberOf("Red"), numberOf("Green"), numberOf("Blue")};
+  if (std::ranges::find(rgb, kNone) == rgb.end()) return rgb;
+  const auto colors = std::ssize(bands) - (numberOf("Alpha") != kNone ? 1 : 0);
+  return colors >= 3 ? std::array{1, 2, 3} : std::array{1, 1, 1};
 }
 
 }  // namespace scanmill

@@ -18,7 +18,7 @@ namespace scanmill {
 
 struct CoordinateSystem {
   std::string definition;           // as well-known text; empty: the system is not stated, or cannot be read
-  bool local = false;               // true: the system has no place on the earth that is known
+  bool local = false;               // true: where on the earth the system lies is not known
   bool geographic = false;          // true: x and y are longitude and latitude
   double perUnit = 1;               // metres per unit of x and y; degrees if geographic
   std::string unit = "";            // name of the unit of x and y, unless geographic
@@ -42,13 +42,13 @@ struct GeoKeys {
 };
 CoordinateSystem coordinateSystem(const GeoKeys& keys, double x, double y);
 
-// What is read of the files of rasters, with the words in the heading of a text grid (in lower case).
+// Returns what is read of the files of rasters, and what is left out.
 const FormatSupport& rasterFormat();
 
 // A rectangle in a raster's coordinates: least x and y, greatest x and y.
 using RasterBounds = std::array<double, 4>;
 
-// The places of the samples of a raster.
+// The positions of the samples of a raster.
 struct RasterGrid {
   int width = 0, height = 0;   // numbers of columns and rows; the first row is usually the northernmost
   bool georeferenced = false;  // false: the file has no geotransform, x and y count columns and rows
@@ -57,9 +57,14 @@ struct RasterGrid {
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};
   CoordinateSystem system;  // its stretch is that at the middle of the file's raster
 
+  // Returns x and y of a position in columns and rows, with fractions; (0, 0) is the raster's outer corner.
+  std::array<double, 2> pointAt(double column, double row) const {
+    return {transform[0] + column * transform[1] + row * transform[2],
+            transform[3] + column * transform[4] + row * transform[5]};
+  }
   // Returns x and y of the centre of a sample.
-  std::array<double, 2> centreOf(int column, int row) const;
-  // Returns the column and row of the point (x, y), with fractions; 0 is the raster's outer edge.
+  std::array<double, 2> centreOf(int column, int row) const { return pointAt(column + 0.5, row + 0.5); }
+  // Returns the column and row of the point (x, y), the inverse of pointAt().
   std::array<double, 2> columnAndRow(double x, double y) const;
 };
 
@@ -78,8 +83,8 @@ struct RasterRequest {
   RasterUse use = RasterUse::Heights;
   int band = 1;
   int every = 1;  // a square of `every` x `every` samples becomes one sample: the mean of those that have a value
-  std::optional<RasterBounds> within;
-  std::size_t mostSamples = 64'000'000;
+  std::optional<RasterBounds> within = std::nullopt;  // none: the whole raster
+  std::size_t mostSamples = 64'000'000;               // in the result
   bool georeferenced = true;  // false: images without a geotransform are read too, of RGB images the red band
 };
 

@@ -16,7 +16,7 @@ struct RasterBand {
   std::string type;       // GDAL's name of the type of the samples: "Byte", "Float32", "CFloat32"
   std::string means;      // GDAL's name of what the band holds: "Gray", "Palette", "Red", "Alpha", "Undefined"
   std::string unit;       // of the values; empty: not stated
-  double marker = 0;      // value of samples that are stored as -9999, after the band's scale and offset
+  double marker = 0;      // what the usual marker of missing samples, -9999, becomes by the band's scale and offset
   bool scaled = false;    // true: the band states a scale or an offset
   bool inverted = false;  // true: 0 is white
 };
@@ -32,11 +32,11 @@ struct RasterHeader : RasterGrid {
 class RasterReader {
  public:
   virtual ~RasterReader() = default;
-  virtual RasterHeader header() const = 0;
+  virtual const RasterHeader& header() const = 0;
   // Reads all samples in a window of a band. Bands are counted from 1; `xywh` is the window's first column and row,
   // width and height. A sample is NaN if the file says in any way that it has no value. Scale and offset of the band
   // are applied. Throws std::runtime_error with GDAL's message.
-  virtual void read(int band, const std::array<int, 4>& xywh, double* values) = 0;
+  virtual void read(int bandNumber, const std::array<int, 4>& xywh, double* values) = 0;
 };
 
 class RastersModule {
@@ -50,7 +50,6 @@ class RastersModule {
   virtual CoordinateSystem system(const GeoKeys& keys, double x, double y) const = 0;
   // True if two coordinate systems are the same, whatever their names, or if one of them is unknown.
   virtual bool same(const std::string& reference, const std::string& other) const = 0;
-  // Returns the distance (m) between the points that x and y (m) are in two projected systems; 0 if it is not known.
   virtual double shift(const std::string& reference, const std::string& other, double x, double y) const = 0;
 };
 
