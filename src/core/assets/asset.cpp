@@ -24,8 +24,10 @@ namespace scanmill {
 
 namespace {
 
+// Throws InputError for options that are wrong or do not fit the file, and for a file that is absent or empty. `kind`:
+// the file's ending in lower case, here and below.
 void checkRequest(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
-  const auto fail = [&](const std::string& what) { throw InputError({file.string()}, what); };
+  const auto fail = [&](const std::string& problem) { throw InputError({file.string()}, problem); };
   if (!(options.metresPerUnit > 0) || !std::isfinite(options.metresPerUnit)) {
     fail(fmt::format("metresPerUnit is {}, but must be above 0", options.metresPerUnit));
   }
@@ -41,29 +43,34 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Reads glTF; y is up unless options.up differs. For AssetReader::Blender, Blender first
-// converts the file to a GLB, in which z is up.
-Asset readGltf(const std::filesystem::path& file, const std::string& kind, AssetReader reader,
-               const AssetOptions& options) {
-  const bool byBlender = reader == AssetReader::Blender;
-  if (byBlender && kind != ".blend" && options.up) {
-    throw InputError({file.string()},
-                     "is turned upright by Blender: leave out `up`, and turn the object where it is placed");
-  }
-  const char up = options.up.value_or(byBlender ? 'z' : 'y');
-  const Affine frame{assetFromFile(up, options.metresPerUnit), {}};
-  const auto readExport = [&] {
-    const FilesRead temporary;  // keeps the exported temporary file out of the list of files read
-    return gltf::readAsset(BlenderExport(file).glb(), file, frame, options);
-  };
-  Asset asset = byBlender ? readExport() : gltf::readAsset(file, file, frame, options);
+// Reads glTF. Its specification states the unit, metres, and the up axis, y, unless the options do.
+Asset readGltf(const std::filesystem::path& file, const AssetOptions& options) {
+  const char up = options.up.value_or('y');
+  Asset asset = gltf::readAsset(file, file, {assetFromFile(up, options.metresPerUnit), {}}, options);
   asset.up = up;
   asset.upDeclared = true;
-  asset.statedUnit = kind == ".abc" ? 0 : 1;  // Alembic states none
+  asset.statedUnit = 1;
   return asset;
 }
 
-// Warns if an asset is so far from the origin that its coordinates are coarse in single precision.
+// Reads a file that Blender converts to a GLB in metres, in which z is up.
+Asset readByBlender(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  if (kind != ".blend" && options.up) {
+    throw InputError({file.string()},
+                     "is turned upright by Blender: leave out `up`, and turn the object where it is placed");
+  }
+  const char up = options.up.value_or('z');
+  const FilesRead temporary;  // keeps the exported temporary file out of the list of files read
+  Asset asset =
+      gltf::readAsset(BlenderExport(file).glb(), file, {assetFromFile(up, options.metresPerUnit), {}}, options);
+  asset.up = up;
+  asset.upDeclared = true;
+  asset.statedUnit = kind == ".abc" ? 0 : 1;  // Alembic states no unit
+  return asset;
+}
+
+// Warns if an asset is farther from the origin than it is large, and so far that its coordinates are coarse in single
+// precision.
 void warnOfCoarseCoordinates(const Asset& asset, const std::filesystem::path& file) {
   constexpr double kFar = 16384;  // m; from here on, steps of float32 are about 2 mm or more
   Box box;
@@ -79,23 +86,25 @@ void warnOfCoarseCoordinates(const Asset& asset, const std::filesystem::path& fi
     extent = std::max(extent, box.high.*axis - box.low.*axis);
   }
   if (farthest < kFar || extent > farthest) return;
-  const auto reached = static_cast<float>(farthest);
+  const auto coordinate = static_cast<float>(farthest);
+  const float step = std::nextafter(coordinate, std::numeric_limits<float>::infinity()) - coordinate;
   warn(
       fmt::format("{}: its coordinates reach {:.0f} m, where single precision, in which this kind of file is read, has "
                   "steps of {:.2g} m: subtract an offset from all coordinates and give it as the object's `position`, "
                   "or convert the file to a binary PLY of triangles with coordinates in double",
-                  file.string(), farthest,
-                  static_cast<double>(std::nextafter(reached, std::numeric_limits<float>::infinity()) - reached)));
+                  file.string(), farthest, static_cast<double>(step)));
 }
 
+// Reads the file by the reader of its kind. Throws InputError if it has no triangles.
 Asset readByKind(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   if (isCloud(file)) return readCloudAsset(file, options);
   const AssetReader reader = readerOf(file);
   if (reader == AssetReader::Heights) return readHeightAsset(file, options);
   if (reader == AssetReader::None) throw InputError({file.string()}, whyNoReader(file));
-  Asset asset = reader == AssetReader::World  ? readWorld(file, kind, options)
-                : reader == AssetReader::Mesh ? readImported(file, kind, options)
-                                              : readGltf(file, kind, reader, options);
+  Asset asset = reader == AssetReader::World     ? readWorld(file, kind, options)
+                : reader == AssetReader::Mesh    ? readImported(file, kind, options)
+                : reader == AssetReader::Blender ? readByBlender(file, kind, options)
+                                                 : readGltf(file, options);
   if (asset.parts.empty() && asset.instanced.empty()) {
     throw InputError({file.string()}, fmt::format("has no triangle{}",
                                                   asset.dropped.outOfRange > 0

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/text_scan.h"
 #include "config/file_kind.h"
 #include "config/text.h"
 
@@ -35,7 +36,7 @@ struct AssetKind {
   std::string_view endings;  // separated by blanks, in lower case
   AssetReader reader;
   InFolders inFolders;
-  std::string_view advice = {};
+  std::string_view advice = {};  // how to convert the file, if it is not read
 };
 
 constexpr std::array<AssetKind, 16> kKinds{{
@@ -61,26 +62,20 @@ constexpr std::array<AssetKind, 16> kKinds{{
     {".3mf .amf .dxf .ifc .lwo .osm .pbf .wrl", AssetReader::None, InFolders::Warned},
 }};
 
+// Returns the row of a file's ending (in lower case); null if no row has it.
+const AssetKind* kindOf(std::string_view ending) {
+  const auto* const row =
+      std::ranges::find_if(kKinds, [&](const AssetKind& kind) { return containsWord(kind.endings, ending); });
+  return row == kKinds.end() ? nullptr : row;
+}
+
 struct Content {
-  std::string_view begin;  // first bytes, in lower case
-  std::string_view what;
-  std::string_view endings;  // endings of files that begin so
+  std::string_view firstBytes;  // in lower case
+  std::string_view name;        // with advice, for messages
+  std::string_view endings;     // of files whose contents begin so, separated by blanks
 };
 
-// True if a list of endings, which are separated by blanks, has this ending.
-bool hasEnding(std::string_view endings, std::string_view kind) {
-  const std::string between = fmt::format(" {} ", kind);
-  return !kind.empty() && fmt::format(" {} ", endings).find(between) != std::string::npos;
-}
-
-// Returns the row of an ending; null if none has it.
-const AssetKind* kindOf(const std::string& ending) {
-  const auto* found = std::find_if(kKinds.begin(), kKinds.end(),
-                                   [&](const AssetKind& kind) { return hasEnding(kind.endings, ending); });
-  return found == kKinds.end() ? nullptr : found;
-}
-
-// The first row that fits counts.
+// The first row whose first bytes a file has counts.
 constexpr std::array<Content, 27> kContents{{
     {"version https://git-lfs", "a pointer of Git LFS, not the file itself: fetch it by 'git lfs pull'", ""},
     {"\xff\xfe"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},
@@ -137,23 +132,23 @@ std::string whyNoReader(const fs::path& file) {
 }
 
 std::string otherContent(const fs::path& file) {
-  const std::string kind = lowerExtension(file);
-  const std::string head = lowerCase(firstBytes(file, 4096));
-  std::string_view begin = head;
-  if (begin.starts_with("\xef\xbb\xbf")) begin.remove_prefix(3);
-  begin.remove_prefix(std::min(begin.find_first_not_of(" \t\r\n"), begin.size()));
-  const bool xml = begin.starts_with("<?xml");
+  const std::string ending = lowerExtension(file);
+  constexpr std::size_t kExaminedBytes = 4096;  // in which the root element of an XML file stands
+  const std::string bytes = lowerCase(firstBytes(file, kExaminedBytes));
+  const std::string_view text = trimmed(textOfFile(bytes));
+  const bool isXml = text.starts_with("<?xml");
   for (const Content& content : kContents) {
-    const bool root = content.begin == "<collada" || content.begin == "<mujoco";
-    const bool inside = xml && root && begin.find(content.begin) != std::string_view::npos;
-    if (!begin.starts_with(content.begin) && !inside) continue;
-    return hasEnding(content.endings, kind) ? "" : std::string(content.what);
+    const bool isRootElement = content.firstBytes == "<collada" || content.firstBytes == "<mujoco";
+    const bool isInXml = isXml && isRootElement && text.find(content.firstBytes) != std::string_view::npos;
+    if (!text.starts_with(content.firstBytes) && !isInXml) continue;
+    return containsWord(content.endings, ending) ? "" : std::string(content.name);
   }
-  return xml && !hasEnding(".dae .sdf .world .urdf .xacro .xml .x3d .amf .vrt", kind) ? "XML" : "";
+  return isXml && !containsWord(".dae .sdf .world .urdf .xacro .xml .x3d .amf .vrt", ending) ? "XML" : "";
 }
 
 std::vector<fs::path> assetsIn(const fs::path& folder) {
   std::error_code error;
+  // Returns the file that describes all others in a folder; empty if there is none.
   const auto worldIn = [&](const fs::path& path) {
     for (const char* name : {"model.sdf", "tileset.json"}) {
       if (fs::is_regular_file(path / name, error)) return path / name;
@@ -161,33 +156,34 @@ std::vector<fs::path> assetsIn(const fs::path& folder) {
     return fs::path();
   };
   if (const auto world = worldIn(folder); !world.empty()) return {world};
-  std::vector<fs::path> found;
+  std::vector<fs::path> assets;
   std::map<std::string, int> leftOut;  // number of files, by ending
-  for (auto at = fs::recursive_directory_iterator(folder, error); at != end(at); at.increment(error)) {
-    const fs::directory_entry& entry = *at;
-    const std::string ending = lowerExtension(entry.path());
+  for (auto entry = fs::recursive_directory_iterator(folder, error); entry != end(entry); entry.increment(error)) {
+    const std::string ending = lowerExtension(entry->path());
     const AssetKind* const kind = kindOf(ending);
-    if (const auto world = worldIn(entry.path()); !world.empty()) {
-      found.push_back(world);
-      at.disable_recursion_pending();
-    } else if (kind == nullptr || kind->inFolders == InFolders::Ignored || !entry.is_regular_file(error)) {
+    if (const auto world = worldIn(entry->path()); !world.empty()) {
+      assets.push_back(world);
+      entry.disable_recursion_pending();
+    } else if (kind == nullptr || kind->inFolders == InFolders::Ignored || !entry->is_regular_file(error)) {
       continue;
     } else if (kind->inFolders == InFolders::Listed) {
-      found.push_back(entry.path());
+      assets.push_back(entry->path());
     } else {
       ++leftOut[ending];
     }
   }
   std::string counts;
-  for (const auto& [kind, count] : leftOut) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, kind);
+  for (const auto& [ending, files] : leftOut) {
+    counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", files, ending);
+  }
   if (!counts.empty()) {
     warn(
         fmt::format("{}: left out: {}: of a folder only files that are surely meshes, clouds or worlds are taken; some "
                     "of the others are read if you name them, or after a conversion",
                     folder.string(), counts));
   }
-  std::sort(found.begin(), found.end());
-  return found;
+  std::ranges::sort(assets);
+  return assets;
 }
 
 }  // namespace scanmill

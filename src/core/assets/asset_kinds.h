@@ -9,13 +9,13 @@
 namespace scanmill {
 
 enum class AssetReader {
-  None,  // the kind is unknown, or known and not read
-  Gltf,
+  None,     // the kind is unknown, or known and not read
+  Gltf,     // assets/meshes/gltf/reader.h
   Blender,  // the installed Blender opens or imports the file
-  Mesh,
-  World,
-  Cloud,
-  Heights,
+  Mesh,     // readImported()
+  World,    // readWorld()
+  Cloud,    // readCloudAsset()
+  Heights,  // readHeightAsset()
 };
 
 // Returns the reader for the ending of a file's name. A PLY without faces and some .asc are clouds: isCloud() in

@@ -64,6 +64,12 @@ inline std::vector<std::string_view> wordsOf(std::string_view text) {
   return words;
 }
 
+// True if one of the words, which blanks separate, is `word`.
+inline bool containsWord(std::string_view words, std::string_view word) {
+  const std::vector<std::string_view> list = wordsOf(words);
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
 // Stores the cells of a table's line, which `separator` separates, without blanks and quotation marks around them. The
 // separator ' ' stands for any number of blanks. Separators between quotation marks belong to the cell.
 inline void splitCells(std::string_view line, char separator, std::vector<std::string_view>& cells) {

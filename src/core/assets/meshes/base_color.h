@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -17,26 +18,28 @@
 
 namespace scanmill {
 
-struct AlphaTest {
-  bool wanted = false;  // true: beams pass where the image's alpha is below `cutoff`
-  float cutoff = 0.5f;
+// What the file of an asset says about the base colour of a material.
+struct BaseColor {
+  enum class Source {
+    None,    // the file states no colour
+    Factor,  // a colour without an image
+    Image,   // an image, which may be missing or not loaded
+  };
+  Source source = Source::Factor;
+  std::array<float, 3> factor{1, 1, 1};      // red, green, blue; linear. Multiplies the image, if it is loaded
+  std::shared_ptr<const Texture> image{};    // of Source::Image; null: not loaded
+  std::shared_ptr<const Texture> opacity{};  // tested for alpha if `image` is null; its colours do not count
+  // Beams pass where alpha is below this value (0 to 1); nullopt: they never pass.
+  std::optional<float> alphaCutoff = std::nullopt;
 };
 
-struct BaseColor {
-  std::array<float, 3> factor{1, 1, 1};       // red, green, blue; linear
-  bool tints = false;                         // true: the factor multiplies the image
-  bool stated = true;                         // false: the file states no material, and this colour is a substitute
-  bool textured = false;                      // true: the material names an image, which may be absent
-  std::shared_ptr<const Texture> image = {};  // null: absent, or not loaded
-  bool colored = false;                       // true: the image has colours, not only alpha
-  AlphaTest alpha = {};
-};
+constexpr float kUsualAlphaCutoff = 0.5f;  // of glTF's alphaMode MASK by default; other files do not state it
 
 // The images that the materials of an asset name. Each image is searched for, decoded and measured only once, however
 // many materials use it.
 class ColorImages {
  public:
-  // `allowOutside` and `folders`: see findTexture().
+  // `asset`: the file. `allowOutside` and `folders`: see findTexture().
   ColorImages(std::filesystem::path asset, bool allowOutside, std::vector<std::filesystem::path> folders = {})
       : asset_(std::move(asset)), allowOutside_(allowOutside), folders_(std::move(folders)) {}
   // Warns of missing images.
@@ -44,10 +47,11 @@ class ColorImages {
   ColorImages(const ColorImages&) = delete;
   ColorImages& operator=(const ColorImages&) = delete;
 
-  // Returns the image that the asset calls `name`: the result of `embedded`, or if that is absent or null the file
-  // `name`. Returns null if the image is missing (the destructor warns), is broken (warns), or has no alpha although
-  // `onlyAlpha` is set. `key` identifies the image.
-  std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha,
+  // Returns the image that the asset calls `name`: the result of `embedded` or, if this is absent, the file `name`.
+  // Returns null if the image is missing (the destructor warns), is broken (warns), or has no alpha although
+  // only images with alpha are needed. `key` identifies the image.
+  enum class Need { AnyImage, ImageWithAlpha };
+  std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, Need need,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded = {});
 
   // Returns the image with its linear red, green and blue multiplied by `factor`, of 0 to 1.
@@ -58,23 +62,24 @@ class ColorImages {
   float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
 
  private:
-  std::shared_ptr<const Texture> find(const std::string& name, bool onlyAlpha,
+  // Does what load() says, without images_.
+  std::shared_ptr<const Texture> read(const std::string& name, Need need,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 
   std::filesystem::path asset_;
   bool allowOutside_;
   std::vector<std::filesystem::path> folders_;
-  std::set<std::string> missing_;
-  std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> images_;
+  std::set<std::string> missing_;                                                  // names of missing images
+  std::map<std::pair<std::string, Need>, std::shared_ptr<const Texture>> images_;  // by key
   std::map<std::pair<std::shared_ptr<const Texture>, std::array<float, 3>>, std::shared_ptr<const Texture>> tinted_;
   std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;
 };
 
-// Sets reflectance and texture of a material of the asset `file`. A material that the file does not state gets the
-// default reflectance, and so does a material whose image is not loaded and whose colour factor is white, since white
-// then only means "unchanged image".
-void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
-              ColorImages& images);
+// Sets reflectance and texture of a material of the asset `file`. A material without a colour gets the default
+// reflectance, and so does one whose image is not loaded and whose factor is white, since white then only means
+// "unchanged image".
+void setColor(Material& material, const BaseColor& color, const std::filesystem::path& file,
+              const AssetOptions& options, ColorImages& images);
 
 // True if an alpha is neither near 0 nor near 1: from 0.1 to 0.9.
 inline bool isGradedAlpha(int alpha) {

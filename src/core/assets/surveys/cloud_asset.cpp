@@ -405,9 +405,8 @@ class CloudAsset {
     part.fileMaterial.name = part.material.empty() ? "points" : part.material;
     part.fileMaterial.source = fmt::format("mean of the {} in {}; each point has its own",
                                            measured_ ? "intensities" : "colours", file_.filename().string());
-    const bool colored = image_ != nullptr;
-    setColor(part.fileMaterial, {.stated = false, .textured = colored, .image = image_, .colored = colored}, file_,
-             options_, images_);
+    using enum BaseColor::Source;
+    setColor(part.fileMaterial, {.source = image_ ? Image : None, .image = image_}, file_, options_, images_);
     return part;
   }
 

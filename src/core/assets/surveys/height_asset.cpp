@@ -293,11 +293,10 @@ class HeightAsset {
     part.material = !classes_ ? "heights" : number < 0 ? "no class" : fmt::format("{}", number);
     part.fileMaterial.name = part.material;
     const auto image = options_.textures ? image_ : nullptr;
-    const bool colored = image != nullptr;
     // The name tells callers that read without textures first that this part has one.
     if (image_ != nullptr) part.texture = wanted_.image.filename().string();
-    setColor(part.fileMaterial, {.stated = false, .textured = colored, .image = image, .colored = colored}, file_,
-             options_, images_);
+    using enum BaseColor::Source;
+    setColor(part.fileMaterial, {.source = image ? Image : None, .image = image}, file_, options_, images_);
     asset_.parts.push_back(std::move(part));
     return found->second;
   }

@@ -110,27 +110,26 @@ class WorldAsset {
   }
 
   // Gives a part the material of its visual.
-  void applyLook(const WorldPart& from, AssetPart& part) {
-    if (part.material.empty()) part.material = from.material;
+  void applyLook(const WorldPart& visual, AssetPart& part) {
+    using enum BaseColor::Source;
+    if (part.material.empty()) part.material = visual.material;
     part.fileMaterial.name = part.material;
-    const std::filesystem::path stated(from.where.file);
-    part.fileMaterial.source = "base colour of " + stated.filename().string();
-    BaseColor color;
-    color.stated = from.color.has_value();
-    color.factor = from.color.value_or(std::array<float, 3>{1, 1, 1});
-    part.color = color.factor;
-    if (!from.texture.empty()) {
-      part.texture = from.texture.filename().string();
-      color.textured = true;
-      color.alpha.wanted = options_.alpha == AlphaUse::Test;
-      if (options_.textures || color.alpha.wanted) {
-        color.image = images_.load(from.texture.string(), from.texture.string(), !options_.textures);
-      }
-      color.colored = color.image != nullptr;
-      if (color.colored) part.color = {1, 1, 1};
+    const std::filesystem::path definition(visual.where.file);
+    part.fileMaterial.source = "base colour of " + definition.filename().string();
+    BaseColor color{.source = visual.color ? Factor : None,
+                    .factor = visual.color.value_or(std::array<float, 3>{1, 1, 1})};
+    if (!visual.texture.empty()) {
+      const std::string name = visual.texture.string();
+      part.texture = visual.texture.filename().string();
+      color.source = Image;
+      if (options_.alpha == AlphaUse::Test) color.alphaCutoff = kUsualAlphaCutoff;
+      const auto need = options_.textures ? ColorImages::Need::AnyImage : ColorImages::Need::ImageWithAlpha;
+      if (options_.textures || color.alphaCutoff) color.image = images_.load(name, name, need);
+      if (color.image) color.factor = {1, 1, 1};  // the image replaces the colour
     }
-    setColor(part.fileMaterial, std::move(color), stated, options_, images_);
-    if (!from.texture.empty()) checkTexture(part, true, leftOut_);
+    part.color = color.factor;
+    setColor(part.fileMaterial, color, definition, options_, images_);
+    if (!visual.texture.empty()) checkTexture(part, true, leftOut_);
   }
 
   // Returns the parts of a mesh, or of its submesh if one is named. `where`: of the visual, for messages.

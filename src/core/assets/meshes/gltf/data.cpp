@@ -65,86 +65,87 @@ std::string labelOf(const Model& model, Index image) {
   return i.name.empty() ? fmt::format("*{}", image) : i.name;
 }
 
-std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index image, bool onlyAlpha,
+// Loads the image with this index; see ColorImages::load().
+std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index imageIndex, ColorImages::Need need,
                                     ColorImages& images) {
-  const Image& i = model.images[image];
-  const std::string label = labelOf(model, image);
-  return images.load(std::to_string(image), label, onlyAlpha, [&]() -> std::shared_ptr<const Texture> {
-    const std::string imageName = model.file.string() + ": " + label;
-    if (i.view) return decodeTexture(data.view(*i.view), imageName);
-    if (i.uri.starts_with("data:")) return decodeTexture(data.embedded(i.uri, label), imageName);
-    return nullptr;
-  });
+  const Image& image = model.images[imageIndex];
+  const std::string label = labelOf(model, imageIndex);
+  std::function<std::shared_ptr<const Texture>()> embedded;
+  if (image.view || image.uri.starts_with("data:")) {
+    embedded = [&] {
+      const std::string imageName = model.file.string() + ": " + label;
+      return image.view ? decodeTexture(data.view(*image.view), imageName)
+                        : decodeTexture(data.embedded(image.uri, label), imageName);
+    };
+  }
+  return images.load(std::to_string(imageIndex), label, need, embedded);
 }
 
-AlphaTest alphaOf(const Material& m, const AssetOptions& options) {
-  if (options.alpha == AlphaUse::Ignore) return {};
-  const bool asked = options.alpha == AlphaUse::Test;
-  if (m.alpha != Material::Alpha::Mask) return {asked || m.alpha == Material::Alpha::Blend, 0.5f};
+// Returns BaseColor::alphaCutoff for a material.
+std::optional<float> alphaCutoffOf(const Material& material, AlphaUse use) {
+  if (use == AlphaUse::Ignore || (use == AlphaUse::Auto && material.alpha == Material::Alpha::Opaque)) return {};
+  if (material.alpha != Material::Alpha::Mask) return kUsualAlphaCutoff;
   // glTF compares the cutoff with the product of the colour factor's alpha and the texture's alpha.
-  const double factor = fraction(m.color[3], 1.0);
-  if (factor > 0 && std::isfinite(m.cutoff)) return {true, static_cast<float>(m.cutoff / factor)};
-  constexpr float kAboveAll = 2;
-  return {true, m.cutoff > 0 ? kAboveAll : 0.0f};
+  const double factor = fraction(material.color[3], 1.0);
+  if (factor > 0 && std::isfinite(material.cutoff)) return static_cast<float>(material.cutoff / factor);
+  constexpr float kAboveAllAlphas = 2;
+  return material.cutoff > 0 ? kAboveAllAlphas : 0.0f;
 }
 
-// True if most of the image's alpha is neither near 0 nor near 1, so that a test of alpha removes or keeps what fades.
+// True if more than half of the image's alpha is neither near 0 nor near 1, so that a test of alpha removes or keeps
+// what fades.
 bool fades(const Texture& image) {
-  std::size_t graded = 0;
-  for (std::size_t i = 3; i < image.rgba.size(); i += 4) graded += isGradedAlpha(image.rgba[i]) ? 1 : 0;
-  return graded > image.rgba.size() / 8;
+  std::size_t gradedTexels = 0;
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) gradedTexels += isGradedAlpha(image.rgba[i]) ? 1 : 0;
+  return gradedTexels > image.rgba.size() / 4 / 2;
 }
 
-// Multiplies the image by the hue of the factor, of which the largest channel remains: in 8 bits, dark factors would
-// lose steps.
+// Multiplies the loaded image by the hue of the factor. The factor becomes the grey of its largest channel: in 8 bits,
+// images multiplied by dark factors would lose steps.
 void giveHueToImage(BaseColor& color, ColorImages& images) {
   if (color.factor[1] == color.factor[0] && color.factor[2] == color.factor[0]) return;
-  const float most = *std::max_element(color.factor.begin(), color.factor.end());
+  const float largest = std::ranges::max(color.factor);
   std::array<float, 3> hue = color.factor;
-  for (float& channel : hue) channel /= most;
+  for (float& channel : hue) channel /= largest;
   color.image = images.tinted(color.image, hue);
-  color.factor = {most, most, most};
+  color.factor = {largest, largest, largest};
 }
 
-// Reads a material; null: the default material of primitives without one.
-ReadMaterial read(const Model& model, const Data& data, const Material* m, const AssetOptions& options,
-                  ColorImages& images) {
-  static const Material kDefault;
-  const Material& from = m == nullptr ? kDefault : *m;
-  ReadMaterial to;
-  to.leftOut = from.leftOut;
-  to.material = to.fileMaterial.name = from.name;
-  to.fileMaterial.source = "base colour of " + model.file.filename().string();
-  to.fileMaterial.roughness = static_cast<float>(fraction(from.roughness, 1.0));
-  to.fileMaterial.metallic = static_cast<float>(fraction(from.metallic, 0.0));
-  BaseColor color;
-  for (std::size_t c = 0; c < 3; ++c) color.factor[c] = static_cast<float>(fraction(from.color[c], 1.0));
-  to.color = color.factor;
-  color.alpha = alphaOf(from, options);
-  color.tints = true;
-  color.stated = m != nullptr;
-  if (from.texture) {
-    to.placed = from.texture;
-    to.texture = labelOf(model, from.texture->image);
-    color.textured = true;
-    if (options.textures || color.alpha.wanted) {
-      color.image = load(model, data, from.texture->image, !options.textures, images);
-      color.colored = color.image != nullptr;
+// Returns a material with its images. `source`: of its colour if it has no image, None for the default material of
+// primitives without a material.
+ReadMaterial read(const Model& model, const Data& data, const Material& material, BaseColor::Source source,
+                  const AssetOptions& options, ColorImages& images) {
+  ReadMaterial read;
+  read.leftOut = material.leftOut;
+  read.material = read.fileMaterial.name = material.name;
+  read.fileMaterial.source = "base colour of " + model.file.filename().string();
+  read.fileMaterial.roughness = static_cast<float>(fraction(material.roughness, 1.0));
+  read.fileMaterial.metallic = static_cast<float>(fraction(material.metallic, 0.0));
+  BaseColor color{.source = source, .alphaCutoff = alphaCutoffOf(material, options.alpha)};
+  for (std::size_t c = 0; c < 3; ++c) color.factor[c] = static_cast<float>(fraction(material.color[c], 1.0));
+  read.color = color.factor;
+  if (material.texture) {
+    read.placed = material.texture;
+    read.texture = labelOf(model, material.texture->image);
+    color.source = BaseColor::Source::Image;
+    const auto need = options.textures ? ColorImages::Need::AnyImage : ColorImages::Need::ImageWithAlpha;
+    if (options.textures || color.alphaCutoff) {
+      color.image = load(model, data, material.texture->image, need, images);
     }
   }
-  if (color.colored) giveHueToImage(color, images);
-  if (color.colored && options.textures) to.color = color.factor;
-  const bool blends = from.alpha == Material::Alpha::Blend && options.alpha == AlphaUse::Auto;
-  if (blends && color.colored && color.image->hasAlpha && fades(*color.image)) {
-    to.leftOut.add("images that fade (beams pass where alpha is below 0.5)");
+  if (color.image) giveHueToImage(color, images);
+  if (color.image && options.textures) read.color = color.factor;
+  const bool isBlended = material.alpha == Material::Alpha::Blend;
+  if (isBlended && options.alpha == AlphaUse::Auto && color.image && color.image->hasAlpha && fades(*color.image)) {
+    read.leftOut.add("images that fade (beams pass where alpha is below 0.5)");
   }
-  setColor(to.fileMaterial, std::move(color), model.file, options, images);
-  const bool faded =
-      from.alpha == Material::Alpha::Blend
-          ? from.color[3] < 1
-          : from.alpha == Material::Alpha::Mask && from.color[3] < from.cutoff && !to.fileMaterial.alphaTested;
-  if (faded && options.alpha != AlphaUse::Ignore) to.leftOut.add("opacities of materials (they are solid)");
-  return to;
+  setColor(read.fileMaterial, color, model.file, options, images);
+  const bool isMaskedByFactor =
+      material.alpha == Material::Alpha::Mask && material.color[3] < material.cutoff && !read.fileMaterial.alphaTested;
+  if ((isMaskedByFactor || (isBlended && material.color[3] < 1)) && options.alpha != AlphaUse::Ignore) {
+    read.leftOut.add("opacities of materials (they are solid)");
+  }
+  return read;
 }
 
 }  // namespace
@@ -293,8 +294,11 @@ std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, co
   ColorImages images(model.file, options.allowOutside, options.textureFolders);
   std::vector<ReadMaterial> materials;
   materials.reserve(model.materials.size() + 1);
-  for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options, images));
-  materials.push_back(read(model, data, nullptr, options, images));
+  using enum BaseColor::Source;
+  for (const Material& material : model.materials) {
+    materials.push_back(read(model, data, material, Factor, options, images));
+  }
+  materials.push_back(read(model, data, Material(), None, options, images));
   return materials;
 }
 
