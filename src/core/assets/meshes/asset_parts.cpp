@@ -21,66 +21,72 @@ Mat3 assetFromFile(char up, double metresPerUnit) {
 }
 
 Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position) {
-  std::array<std::vector<double>, 3> axes;
-  const std::size_t every = std::max<std::size_t>(count / 1000, 1);
-  for (std::size_t i = 0; i < count; i += every) {
-    const Vec3d at = position(i);
-    if (!isFinite(at)) continue;
-    axes[0].push_back(at.x);
-    axes[1].push_back(at.y);
-    axes[2].push_back(at.z);
-  }
-  if (axes[0].empty()) return {};
-  const auto median = [](std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+  constexpr std::size_t kFewestSamples = 1000;  // if there are as many positions
+  const std::size_t step = std::max<std::size_t>(count / kFewestSamples, 1);
+  std::vector<Vec3d> samples;
+  for (std::size_t i = 0; i < count; i += step) samples.push_back(position(i));
+  std::erase_if(samples, [](const Vec3d& sample) { return !isFinite(sample); });
+  if (samples.empty()) return {};
+  const auto median = [&](double Vec3d::*axis) {
+    const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+    std::ranges::nth_element(samples, middle, {}, axis);
+    return (*middle).*axis;
   };
-  return cloudOrigin({median(axes[0]), median(axes[1]), median(axes[2])});
+  return cloudOrigin({median(&Vec3d::x), median(&Vec3d::y), median(&Vec3d::z)});
 }
 
-void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles) {
+void weld(AssetPart& part) {
+  std::vector<Vec3f>& positions = part.positions;
+  std::vector<Vec2f>& uvs = part.uvs;
   const std::size_t count = positions.size();
-  std::vector<bool> used(count, false);
-  for (const Triangle& triangle : triangles) {
-    for (const std::uint32_t corner : triangle) used[corner] = true;
+  std::vector<bool> isUsed(count, false);
+  for (const Triangle& triangle : part.triangles) {
+    for (const std::uint32_t corner : triangle) isUsed[corner] = true;
   }
-  if (count <= 2 * triangles.size() && std::find(used.begin(), used.end(), false) == used.end()) return;
-  std::vector<std::uint32_t> order;
+  // Meshes with so few vertices hardly have identical ones.
+  const bool sharesVertices = count <= 2 * part.triangles.size();
+  if (sharesVertices && std::ranges::find(isUsed, false) == isUsed.end()) return;
+  std::vector<std::uint32_t> usedVertices;
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (used[i]) order.push_back(i);
+    if (isUsed[i]) usedVertices.push_back(i);
   }
-  while (order.size() % 3 != 0) order.push_back(order.back());  // meshoptimizer expects triangles
+  while (usedVertices.size() % 3 != 0) usedVertices.push_back(usedVertices.back());  // meshoptimizer expects triangles
   const std::array<meshopt_Stream, 2> streams{
       {{positions.data(), sizeof(Vec3f), sizeof(Vec3f)}, {uvs.data(), sizeof(Vec2f), sizeof(Vec2f)}}};
   std::vector<std::uint32_t> newIndex(count);
-  const std::size_t kept = meshopt_generateVertexRemapMulti(newIndex.data(), order.data(), order.size(), count,
-                                                            streams.data(), uvs.empty() ? 1 : 2);
-  meshopt_remapVertexBuffer(positions.data(), positions.data(), count, sizeof(Vec3f), newIndex.data());
-  if (!uvs.empty()) meshopt_remapVertexBuffer(uvs.data(), uvs.data(), count, sizeof(Vec2f), newIndex.data());
-  positions.resize(kept);
-  positions.shrink_to_fit();
-  if (!uvs.empty()) {
-    uvs.resize(kept);
-    uvs.shrink_to_fit();
-  }
-  for (Triangle& triangle : triangles) {
+  const std::size_t newCount = meshopt_generateVertexRemapMulti(
+      newIndex.data(), usedVertices.data(), usedVertices.size(), count, streams.data(), uvs.empty() ? 1 : 2);
+  const auto moveVertices = [&](auto& values) {
+    if (values.empty()) return;
+    meshopt_remapVertexBuffer(values.data(), values.data(), count, sizeof values[0], newIndex.data());
+    values.resize(newCount);
+    values.shrink_to_fit();
+  };
+  moveVertices(positions);
+  moveVertices(uvs);
+  for (Triangle& triangle : part.triangles) {
     for (std::uint32_t& corner : triangle) corner = newIndex[corner];
   }
+}
+
+void makeTriangles(AssetPart& part) {
+  const auto vertices = static_cast<std::uint32_t>(part.positions.size());
+  for (std::uint32_t i = 0; i + 2 < vertices; i += 3) part.triangles.push_back({i, i + 1, i + 2});
+  weld(part);
 }
 
 void append(const Geometry& geometry, const Affine& assetFromNode, std::uint32_t material, bool needsUvs,
             std::size_t first, std::vector<AssetPart>& parts) {
   if (geometry.points.empty()) return;
-  const auto isOf = [&](const AssetPart& part) {
+  const auto takesGeometry = [&](const AssetPart& part) {
     return part.materialIndex == material && !(needsUvs && part.uvs.empty() != geometry.uvs.empty());
   };
-  auto part = std::find_if(parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end(), isOf);
+  auto part = std::find_if(parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end(), takesGeometry);
   if (part == parts.end()) {
     parts.emplace_back().materialIndex = material;
     part = parts.end() - 1;
   }
-  const auto base = static_cast<std::uint32_t>(part->positions.size());
+  const auto base = static_cast<std::uint32_t>(part->positions.size());  // index of the first new vertex
   for (const Vec3d& p : geometry.points) part->positions.push_back(static_cast<Vec3f>(assetFromNode * p));
   if (!geometry.uvs.empty() || !part->uvs.empty()) {
     part->uvs.resize(base);  // zeros for geometry without texture coordinates
@@ -93,14 +99,14 @@ void append(const Geometry& geometry, const Affine& assetFromNode, std::uint32_t
   }
 }
 
-void finishNode(std::string_view name, std::uint32_t index, std::size_t first, std::vector<AssetPart>& parts) {
+void finishNode(std::string_view name, std::uint32_t nodeIndex, std::size_t first, std::vector<AssetPart>& parts) {
   const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);
   parts.erase(std::remove_if(begin, parts.end(), [](const AssetPart& p) { return p.triangles.empty(); }), parts.end());
   for (std::size_t i = first; i < parts.size(); ++i) {
     AssetPart& part = parts[i];
     part.node = name;
-    part.nodeIndex = index;
-    weld(part.positions, part.uvs, part.triangles);
+    part.nodeIndex = nodeIndex;
+    weld(part);
   }
 }
 
@@ -113,36 +119,36 @@ void move(AssetPart& part, const Affine& transform) {
 void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut) {
   Material& material = part.fileMaterial;
   if (part.texture.empty() && material.texture == nullptr) return;
-  constexpr float kClose = 1e-3f;
-  const auto inside = [](float u) { return u > -kClose && u < 1 + kClose; };
+  constexpr float kTolerance = 1e-3f;  // of the image's size, for rounding by exporters
+  const auto isInside = [](float u) { return u > -kTolerance && u < 1 + kTolerance; };
   if (part.uvs.empty()) {
     leftOut.add("textures of parts without texture coordinates");
     material.texture = nullptr;
     material.textured = material.alphaTested = false;
-  } else if (!repeats && !std::all_of(part.uvs.begin(), part.uvs.end(),
-                                      [&](const Vec2f& uv) { return inside(uv.x) && inside(uv.y); })) {
+  } else if (!repeats &&
+             !std::ranges::all_of(part.uvs, [&](const Vec2f& uv) { return isInside(uv.x) && isInside(uv.y); })) {
     leftOut.add("clamped or mirrored textures (they repeat)");
   }
 }
 
 Box boundsOf(const Asset& asset) {
   Box box;
-  const auto add = [&](const AssetPart& part, const Affine& assetFromPart) {
+  const auto addVertices = [&](const AssetPart& part, const Affine& assetFromPart) {
     for (const Vec3f& p : part.positions) {
       if (isFinite(p)) box.add(assetFromPart * Vec3d(p));
     }
   };
-  for (const AssetPart& part : asset.parts) add(part, {{}, asset.origin});
+  for (const AssetPart& part : asset.parts) addVertices(part, {{}, asset.origin});
   for (const InstancedParts& instanced : asset.instanced) {
     for (const Affine& assetFromPart : instanced.assetFromParts) {
-      for (const AssetPart& part : instanced.parts) add(part, assetFromPart);
+      for (const AssetPart& part : instanced.parts) addVertices(part, assetFromPart);
     }
   }
   return box;
 }
 
 void flatten(Asset& asset) {
-  std::uint32_t nodes = 0;
+  std::uint32_t nodes = 0;  // number of node indices that are taken
   for (const AssetPart& part : asset.parts) nodes = std::max(nodes, part.nodeIndex + 1);
   for (const InstancedParts& instanced : asset.instanced) {
     for (const Affine& assetFromPart : instanced.assetFromParts) {

@@ -17,17 +17,18 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kPatience = 600;  // s, default of SCANMILL_BLENDER_SECONDS
-
+// Returns the longest wait for an answer (s), which SCANMILL_BLENDER_SECONDS sets.
 double patience() {
-  const char* set = std::getenv("SCANMILL_BLENDER_SECONDS");
-  if (set == nullptr) return kPatience;
+  constexpr double kDefault = 600;
+  const char* text = std::getenv("SCANMILL_BLENDER_SECONDS");
+  if (text == nullptr) return kDefault;
   double seconds = 0;
-  if (parseNumber(set, seconds) && seconds > 0 && seconds <= 1e6) return seconds;
+  if (parseNumber(text, seconds) && seconds > 0 && seconds <= 1e6) return seconds;
   throw InputError(
-      fmt::format("SCANMILL_BLENDER_SECONDS is '{}', but must be a number of seconds above 0 and at most 1e6", set));
+      fmt::format("SCANMILL_BLENDER_SECONDS is '{}', but must be a number of seconds above 0 and at most 1e6", text));
 }
 
+// Returns Blender's program and its arguments, which run a job of the script with arguments of its own.
 std::vector<std::string> commandLine(const std::string& job, const std::filesystem::path& folder,
                                      const std::vector<std::string>& arguments) {
   const std::filesystem::path script = resourceFolder() / "scripts" / "blender_passes.py";
@@ -65,15 +66,15 @@ std::map<std::string, std::string> environmentIn(const std::filesystem::path& fo
 }  // namespace
 
 std::filesystem::path blenderProgram() {
-  const char* named = std::getenv("SCANMILL_BLENDER");
-  const bool set = named != nullptr && *named != '\0';
-  std::filesystem::path program = findProgram(set ? named : "blender");
+  const char* variable = std::getenv("SCANMILL_BLENDER");
+  const bool isSet = variable != nullptr && *variable != '\0';
+  std::filesystem::path program = findProgram(isSet ? variable : "blender");
   if (!program.empty()) return program;
-  if (set)
+  if (isSet)
     throw Error(
         fmt::format("SCANMILL_BLENDER names '{}', which does not exist or is not executable: name Blender's program, "
                     "or install it by scripts/setup --blender",
-                    named));
+                    variable));
   throw Error(
       "Blender is not installed: install it by scripts/setup --blender or, on Debian, by apt-get install blender; or "
       "set SCANMILL_BLENDER to its program");
@@ -83,9 +84,9 @@ BlenderJob::BlenderJob(const std::string& job, const std::filesystem::path& fold
                        const std::vector<std::string>& arguments)
     : patience_(patience()), process_(commandLine(job, folder, arguments), environmentIn(folder)) {}
 
-void BlenderJob::fail(const std::string& what) const {
+void BlenderJob::fail(const std::string& problem) const {
   const std::string lines = process_.lastLines();
-  throw Error(lines.empty() ? what : fmt::format("{}; its last lines:\n{}", what, lines));
+  throw Error(lines.empty() ? problem : fmt::format("{}; its last lines:\n{}", problem, lines));
 }
 
 void BlenderJob::ask(const std::string& line) {
@@ -98,11 +99,11 @@ BlenderAnswer BlenderJob::answer() {
       const nlohmann::json fields = nlohmann::json::parse(*line, nullptr, false);
       if (!fields.is_object()) continue;  // Blender itself printed this line before the script started
       BlenderAnswer answer{fields.value("what", ""), fields.value("text", ""), fields.value("seconds", 0.0)};
-      if (answer.what == "error" && fields.value("input", false)) throw InputError(answer.text);
+      if (answer.kind == "error" && fields.value("input", false)) throw InputError(answer.text);
       return answer;
     }
-    const std::string end = process_.wait(patience_);
-    fail(fmt::format("Blender failed ({})", end));
+    const std::string exitStatus = process_.wait(patience_);
+    fail(fmt::format("Blender failed ({})", exitStatus));
   } catch (const TimeOut&) {
     fail(fmt::format("Blender did not finish within {} s: set SCANMILL_BLENDER_SECONDS to wait longer", patience_));
   } catch (const nlohmann::json::exception& e) {
@@ -137,7 +138,7 @@ BlenderExport::BlenderExport(const std::filesystem::path& file) {
   try {
     LeftOut leftOut;
     const auto counts = nlohmann::json::parse(job->answer().text).get<std::map<std::string, std::uint64_t>>();
-    for (const auto& [what, count] : counts) leftOut.add(what, count);
+    for (const auto& [content, count] : counts) leftOut.add(content, count);
     leftOut.warn(file.string());
   } catch (const InputError& e) {
     throw InputError({file.string()}, e.what());

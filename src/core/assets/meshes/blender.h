@@ -18,7 +18,7 @@ namespace scanmill {
 std::filesystem::path blenderProgram();
 
 struct BlenderAnswer {
-  std::string what;  // kind of answer: "ready", "scene", "image" or "exported" (see the script)
+  std::string kind;  // "ready", "scene", "image" or "exported" (see the script)
   std::string text;
   double seconds = 0;  // s since the request
 };
@@ -39,7 +39,8 @@ class BlenderJob {
   BlenderAnswer answer();
 
  private:
-  [[noreturn]] void fail(const std::string& what) const;
+  // Throws Error with Blender's last lines.
+  [[noreturn]] void fail(const std::string& problem) const;
 
   double patience_;  // s, longest wait for an answer
   Process process_;

@@ -17,6 +17,7 @@
 #include <fstream>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 namespace scanmill {
 
@@ -24,30 +25,34 @@ namespace {
 
 constexpr int kPipeBytes = 1 << 18;
 
-void limit(int resource, std::uint64_t value) {
+// Lowers a limit of this process (RLIMIT_...), as far as the system lets it.
+void setLimit(int resource, std::uint64_t value) {
   rlimit limits{};
   if (::getrlimit(static_cast<__rlimit_resource>(resource), &limits) != 0) return;
   limits.rlim_cur = std::min<rlim_t>(value, limits.rlim_max);
   ::setrlimit(static_cast<__rlimit_resource>(resource), &limits);
 }
 
+// Returns the size of this process's address space (bytes).
 std::uint64_t addressSpace() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-void silence() {
-  const int nowhere = ::open("/dev/null", O_WRONLY);
-  if (nowhere < 0) return;
-  ::dup2(nowhere, STDOUT_FILENO);
-  ::dup2(nowhere, STDERR_FILENO);
+// Discards what this process prints from now on.
+void discardOutput() {
+  const int nullDevice = ::open("/dev/null", O_WRONLY);
+  if (nullDevice < 0) return;
+  ::dup2(nullDevice, STDOUT_FILENO);
+  ::dup2(nullDevice, STDERR_FILENO);
 }
 
 // Exit codes of the child, if no signal ends it.
 enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
 
-[[noreturn]] void runChild(const std::function<std::string()>& work, int answer) {
+// Calls `work` and exits. Writes what it returns, or the message of its exception, to the pipe with this descriptor.
+[[noreturn]] void runChild(const std::function<std::string()>& work, int pipe) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU}) std::signal(signal, SIG_DFL);
   std::string text;
   int code = Done;
@@ -64,52 +69,30 @@ enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
     text = "it failed without a stated reason";
     code = Failed;
   }
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t n = ::write(answer, text.data() + done, text.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) ::_exit(NobodyListens);
-    done += static_cast<std::size_t>(n);
+  for (std::size_t written = 0; written < text.size();) {
+    const ssize_t bytes = ::write(pipe, text.data() + written, text.size() - written);
+    if (bytes < 0 && errno == EINTR) continue;
+    if (bytes <= 0) ::_exit(NobodyListens);
+    written += static_cast<std::size_t>(bytes);
   }
   ::_exit(code);  // not exit(), which would flush the parent's buffers and run its destructors
 }
 
+// Returns what other processes write to a pipe until they close it.
 std::string readAll(int descriptor) {
   std::string text;
   std::array<char, kPipeBytes> block;
   for (;;) {
-    const ssize_t n = ::read(descriptor, block.data(), block.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return text;
-    text.append(block.data(), static_cast<std::size_t>(n));
+    const ssize_t bytes = ::read(descriptor, block.data(), block.size());
+    if (bytes < 0 && errno == EINTR) continue;
+    if (bytes <= 0) return text;
+    text.append(block.data(), static_cast<std::size_t>(bytes));
   }
 }
 
-}  // namespace
-
-std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds) {
-  std::array<int, 2> pipe{};
-  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error(fmt::format("a pipe cannot be made: {}", std::strerror(errno)));
-  ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
-  const std::uint64_t space = addressSpace();
-  const pid_t child = ::fork();
-  if (child < 0) {
-    const int reason = errno;
-    ::close(pipe[0]);
-    ::close(pipe[1]);
-    throw Error(fmt::format("a child process cannot be started: {}", std::strerror(reason)));
-  }
-  if (child == 0) {
-    ::close(pipe[0]);
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    silence();
-    limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_AS, space + memory);
-    limit(RLIMIT_CPU, seconds);
-    runChild(work, pipe[1]);
-  }
-  ::close(pipe[1]);
-  std::string text = readAll(pipe[0]);
-  ::close(pipe[0]);
+// Waits for the end of a child process that sent `text`, and returns the text. Throws as inChildProcess() does, whose
+// limits are named in messages.
+std::string resultOf(pid_t child, std::string text, std::uint64_t memory, unsigned seconds) {
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
@@ -127,6 +110,35 @@ std::string inChildProcess(const std::function<std::string()>& work, std::uint64
     default:
       throw ChildEnded("it makes the importer exit");
   }
+}
+
+}  // namespace
+
+std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds) {
+  std::array<int, 2> pipe{};
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error(fmt::format("a pipe cannot be made: {}", std::strerror(errno)));
+  ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
+  const std::uint64_t parentSpace = addressSpace();
+  const pid_t child = ::fork();
+  if (child < 0) {
+    const int reason = errno;
+    ::close(pipe[0]);
+    ::close(pipe[1]);
+    throw Error(fmt::format("a child process cannot be started: {}", std::strerror(reason)));
+  }
+  if (child == 0) {
+    ::close(pipe[0]);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    discardOutput();
+    setLimit(RLIMIT_CORE, 0);
+    setLimit(RLIMIT_AS, parentSpace + memory);
+    setLimit(RLIMIT_CPU, seconds);
+    runChild(work, pipe[1]);
+  }
+  ::close(pipe[1]);
+  std::string text = readAll(pipe[0]);
+  ::close(pipe[0]);
+  return resultOf(child, std::move(text), memory, seconds);
 }
 
 }  // namespace scanmill

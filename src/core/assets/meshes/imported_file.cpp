@@ -21,16 +21,18 @@ namespace {
 // Writes values to bytes or reads them back, for a process and its child, which have the same build.
 class Archive {
  public:
-  Archive() = default;  // writes
-  explicit Archive(std::string_view from)
-      : from_(from) {}  // reads. Throws Error if the bytes are not those of the values
+  // An archive that writes.
+  Archive() = default;
+  // An archive that reads these bytes.
+  explicit Archive(std::string_view bytes) : unread_(bytes) {}
 
-  std::string bytes;  // what was written
+  std::string written;
 
+  // Writes the file, or fills it. Throws Error if the bytes to read are not those of a file.
   void item(ImportedFile& file) {
     items(file.up, file.upDeclared, file.statedUnit, file.origin, file.dropped.outOfRange, file.materials, file.parts,
           file.missing, file.problems, file.leftOut);
-    if (from_ && !from_->empty()) fail();
+    if (unread_ && !unread_->empty()) fail();
   }
 
  private:
@@ -73,40 +75,45 @@ class Archive {
   void size(auto& list) {
     std::size_t count = list.size();
     item(count);
-    if (from_ && count > from_->size()) fail();
+    if (unread_ && count > unread_->size()) fail();
     list.resize(count);
   }
 
-  void raw(void* data, std::size_t count) {
-    if (!from_) {
-      bytes.append(static_cast<const char*>(data), count);
+  // Writes or reads the bytes of a value.
+  void raw(void* value, std::size_t bytes) {
+    if (!unread_) {
+      written.append(static_cast<const char*>(value), bytes);
       return;
     }
-    if (count > from_->size()) fail();
-    if (count > 0) std::memcpy(data, from_->data(), count);
-    from_->remove_prefix(count);
+    if (bytes > unread_->size()) fail();
+    if (bytes > 0) std::memcpy(value, unread_->data(), bytes);
+    unread_->remove_prefix(bytes);
   }
 
-  std::optional<std::string_view> from_;  // the bytes that are not read yet
+  std::optional<std::string_view> unread_;  // the bytes that are not read yet; nullopt: this archive writes
 };
 
-// Memory limit of the child process (bytes) for an empty file. Each byte of the file adds 64 bytes to the limit.
-constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;
-constexpr unsigned kSeconds = 300;
+// Limits of the child process, chosen far above what real files take: memory (bytes) for an empty file and for each
+// byte of a file, and time.
+constexpr std::uint64_t kLeastMemory = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMemoryPerByte = 64;
+constexpr unsigned kMostSeconds = 300;
 
+// Reads a file as readByAssimp() does, in a child process. Throws InputError that names the file.
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
-  const std::uint64_t memory = std::min(kMemory + 64 * std::filesystem::file_size(file), memoryLimitBytes());
+  const std::uint64_t fileSize = std::filesystem::file_size(file);
+  const std::uint64_t memory = std::min(kLeastMemory + kMemoryPerByte * fileSize, memoryLimitBytes());
   try {
     const auto readInChild = [&] {
-      ImportedFile read = readByAssimp(file, kind, options);
+      ImportedFile imported = readByAssimp(file, kind, options);
       Archive archive;
-      archive.item(read);
-      return std::move(archive.bytes);
+      archive.item(imported);
+      return std::move(archive.written);
     };
-    const std::string bytes = inChildProcess(readInChild, memory, kSeconds);
-    ImportedFile read;
-    Archive(bytes).item(read);
-    return read;
+    const std::string bytes = inChildProcess(readInChild, memory, kMostSeconds);
+    ImportedFile imported;
+    Archive(bytes).item(imported);
+    return imported;
   } catch (const ChildEnded& e) {
     throw InputError({file.string()}, fmt::format("cannot be read: {}; {}", e.what(), remedyFor(kind)));
   } catch (const Error& e) {
@@ -131,9 +138,9 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
   }
   const std::vector<Look> looks = readMaterials(imported, file, options, imported.leftOut);
   for (AssetPart& part : imported.parts) {
-    const bool known = part.materialIndex < looks.size();
-    if (known) static_cast<Look&>(part) = looks[part.materialIndex];
-    checkTexture(part, !known || imported.materials[part.materialIndex].base.repeats, imported.leftOut);
+    const bool hasMaterial = part.materialIndex < looks.size();
+    if (hasMaterial) static_cast<Look&>(part) = looks[part.materialIndex];
+    checkTexture(part, !hasMaterial || imported.materials[part.materialIndex].base.repeats, imported.leftOut);
   }
   imported.leftOut.warn(file.string());
   return std::move(static_cast<Asset&>(imported));

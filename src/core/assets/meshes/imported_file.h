@@ -39,7 +39,7 @@ struct ImportedMaterial {
   ImportedMap base;                     // image of the base colour
   ImportedMap opacityMap;
 
-  bool textured() const { return !base.name.empty() || !opacityMap.name.empty(); }
+  bool namesImages() const { return !base.name.empty() || !opacityMap.name.empty(); }
   // Returns the placement of both images: that of the base colour, if it has one.
   const UvPlacement& placement() const { return base.name.empty() ? opacityMap.placement : base.placement; }
 };
@@ -52,7 +52,7 @@ struct ImportedFile : Asset {
   LeftOut leftOut;
 };
 
-// The readers of files. `file` must exist. Triangles with indices out of range are dropped and counted. They throw
+// Readers of mesh files. `file` must exist. Triangles with indices out of range are dropped and counted. They throw
 // InputError, with the line of text files, for what cannot be read, and for a file outside of the asset's folder unless
 // AssetOptions::allowOutside is set. Their formats: `scanmill list inputs`.
 const FormatSupport& objFormat();

@@ -33,27 +33,27 @@ namespace {
 enum class Role { None, X, Y, Z, U, V, Corners, CornerUvs, Image };
 constexpr std::size_t kRoles = 9;
 
+// Returns the meaning of a property of an element; None if it is not read.
 Role roleOf(std::string_view element, const PlyProperty& property) {
+  enum Kind { Number, List };
   struct Row {
-    std::string_view element, names;  // names with blanks around them
-    bool isList;
+    std::string_view element, names;
+    Kind kind;
     Role role;
   };
-  static constexpr std::array<Row, 8> kRows{{{"vertex", " x ", false, Role::X},
-                                             {"vertex", " y ", false, Role::Y},
-                                             {"vertex", " z ", false, Role::Z},
-                                             {"vertex", " s u texture_u ", false, Role::U},
-                                             {"vertex", " t v texture_v ", false, Role::V},
-                                             {"face", " vertex_indices vertex_index ", true, Role::Corners},
-                                             {"face", " texcoord ", true, Role::CornerUvs},
-                                             {"face", " texnumber ", false, Role::Image}}};
-  for (const Row& row : kRows) {
-    if (row.element == element && row.isList == property.isList() &&
-        row.names.find(fmt::format(" {} ", property.name)) != std::string_view::npos) {
-      return row.role;
-    }
-  }
-  return Role::None;
+  static constexpr std::array<Row, 8> kRows{{{"vertex", "x", Number, Role::X},
+                                             {"vertex", "y", Number, Role::Y},
+                                             {"vertex", "z", Number, Role::Z},
+                                             {"vertex", "s u texture_u", Number, Role::U},
+                                             {"vertex", "t v texture_v", Number, Role::V},
+                                             {"face", "vertex_indices vertex_index", List, Role::Corners},
+                                             {"face", "texcoord", List, Role::CornerUvs},
+                                             {"face", "texnumber", Number, Role::Image}}};
+  const auto* const row = std::ranges::find_if(kRows, [&](const Row& known) {
+    return known.element == element && (known.kind == List) == property.isList() &&
+           containsWord(known.names, property.name);
+  });
+  return row == kRows.end() ? Role::None : row->role;
 }
 
 class PlyMeshReader {
@@ -69,42 +69,44 @@ class PlyMeshReader {
   ImportedFile read() {
     readComments();
     for (const PlyElement& element : header_.elements) readElement(element);
-    read_.leftOut.addRest(body_.rest());
-    countLoose();
-    makeParts();
-    for (const bool used : imageUsed_) read_.leftOut.add("images that no face shows (TextureFile)", used ? 0 : 1);
-    return std::move(read_);
+    imported_.leftOut.addRest(body_.rest());
+    countUnusedVertices();
+    addVerticesToParts();
+    const auto unusedImages = static_cast<std::uint64_t>(std::ranges::count(isImageUsed_, false));
+    imported_.leftOut.add("images that no face shows (TextureFile)", unusedImages);
+    return std::move(imported_);
   }
 
  private:
   static constexpr std::uint32_t kNone = UINT32_MAX;
 
-  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError({file_.string()}, problem); }
 
-  // Counts vertices that no face uses, where they are more than half: such a file has points besides its faces.
-  void countLoose() {
-    std::vector<bool> used(vertices_.size());
-    for (const AssetPart& part : read_.parts) {
+  // Counts vertices that no face uses, if they are more than half: such a file has points besides its faces.
+  void countUnusedVertices() {
+    std::vector<bool> isUsed(vertices_.size());
+    for (const AssetPart& part : imported_.parts) {
       for (const Triangle& triangle : part.triangles) {
-        for (const std::uint32_t corner : triangle) used[corner] = true;
+        for (const std::uint32_t corner : triangle) isUsed[corner] = true;
       }
     }
-    const auto loose = static_cast<std::uint64_t>(std::count(used.begin(), used.end(), false));
-    if (2 * loose > used.size()) read_.leftOut.add("vertices that no face uses", loose);
+    const auto unused = static_cast<std::uint64_t>(std::ranges::count(isUsed, false));
+    if (2 * unused > isUsed.size()) imported_.leftOut.add("vertices that no face uses", unused);
   }
 
+  // Reads the names of images from the comments of the header.
   void readComments() {
     constexpr std::string_view kImage = "comment TextureFile ";
-    for (std::string_view head = std::string_view(bytes_).substr(0, header_.size); !head.empty();) {
-      const std::string_view line = takeLine(head);
+    for (std::string_view unreadHeader = std::string_view(bytes_).substr(0, header_.size); !unreadHeader.empty();) {
+      const std::string_view line = takeLine(unreadHeader);
       if (line.starts_with(kImage)) images_.emplace_back(trimmed(line.substr(kImage.size())));
     }
-    imageUsed_.resize(images_.size());
+    isImageUsed_.resize(images_.size());
   }
 
-  // Throws InputError for elements that cannot be read. `roles`: of the element's properties.
+  // Throws InputError for elements that cannot be read. `roles`: the roles of the element's properties.
   void checkElement(const PlyElement& element, const std::vector<Role>& roles) const {
-    const auto has = [&](Role role) { return std::find(roles.begin(), roles.end(), role) != roles.end(); };
+    const auto has = [&](Role role) { return std::ranges::find(roles, role) != roles.end(); };
     const bool isVertex = element.name == "vertex";
     const bool isFace = element.name == "face";
     if (isVertex && !(has(Role::X) && has(Role::Y) && has(Role::Z))) {
@@ -119,6 +121,7 @@ class PlyMeshReader {
     if (element.name == "tristrips") fail("has triangle strips, which are not supported: export it with faces");
   }
 
+  // Reads all rows of an element; the bytes of the body must have been read up to it.
   void readElement(const PlyElement& element) {
     if (element.count == 0) return;
     std::vector<Role> roles;
@@ -127,7 +130,7 @@ class PlyMeshReader {
     countLeftOut(element, roles);
     if (element.properties.empty()) return;
     const bool isVertex = element.name == "vertex";
-    const auto has = [&](Role role) { return std::find(roles.begin(), roles.end(), role) != roles.end(); };
+    const auto has = [&](Role role) { return std::ranges::find(roles, role) != roles.end(); };
     hasUvs_ = hasUvs_ || (isVertex && has(Role::U) && has(Role::V));
     values_ = {};
     for (std::vector<double>& numbers : lists_) numbers.clear();
@@ -150,23 +153,24 @@ class PlyMeshReader {
     }
   }
 
+  // Counts what an element has and is not read. `roles`: the roles of its properties.
   void countLeftOut(const PlyElement& element, const std::vector<Role>& roles) {
+    const FormatSupport& format = plyMeshFormat();
     const bool isVertex = element.name == "vertex";
-    read_.leftOut.addKeyword(plyMeshFormat(), element.name);
+    imported_.leftOut.addKeyword(format, element.name);
     if (!isVertex && element.name != "face") return;
-    bool colored = false;
+    bool hasColors = false;
     for (std::size_t i = 0; i < roles.size(); ++i) {
       const std::string& name = element.properties[i].name;
-      if (const FormatElements* row = plyMeshFormat().find(name);
-          row != nullptr && row == plyMeshFormat().find("red")) {
-        colored = true;
-      } else if (roles[i] == Role::None && plyMeshFormat().has(FormatElements::Use::Read, name)) {
-        read_.leftOut.add(fmt::format("'{}' of {}", name, isVertex ? "vertices" : "faces"));
+      if (format.find(name) == format.find("red")) {  // the row of all colours
+        hasColors = true;
+      } else if (roles[i] == Role::None && format.has(FormatElements::Use::Read, name)) {
+        imported_.leftOut.add(fmt::format("'{}' of {}", name, isVertex ? "vertices" : "faces"));
       } else {
-        read_.leftOut.addKeyword(plyMeshFormat(), name);
+        imported_.leftOut.addKeyword(format, name);
       }
     }
-    if (colored) read_.leftOut.add(isVertex ? "colours of vertices" : "colours of faces", element.count);
+    if (hasColors) imported_.leftOut.add(isVertex ? "colours of vertices" : "colours of faces", element.count);
   }
 
   double value(Role role) const { return values_[static_cast<std::size_t>(role)]; }
@@ -177,23 +181,24 @@ class PlyMeshReader {
     if (hasUvs_) uvs_.push_back({static_cast<float>(value(Role::U)), static_cast<float>(value(Role::V))});
   }
 
-  // Returns the number as an index; kNone if it is none of `count` indices.
+  // Returns the number as an index; kNone if it is not from 0 to below `count`.
   static std::uint32_t indexOf(double number, std::size_t count) {
     return number >= 0 && number < static_cast<double>(count) ? static_cast<std::uint32_t>(number) : kNone;
   }
 
+  // Adds the triangles of a face, whose values are the latest ones, to the part of its image.
   void addFace() {
     const std::vector<double>& indices = list(Role::Corners);
-    if (indices.size() < 3) return read_.leftOut.add("faces of fewer than three corners");
+    if (indices.size() < 3) return imported_.leftOut.add("faces of fewer than three corners");
     corners_.clear();
-    for (const double corner : indices) corners_.push_back(indexOf(corner, vertices_.size()));
-    if (std::find(corners_.begin(), corners_.end(), kNone) != corners_.end()) {
-      read_.dropped.outOfRange += corners_.size() - 2;
+    for (const double index : indices) corners_.push_back(indexOf(index, vertices_.size()));
+    if (std::ranges::find(corners_, kNone) != corners_.end()) {
+      imported_.dropped.outOfRange += corners_.size() - 2;
       return;
     }
     const std::vector<double>& uvs = list(Role::CornerUvs);
     const bool hasUvs = uvs.size() == 2 * corners_.size();
-    if (!hasUvs && !uvs.empty()) read_.leftOut.add("texture coordinates of faces that are not two a corner");
+    if (!hasUvs && !uvs.empty()) imported_.leftOut.add("texture coordinates of faces that are not two a corner");
     AssetPart& part = partOf(indexOf(value(Role::Image), images_.size()), hasUvs);
     for (const auto& t : polygons_.divide(corners_.size(), [this](std::size_t i) { return vertices_[corners_[i]]; })) {
       part.triangles.push_back({corners_[t[0]], corners_[t[1]], corners_[t[2]]});
@@ -204,58 +209,56 @@ class PlyMeshReader {
     }
   }
 
-  AssetPart& partOf(std::uint32_t image, bool hasUvs) {
-    const auto [at, isNew] = parts_.try_emplace({image, hasUvs}, read_.parts.size());
+  // Returns the part of an image (its index, or kNone), of faces whose corners have texture coordinates of their own or
+  // have none.
+  AssetPart& partOf(std::uint32_t image, bool hasCornerUvs) {
+    const auto [index, isNew] = parts_.try_emplace({image, hasCornerUvs}, imported_.parts.size());
     if (isNew) {
-      read_.parts.emplace_back().materialIndex = static_cast<std::uint32_t>(at->second);
-      ImportedMaterial& material = read_.materials.emplace_back();
+      imported_.parts.emplace_back().materialIndex = static_cast<std::uint32_t>(index->second);
+      ImportedMaterial& material = imported_.materials.emplace_back();
       material.stated = false;
       if (image != kNone) {
         material.base.name = images_[image];
-        imageUsed_[image] = true;
+        isImageUsed_[image] = true;
       }
     }
-    return read_.parts[at->second];
+    return imported_.parts[index->second];
   }
 
-  // Gives the parts, whose triangles have indices of the file and whose texture coordinates are those of corners, their
-  // vertices.
-  void makeParts() {
-    read_.up = options_.up.value_or('z');
-    const Mat3 frame = assetFromFile(read_.up, options_.metresPerUnit);
+  // Gives the parts their vertices. Until then, their triangles have the file's indices of vertices, and their texture
+  // coordinates, if any, are those of the triangles' corners.
+  void addVerticesToParts() {
+    imported_.up = options_.up.value_or('z');
+    const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
     for (Vec3d& vertex : vertices_) vertex = frame * vertex;
-    read_.origin = origin();
-    for (AssetPart& part : read_.parts) {
-      const auto positionOf = [&](std::size_t i) { return static_cast<Vec3f>(vertices_[i] - read_.origin); };
-      if (read_.parts.size() == 1 && part.uvs.empty()) {
-        for (std::size_t i = 0; i < vertices_.size(); ++i) part.positions.push_back(positionOf(i));
+    if (hasExactVertices()) {
+      imported_.origin = originNear(vertices_.size(), [this](std::size_t i) { return vertices_[i]; });
+    }
+    const auto positionOf = [&](const Vec3d& vertex) { return static_cast<Vec3f>(vertex - imported_.origin); };
+    for (AssetPart& part : imported_.parts) {
+      if (imported_.parts.size() == 1 && part.uvs.empty()) {
+        for (const Vec3d& vertex : vertices_) part.positions.push_back(positionOf(vertex));
         part.uvs = std::move(uvs_);
-      } else {
-        const bool ofVertices = hasUvs_ && part.uvs.empty();
-        for (Triangle& triangle : part.triangles) {
-          for (std::uint32_t& corner : triangle) {
-            part.positions.push_back(positionOf(corner));
-            if (ofVertices) part.uvs.push_back(uvs_[corner]);
-            corner = static_cast<std::uint32_t>(part.positions.size() - 1);
-          }
+        weld(part);
+        continue;
+      }
+      const bool takesVertexUvs = hasUvs_ && part.uvs.empty();
+      for (const Triangle& triangle : std::exchange(part.triangles, {})) {
+        for (const std::uint32_t vertex : triangle) {
+          part.positions.push_back(positionOf(vertices_[vertex]));
+          if (takesVertexUvs) part.uvs.push_back(uvs_[vertex]);
         }
       }
-      weld(part.positions, part.uvs, part.triangles);
+      makeTriangles(part);
     }
   }
 
-  // Returns an origin near most vertices (m, along the asset's axes). In single precision it would not refine the
-  // coordinates.
-  Vec3d origin() const {
+  // True if coordinates are in double precision or text, so that positions relative to an origin are finer.
+  bool hasExactVertices() const {
     const auto isExact = [](const PlyProperty& p) { return p.name.size() == 1 && p.value.size == 8; };
-    const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
-                                     [](const PlyElement& element) { return element.name == "vertex"; });
-    if (vertex == header_.elements.end() ||
-        (header_.format != PlyHeader::Format::Ascii &&
-         std::none_of(vertex->properties.begin(), vertex->properties.end(), isExact))) {
-      return {};
-    }
-    return originNear(vertices_.size(), [this](std::size_t i) { return vertices_[i]; });
+    const auto vertex = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
+    return vertex != header_.elements.end() &&
+           (header_.format == PlyHeader::Format::Ascii || std::ranges::any_of(vertex->properties, isExact));
   }
 
   const std::filesystem::path& file_;
@@ -265,16 +268,16 @@ class PlyMeshReader {
   PlyBody body_;
   std::array<double, kRoles> values_{};              // the latest number of each role
   std::array<std::vector<double>, kRoles> lists_{};  // the latest list of each role
-  std::vector<Vec3d> vertices_;                      // in the file's units and axes, until makeParts()
+  std::vector<Vec3d> vertices_;                      // in the file's units and axes, until addVerticesToParts()
   bool hasUvs_ = false;                              // true: vertices have texture coordinates
   std::vector<Vec2f> uvs_;                           // of the vertices
-  std::vector<std::string> images_;
-  std::vector<bool> imageUsed_;
+  std::vector<std::string> images_;                  // names of images
+  std::vector<bool> isImageUsed_;                    // by image: true: a face shows it
   // Indices of the parts, by image (kNone: none) and by whether corners have texture coordinates of their own.
   std::map<std::pair<std::uint32_t, bool>, std::size_t> parts_;
   Triangulator polygons_;
-  std::vector<std::uint32_t> corners_;
-  ImportedFile read_;
+  std::vector<std::uint32_t> corners_;  // indices of the vertices of the latest face
+  ImportedFile imported_;
 };
 
 }  // namespace

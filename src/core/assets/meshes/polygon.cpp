@@ -17,11 +17,13 @@ struct Point {
   bool operator==(const Point&) const = default;
 };
 
+// Returns twice the signed area of a triangle, which is positive if its corners are counter-clockwise.
 double areaOf(const Point& a, const Point& b, const Point& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// Projects the corners along the greatest component of the polygon's area vector, so that they turn counter-clockwise.
+// Projects the corners, three at least, along the axis of the greatest component of the polygon's area vector, so that
+// they are counter-clockwise.
 std::vector<Point> flattened(const std::vector<Vec3d>& corners) {
   Vec3d area;
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
@@ -50,31 +52,30 @@ class EarCutter {
     std::iota(uncut_.begin(), uncut_.end(), 0u);
   }
 
-  // Returns false, with triangles missing, if there were more than `mostTests` comparisons.
+  // Appends the triangles. Returns false, with triangles missing, if there were more than `mostTests` comparisons.
   bool cut(double mostTests) {
     // The first ear is sought at corner 1: a convex polygon becomes the usual fan about corner 0. Corners between
-    // collinear edges are cut off if no ear is left.
-    for (std::size_t at = 1, tried = 0; uncut_.size() > 3 && tried < 2 * uncut_.size();) {
+    // collinear edges are cut off if no ear is left, in a second round over all corners.
+    for (std::size_t at = 1, rejected = 0; uncut_.size() > 3 && rejected < 2 * uncut_.size();) {
       if (tests_ > mostTests) return false;
-      if (!isDouble(at) && !isEar(at) && !(tried >= uncut_.size() && isFlat(at))) {
+      if (!isDouble(at) && !isEar(at) && !(rejected >= uncut_.size() && isFlat(at))) {
         at = (at + 1) % uncut_.size();
-        ++tried;
+        ++rejected;  // corners one after the other that cannot be cut off
         continue;
       }
-      add(at);
+      triangles_.push_back({before(at), uncut_[at], behind(at)});
       uncut_.erase(uncut_.begin() + static_cast<std::ptrdiff_t>(at));
       at %= uncut_.size();
-      tried = 0;
+      rejected = 0;
     }
     for (std::size_t i = 1; i + 1 < uncut_.size(); ++i) triangles_.push_back({uncut_[0], uncut_[i], uncut_[i + 1]});
     return true;
   }
 
  private:
+  // All functions below take an index into uncut_; before() and behind() return the corners beside it.
   std::uint32_t before(std::size_t at) const { return uncut_[(at + uncut_.size() - 1) % uncut_.size()]; }
   std::uint32_t behind(std::size_t at) const { return uncut_[(at + 1) % uncut_.size()]; }
-
-  void add(std::size_t at) { triangles_.push_back({before(at), uncut_[at], behind(at)}); }
 
   bool isFlat(std::size_t at) const {
     return areaOf(points_[before(at)], points_[uncut_[at]], points_[behind(at)]) == 0;
@@ -87,14 +88,14 @@ class EarCutter {
     return a == b || b == c || a == c;
   }
 
-  // True if an edge from the corner `at`, which lies in the place b, leads into the angle at b between c and a.
+  // True if an edge from the corner `at`, whose position is b, leads into the angle at b between c and a.
   bool entersAt(std::size_t at, const Point& a, const Point& b, const Point& c) const {
-    const auto enters = [&](const Point& to) { return areaOf(b, c, to) > 0 && areaOf(b, to, a) > 0; };
+    const auto enters = [&](const Point& end) { return areaOf(b, c, end) > 0 && areaOf(b, end, a) > 0; };
     return enters(points_[before(at)]) || enters(points_[behind(at)]);
   }
 
-  // True if the corner is convex, its triangle contains no other corner that is left, and no edge enters the triangle
-  // at one of its corners, which a polygon that touches itself may pass several times.
+  // True if the corner is convex, its triangle contains no other corner of uncut_, and no edge enters the triangle at
+  // one of its corners, which a polygon that touches itself may pass several times.
   bool isEar(std::size_t at) {
     const Point& a = points_[before(at)];
     const Point& b = points_[uncut_[at]];
@@ -113,7 +114,7 @@ class EarCutter {
     return true;
   }
 
-  std::vector<Point> points_;
+  std::vector<Point> points_;         // the corners of the polygon, projected
   std::vector<std::uint32_t> uncut_;  // corners that have not been cut off, in order
   std::vector<std::array<std::uint32_t, 3>>& triangles_;
   double& tests_;
@@ -123,8 +124,8 @@ class EarCutter {
 
 const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_t n,
                                                                       const std::function<Vec3d(std::size_t)>& corner) {
-  divided_ += n - 2;
-  if (divided_ > kMostTriangles) {
+  allTriangles_ += n - 2;
+  if (allTriangles_ > kMostTriangles) {
     throw InputError(where_, fmt::format("has more than {} triangles: split it", kMostTriangles));
   }
   triangles_.assign(1, {0, 1, 2});
@@ -132,9 +133,9 @@ const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_
   triangles_.clear();
   polygon_.clear();
   for (std::size_t i = 0; i < n; ++i) polygon_.push_back(corner(i));
-  // Each ear is compared with all corners that are left.
-  const double fewest = static_cast<double>(n) * static_cast<double>(n) / 2;
-  if (tests_ + fewest >= mostTests_ || !EarCutter(polygon_, triangles_, tests_).cut(mostTests_)) {
+  // Each ear is compared with all corners that are not cut off yet.
+  const double fewestTests = static_cast<double>(n) * static_cast<double>(n) / 2;
+  if (tests_ + fewestTests >= mostTests_ || !EarCutter(polygon_, triangles_, tests_).cut(mostTests_)) {
     throw InputError(where_, fmt::format("has polygons of up to {} corners, which would take minutes to divide into "
                                          "triangles: export it with triangles",
                                          n));

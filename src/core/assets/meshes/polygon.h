@@ -20,7 +20,7 @@ namespace scanmill {
 // is divided as a fan. The time grows with the square of the number of corners, for spirals with its cube.
 class Triangulator {
  public:
-  // `where`: of the polygons, for messages. `mostTests`: how many times a corner may be compared with an ear; the
+  // `where`: the polygons' file, for messages. `mostTests`: how many times a corner may be compared with an ear; the
   // default takes about ten seconds.
   explicit Triangulator(Location where, double mostTests = 2e9) : where_(std::move(where)), mostTests_(mostTests) {}
 
@@ -33,10 +33,10 @@ class Triangulator {
  private:
   Location where_;
   double mostTests_;
-  std::uint64_t divided_ = 0;  // number of triangles so far
-  double tests_ = 0;           // comparisons so far
-  std::vector<Vec3d> polygon_;
-  std::vector<std::array<std::uint32_t, 3>> triangles_;
+  std::uint64_t allTriangles_ = 0;                       // number of triangles of all polygons so far
+  double tests_ = 0;                                     // comparisons so far
+  std::vector<Vec3d> polygon_;                           // the corners of the latest polygon
+  std::vector<std::array<std::uint32_t, 3>> triangles_;  // of the latest polygon
 };
 
 }  // namespace scanmill

@@ -17,46 +17,47 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostAbove = 8;  // largest number of folders to search, from the file's folder upwards
+constexpr int kMostLevels = 8;  // largest number of folders to search, from the file's folder upwards
 constexpr const char* kVariables[] = {"SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH",
                                       "GAZEBO_MODEL_PATH", "ROS_PACKAGE_PATH"};
 
+// Returns the folders in which findInModelFolders() searches, the nearest first.
 std::vector<fs::path> modelFolders(const fs::path& file) {
   std::vector<fs::path> folders;
   std::error_code ignored;
-  fs::path above = fs::absolute(file, ignored).lexically_normal().parent_path();
-  for (int i = 0; i < kMostAbove; ++i) {
-    folders.push_back(above);
-    folders.push_back(above / "models");
-    if (above == above.parent_path()) break;
-    above = above.parent_path();
+  fs::path folder = fs::absolute(file, ignored).lexically_normal().parent_path();
+  for (int level = 0; level < kMostLevels; ++level) {
+    folders.push_back(folder);
+    folders.push_back(folder / "models");
+    if (folder == folder.parent_path()) break;
+    folder = folder.parent_path();
   }
   for (const char* variable : kVariables) {
     const char* const value = std::getenv(variable);
-    std::vector<std::string_view> listed;
-    splitCells(value == nullptr ? "" : value, ':', listed);
-    for (const std::string_view folder : listed) {
-      if (!folder.empty()) folders.emplace_back(folder);
+    std::vector<std::string_view> listedFolders;
+    splitCells(value == nullptr ? "" : value, ':', listedFolders);
+    for (const std::string_view listed : listedFolders) {
+      if (!listed.empty()) folders.emplace_back(listed);
     }
   }
   return folders;
 }
 
-// Returns the file of this name in a folder, ignoring case; empty if there is none.
-std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, const std::string& name) {
+// Returns the file of this name in a folder, ignoring case; empty if there is none. Of several the first by name.
+fs::path findIgnoringCase(const fs::path& folder, const std::string& name) {
   std::error_code error;
-  std::filesystem::path best;  // the first match by name, since a folder's entries have no stable order
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+  fs::path first;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (lowerCase(entry.path().filename().string()) != lowerCase(name) || !isFile(entry.path())) continue;
-    if (best.empty() || entry.path() < best) best = entry.path();
+    if (first.empty() || entry.path() < first) first = entry.path();
   }
-  return best;
+  return first;
 }
 
 }  // namespace
 
 bool leadsOutside(const std::string& name) {
-  const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
+  const fs::path path = fs::path(name).lexically_normal();
   return path.is_absolute() || (!path.empty() && *path.begin() == "..");
 }
 
@@ -68,16 +69,16 @@ std::string refusalOf(const std::string& name) {
 }
 
 std::string decodeUri(std::string_view uri) {
-  std::string out;
+  std::string decoded;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     unsigned byte = 0;
-    const char* const digits = uri.data() + i + 1;
+    const char* const digits = uri.data() + i + 1;  // two hexadecimal digits behind a %
     const bool isEscape =
         uri[i] == '%' && i + 2 < uri.size() && std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
-    out += isEscape ? static_cast<char>(byte) : uri[i];
+    decoded += isEscape ? static_cast<char>(byte) : uri[i];
     if (isEscape) i += 2;
   }
-  return out;
+  return decoded;
 }
 
 std::optional<fs::path> findInModelFolders(const fs::path& file, const std::string& name) {
@@ -94,46 +95,42 @@ std::string modelFolderVariables() {
   return fmt::format("{}", fmt::join(kVariables, ", "));
 }
 
-std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name, bool allowOutside,
-                                  const std::vector<std::filesystem::path>& folders) {
-  std::string plain = name;  // with slashes and without a scheme, but with the escapes of a URI
-  std::replace(plain.begin(), plain.end(), '\\', '/');
-  const std::filesystem::path folder = asset.parent_path();
-  std::vector<std::filesystem::path> candidates;
-  std::filesystem::path outside;
-  if (plain.starts_with("file://")) plain = plain.substr(7);
-  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/...; all models are in one folder
-    plain = plain.substr(8);
-    if (!leadsOutside(plain) && !leadsOutside(decodeUri(plain))) {
-      if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);
-    }
+fs::path findTexture(const fs::path& asset, const std::string& name, bool allowOutside,
+                     const std::vector<fs::path>& folders) {
+  std::string uri = name;  // with slashes and without a scheme, but with the escapes of a URI
+  std::ranges::replace(uri, '\\', '/');
+  if (uri.starts_with("file://")) uri = uri.substr(7);
+  if (uri.starts_with("model://")) {  // Gazebo: model://MODEL/...; all models are in one folder
+    uri = uri.substr(8);
+    const bool isInside = !leadsOutside(uri) && !leadsOutside(decodeUri(uri));
+    const auto path = isInside ? findInModelFolders(asset, uri) : std::nullopt;
+    if (path && isFile(*path)) return *path;
   }
-  for (const std::string& spelling : {plain, decodeUri(plain)}) {
-    const std::filesystem::path path = folder / spelling;  // `folder` is ignored if the spelling is absolute
-    if (allowOutside || !leadsOutside(spelling)) {
-      candidates.push_back(path);
-    } else if (isFile(path)) {
-      outside = path;
-    }
+  const fs::path folder = asset.parent_path();
+  bool isOutside = false;  // true: the name leads to a file outside of the asset's folder
+  for (const std::string& spelling : {uri, decodeUri(uri)}) {
+    const fs::path path = folder / spelling;  // `folder` is ignored if the spelling is absolute
+    if (!isFile(path)) continue;
+    if (allowOutside || !leadsOutside(spelling)) return path;
+    isOutside = true;
   }
-  std::vector<std::filesystem::path> searched{folder,
-                                              folder / "textures",
-                                              folder / "Textures",
-                                              folder / ".." / "materials" / "textures",
-                                              folder / ".." / "textures",
-                                              folder / "materials" / "textures"};
-  searched.insert(searched.end(), folders.begin(), folders.end());
-  const std::string fileName = std::filesystem::path(decodeUri(plain)).filename().string();
+  const std::string fileName = fs::path(decodeUri(uri)).filename().string();
   if (fileName.empty() || fileName == "..") return {};
-  for (const auto& searchedFolder : searched) candidates.push_back(searchedFolder / fileName);
-  for (const auto& candidate : candidates) {
-    if (isFile(candidate)) return candidate;
+  std::vector<fs::path> searched{folder,
+                                 folder / "textures",
+                                 folder / "Textures",
+                                 folder / ".." / "materials" / "textures",
+                                 folder / ".." / "textures",
+                                 folder / "materials" / "textures"};
+  searched.insert(searched.end(), folders.begin(), folders.end());
+  for (const fs::path& searchedFolder : searched) {
+    if (isFile(searchedFolder / fileName)) return searchedFolder / fileName;
   }
-  for (const auto& searchedFolder : searched) {
-    if (auto found = findIgnoringCase(searchedFolder.empty() ? "." : searchedFolder, fileName); !found.empty())
-      return found;
+  for (const fs::path& searchedFolder : searched) {
+    const fs::path path = findIgnoringCase(searchedFolder.empty() ? "." : searchedFolder, fileName);
+    if (!path.empty()) return path;
   }
-  if (!outside.empty()) throw InputError({asset.string()}, refusalOf(name));
+  if (isOutside) throw InputError({asset.string()}, refusalOf(name));
   // Some exporters write a name with blanks in quotation marks.
   if (name.size() > 2 && name.starts_with('"') && name.ends_with('"')) {
     return findTexture(asset, name.substr(1, name.size() - 2), allowOutside, folders);

@@ -23,8 +23,12 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kStlHeader = 80;  // size of a binary file's header without the number of triangles (bytes)
-constexpr std::size_t kStlFacet = 50;   // bytes of a triangle: normal, three corners, two attribute bytes
+// Sizes in a binary file (bytes): a text and the number of triangles; then, for each triangle, its normal and its three
+// corners in float32, and two attribute bytes.
+constexpr std::size_t kTextBytes = 80;
+constexpr std::size_t kHeaderBytes = kTextBytes + 4;
+constexpr std::size_t kFacetBytes = 50;
+constexpr std::size_t kAttributesAt = 48;  // offset of the attribute bytes
 
 class StlReader {
  public:
@@ -33,62 +37,64 @@ class StlReader {
 
   ImportedFile read() {
     isText() ? readText() : readBinary();
-    return imported();
+    makeParts();
+    return std::move(imported_);
   }
 
  private:
   struct Solid {
     std::string name;
-    std::size_t first;  // index of its first corner
+    std::size_t first;  // index of its first corner in corners_
   };
 
-  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string(), line_}, what); }
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError({file_.string(), line_}, problem); }
 
+  // Returns the number of triangles in the header of a binary file.
   std::uint64_t statedTriangles() const {
     std::uint32_t count = 0;
-    if (text_.size() >= kStlHeader + sizeof count) std::memcpy(&count, text_.data() + kStlHeader, sizeof count);
+    if (text_.size() >= kHeaderBytes) std::memcpy(&count, text_.data() + kTextBytes, sizeof count);
     return count;
   }
 
   // Many binary files begin with "solid", too.
   bool isText() const {
-    if (text_.size() == kStlHeader + 4 + kStlFacet * statedTriangles()) return false;
+    if (text_.size() == kHeaderBytes + kFacetBytes * statedTriangles()) return false;
     const std::string_view head = std::string_view(text_).substr(0, 1024);
-    const std::size_t first = head.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    const std::size_t first = head.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // blanks and byte order mark
     return first != std::string_view::npos && lowerCase(head.substr(first, 5)) == "solid" &&
            head.find('\0') == std::string_view::npos;
   }
 
   void readBinary() {
-    const std::uint64_t stated = statedTriangles();
-    const std::size_t first = kStlHeader + 4;
-    const std::size_t held = text_.size() < first ? 0 : (text_.size() - first) / kStlFacet;
-    if (text_.size() < first || held < stated) {
-      fail(fmt::format("is truncated, or not an STL file: its header states {} triangles, {} follow", stated, held));
+    const std::uint64_t triangles = statedTriangles();
+    const std::size_t fullFacets = text_.size() < kHeaderBytes ? 0 : (text_.size() - kHeaderBytes) / kFacetBytes;
+    if (text_.size() < kHeaderBytes || fullFacets < triangles) {
+      fail(fmt::format("is truncated, or not an STL file: its header states {} triangles, {} follow", triangles,
+                       fullFacets));
     }
-    checkCount(stated);
-    imported_.leftOut.add("bytes behind the triangles", text_.size() - first - stated * kStlFacet);
-    if (text_.substr(0, kStlHeader).find("COLOR=") != std::string::npos) {
+    checkCount(triangles);
+    imported_.leftOut.add("bytes behind the triangles", text_.size() - kHeaderBytes - triangles * kFacetBytes);
+    if (text_.substr(0, kTextBytes).find("COLOR=") != std::string::npos) {
       imported_.leftOut.add("colours in the header (COLOR=)");
     }
     solids_.push_back({"", 0});
-    corners_.reserve(3 * stated);
-    std::uint64_t colored = 0;
-    for (std::size_t i = 0; i < stated; ++i) {
-      std::array<float, 12> numbers{};
-      const char* const facet = text_.data() + first + i * kStlFacet;
-      std::memcpy(numbers.data(), facet, sizeof numbers);
-      for (std::size_t k = 3; k < 12; k += 3) corners_.emplace_back(Vec3f{numbers[k], numbers[k + 1], numbers[k + 2]});
-      if (facet[48] != 0 || facet[49] != 0) ++colored;
+    corners_.reserve(3 * triangles);
+    std::uint64_t coloredTriangles = 0;
+    for (std::size_t i = 0; i < triangles; ++i) {
+      std::array<Vec3f, 4> normalAndCorners;
+      const char* const facet = text_.data() + kHeaderBytes + i * kFacetBytes;
+      std::memcpy(normalAndCorners.data(), facet, sizeof normalAndCorners);
+      for (const std::size_t k : {1u, 2u, 3u}) corners_.emplace_back(normalAndCorners[k]);
+      if (facet[kAttributesAt] != 0 || facet[kAttributesAt + 1] != 0) ++coloredTriangles;
     }
-    imported_.leftOut.add("colours of triangles (attribute bytes)", colored);
+    imported_.leftOut.add("colours of triangles (attribute bytes)", coloredTriangles);
   }
 
   void readText() {
     line_ = 1;
     bool inSolid = false;
     bool inFacet = false;
-    std::vector<Vec3d> loop;
+    std::vector<Vec3d> loop;  // corners of the current facet
     for (std::string word = lowerCase(nextWord()); !word.empty(); word = lowerCase(nextWord())) {
       if (word == "solid" || word.ends_with("\xBFsolid")) {
         solids_.push_back({std::string(restOfLine()), corners_.size()});
@@ -118,6 +124,7 @@ class StlReader {
     if (inSolid) imported_.problems.emplace_back("the last solid has no 'endsolid'");
   }
 
+  // Adds the triangles of a facet, as a fan; they belong to the latest solid.
   void addLoop(const std::vector<Vec3d>& loop) {
     if (loop.size() < 3) imported_.leftOut.add("facets of fewer than three corners");
     if (solids_.empty()) solids_.push_back({"", 0});
@@ -129,25 +136,23 @@ class StlReader {
     if (triangles > kMostTriangles) fail(fmt::format("has more than {} triangles: split it", kMostTriangles));
   }
 
-  // Returns the next word of the text; empty at its end.
+  // Returns the next word of the text, and counts the lines before it; empty at the text's end.
   std::string_view nextWord() {
-    std::string_view rest = std::string_view(text_).substr(at_);
-    const std::string_view word = takeWord(rest);
-    const auto blanks = static_cast<std::ptrdiff_t>(text_.size() - rest.size() - word.size() - at_);
-    const auto from = text_.begin() + static_cast<std::ptrdiff_t>(at_);
-    line_ += static_cast<int>(std::count(from, from + blanks, '\n'));
-    at_ = text_.size() - rest.size();
+    const std::string_view textBefore = unread_;
+    const std::string_view word = takeWord(unread_);
+    const std::size_t blanks = textBefore.size() - unread_.size() - word.size();
+    line_ += static_cast<int>(std::ranges::count(textBefore.substr(0, blanks), '\n'));
     return word;
   }
 
   std::string_view restOfLine() {
-    const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
-    const std::string_view rest = std::string_view(text_).substr(at_, end - at_);
-    at_ = end;
-    return trimmed(rest);
+    const std::string_view line = unread_.substr(0, std::min(unread_.find_first_of("\r\n"), unread_.size()));
+    unread_.remove_prefix(line.size());
+    return trimmed(line);
   }
 
-  ImportedFile imported() {
+  // Makes a part of each solid with triangles.
+  void makeParts() {
     imported_.up = options_.up.value_or('z');
     imported_.materials.emplace_back().stated = false;
     const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
@@ -162,19 +167,16 @@ class StlReader {
       for (std::size_t i = solids_[k].first; i < end; ++i) {
         part.positions.push_back(static_cast<Vec3f>(corners_[i] - imported_.origin));
       }
-      const auto corners = static_cast<std::uint32_t>(part.positions.size());
-      for (std::uint32_t i = 0; i < corners; i += 3) part.triangles.push_back({i, i + 1, i + 2});
-      weld(part.positions, part.uvs, part.triangles);
+      makeTriangles(part);
     }
     std::erase_if(imported_.parts, [](const AssetPart& part) { return part.triangles.empty(); });
-    return std::move(imported_);
   }
 
   const std::filesystem::path& file_;
   const AssetOptions& options_;
-  std::string text_;
-  std::size_t at_ = 0;  // index of the character behind the latest word
-  int line_ = 0;        // line of the latest word, counted from 1; 0: the file is binary
+  std::string text_;                // bytes of the file, be they text or not
+  std::string_view unread_{text_};  // what nextWord() has not read yet
+  int line_ = 0;                    // line of the latest word, counted from 1; 0: the file is binary
   std::vector<Solid> solids_;
   std::vector<Vec3d> corners_;  // three per triangle, in the file's units and axes
   ImportedFile imported_;

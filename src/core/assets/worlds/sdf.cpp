@@ -11,7 +11,6 @@
 #include <set>
 #include <utility>
 
-#include "assets/worlds/named_files.h"
 #include "assets/worlds/sdf_parts.h"
 #include "assets/worlds/solids.h"
 #include "assets/worlds/world_asset.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "assets/worlds/named_files.h"
 #include "assets/worlds/solids.h"
 
 namespace scanmill {

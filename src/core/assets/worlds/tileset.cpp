@@ -10,7 +10,6 @@
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/gltf/reader.h"
 #include "assets/meshes/references.h"
-#include "assets/worlds/named_files.h"
 #include "assets/worlds/world_asset.h"
 #include "base/earth.h"
 #include "base/error.h"
@@ -35,7 +34,7 @@ class TilesetReader {
     asset_.upDeclared = true;
     asset_.statedUnit = 1;
     readTileset(file, {}, {}, Refine::Replace, 0);
-    tellMissing(missing_, options_.leaveOutMissing, leftOut_);
+    reportMissing(missing_, options_.leaveOutMissing, leftOut_);
     leftOut_.warn(file.string());
     inTiles_.warn(file.string());
     return std::move(asset_);

@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 
-#include "assets/worlds/named_files.h"
 #include "assets/worlds/solids.h"
 #include "assets/worlds/world_asset.h"
 #include "assets/worlds/xml.h"

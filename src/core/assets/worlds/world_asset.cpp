@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "assets/asset_kinds.h"
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/base_color.h"
-#include "base/error.h"
+#include "assets/meshes/references.h"
+#include "base/file.h"
 #include "base/input_budget.h"
 #include "config/text.h"
 
@@ -43,8 +45,8 @@ class WorldAsset {
 
   Asset build(const WorldFile& world) {
     leftOut_ = world.leftOut;
-    tellMissing(world.missing, options_.leaveOutMissing, leftOut_);
-    // Groups of things of the same model whose names differ only in the numbers at their ends.
+    reportMissing(world.missing, options_.leaveOutMissing, leftOut_);
+    // Things of the same model whose names differ only in the numbers at their ends are copies of the first.
     std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> copies;
     for (const WorldThing& thing : world.things) {
       if (!thing.definition.empty()) copies[{thing.definition, withoutNumbers(thing.name)}].push_back(&thing);
@@ -195,6 +197,58 @@ class WorldAsset {
 };
 
 }  // namespace
+
+void reportMissing(const std::vector<MissingFileError>& missing, bool leaveOut, LeftOut& leftOut) {
+  if (leaveOut) {
+    for (const MissingFileError& e : missing) leftOut.add(fmt::format("missing models and meshes ('{}')", e.name));
+    return;
+  }
+  if (missing.empty()) return;
+  const MissingFileError& first = missing.front();
+  std::set<std::string> names{first.name};
+  std::string furtherNames;
+  for (const MissingFileError& e : missing) {
+    if (!names.insert(e.name).second) continue;
+    const bool isInSameFile = e.where.file == first.where.file && e.where.line > 0;
+    furtherNames += fmt::format("{} '{}' ({})", furtherNames.empty() ? "" : ",", e.name,
+                                isInSameFile ? fmt::format("line {}", e.where.line) : e.where.text());
+  }
+  throw InputError(fmt::format(
+      "{}{}{}; `missing: leave_out` of the object (--leave-out-missing of `info` and `draft`) goes on without {}",
+      first.what(), furtherNames.empty() ? "" : "; further ones are missing:", furtherNames,
+      names.size() == 1 ? "it" : "them"));
+}
+
+std::filesystem::path findModel(const XmlNode& from, const std::filesystem::path& file, const std::string& uri) {
+  if (uri.empty()) from.fail("names no file");
+  const auto missing = [&](const std::string& reason) {
+    return MissingFileError(from.where, uri, fmt::format("<{}> names '{}', {}", from.name, uri, reason));
+  };
+  if (uri.starts_with("http://") || uri.starts_with("https://")) {
+    throw missing("which is not a local file: download it and name the file");
+  }
+  for (const std::string_view scheme : {"model://", "package://"}) {
+    if (!uri.starts_with(scheme)) continue;
+    const std::string name = uri.substr(scheme.size());
+    if (const auto path = findInModelFolders(file, name)) return *path;
+    const std::string model = name.substr(0, name.find('/'));
+    if (const auto folder = findInModelFolders(file, model); folder && model.size() < name.size()) {
+      throw missing(fmt::format("but '{}' has no file '{}'", folder->string(), name.substr(model.size() + 1)));
+    }
+    throw missing(
+        fmt::format("which is neither in '{}', nor in the folders above it, nor in the folders of the variables {}: a "
+                    "folder must have the name '{}' (a name in package.xml does not count)",
+                    file.parent_path().string(), modelFolderVariables(), model));
+  }
+  const std::string name = uri.starts_with("file://") ? uri.substr(7) : uri;
+  for (const std::string& spelling : {name, decodeUri(name)}) {
+    std::filesystem::path path = file.parent_path() / spelling;
+    if (pathExists(path)) return path;
+  }
+  // A relative name may also be the name of a model.
+  if (const auto path = findInModelFolders(file, name)) return *path;
+  throw missing("but this file does not exist");
+}
 
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options) {
   if (suffix == ".json") return readTileset(file, options);

@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "assets/asset.h"
-#include "assets/worlds/named_files.h"
+#include "assets/worlds/xml.h"
+#include "base/error.h"
 #include "base/format_support.h"
 #include "scene/scene.h"
 
@@ -37,6 +38,25 @@ const FormatSupport& tilesetFormat();
 // node's name begins with the content's path relative to the tileset and a slash. Throws an InputError that names the
 // file.
 Asset readTileset(const std::filesystem::path& file, const AssetOptions& options);
+
+// Thrown for a file that another file names and that is missing.
+class MissingFileError : public InputError {
+ public:
+  MissingFileError(const Location& at, const std::string& uri, const std::string& message)
+      : InputError(at, message), name(uri), where(at) {}
+
+  std::string name;  // as the other file names it
+  Location where;
+};
+
+// Adds the names of missing files to `leftOut` if `leaveOut`. Otherwise, if any file is missing, throws an InputError
+// with the message about the first one, and the name and place of each other one: one message names all of them.
+void reportMissing(const std::vector<MissingFileError>& missing, bool leaveOut, LeftOut& leftOut);
+
+// Returns the file or folder that the element `from` of `file` calls `uri`: model://NAME/..., package://NAME/... (see
+// assets/meshes/references.h), file://... or a path relative to the file. Throws MissingFileError at `from` if
+// there is none.
+std::filesystem::path findModel(const XmlNode& from, const std::filesystem::path& file, const std::string& uri);
 
 // The contents of world descriptions: solids, and placed meshes from other files.
 

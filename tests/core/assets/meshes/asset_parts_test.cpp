@@ -4,12 +4,12 @@ namespace scanmill {
 namespace {
 
 TEST(Weld, RemovesVerticesThatNoTriangleUsesAndMergesEqualOnes) {
-  std::vector<Vec3f> positions{{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  std::vector<Vec2f> uvs;
-  std::vector<Triangle> triangles{{1, 2, 3}, {4, 5, 6}};
-  weld(positions, uvs, triangles);
-  EXPECT_EQ(positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}));
-  EXPECT_EQ(triangles, (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));
+  AssetPart part;
+  part.positions = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  part.triangles = {{1, 2, 3}, {4, 5, 6}};
+  weld(part);
+  EXPECT_EQ(part.positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}));
+  EXPECT_EQ(part.triangles, (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));
 }
 
 }  // namespace

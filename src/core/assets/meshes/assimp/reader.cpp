@@ -228,7 +228,7 @@ class Importer {
         throw Error(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
       const unsigned number = mesh.mMaterialIndex;
       const ImportedMaterial& material = number < read.materials.size() ? read.materials[number] : kNone;
-      scanmill::append(geometryOf(mesh, material.placement()), assetFromNode, number, material.textured(), first,
+      scanmill::append(geometryOf(mesh, material.placement()), assetFromNode, number, material.namesImages(), first,
                        read.parts);
     }
     finishNode(name, index, first, read.parts);

@@ -19,11 +19,11 @@ namespace {
 
 // Options of images, and the greatest number of values that each takes.
 struct ImageOptions {
-  std::string_view names;  // with blanks around them
-  int values;
+  std::string_view names;
+  int mostValues;
 };
 constexpr std::array<ImageOptions, 3> kImageOptions{
-    {{" -blendu -blendv -boost -texres -clamp -bm -imfchan -type -cc ", 1}, {" -mm ", 2}, {" -o -s -t ", 3}}};
+    {{"-blendu -blendv -boost -texres -clamp -bm -imfchan -type -cc", 1}, {"-mm", 2}, {"-o -s -t", 3}}};
 
 // Options with the values that they have by default.
 constexpr std::array<std::string_view, 6> kDefaults{"-blendu on", "-blendv on", "-clamp off",
@@ -36,52 +36,52 @@ bool isNumber(std::string_view word) {
 class Library {
  public:
   Library(std::string_view text, const std::filesystem::path& file, Materials& materials)
-      : statements_(text, file), to_(materials) {}
+      : statements_(text, file), materials_(materials) {}
 
   void read() {
     while (statements_.next()) {
       const std::string_view key = statements_.keyword();
       if (key == "newmtl") {
-        begin();
+        beginMaterial();
       } else if (!objFormat().has(FormatElements::Use::Unused, key)) {
-        if (index_ == kNone) statements_.fail("stands before the first newmtl");
-        if (!known_) readKey(key);
+        if (!current_) statements_.fail("stands before the first newmtl");
+        if (!isRepeated_) readKey(key);
       }
     }
   }
 
  private:
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-
-  void begin() {
-    index_ = to_.indexOf(std::string(statements_.rest()));
-    known_ = std::exchange(to_.list[index_].defined, true);
-    if (known_) to_.leftOut.add("further definitions of materials (the first of a name counts)");
+  void beginMaterial() {
+    current_ = materials_.indexOf(std::string(statements_.rest()));
+    isRepeated_ = std::exchange(materials_.list[*current_].defined, true);
+    if (isRepeated_) materials_.leftOut.add("further definitions of materials (the first of a name counts)");
   }
 
-  ImportedMaterial& material() { return to_.list[index_]; }
+  ImportedMaterial& material() { return materials_.list[*current_]; }
 
+  // Reads a statement of the current material.
   void readKey(std::string_view key) {
     if (key == "Kd") {
       readColor();
     } else if (key == "d") {
-      material().opacity = fraction(static_cast<float>(last()), 1.0f);
+      material().opacity = fraction(static_cast<float>(lastNumber()), 1.0f);
     } else if (key == "Tr") {
-      material().opacity = 1 - fraction(static_cast<float>(last()), 0.0f);
+      material().opacity = 1 - fraction(static_cast<float>(lastNumber()), 0.0f);
     } else if (key == "Pr") {
-      material().roughness = fraction(static_cast<float>(last()), 1.0f);
+      material().roughness = fraction(static_cast<float>(lastNumber()), 1.0f);
     } else if (key == "Pm") {
-      material().metallic = fraction(static_cast<float>(last()), 0.0f);
+      material().metallic = fraction(static_cast<float>(lastNumber()), 0.0f);
     } else if (key == "map_Kd" || key == "map_kd") {
       material().base = readImage(material().base.placement);
     } else if (key == "map_d" || key == "map_opacity") {
       material().opacityMap = readImage(material().opacityMap.placement);
     } else {
-      to_.leftOut.add(fmt::format("{} of materials", key.substr(0, 40)));
+      materials_.leftOut.add(fmt::format("{} of materials", key.substr(0, 40)));
     }
   }
 
-  double last() {
+  // Returns the last number of the statement.
+  double lastNumber() {
     const auto& words = statements_.words();
     if (words.empty()) statements_.fail("has no value");
     return statements_.number(words.back());
@@ -97,73 +97,79 @@ class Library {
     }
   }
 
+  struct ImageOption {
+    std::string text;             // the name and the values, as in kDefaults
+    std::vector<double> numbers;  // those of the values that are numbers
+  };
+
+  // Takes the values of an option from `unread`, which begins behind its name. An option may have fewer values than it
+  // can take: its last word, and words that are no numbers, are then the name of the image.
+  ImageOption takeValues(std::string_view name, int mostValues, std::string_view& unread) const {
+    ImageOption option{std::string(name), {}};
+    for (int i = 0; i < mostValues; ++i) {
+      std::string_view textBehind = unread;
+      const std::string_view word = takeWord(textBehind);
+      if (mostValues > 1 && (!isNumber(word) || trimmed(textBehind).empty())) break;
+      if (isNumber(word)) option.numbers.push_back(statements_.number(word));
+      option.text += isNumber(word) ? fmt::format(" {:g}", option.numbers.back()) : fmt::format(" {}", word);
+      unread = trimmed(textBehind);
+    }
+    return option;
+  }
+
   // Reads options and the name of an image. The options -s and -o change `placement`; others are counted unless they
   // are as by default.
   ImportedMap readImage(const UvPlacement& placement) {
-    std::string_view rest = statements_.rest();
+    std::string_view unread = statements_.rest();
     ImportedMap map;
     map.placement = placement;
-    while (rest.starts_with('-')) {
-      std::string_view behind = rest;
-      const std::string_view name = takeWord(behind);
-      const auto option = std::find_if(kImageOptions.begin(), kImageOptions.end(),
-                                       [between = fmt::format(" {} ", name)](const ImageOptions& row) {
-                                         return row.names.find(between) != std::string_view::npos;
-                                       });
-      if (option == kImageOptions.end()) break;
-      rest = trimmed(behind);
-      std::array<std::optional<double>, 3> values;
-      std::string given(name);
-      for (int i = 0; i < option->values; ++i) {
-        std::string_view next = rest;
-        const std::string_view word = takeWord(next);
-        const bool number = isNumber(word);
-        if (option->values > 1 && (!number || trimmed(next).empty())) break;
-        auto& value = values[static_cast<std::size_t>(i)];
-        if (number) value = statements_.number(word);
-        given += number ? fmt::format(" {:g}", *value) : fmt::format(" {}", word);
-        rest = trimmed(next);
-      }
+    while (unread.starts_with('-')) {
+      std::string_view textBehind = unread;
+      const std::string_view name = takeWord(textBehind);
+      const auto row = std::ranges::find_if(
+          kImageOptions, [&](const ImageOptions& options) { return containsWord(options.names, name); });
+      if (row == kImageOptions.end()) break;
+      unread = trimmed(textBehind);
+      const ImageOption option = takeValues(name, row->mostValues, unread);
+      const auto numberOr = [&](std::size_t index, float fallback) {
+        return index < option.numbers.size() ? static_cast<float>(option.numbers[index]) : fallback;
+      };
       if (name == "-s") {
-        map.placement.scale = {floatOr(values[0], 1), floatOr(values[1], 1)};
+        map.placement.scale = {numberOr(0, 1), numberOr(1, 1)};
       } else if (name == "-o") {
-        map.placement.offset = {floatOr(values[0], 0), floatOr(values[1], 0)};
-      } else if (std::find(kDefaults.begin(), kDefaults.end(), given) == kDefaults.end()) {
-        to_.leftOut.add(fmt::format("options of images ({})", name));
+        map.placement.offset = {numberOr(0, 0), numberOr(1, 0)};
+      } else if (std::ranges::find(kDefaults, option.text) == kDefaults.end()) {
+        materials_.leftOut.add(fmt::format("options of images ({})", name));
       }
     }
-    if (rest.empty()) statements_.fail("names no image");
-    map.name = std::string(rest);
+    if (unread.empty()) statements_.fail("names no image");
+    map.name = std::string(unread);
     return map;
   }
 
-  static float floatOr(const std::optional<double>& value, float fallback) {
-    return value ? static_cast<float>(*value) : fallback;
-  }
-
   Statements statements_;
-  Materials& to_;
-  std::size_t index_ = kNone;
-  bool known_ = false;  // true: the material was defined before, so that this definition is skipped
+  Materials& materials_;
+  std::optional<std::size_t> current_;  // index of the material that the statements define
+  bool isRepeated_ = false;             // true: the material was defined before, so that this definition is skipped
 };
 
 }  // namespace
 
 std::size_t Materials::indexOf(const std::string& name) {
-  const auto [at, isNew] = byName.try_emplace(name, list.size());
+  const auto [entry, isNew] = byName.try_emplace(name, list.size());
   if (isNew) {
     list.emplace_back().name = name;
     list.back().stated = false;
   }
-  return at->second;
+  return entry->second;
 }
 
-void Materials::check(bool allRead) {
+void Materials::check(bool isComplete) {
   for (const ObjMaterial& material : list) {
     if (!material.defined && !material.name.empty())
-      leftOut.add("materials that no library defines (they have the default reflectance)", allRead ? 1 : 0);
-    const bool bothImages = !material.base.name.empty() && !material.opacityMap.name.empty();
-    if (bothImages && material.base.placement != material.opacityMap.placement) {
+      leftOut.add("materials that no library defines (they have the default reflectance)", isComplete ? 1 : 0);
+    const bool hasBothImages = !material.base.name.empty() && !material.opacityMap.name.empty();
+    if (hasBothImages && material.base.placement != material.opacityMap.placement) {
       leftOut.add("placements of map_d (-s, -o) that differ from that of map_Kd");
     }
   }
@@ -218,8 +224,8 @@ double Statements::number(std::string_view word) const {
                    word.find(',') == std::string_view::npos ? "" : ": write decimal points, not commas"));
 }
 
-void Statements::fail(const std::string& what) const {
-  throw InputError({file_, line_}, fmt::format("{}: {}", keyword_.substr(0, 40), what));
+void Statements::fail(const std::string& problem) const {
+  throw InputError({file_, line_}, fmt::format("{}: {}", keyword_.substr(0, 40), problem));
 }
 
 }  // namespace scanmill::obj

@@ -36,17 +36,18 @@ class Statements {
   bool next();
 
   std::string_view keyword() const { return keyword_; }
-  // The rest of the line, without blanks at both ends. Names may contain #, so a comment behind numbers is part of it.
+  // The line behind the keyword, without blanks at both ends, but with a comment: names may contain #.
   std::string_view rest() const { return rest_; }
-  // Splits the rest of the line, up to a comment, into words. The result is valid until the next call.
+  // Splits the line behind the keyword, up to a comment, into words. The result is valid until the next call.
   const std::vector<std::string_view>& words();
 
   // Converts a word to a number, which may be "nan" or "inf". Throws InputError with the line.
   double number(std::string_view word) const;
   // Throws an InputError that names file, line and keyword.
-  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail(const std::string& problem) const;
 
  private:
+  // Takes the next line of the text, and counts it.
   std::string_view nextLine();
 
   std::string_view text_;  // the lines that are not read yet
@@ -59,7 +60,7 @@ class Statements {
 };
 
 struct ObjMaterial : ImportedMaterial {
-  bool defined = false;  // true: a library defines it, not only a face names it
+  bool defined = false;  // false: faces name the material, but no library that was read so far defines it
 };
 
 struct Materials {
@@ -69,9 +70,9 @@ struct Materials {
 
   // Returns the index of the material; adds one without colour if the name is unknown.
   std::size_t indexOf(const std::string& name);
-  // Counts, after all libraries are read, what does not fit together, such as materials that faces name and no library
-  // defines, if `allRead` says that the file has libraries and all were read.
-  void check(bool allRead);
+  // Counts, after all libraries are read, materials with two images in different places and, if the file has libraries
+  // and none is missing (`isComplete`), materials that faces name and no library defines.
+  void check(bool isComplete);
 };
 
 // Reads a library and adds its materials. The first definition of a name counts; other readers take the first, take the

@@ -42,25 +42,26 @@ class ObjReader {
 
   ImportedFile read() {
     while (statements_.next()) readStatement();
-    read_.up = options_.up.value_or('z');
-    assetFromFile_ = assetFromFile(read_.up, options_.metresPerUnit);
-    read_.origin = originNear(vertices_.size(), [&](std::size_t i) { return assetFromFile_ * vertices_[i]; });
-    library_.check(!libraries_.empty() && read_.missing.empty());
+    imported_.up = options_.up.value_or('z');
+    const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
+    for (Vec3d& vertex : vertices_) vertex = frame * vertex;
+    imported_.origin = originNear(vertices_.size(), [&](std::size_t i) { return vertices_[i]; });
+    materials_.check(!libraries_.empty() && imported_.missing.empty());
     for (Part& part : parts_) {
-      // A texture must not show on faces without texture coordinates, which stand beside others.
-      Part bare{part.node, part.nodeIndex, part.material, {}};
-      if (library_.list[part.material].textured()) {
+      // A texture must not show on faces without texture coordinates: these become a part of their own.
+      Part untextured{part.node, part.nodeIndex, part.material, {}};
+      if (materials_.list[part.material].namesImages()) {
         const auto first = std::stable_partition(part.triangles.begin(), part.triangles.end(), hasUvs);
-        bare.triangles.assign(first, part.triangles.end());
+        untextured.triangles.assign(first, part.triangles.end());
         part.triangles.erase(first, part.triangles.end());
       }
       if (!part.triangles.empty()) addPart(part);
-      if (!bare.triangles.empty()) addPart(bare);
+      if (!untextured.triangles.empty()) addPart(untextured);
     }
-    for (obj::ObjMaterial& material : library_.list) read_.materials.push_back(std::move(material));
-    read_.leftOut.add(library_.leftOut);
-    read_.leftOut.add("colours of vertices", colored_);
-    return std::move(read_);
+    for (obj::ObjMaterial& material : materials_.list) imported_.materials.push_back(std::move(material));
+    imported_.leftOut.add(materials_.leftOut);
+    imported_.leftOut.add("colours of vertices", coloredVertices_);
+    return std::move(imported_);
   }
 
  private:
@@ -75,7 +76,7 @@ class ObjReader {
   struct Part {
     std::string node;
     std::uint32_t nodeIndex = 0;
-    std::size_t material = 0;
+    std::size_t material = 0;  // index into materials_.list
     std::vector<std::array<Corner, 3>> triangles;
   };
 
@@ -91,20 +92,20 @@ class ObjReader {
       if (key == "o") {
         object_ = statements_.rest();
         if (!objects_.insert(object_).second) {
-          read_.leftOut.add("further objects with the name of an earlier one (they are one node)");
+          imported_.leftOut.add("further objects with the name of an earlier one (they are one node)");
         }
       }
       group_ = key == "g" ? statements_.rest() : std::string_view();
-      part_ = nullptr;
+      currentPart_ = nullptr;
     } else if (key == "usemtl") {
       material_ = statements_.rest();
-      part_ = nullptr;
+      currentPart_ = nullptr;
     } else if (key == "mtllib") {
       readLibraries();
     } else if (vertices_.empty() && objFormat().find(key) == nullptr && statements_.rest().empty()) {
       statements_.fail("is no statement of an OBJ file: is it text?");
     } else {
-      read_.leftOut.addKeyword(objFormat(), key);
+      imported_.leftOut.addKeyword(objFormat(), key);
     }
   }
 
@@ -117,7 +118,7 @@ class ObjReader {
     }
     for (const std::string_view word : words) statements_.number(word);
     vertices_.push_back({statements_.number(words[0]), statements_.number(words[1]), statements_.number(words[2])});
-    if (count > 4) ++colored_;
+    if (count > 4) ++coloredVertices_;  // a colour alone, or behind the weight
   }
 
   void readUv() {
@@ -127,22 +128,23 @@ class ObjReader {
     uvs_.push_back({static_cast<float>(statements_.number(words[0])), static_cast<float>(v)});
   }
 
-  // Reads an index, which counts from 1, or from the end if it is negative. Returns kNone if it is out of range.
-  std::uint32_t index(std::string_view text, std::size_t count) const {
+  // Returns an index into a list of `count` elements, counted from 0. In the text it counts from 1, or from the end if
+  // it is negative. Returns kNone if it is out of range.
+  std::uint32_t indexOf(std::string_view text, std::size_t count) const {
     const double number = statements_.number(text);
     if (number != std::floor(number)) statements_.fail(fmt::format("'{}' is not a whole number", text.substr(0, 40)));
-    const double from0 = number < 0 ? static_cast<double>(count) + number : number - 1;
-    return from0 >= 0 && from0 < static_cast<double>(count) && number != 0 ? static_cast<std::uint32_t>(from0) : kNone;
+    const double index = number < 0 ? static_cast<double>(count) + number : number - 1;
+    return index >= 0 && index < static_cast<double>(count) && number != 0 ? static_cast<std::uint32_t>(index) : kNone;
   }
 
   // Returns the corner that a word such as "7", "7/2", "7//3" or "7/2/3" names.
-  Corner corner(std::string_view word) const {
+  Corner cornerOf(std::string_view word) const {
     const std::size_t slash = std::min(word.find('/'), word.size());
-    Corner corner{index(word.substr(0, slash), vertices_.size()), kNone};
+    Corner corner{indexOf(word.substr(0, slash), vertices_.size()), kNone};
     if (slash == word.size()) return corner;
-    const std::string_view behind = word.substr(slash + 1);
-    const std::string_view uv = behind.substr(0, behind.find('/'));
-    if (!uv.empty()) corner.uv = index(uv, uvs_.size());
+    const std::string_view textBehind = word.substr(slash + 1);
+    const std::string_view uv = textBehind.substr(0, textBehind.find('/'));
+    if (!uv.empty()) corner.uv = indexOf(uv, uvs_.size());
     return corner;
   }
 
@@ -150,9 +152,9 @@ class ObjReader {
     const auto& words = statements_.words();
     if (words.size() < 3) statements_.fail(fmt::format("has {} corners: a face needs three", words.size()));
     face_.clear();
-    for (const std::string_view word : words) face_.push_back(corner(word));
-    if (std::any_of(face_.begin(), face_.end(), [](const Corner& c) { return c.vertex == kNone; })) {
-      read_.dropped.outOfRange += face_.size() - 2;
+    for (const std::string_view word : words) face_.push_back(cornerOf(word));
+    if (std::ranges::find(face_, kNone, &Corner::vertex) != face_.end()) {
+      imported_.dropped.outOfRange += face_.size() - 2;
       return;
     }
     Part& part = currentPart();
@@ -162,31 +164,34 @@ class ObjReader {
     }
   }
 
+  // Returns the part of the current object, group and material.
   Part& currentPart() {
-    if (part_ != nullptr) return *part_;
+    if (currentPart_ != nullptr) return *currentPart_;
     const std::pair<std::string, std::string> names{object_, group_};
     const auto node = nodes_.try_emplace(names, static_cast<std::uint32_t>(nodes_.size() + 1)).first->second;
-    const std::pair<std::uint32_t, std::size_t> key{node, library_.indexOf(material_)};
-    const auto [at, isNew] = partOf_.try_emplace(key, parts_.size());
-    if (isNew) parts_.push_back({group_.empty() ? object_ : group_, node, key.second, {}});
-    return *(part_ = &parts_[at->second]);
+    const std::size_t material = materials_.indexOf(material_);
+    const auto [index, isNew] = partOf_.try_emplace({node, material}, parts_.size());
+    if (isNew) parts_.push_back({group_.empty() ? object_ : group_, node, material, {}});
+    return *(currentPart_ = &parts_[index->second]);
   }
 
-  // The rest of the line is one name with spaces, or several names.
+  // Reads the libraries that a line names: one name with spaces, or several names.
   void readLibraries() {
     const std::string line(statements_.rest());
     if (line.empty()) statements_.fail("names no file");
     const std::vector<std::string_view> names = statements_.words();
     const auto exists = [&](std::string_view name) { return pathExists(pathOf(std::string(name))); };
-    if (names.size() == 1 || exists(line) || std::none_of(names.begin(), names.end(), exists)) return readLibrary(line);
+    if (names.size() == 1 || exists(line) || std::ranges::none_of(names, exists)) return readLibrary(line);
     for (const std::string_view name : names) readLibrary(std::string(name));
   }
 
+  // Returns the path of a file that the OBJ names.
   fs::path pathOf(std::string name) const {
     std::replace(name.begin(), name.end(), '\\', '/');
     return fs::absolute(file_).parent_path() / name;
   }
 
+  // Reads the library of this name or, if it is missing, the one with the name of the OBJ; neither is read twice.
   void readLibrary(const std::string& name) {
     fs::path path = pathOf(name);
     if (pathExists(path) && !isFile(path)) fail(fmt::format("names '{}', which is not a file", name));
@@ -198,59 +203,56 @@ class ObjReader {
       // Exporters that rename the mesh leave the old name in it.
       path = fs::absolute(file_).replace_extension(".mtl");
       if (!isFile(path)) {
-        if (std::find(read_.missing.begin(), read_.missing.end(), name) == read_.missing.end())
-          read_.missing.push_back(name);
+        std::vector<std::string>& missing = imported_.missing;
+        if (std::ranges::find(missing, name) == missing.end()) missing.push_back(name);
         return;
       }
     }
-    if (libraries_.insert(path).second) obj::readLibrary(path, library_);
+    if (libraries_.insert(path).second) obj::readLibrary(path, materials_);
   }
 
   static bool hasUvs(const std::array<Corner, 3>& triangle) {
-    return std::none_of(triangle.begin(), triangle.end(), [](const Corner& corner) { return corner.uv == kNone; });
+    return std::ranges::find(triangle, kNone, &Corner::uv) == triangle.end();
   }
 
-  void addPart(Part& from) {
-    AssetPart& part = read_.parts.emplace_back();
-    part.node = std::move(from.node);
-    part.nodeIndex = from.nodeIndex;
-    part.materialIndex = static_cast<std::uint32_t>(from.material);
-    const UvPlacement& placement = library_.list[from.material].placement();
-    const bool anyUvs = std::any_of(from.triangles.begin(), from.triangles.end(), hasUvs);
-    for (const std::array<Corner, 3>& triangle : from.triangles) {
-      const auto first = static_cast<std::uint32_t>(part.positions.size());
-      part.triangles.push_back({first, first + 1, first + 2});
+  // Adds a part to the asset, and frees its triangles.
+  void addPart(Part& part) {
+    AssetPart& added = imported_.parts.emplace_back();
+    added.node = std::move(part.node);
+    added.nodeIndex = part.nodeIndex;
+    added.materialIndex = static_cast<std::uint32_t>(part.material);
+    const UvPlacement& placement = materials_.list[part.material].placement();
+    const bool anyUvs = std::ranges::any_of(part.triangles, hasUvs);
+    for (const std::array<Corner, 3>& triangle : part.triangles) {
       for (const Corner& corner : triangle) {
-        part.positions.push_back(static_cast<Vec3f>(assetFromFile_ * vertices_[corner.vertex] - read_.origin));
-        if (!anyUvs) continue;
-        part.uvs.push_back(placement.apply(corner.uv == kNone ? Vec2f{} : uvs_[corner.uv]));
+        added.positions.push_back(static_cast<Vec3f>(vertices_[corner.vertex] - imported_.origin));
+        if (anyUvs) added.uvs.push_back(placement.apply(corner.uv == kNone ? Vec2f{} : uvs_[corner.uv]));
       }
     }
-    from.triangles = {};
-    weld(part.positions, part.uvs, part.triangles);
+    part.triangles = {};
+    makeTriangles(added);
   }
 
-  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError({file_.string()}, problem); }
 
   const fs::path& file_;
   const AssetOptions& options_;
   std::string text_;
   Statements statements_;
-  Mat3 assetFromFile_;
-  std::vector<Vec3d> vertices_;  // in the file's units and axes
+  std::vector<Vec3d> vertices_;  // in the file's units and axes; once all is read, in m along the asset's axes
   std::vector<Vec2f> uvs_;
   std::string object_, group_, material_;                                // names that hold for the faces that follow
   std::set<std::string> objects_;                                        // names of objects so far
   std::map<std::pair<std::string, std::string>, std::uint32_t> nodes_;   // index of the node of an object and a group
   std::map<std::pair<std::uint32_t, std::size_t>, std::size_t> partOf_;  // index of the part of a node and a material
   std::vector<Part> parts_;
-  Part* part_ = nullptr;  // part of the faces that follow; null: not looked up yet
-  obj::Materials library_;
-  std::set<fs::path> libraries_;  // that were read
-  std::uint64_t colored_ = 0;     // number of vertices with a colour
+  Part* currentPart_ = nullptr;  // part of the faces that follow; null: not looked up yet
+  obj::Materials materials_;
+  std::set<fs::path> libraries_;  // material libraries that were read
+  std::uint64_t coloredVertices_ = 0;
   Triangulator polygons_;
-  std::vector<Corner> face_;
-  ImportedFile read_;
+  std::vector<Corner> face_;  // corners of the latest face
+  ImportedFile imported_;
 };
 
 }  // namespace
