@@ -20,26 +20,25 @@ std::string lineOf(const ModelledItem& item) {
 
 namespace {
 
-// Returns the fields that are equal in items of several scenes which are listed as one.
-auto ofAnyScene(const ModelledItem& item) {
+// Returns the fields in which two items must be equal to be listed as one item about several scenes.
+auto fieldsOfAnyScene(const ModelledItem& item) {
   return std::tie(item.topic, item.text, item.leftOut, item.sensor, item.options);
 }
 
 }  // namespace
 
-void addItems(const std::vector<ModelledItem>& more, std::vector<ModelledItem>& items) {
-  for (const ModelledItem& item : more) {
-    const auto known = std::find_if(items.begin(), items.end(),
-                                    [&](const ModelledItem& other) { return ofAnyScene(other) == ofAnyScene(item); });
-    if (known == items.end()) {
+void addItems(const std::vector<ModelledItem>& added, std::vector<ModelledItem>& items) {
+  for (const ModelledItem& item : added) {
+    const auto listed = std::ranges::find(items, fieldsOfAnyScene(item), fieldsOfAnyScene);
+    if (listed == items.end()) {
       items.push_back(item);
       continue;
     }
-    known->parts = std::max(known->parts, item.parts);
-    if (item.scenes.empty()) {
-      known->scenes.clear();
-    } else if (!known->scenes.empty()) {
-      appendNew(item.scenes, known->scenes);
+    listed->parts = std::max(listed->parts, item.parts);
+    if (item.scenes.empty()) {  // the item is about all scenes
+      listed->scenes.clear();
+    } else if (!listed->scenes.empty()) {
+      appendNew(item.scenes, listed->scenes);
     }
   }
 }

@@ -27,6 +27,6 @@ struct ModelledItem {
 std::string lineOf(const ModelledItem& item);
 
 // Adds items to a list. Items that differ only in their scenes become one item about all these scenes.
-void addItems(const std::vector<ModelledItem>& more, std::vector<ModelledItem>& items);
+void addItems(const std::vector<ModelledItem>& added, std::vector<ModelledItem>& items);
 
 }  // namespace scanmill

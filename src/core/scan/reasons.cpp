@@ -38,25 +38,23 @@ std::span<const ReasonEntry> reasons() {
 }
 
 const ReasonEntry* findReason(std::uint8_t value) {
-  const auto row = std::find_if(reasons().begin(), reasons().end(),
-                                [&](const ReasonEntry& r) { return static_cast<std::uint8_t>(r.reason) == value; });
+  const auto row = std::ranges::find(reasons(), static_cast<Reason>(value), &ReasonEntry::reason);
   return row == reasons().end() ? nullptr : &*row;
 }
 
 const ReasonEntry* findReason(std::string_view name) {
-  const auto row =
-      std::find_if(reasons().begin(), reasons().end(), [&](const ReasonEntry& r) { return r.name == name; });
+  const auto row = std::ranges::find(reasons(), name, &ReasonEntry::name);
   return row == reasons().end() ? nullptr : &*row;
 }
 
 ReasonCounts countReasons(std::span<const std::uint8_t> reasonOfBeam) {
-  std::array<std::uint64_t, 256> counts{};
-  for (const std::uint8_t value : reasonOfBeam) ++counts[value];
-  ReasonCounts counted;
-  for (std::size_t value = 0; value < counts.size(); ++value) {
-    if (counts[value] > 0) counted[static_cast<std::uint8_t>(value)] = counts[value];
+  std::array<std::uint64_t, 256> beams{};  // by value; an array is faster to count in than a map
+  for (const std::uint8_t value : reasonOfBeam) ++beams[value];
+  ReasonCounts counts;
+  for (std::size_t value = 0; value < beams.size(); ++value) {
+    if (beams[value] > 0) counts[static_cast<std::uint8_t>(value)] = beams[value];
   }
-  return counted;
+  return counts;
 }
 
 }  // namespace scanmill

@@ -9,11 +9,11 @@
 namespace scanmill {
 
 ColumnSet columnsOf(const Scan& scan) {
-  ColumnSet held;
+  ColumnSet columns;
   visitTable(scan, [&](auto key, const auto&) {
-    if (scan.has(key)) held.add(key.index);
+    if (scan.has(key)) columns.add(key.index);
   });
-  return held;
+  return columns;
 }
 
 std::vector<std::string> columnNames(const Scan& scan) {
@@ -33,12 +33,12 @@ void requireConsistent(const Scan& scan) {
 }
 
 Scan withoutMisses(const Scan& scan) {
-  std::vector<std::uint32_t> rows;
+  std::vector<std::uint32_t> rows;  // indices of the points that are kept
   rows.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (isFinite(scan.position[i])) rows.push_back(static_cast<std::uint32_t>(i));
   }
-  const auto gathered = [&]<class T>(const std::vector<T>& values) {
+  const auto selectRows = [&]<class T>(const std::vector<T>& values) {
     std::vector<T> selected;
     if (values.empty()) return selected;
     selected.reserve(rows.size());
@@ -49,12 +49,12 @@ Scan withoutMisses(const Scan& scan) {
   dense.rings = scan.rings;
   dense.columns = scan.columns;
   dense.columnsIfEmpty = columnsOf(scan);
-  dense.position = gathered(scan.position);
-  visitTable(dense, [&](auto key, auto& values) { values = gathered(scan[key]); });
+  dense.position = selectRows(scan.position);
+  visitTable(dense, [&](auto key, auto& values) { values = selectRows(scan[key]); });
   for (const ForeignColumn& column : scan.foreign) {
     dense.foreign.push_back(
         {column.name,
-         std::visit([&](const auto& values) { return ForeignColumn::Values(gathered(values)); }, column.values)});
+         std::visit([&](const auto& values) { return ForeignColumn::Values(selectRows(values)); }, column.values)});
   }
   return dense;
 }

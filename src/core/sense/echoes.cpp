@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "base/instruction_sets.h"
 
@@ -14,11 +15,11 @@ namespace {
 constexpr float kBelowOne = 0.99999994f;  // the largest float below 1: upper bound of `share` if an echo has two
                                           // classes
 
-// A ray with a hit; `power` is the ray's contribution to an echo.
+// A ray with a hit.
 struct HitRay {
-  float range;
-  std::uint32_t ray;
-  double power;
+  float range;        // m
+  std::uint32_t ray;  // index in Hits
+  double power;       // the ray's contribution to an echo
 };
 
 constexpr std::size_t kGroup = 64;            // number of beams whose echoes are computed together
@@ -39,74 +40,49 @@ struct BeamGroup {
   std::array<PerBeam<float>, kMostGroupRays> powers;
 };
 
-// Computes power, range, spread and the strongest ray of each beam. The operations are those of EchoFinder::echoOf().
-SCANMILL_BEST_INSTRUCTIONS void computeEchoes(BeamGroup& s) {
-  BeamGroup::PerBeam<double> total{}, sum{}, unweighted{}, square{};
-  BeamGroup::PerBeam<float> most;
-  most.fill(-1);
-  s.strongest.fill(0);
-  for (std::uint32_t k = 0; k < s.rays; ++k) {
-    for (std::size_t i = 0; i < kGroup; ++i) {
-      const double power = s.powers[k][i];
-      const double behindFirst = s.ranges[k][i] - double{s.ranges[0][i]};
-      total[i] += power;
-      sum[i] += power * behindFirst;
-      unweighted[i] += behindFirst;
-      s.strongest[i] = s.powers[k][i] > most[i] ? k : s.strongest[i];
-      most[i] = s.powers[k][i] > most[i] ? s.powers[k][i] : most[i];
+// Computes power, range, spread and the strongest ray of each beam from `ranges` and `powers`. The operations are those
+// of EchoFinder::echoOf(), so that results do not depend on how a beam is computed. Computes all kGroup beams, also
+// those from BeamGroup::count on, so that the loops have a fixed length and are vectorised.
+SCANMILL_BEST_INSTRUCTIONS void computeEchoes(BeamGroup& group) {
+  BeamGroup::PerBeam<double> totalPower{}, weightedSum{}, unweightedSum{}, squareSum{};
+  BeamGroup::PerBeam<float> largestPower;
+  largestPower.fill(-1);
+  group.strongest.fill(0);
+  for (std::uint32_t ray = 0; ray < group.rays; ++ray) {
+    for (std::size_t beam = 0; beam < kGroup; ++beam) {
+      const double power = group.powers[ray][beam];
+      const double behindFirst = group.ranges[ray][beam] - double{group.ranges[0][beam]};
+      totalPower[beam] += power;
+      weightedSum[beam] += power * behindFirst;
+      unweightedSum[beam] += behindFirst;
+      group.strongest[beam] = group.powers[ray][beam] > largestPower[beam] ? ray : group.strongest[beam];
+      largestPower[beam] = group.powers[ray][beam] > largestPower[beam] ? group.powers[ray][beam] : largestPower[beam];
     }
   }
   BeamGroup::PerBeam<double> mean;
-  const double rays = s.rays;
-  for (std::size_t i = 0; i < kGroup; ++i) {
-    const bool powered = total[i] > 0;
-    mean[i] = s.ranges[0][i] + (powered ? sum[i] : unweighted[i]) / (powered ? total[i] : rays);
+  const double rayCount = group.rays;
+  for (std::size_t beam = 0; beam < kGroup; ++beam) {
+    const bool powered = totalPower[beam] > 0;
+    mean[beam] = group.ranges[0][beam] +
+                 (powered ? weightedSum[beam] : unweightedSum[beam]) / (powered ? totalPower[beam] : rayCount);
   }
-  for (std::uint32_t k = 0; k < s.rays; ++k) {
-    for (std::size_t i = 0; i < kGroup; ++i) {
-      const double off = s.ranges[k][i] - mean[i];
-      square[i] += (total[i] > 0 ? double{s.powers[k][i]} : 1.0) * off * off;
+  for (std::uint32_t ray = 0; ray < group.rays; ++ray) {
+    for (std::size_t beam = 0; beam < kGroup; ++beam) {
+      const double off = group.ranges[ray][beam] - mean[beam];
+      squareSum[beam] += (totalPower[beam] > 0 ? double{group.powers[ray][beam]} : 1.0) * off * off;
     }
   }
-  for (std::size_t i = 0; i < kGroup; ++i) {
-    s.power[i] = static_cast<float>(total[i]);
-    s.range[i] = static_cast<float>(mean[i]);
-    s.spread[i] = static_cast<float>(std::sqrt(square[i] / (total[i] > 0 ? total[i] : rays)));
+  for (std::size_t beam = 0; beam < kGroup; ++beam) {
+    group.power[beam] = static_cast<float>(totalPower[beam]);
+    group.range[beam] = static_cast<float>(mean[beam]);
+    group.spread[beam] =
+        static_cast<float>(std::sqrt(squareSum[beam] / (totalPower[beam] > 0 ? totalPower[beam] : rayCount)));
   }
 }
 
-// Sums of power by class. A list is fast enough, because a beam hits few classes.
-class ClassPowers {
- public:
-  void clear() { entries_.clear(); }
-
-  void add(std::uint16_t label, double power) {
-    for (Entry& e : entries_) {
-      if (e.label != label) continue;
-      e.power += power;
-      return;
-    }
-    entries_.push_back({label, power});
-  }
-
-  struct Entry {
-    std::uint16_t label = 0;
-    double power = 0;
-  };
-
-  // Returns the class with the most power; among classes with equal power, the one with the lowest id. Ignores the
-  // class of `other`, unless `other` is null. The power is -1 if no class remains.
-  Entry strongest(const Entry* other) const {
-    Entry best{0, -1};
-    for (const Entry& e : entries_) {
-      if (other != nullptr && e.label == other->label) continue;
-      if (e.power > best.power || (e.power == best.power && e.label < best.label)) best = e;
-    }
-    return best;
-  }
-
- private:
-  std::vector<Entry> entries_;
+struct ClassPower {
+  std::uint16_t label = 0;  // class id
+  double power = 0;
 };
 
 class EchoFinder {
@@ -118,28 +94,28 @@ class EchoFinder {
     echoes_.reserve(hits_.size());
     // The rays from the sensor are sorted by beam. Behind them are the few that continue behind glass or off mirrors.
     const std::vector<std::uint32_t>& beamOf = hits_.beamOfRay;
-    const auto sorted = static_cast<std::uint32_t>(std::is_sorted_until(beamOf.begin(), beamOf.end()) - beamOf.begin());
-    std::vector<std::uint32_t> continued(beamOf.size() - sorted);
-    std::iota(continued.begin(), continued.end(), sorted);
-    std::stable_sort(continued.begin(), continued.end(), [&](auto a, auto b) { return beamOf[a] < beamOf[b]; });
+    const auto directRays = static_cast<std::uint32_t>(std::ranges::is_sorted_until(beamOf) - beamOf.begin());
+    std::vector<std::uint32_t> continued(beamOf.size() - directRays);  // indices of the continued rays, by beam
+    std::iota(continued.begin(), continued.end(), directRays);
+    std::ranges::stable_sort(continued, {}, [&](std::uint32_t ray) { return beamOf[ray]; });
     std::uint32_t ray = 0;
-    for (auto next = continued.begin(); ray < sorted || next != continued.end();) {
-      const std::uint32_t beam =
-          next == continued.end() || (ray < sorted && beamOf[ray] <= beamOf[*next]) ? beamOf[ray] : beamOf[*next];
-      const std::uint32_t first = ray;
+    for (auto next = continued.begin(); ray < directRays || next != continued.end();) {
+      const bool isDirect = next == continued.end() || (ray < directRays && beamOf[ray] <= beamOf[*next]);
+      const std::uint32_t beam = beamOf[isDirect ? ray : *next];
+      const std::uint32_t firstRay = ray;
       const auto firstContinued = next;
-      while (ray < sorted && beamOf[ray] == beam) ++ray;
+      while (ray < directRays && beamOf[ray] == beam) ++ray;
       while (next != continued.end() && beamOf[*next] == beam) ++next;
-      if (firstContinued == next && addToGroup(beam, first, ray)) continue;
-      addBeam(beam, first, ray, {firstContinued, next});
+      if (firstContinued == next && addToGroup(beam, firstRay, ray)) continue;
+      addBeam(beam, firstRay, ray, {firstContinued, next});
     }
     finishGroup();
     return std::move(echoes_);
   }
 
  private:
-  // Takes the rays first to end - 1 of a beam if all hit something and form one echo. Returns false if they do not, or
-  // if the beam has not as many rays as the first such beam.
+  // Adds a beam, with the rays first to end - 1, to the group of beams whose echoes are computed together. Returns
+  // false if the rays do not all hit something, do not form one echo, or are not as many as those of the group's beams.
   bool addToGroup(std::uint32_t beam, std::uint32_t first, std::uint32_t end) {
     const std::uint32_t rays = end - first;
     if (rays < 2 || rays > kMostGroupRays || pulse_ == 0 || (group_.rays != 0 && rays != group_.rays)) return false;
@@ -152,15 +128,16 @@ class EchoFinder {
     group_.rays = rays;
     group_.echo[group_.count] = echoes_.size();
     group_.first[group_.count] = first;
-    for (std::uint32_t k = 0; k < rays; ++k) {
-      group_.ranges[k][group_.count] = hits_.range[first + k];
-      group_.powers[k][group_.count] = powerOf(first + k);
+    for (std::uint32_t ray = 0; ray < rays; ++ray) {
+      group_.ranges[ray][group_.count] = hits_.range[first + ray];
+      group_.powers[ray][group_.count] = powerOf(first + ray);
     }
     echoes_.push_back({.beam = beam});
     if (++group_.count == kGroup) finishGroup();
     return true;
   }
 
+  // Sets the echoes of the group's beams, which addToGroup() has added to echoes_, and empties the group.
   void finishGroup() {
     if (group_.count == 0) return;
     computeEchoes(group_);
@@ -171,27 +148,24 @@ class EchoFinder {
       echo.range = group_.range[i];
       echo.power = group_.power[i];
       echo.spread = group_.spread[i];
-      if (mixed(first, first + group_.rays)) {
+      if (hitSeveralClasses(first, first + group_.rays)) {
         rays_.clear();
-        double total = 0;
         for (std::uint32_t ray = first; ray < first + group_.rays; ++ray) {
           rays_.push_back({hits_.range[ray], ray, powerOf(ray)});
-          total += rays_.back().power;
         }
-        echo.hit = first;
-        label(rays_, total, echo);
+        setClassesAndHit(rays_, echo);
       }
       setCause(echo);
     }
     group_.count = 0;
   }
 
-  // Returns true if neighbouring rays hit several classes.
-  bool mixed(std::uint32_t first, std::uint32_t end) const {
+  // Returns true if the rays first to end - 1 hit several classes.
+  bool hitSeveralClasses(std::uint32_t first, std::uint32_t end) const {
     if (!hits_.channels.has(Channel::Semantic)) return false;
-    std::uint32_t others = 0;
-    for (std::uint32_t ray = first; ray < end; ++ray) others |= hits_.semantic[ray] ^ hits_.semantic[first];
-    return others != 0;
+    std::uint32_t differences = 0;  // bits in which a class differs from the first ray's
+    for (std::uint32_t ray = first; ray < end; ++ray) differences |= hits_.semantic[ray] ^ hits_.semantic[first];
+    return differences != 0;
   }
 
   void setCause(Echo& echo) const {
@@ -223,21 +197,21 @@ class EchoFinder {
     }
   }
 
-  // Splits the beam's sorted ranges at gaps above a pulse length into echoes. Without pulse length, each ray is one.
+  // Adds the echoes of a beam whose rays are in rays_: sorts the rays by range and begins a new echo at each gap longer
+  // than a pulse. Without a pulse length each ray is an echo. Keeps the kMostReturns strongest echoes.
   void separateEchoes(std::uint32_t beam) {
-    std::sort(rays_.begin(), rays_.end(),
-              [](const HitRay& a, const HitRay& b) { return a.range != b.range ? a.range < b.range : a.ray < b.ray; });
-    const std::size_t before = echoes_.size();
-    std::size_t first = 0;
-    for (std::size_t i = 1; i <= rays_.size(); ++i) {
-      const bool joined = i < rays_.size() && pulse_ > 0 && rays_[i].range - rays_[i - 1].range <= pulse_;
-      if (joined) continue;
-      addEcho(beam, {rays_.data() + first, i - first});
-      first = i;
+    std::ranges::sort(rays_, {}, [](const HitRay& ray) { return std::pair(ray.range, ray.ray); });
+    const std::size_t firstEcho = echoes_.size();
+    std::size_t first = 0;  // index of the echo's first ray
+    for (std::size_t end = 1; end <= rays_.size(); ++end) {
+      if (end < rays_.size() && pulse_ > 0 && rays_[end].range - rays_[end - 1].range <= pulse_) continue;
+      addEcho(beam, {rays_.data() + first, end - first});
+      first = end;
     }
-    while (echoes_.size() - before > kMostReturns) {  // only the strongest are kept
-      echoes_.erase(std::min_element(echoes_.begin() + static_cast<std::ptrdiff_t>(before), echoes_.end(),
-                                     [](const Echo& a, const Echo& b) { return a.power < b.power; }));
+    while (echoes_.size() - firstEcho > kMostReturns) {
+      const auto echoesOfBeam =
+          std::ranges::subrange(echoes_.begin() + static_cast<std::ptrdiff_t>(firstEcho), echoes_.end());
+      echoes_.erase(std::ranges::min_element(echoesOfBeam, {}, &Echo::power));
     }
   }
 
@@ -249,16 +223,21 @@ class EchoFinder {
   // Returns the echo of some rays of a beam. The rays must be sorted by range, unless all of them are within one pulse
   // length.
   Echo echoOf(std::uint32_t beam, std::span<const HitRay> rays) {
-    Echo echo{beam, rays.front().ray, rays.front().range, static_cast<float>(rays.front().power)};
+    Echo echo{.beam = beam,
+              .hit = rays.front().ray,
+              .range = rays.front().range,
+              .power = static_cast<float>(rays.front().power)};
     if (rays.size() == 1) return echo;
     const auto [total, mean] = powerAndMean(rays);
     echo.power = static_cast<float>(total);
-    double square = 0;
-    for (const HitRay& p : rays) square += (total > 0 ? p.power : 1.0) * (p.range - mean) * (p.range - mean);
-    echo.spread = static_cast<float>(std::sqrt(square / (total > 0 ? total : static_cast<double>(rays.size()))));
+    double squareSum = 0;
+    for (const HitRay& ray : rays) {
+      squareSum += (total > 0 ? ray.power : 1.0) * (ray.range - mean) * (ray.range - mean);
+    }
+    echo.spread = static_cast<float>(std::sqrt(squareSum / (total > 0 ? total : static_cast<double>(rays.size()))));
     const std::span<const HitRay> interval = strongestInterval(rays);
     echo.range = static_cast<float>(interval.size() == rays.size() ? mean : powerAndMean(interval).mean);
-    label(rays, total, echo);
+    setClassesAndHit(rays, echo);
     return echo;
   }
 
@@ -270,26 +249,26 @@ class EchoFinder {
   // Returns the sum of the rays' powers, and the mean of their ranges weighted by power. If no ray has power, all have
   // equal weight.
   static PowerAndMean powerAndMean(std::span<const HitRay> rays) {
-    const double first = rays.front().range;
-    double total = 0, sum = 0, unweighted = 0;
-    for (const HitRay& p : rays) {
-      total += p.power;
-      sum += p.power * (p.range - first);
-      unweighted += p.range - first;
+    const double firstRange = rays.front().range;
+    double total = 0, weightedSum = 0, unweightedSum = 0;
+    for (const HitRay& ray : rays) {
+      total += ray.power;
+      weightedSum += ray.power * (ray.range - firstRange);
+      unweightedSum += ray.range - firstRange;
     }
-    return {total, first + (total > 0 ? sum / total : unweighted / static_cast<double>(rays.size()))};
+    return {total, firstRange + (total > 0 ? weightedSum / total : unweightedSum / static_cast<double>(rays.size()))};
   }
 
-  // Returns the rays within the interval of one pulse length that has the most power.
+  // Returns the rays within the interval of one pulse length that has the most power. `rays`: sorted by range.
   std::span<const HitRay> strongestInterval(std::span<const HitRay> rays) const {
     if (rays.back().range - rays.front().range <= pulse_) return rays;
     std::size_t bestFirst = 0, bestEnd = 1;
-    double most = -1, power = 0;
+    double largestPower = -1, power = 0;
     std::size_t end = 0;
     for (std::size_t first = 0; first < rays.size(); ++first) {
       while (end < rays.size() && rays[end].range - rays[first].range <= pulse_) power += rays[end++].power;
-      if (power > most) {
-        most = power;
+      if (power > largestPower) {
+        largestPower = power;
         bestFirst = first;
         bestEnd = end;
       }
@@ -298,41 +277,43 @@ class EchoFinder {
     return rays.subspan(bestFirst, bestEnd - bestFirst);
   }
 
-  // Sets the echo's classes, the share of the first, and its hit: the strongest ray of the first class.
-  void label(std::span<const HitRay> rays, double total, Echo& echo) {
-    const bool classes = hits_.channels.has(Channel::Semantic);
-    const std::uint16_t first = classes ? hits_.semantic[rays.front().ray] : std::uint16_t{0};
-    const bool mixed = classes && std::any_of(rays.begin(), rays.end(),
-                                              [&](const HitRay& p) { return hits_.semantic[p.ray] != first; });
-    std::uint16_t most = first;
-    if (mixed) {
-      powers_.clear();
-      for (const HitRay& p : rays) powers_.add(hits_.semantic[p.ray], p.power);
-      const ClassPowers::Entry strongest = powers_.strongest(nullptr);
-      most = strongest.label;
-      const ClassPowers::Entry next = powers_.strongest(&strongest);
-      if (next.power > 0) {
-        echo.label2 = next.label;
-        echo.share = std::min(static_cast<float>(strongest.power / total), kBelowOne);
+  // Sets the echo's second class, the share of the class with the most power, and the hit: the strongest ray of this
+  // class. Among equally strong classes the lowest id comes first, among equally strong rays the first one.
+  void setClassesAndHit(std::span<const HitRay> rays, Echo& echo) {
+    const bool haveClasses = hits_.channels.has(Channel::Semantic);
+    const auto classOf = [&](const HitRay& ray) { return haveClasses ? hits_.semantic[ray.ray] : std::uint16_t{0}; };
+    std::uint16_t label = classOf(rays.front());
+    if (std::ranges::any_of(rays, [&](const HitRay& ray) { return classOf(ray) != label; })) {
+      classPowers_.clear();
+      double total = 0;
+      for (const HitRay& ray : rays) {
+        auto sum = std::ranges::find(classPowers_, classOf(ray), &ClassPower::label);
+        if (sum == classPowers_.end()) sum = classPowers_.insert(sum, ClassPower{.label = classOf(ray)});
+        sum->power += ray.power;
+        total += ray.power;
       }
-    } else if (classes) {
-      echo.share = 1;
-    }
-    double strongest = -1;
-    for (const HitRay& p : rays) {
-      if (mixed && hits_.semantic[p.ray] != most) continue;
-      if (p.power > strongest || (p.power == strongest && p.ray < echo.hit)) {
-        strongest = p.power;
-        echo.hit = p.ray;
+      std::ranges::sort(classPowers_, {}, [](const ClassPower& sum) { return std::pair(-sum.power, sum.label); });
+      label = classPowers_[0].label;
+      if (classPowers_[1].power > 0) {
+        echo.label2 = classPowers_[1].label;
+        echo.share = std::min(static_cast<float>(classPowers_[0].power / total), kBelowOne);
       }
     }
+    const HitRay* strongest = nullptr;
+    for (const HitRay& ray : rays) {
+      if (classOf(ray) != label) continue;
+      const bool isStronger = strongest == nullptr || ray.power > strongest->power ||
+                              (ray.power == strongest->power && ray.ray < strongest->ray);
+      if (isStronger) strongest = &ray;
+    }
+    echo.hit = strongest->ray;
   }
 
   const Hits& hits_;
-  std::span<const float> power_;
-  double pulse_;
-  std::vector<HitRay> rays_;
-  ClassPowers powers_;
+  std::span<const float> power_;         // by ray; empty: the rays' weights are used
+  double pulse_;                         // m, length of a pulse
+  std::vector<HitRay> rays_;             // buffer: rays of the current beam
+  std::vector<ClassPower> classPowers_;  // buffer; a list is fast enough, because a beam hits few classes
   BeamGroup group_{};
   std::vector<Echo> echoes_;
 };

@@ -19,7 +19,8 @@ constexpr std::size_t kTilePoints = std::size_t{kTileRings} * kTileColumns;
 
 constexpr std::uint32_t kNoRow = 0xFFFFFFFF;
 
-// Finds the row of the nth return of a beam. Returns are ordered by range, and by row if their ranges are equal.
+// Finds the row of the nth return of a beam. Returns are ordered by range, and by row if their ranges are equal. Plane
+// n holds the (n + 1)th return of each beam.
 class ReturnOrder {
  public:
   ReturnOrder(const Returns& returns, std::size_t beams) : returns_(returns) {
@@ -43,16 +44,18 @@ class ReturnOrder {
   bool severalPerBeam() const { return !returns_.onePerBeam(); }
 
  private:
+  // Inserts a row into the beam's sorted list: the row takes the place of the first later one, which moves to the next
+  // plane, and so on.
   void insert(std::uint32_t row, std::size_t beams) {
     const std::uint32_t beam = returns_.beam(row);
     for (std::size_t plane = 0; row != kNoRow; ++plane) {
       if (plane == planes_.size()) planes_.emplace_back(beams, kNoRow);
-      std::uint32_t& other = planes_[plane][beam];
-      if (other == kNoRow || before(row, other)) std::swap(row, other);
+      std::uint32_t& rowInPlane = planes_[plane][beam];
+      if (rowInPlane == kNoRow || precedes(row, rowInPlane)) std::swap(row, rowInPlane);
     }
   }
 
-  bool before(std::uint32_t a, std::uint32_t b) const {
+  bool precedes(std::uint32_t a, std::uint32_t b) const {
     return returns_.range[a] != returns_.range[b] ? returns_.range[a] < returns_.range[b] : a < b;
   }
 
@@ -94,10 +97,11 @@ struct Strip {
 // coordinates are subtracted first, which keeps the precision.
 Affine startFromStep(const Shot& shot, std::size_t step) {
   if (step == 0) return {};
-  const Pose& start = shot.worldFromSensor[0];
-  const Pose& now = shot.worldFromSensor[step];
-  const Mat3 startFromWorld = transposed(toMatrix(start.rotation));
-  return {startFromWorld * toMatrix(now.rotation), startFromWorld * (now.translation - start.translation)};
+  const Pose& worldFromStart = shot.worldFromSensor[0];
+  const Pose& worldFromStep = shot.worldFromSensor[step];
+  const Mat3 startFromWorld = transposed(toMatrix(worldFromStart.rotation));
+  return {startFromWorld * toMatrix(worldFromStep.rotation),
+          startFromWorld * (worldFromStep.translation - worldFromStart.translation)};
 }
 
 class Gathering {
@@ -114,27 +118,23 @@ class Gathering {
         order_(returns, hits.size()),
         points_(order_.severalPerBeam()) {}
 
+  // Fills the scan strip by strip, and each strip tile by tile.
   void run() {
     resizeColumns();
     const bool deskew = shot_.deskew && shot_.worldFromSensor.size() > 1;
-    std::array<Affine, kTileColumns> toStart;
-    std::uint32_t next = 0;
+    std::array<Affine, kTileColumns> startFromColumn;  // by column of the strip; used only if `deskew`
+    std::uint32_t stripRow = 0;
     for (std::uint32_t first = 0; first < hits_.columns; first += kTileColumns) {
       strip_.firstColumn = first;
       strip_.width = std::min(kTileColumns, hits_.columns - first);
-      startStrip(next);
+      startStrip(stripRow);
       for (std::uint32_t c = 0; deskew && c < strip_.width; ++c) {
-        toStart[c] = startFromStep(shot_, shot_.stepOf(first + c));
+        startFromColumn[c] = startFromStep(shot_, shot_.stepOf(first + c));
       }
       for (std::uint32_t ring = 0; ring < hits_.rings; ring += kTileRings) {
-        if (order_.severalPerBeam()) {
-          for (std::uint32_t plane = 0; plane < order_.planes(); ++plane) {
-            collectReturn(ring, plane);
-            fillColumns(deskew ? toStart.data() : nullptr, plane);
-          }
-        } else {
-          collectOnePerBeam(ring);
-          fillColumns(deskew ? toStart.data() : nullptr, 0);
+        for (std::uint32_t plane = 0; plane < order_.planes(); ++plane) {
+          order_.severalPerBeam() ? collectReturn(ring, plane) : collectOnePerBeam(ring);
+          fillColumns(deskew ? startFromColumn.data() : nullptr, plane);
         }
       }
     }
@@ -152,8 +152,8 @@ class Gathering {
     scan_.columnsIfEmpty = {};
     std::size_t points = 0;
     for (const float range : returns_.range) points += range < kMiss ? 1u : 0u;
-    const auto resize = [&](auto& values, bool wanted, auto none) {
-      if (!wanted) {
+    const auto resize = [&](auto& values, bool isFilled, auto none) {
+      if (!isFilled) {
         values.clear();
       } else if (layout_.organised) {
         values.assign(scan_.planes * hits_.size(), none);
@@ -164,30 +164,30 @@ class Gathering {
     constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
     resize(scan_.position, true, Vec3f{kNaN, kNaN, kNaN});
     visitTable(scan_, [&]<class T>(auto key, std::vector<T>& values) {
-      const bool known = returns_.size() == 0 || ((key.index != kIntensity.index || !returns_.intensity.empty()) &&
-                                                  (key.index != kPower.index || !returns_.power.empty()));
-      const bool wanted = layout_.columns.has(key) && known;
-      if (wanted) scan_.columnsIfEmpty.add(key.index);
-      resize(values, wanted, static_cast<T>(key.row.none));
+      const bool isComputed = returns_.size() == 0 || ((key.index != kIntensity.index || !returns_.intensity.empty()) &&
+                                                       (key.index != kPower.index || !returns_.power.empty()));
+      const bool isFilled = layout_.columns.has(key) && isComputed;
+      if (isFilled) scan_.columnsIfEmpty.add(key.index);
+      resize(values, isFilled, static_cast<T>(key.row.none));
     });
   }
 
-  // Finds the row of a dense scan at which each of the strip's columns begins. `next`: the row at which the strip
-  // begins; set to the row at which the next strip begins.
-  void startStrip(std::uint32_t& next) {
-    std::array<std::uint32_t, kTileColumns> returned{};
+  // Sets Strip::next to the row of a dense scan at which each of the strip's columns begins. `stripRow`: the row at
+  // which the strip begins; is set to the row at which the next strip begins.
+  void startStrip(std::uint32_t& stripRow) {
+    std::array<std::uint32_t, kTileColumns> returnCount{};
     for (std::uint32_t ring = 0; ring < hits_.rings; ++ring) {
-      const std::uint32_t line = ring * hits_.columns + strip_.firstColumn;
-      for (std::uint32_t plane = 0; order_.severalPerBeam() && plane < order_.planes(); ++plane) {
-        for (std::uint32_t c = 0; c < strip_.width; ++c) returned[c] += order_.row(plane, line + c) != kNoRow ? 1u : 0u;
+      const std::uint32_t firstBeam = ring * hits_.columns + strip_.firstColumn;
+      if (order_.severalPerBeam()) {
+        for (std::uint32_t c = 0; c < strip_.width; ++c) returnCount[c] += order_.count(firstBeam + c);
+      } else {
+        const float* const range = returns_.range.data() + firstBeam;
+        for (std::uint32_t c = 0; c < strip_.width; ++c) returnCount[c] += range[c] < kMiss ? 1u : 0u;
       }
-      if (order_.severalPerBeam()) continue;
-      const float* const range = returns_.range.data() + line;
-      for (std::uint32_t c = 0; c < strip_.width; ++c) returned[c] += range[c] < kMiss ? 1u : 0u;
     }
     for (std::uint32_t c = 0; c < strip_.width; ++c) {
-      strip_.next[c] = next;
-      next += returned[c];
+      strip_.next[c] = stripRow;
+      stripRow += returnCount[c];
     }
   }
 
@@ -203,17 +203,17 @@ class Gathering {
     const float* const range = returns_.range.data();
     std::array<std::uint32_t, kTileColumns> next = strip_.next;
     for (std::uint32_t ring = firstRing; ring < endRing; ++ring) {
-      const std::uint32_t line = ring * columns + firstColumn;
+      const std::uint32_t firstBeam = ring * columns + firstColumn;
       for (std::uint32_t c = 0; c < width; ++c) {
         // Each beam is written, but `count` only increases if the beam has a return: branches would be mispredicted,
         // because misses are irregular.
-        points_.beam[count] = line + c;
-        points_.scanRow[count] = organised ? line + c : next[c];
+        points_.beam[count] = firstBeam + c;
+        points_.scanRow[count] = organised ? firstBeam + c : next[c];
         points_.ring[count] = static_cast<std::uint16_t>(ring);
         points_.column[count] = static_cast<std::uint16_t>(firstColumn + c);
-        const std::uint32_t returned = range[line + c] < kMiss ? 1u : 0u;
-        count += returned;
-        next[c] += returned;
+        const std::uint32_t hasReturn = range[firstBeam + c] < kMiss ? 1u : 0u;
+        count += hasReturn;
+        next[c] += hasReturn;
       }
     }
     strip_.next = next;
@@ -250,50 +250,51 @@ class Gathering {
     points_.count = count;
   }
 
-  void fillColumns(const Affine* toStart, std::uint32_t plane) {
-    computePositions(toStart);
+  // Writes the tile's points, which are collected, into all columns. `startFromColumn`: as for computePositions().
+  void fillColumns(const Affine* startFromColumn, std::uint32_t plane) {
+    computePositions(startFromColumn);
     visitTable(scan_, [&](auto key, auto& values) {
       if (!values.empty()) fill(key, plane, values);
     });
   }
 
-  // Computes positions in the sensor's frame or, if `toStart` is given (one entry per column of the strip), in the
-  // sensor's frame at the start of the revolution. Not inlined: within the loop over the tiles, the pointers used here
-  // would not all stay in registers.
-  [[gnu::noinline]] void computePositions(const Affine* toStart) {
+  // Computes positions in the sensor's frame or, if `startFromColumn` is given (one transform per column of the strip),
+  // in the sensor's frame at the start of the revolution. Not inlined: within the loop over the tiles, the pointers
+  // used here would not all stay in registers.
+  [[gnu::noinline]] void computePositions(const Affine* startFromColumn) {
     std::array<double, kTilePoints> x, y, z;
     const std::size_t count = points_.count;
     const std::uint32_t* const beam = points_.beam.data();
     const std::uint32_t* const row = points_.row;
     const Vec3d* const directions = beams_.direction.data();
     const float* const ranges = returns_.range.data();
-    for (std::size_t m = 0; m < count; ++m) {
-      const Vec3d& direction = directions[beam[m]];
-      const double range = ranges[row[m]];
-      x[m] = direction.x * range;
-      y[m] = direction.y * range;
-      z[m] = direction.z * range;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3d& direction = directions[beam[k]];
+      const double range = ranges[row[k]];
+      x[k] = direction.x * range;
+      y[k] = direction.y * range;
+      z[k] = direction.z * range;
     }
-    const auto add = [&](const std::vector<Vec3f>& offsets, const std::uint32_t* from) {
-      for (std::size_t m = 0; m < count && !offsets.empty(); ++m) {
-        const Vec3f& offset = offsets[from[m]];
-        x[m] += offset.x;
-        y[m] += offset.y;
-        z[m] += offset.z;
+    const auto addOffsets = [&](const std::vector<Vec3f>& offsets, const std::uint32_t* indices) {
+      for (std::size_t k = 0; k < count && !offsets.empty(); ++k) {
+        const Vec3f& offset = offsets[indices[k]];
+        x[k] += offset.x;
+        y[k] += offset.y;
+        z[k] += offset.z;
       }
     };
-    add(beams_.origin, beam);
-    add(returns_.displacement, row);
-    for (std::size_t m = 0; m < count && toStart != nullptr; ++m) {
-      const Vec3d point = toStart[points_.column[m] - strip_.firstColumn] * Vec3d{x[m], y[m], z[m]};
-      x[m] = point.x;
-      y[m] = point.y;
-      z[m] = point.z;
+    addOffsets(beams_.origin, beam);
+    addOffsets(returns_.displacement, row);
+    for (std::size_t k = 0; k < count && startFromColumn != nullptr; ++k) {
+      const Vec3d point = startFromColumn[points_.column[k] - strip_.firstColumn] * Vec3d{x[k], y[k], z[k]};
+      x[k] = point.x;
+      y[k] = point.y;
+      z[k] = point.z;
     }
-    const std::uint32_t* const to = points_.scanRow.data();
+    const std::uint32_t* const scanRow = points_.scanRow.data();
     Vec3f* const position = scan_.position.data();
-    for (std::size_t m = 0; m < count; ++m) {
-      position[to[m]] = {static_cast<float>(x[m]), static_cast<float>(y[m]), static_cast<float>(z[m])};
+    for (std::size_t k = 0; k < count; ++k) {
+      position[scanRow[k]] = {static_cast<float>(x[k]), static_cast<float>(y[k]), static_cast<float>(z[k])};
     }
   }
 
@@ -309,9 +310,9 @@ class Gathering {
     } else if constexpr (name == "instance") {
       returns_.instance.empty() ? copyHits(key, hits_.instance, values) : copy(returns_.instance, points_.row, values);
     } else if constexpr (name == "ring") {
-      put(values, [ring = points_.ring.data()](std::size_t m) { return ring[m]; });
+      put(values, [ring = points_.ring.data()](std::size_t k) { return ring[k]; });
     } else if constexpr (name == "column") {
-      put(values, [column = points_.column.data()](std::size_t m) { return column[m]; });
+      put(values, [column = points_.column.data()](std::size_t k) { return column[k]; });
     } else if constexpr (name == "time") {
       copy(beams_.time, points_.beam.data(), values);
     } else if constexpr (name == "range_true") {
@@ -325,13 +326,13 @@ class Gathering {
     } else if constexpr (name == "return") {
       put(values, [&](std::size_t) { return static_cast<T>(plane + 1); });
     } else if constexpr (name == "cause") {
-      put(values, [&](std::size_t m) { return static_cast<T>(returns_.cause(points_.row[m])); });
+      put(values, [&](std::size_t k) { return static_cast<T>(returns_.cause(points_.row[k])); });
     } else if constexpr (name == "returns") {
-      put(values, [&](std::size_t m) { return static_cast<T>(order_.count(points_.beam[m])); });
+      put(values, [&](std::size_t k) { return static_cast<T>(order_.count(points_.beam[k])); });
     } else if constexpr (name == "label_2") {
-      put(values, [&](std::size_t m) { return returns_.label2.empty() ? T{0} : returns_.label2[points_.row[m]]; });
+      put(values, [&](std::size_t k) { return returns_.label2.empty() ? T{0} : returns_.label2[points_.row[k]]; });
     } else if constexpr (name == "share") {
-      put(values, [&](std::size_t m) { return returns_.share.empty() ? T{1} : returns_.share[points_.row[m]]; });
+      put(values, [&](std::size_t k) { return returns_.share.empty() ? T{1} : returns_.share[points_.row[k]]; });
     } else if constexpr (name == "power") {
       copy(returns_.power, points_.row, values);
     } else if constexpr (name.starts_with("velocity_")) {
@@ -362,29 +363,30 @@ class Gathering {
   // Sets the class of points on moving objects to the class for moving objects of the same kind, if the ontology has
   // one.
   void relabel(std::vector<std::uint16_t>& values) {
-    for (std::size_t m = 0; m < points_.count; ++m) {
-      const std::uint32_t instance = returns_.instanceOf(points_.row[m], hits_);
-      std::uint16_t& label = values[points_.scanRow[m]];
+    for (std::size_t k = 0; k < points_.count; ++k) {
+      const std::uint32_t instance = returns_.instanceOf(points_.row[k], hits_);
+      std::uint16_t& label = values[points_.scanRow[k]];
       if (instance != 0) label = motions_->classOf(label, instance);
     }
   }
 
-  // Writes the velocity of the surface minus that of the sensor, along the beam. The ego vehicle moves as the sensor
-  // does. What a mirror shows has no value, since the mirror's normal is not known here.
+  // Writes the velocity of the surface minus that of the sensor, along the beam (m/s). The ego vehicle moves as the
+  // sensor does. Mirror images have no value, since the mirror's normal is not known here.
   void putRadialVelocities(std::vector<float>& values) {
-    put(values, [&](std::size_t m) {
-      const std::uint32_t hit = points_.hit[m];
-      const Reason cause = returns_.cause(points_.row[m]);
+    put(values, [&](std::size_t k) {
+      const std::uint32_t hit = points_.hit[k];
+      const Reason cause = returns_.cause(points_.row[k]);
       if (cause == Reason::EgoVehicle) return 0.0f;
       const bool direct = cause == Reason::Surface || cause == Reason::ThroughGlass;
       if (hit == kNoHit || !direct) return std::numeric_limits<float>::quiet_NaN();
-      const std::size_t step = shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(points_.column[m]);
+      const std::size_t step = shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(points_.column[k]);
       const Pose& worldFromSensor = shot_.worldFromSensor[step];
-      Vec3d relative;
-      if (motions_ != nullptr) relative = motions_->velocity(hits_.instance[hit], worldFromSensor * positionOf(hit));
-      if (!shot_.sensorVelocity.empty()) relative = relative - shot_.sensorVelocity[step];
+      Vec3d relativeVelocity;
+      if (motions_ != nullptr)
+        relativeVelocity = motions_->velocity(hits_.instance[hit], worldFromSensor * positionOf(hit));
+      if (!shot_.sensorVelocity.empty()) relativeVelocity = relativeVelocity - shot_.sensorVelocity[step];
       const std::uint32_t beam = hits_.beamOfRay.empty() ? hit : hits_.beamOfRay[hit];
-      return static_cast<float>(dot(toMatrix(worldFromSensor.rotation) * beams_.direction[beam], relative));
+      return static_cast<float>(dot(toMatrix(worldFromSensor.rotation) * beams_.direction[beam], relativeVelocity));
     });
   }
 
@@ -392,16 +394,16 @@ class Gathering {
   // vector in world axes for a point (m, world) that was hit at a time (s since the start of the revolution).
   template <class VectorAt>
   void putMotion(char axis, std::vector<float>& values, const VectorAt& vectorAt) {
-    put(values, [&](std::size_t m) {
-      const std::uint32_t hit = points_.hit[m];
+    put(values, [&](std::size_t k) {
+      const std::uint32_t hit = points_.hit[k];
       if (motions_ == nullptr || hit == kNoHit || hits_.instance[hit] == 0) return 0.0f;
       const Pose& worldFromSensor =
-          shot_.worldFromSensor[shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(points_.column[m])];
-      const double time = shot_.duration > 0 ? double{beams_.time[points_.beam[m]]} : 0;
-      const Vec3d v = vectorAt(hit, worldFromSensor * positionOf(hit), time);
+          shot_.worldFromSensor[shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(points_.column[k])];
+      const double time = shot_.duration > 0 ? double{beams_.time[points_.beam[k]]} : 0;
+      const Vec3d worldVector = vectorAt(hit, worldFromSensor * positionOf(hit), time);
       const Pose& worldFromPoints = shot_.deskew ? shot_.worldFromSensor.front() : worldFromSensor;
-      const Vec3d inFrame = transposed(toMatrix(worldFromPoints.rotation)) * v;
-      return static_cast<float>(axis == 'x' ? inFrame.x : axis == 'y' ? inFrame.y : inFrame.z);
+      const Vec3d inPointFrame = transposed(toMatrix(worldFromPoints.rotation)) * worldVector;
+      return static_cast<float>(axis == 'x' ? inPointFrame.x : axis == 'y' ? inPointFrame.y : inPointFrame.z);
     });
   }
 
@@ -412,34 +414,35 @@ class Gathering {
     return along + beams_.originOf(beam);
   }
 
+  // Writes value(k) for each point k of the tile into its row of the scan.
   template <class T, class Value>
   void put(std::vector<T>& values, const Value& value) {
     T* const target = values.data();
-    const std::uint32_t* const to = points_.scanRow.data();
+    const std::uint32_t* const scanRow = points_.scanRow.data();
     const std::size_t count = points_.count;
-    for (std::size_t m = 0; m < count; ++m) target[to[m]] = value(m);
+    for (std::size_t k = 0; k < count; ++k) target[scanRow[k]] = value(k);
   }
 
+  // Writes source[indices[k]] for each point k of the tile.
   template <class T>
-  void copy(const std::vector<T>& from, const std::uint32_t* at, std::vector<T>& values) {
-    const T* const source = from.data();
-    put(values, [source, at](std::size_t m) { return source[at[m]]; });
+  void copy(const std::vector<T>& source, const std::uint32_t* indices, std::vector<T>& values) {
+    put(values, [data = source.data(), indices](std::size_t k) { return data[indices[k]]; });
   }
 
-  // Writes values that are computed from hits. A row without a hit gets the column's value for points without a hit.
+  // Writes value(hit) for each point of the tile, computed from the point's hit. A row without a hit gets the column's
+  // value for points without a hit.
   template <class Key, class T, class Value>
   void putHits(Key key, std::vector<T>& values, const Value& value) {
     static_assert(Key::row.channels != Channels() || Key::index == kRangeTrue.index, "name the channels of the column");
     const std::uint32_t* const hits = points_.hit;
-    if (!order_.severalPerBeam()) return put(values, [hits, &value](std::size_t m) { return value(hits[m]); });
+    if (!order_.severalPerBeam()) return put(values, [hits, &value](std::size_t k) { return value(hits[k]); });
     const T none = static_cast<T>(key.row.none);
-    put(values, [=, &value](std::size_t m) { return hits[m] == kNoHit ? none : value(hits[m]); });
+    put(values, [=, &value](std::size_t k) { return hits[k] == kNoHit ? none : value(hits[k]); });
   }
 
   template <class Key, class T>
-  void copyHits(Key key, const std::vector<T>& from, std::vector<T>& values) {
-    const T* const source = from.data();
-    putHits(key, values, [source](std::uint32_t hit) { return source[hit]; });
+  void copyHits(Key key, const std::vector<T>& source, std::vector<T>& values) {
+    putHits(key, values, [data = source.data()](std::uint32_t hit) { return data[hit]; });
   }
 
   const Hits& hits_;

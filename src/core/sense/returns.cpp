@@ -31,6 +31,7 @@ void Returns::recordReasons() {
   recordLost(Reason::None);
 }
 
+// Sets the reason of each row that was lost since the last call. reasonOf(row) returns the reason.
 template <class ReasonOf>
 void Returns::recordRemoved(const ReasonOf& reasonOf) {
   if (!recordsReasons_) return;
@@ -49,8 +50,8 @@ void Returns::recordLost(Reason reason) {
 
 void Returns::recordFaint(std::span<const float> measured, float least) {
   recordRemoved([&](std::size_t row) {
-    const bool foundInClearAir = row < air.size() && measured[row] >= least * air[row];
-    return foundInClearAir ? Reason::LostInAir : Reason::TooFaint;
+    const bool detectedInClearAir = row < air.size() && measured[row] >= least * air[row];
+    return detectedInClearAir ? Reason::LostInAir : Reason::TooFaint;
   });
 }
 
@@ -72,8 +73,8 @@ void Returns::start(std::span<const Echo> echoes, bool powered) {
   for (auto* column : {&range, &spread, &share}) column->reserve(echoes.size());
   label2.reserve(echoes.size());
   for (const Echo& echo : echoes) {
-    const bool further = !beam_.empty() && beam_.back() == echo.beam;
-    number_.push_back(static_cast<std::uint8_t>(further ? number_.back() + 1 : 0));
+    const bool sameBeam = !beam_.empty() && beam_.back() == echo.beam;
+    number_.push_back(static_cast<std::uint8_t>(sameBeam ? number_.back() + 1 : 0));
     beam_.push_back(echo.beam);
     hit_.push_back(echo.hit);
     range.push_back(echo.range);
@@ -85,6 +86,8 @@ void Returns::start(std::span<const Echo> echoes, bool powered) {
   }
 }
 
+// Prepares the table for rows without a hit: stores beams, hits, numbers, causes, classes and instances, which may so
+// far follow from the hits, and counts the rows of each beam.
 void Returns::startIndices(const Hits& hits) {
   if (onePerBeam_) {
     onePerBeam_ = false;
@@ -94,13 +97,13 @@ void Returns::startIndices(const Hits& hits) {
     number_.assign(size(), 0);
   }
   cause_.resize(size(), Reason::Surface);
-  const auto ofHits = [&](const auto& values, auto& to) {
-    if (!to.empty() || values.empty()) return;
-    to.reserve(size() + 1);
-    for (const std::uint32_t hit : hit_) to.push_back(values[hit]);
+  const auto copyFromHits = [&](const auto& values, auto& column) {
+    if (!column.empty() || values.empty()) return;
+    column.reserve(size() + 1);
+    for (const std::uint32_t hit : hit_) column.push_back(values[hit]);
   };
-  ofHits(hits.semantic, label);
-  ofHits(hits.instance, instance);
+  copyFromHits(hits.semantic, label);
+  copyFromHits(hits.instance, instance);
   rowsOfBeam_.assign(hits.size(), 0);
   for (const std::uint32_t beam : beam_) ++rowsOfBeam_[beam];
 }
@@ -128,8 +131,8 @@ void Returns::add(const AddedReturn& added, const Hits& hits) {
   append(snr, added.snr);
   append(label, added.label);
   append(instance, std::uint32_t{0});
-  // In a table without rows, columns that effects have set cannot be told from columns that no effect has set: both are
-  // empty. The first row therefore sets these columns.
+  // In a table without rows, columns that effects have set are as empty as those that no effect has set. The first row
+  // therefore sets these columns.
   if (size() != 1) return;
   intensity = {0.0f};
   power = {added.power};

@@ -15,6 +15,7 @@ namespace scanmill {
 
 namespace {
 
+// Throws Error if the hits have not the beams of the shot's sensor, or lack one of the channels.
 void checkHits(const Hits& hits, const Shot& shot, Channels needed) {
   const BeamTable& beams = *shot.beams;
   const std::size_t rays = hits.beamOfRay.empty() ? hits.size() : hits.beamOfRay.size();
@@ -43,8 +44,8 @@ Reason reasonOfFaint(const Hits& hits, std::span<const Material> materials, std:
 // Sets the reason of beams without one: their rays hit nothing reportable.
 void setReasonsOfEmptyBeams(const Hits& hits, std::vector<std::uint8_t>& reasons) {
   const auto setIfNone = [&](std::size_t ray, Reason reason) {
-    std::uint8_t& ofBeam = reasons[hits.beamOfRay.empty() ? ray : hits.beamOfRay[ray]];
-    if (ofBeam == 0) ofBeam = static_cast<std::uint8_t>(reason);
+    std::uint8_t& reasonOfBeam = reasons[hits.beamOfRay.empty() ? ray : hits.beamOfRay[ray]];
+    if (reasonOfBeam == 0) reasonOfBeam = static_cast<std::uint8_t>(reason);
   };
   for (std::size_t ray = 0; ray < hits.pathOfRay.size(); ++ray) {
     if (hits.pathOfRay[ray] == RayPath::EgoVehicle && !hits.hit(ray)) setIfNone(ray, Reason::BlockedByVehicle);
@@ -76,16 +77,16 @@ constexpr double kVelocityInterval = 0.01;  // s, interval over which velocities
 // barycentric coordinates.
 Vec3d displacementOnTriangle(const Mesh& now, const Mesh& next, std::uint32_t primitive, const Vec3d& point) {
   const auto corner = [&](const Mesh& mesh, int k) { return Vec3d(mesh.positions[mesh.triangles[primitive][k]]); };
-  const Vec3d a = corner(now, 1) - corner(now, 0);
-  const Vec3d b = corner(now, 2) - corner(now, 0);
-  const Vec3d normal = cross(a, b);
-  const double area = dot(normal, normal);
-  if (!(area > 0)) return {};
+  const Vec3d edge1 = corner(now, 1) - corner(now, 0);
+  const Vec3d edge2 = corner(now, 2) - corner(now, 0);
+  const Vec3d normal = cross(edge1, edge2);
+  const double areaSquared = dot(normal, normal);  // of the parallelogram
+  if (!(areaSquared > 0)) return {};
   const Vec3d p = point - corner(now, 0);
-  const double v = dot(cross(p, b), normal) / area;
-  const double w = dot(cross(a, p), normal) / area;
+  const double weight1 = dot(cross(p, edge2), normal) / areaSquared;
+  const double weight2 = dot(cross(edge1, p), normal) / areaSquared;
   const auto displacement = [&](int k) { return corner(next, k) - corner(now, k); };
-  return displacement(0) * (1 - v - w) + displacement(1) * v + displacement(2) * w;
+  return displacement(0) * (1 - weight1 - weight2) + displacement(1) * weight1 + displacement(2) * weight2;
 }
 
 }  // namespace
@@ -159,24 +160,25 @@ InstanceMotions::InstanceMotions(const Scene& scene, const Shot& shot)
   }
   const double duration = shot.duration > 0 ? shot.duration : kVelocityInterval;
   for (std::uint32_t index = 0; index < scene.instances.size(); ++index) {
-    const Instance& i = scene.instances[index];
+    const Instance& instance = scene.instances[index];
     // An instance with an animation counts as moving even if its pose does not change; its velocity is the velocity of
     // its pose.
     const RigidMotion* const placedMotion = placed_ == nullptr ? nullptr : placed_->find(index);
-    const bool moves = placedMotion != nullptr ? placedMotion->moves() : i.movement != nullptr && i.movement->moves();
-    if (i.animation == nullptr && !moves) continue;
-    const Affine from = worldFromMeshAt(i, index, placed_.get(), shot.time);
-    const Affine to = worldFromMeshAt(i, index, placed_.get(), shot.time + duration);
-    const auto middle = [](const Vec3d& a, const Vec3d& b) { return (a + b) * 0.5; };
-    const auto change = [duration](const Vec3d& a, const Vec3d& b) { return (b - a) * (1 / duration); };
-    const Mat3 between{middle(from.linear.x, to.linear.x), middle(from.linear.y, to.linear.y),
-                       middle(from.linear.z, to.linear.z)};
-    const Mat3 changing{change(from.linear.x, to.linear.x), change(from.linear.y, to.linear.y),
-                        change(from.linear.z, to.linear.z)};
-    const Motion motion{middle(from.translation, to.translation), change(from.translation, to.translation),
-                        changing * inverse(between)};
-    for (std::uint32_t object = 1; object <= scene.meshes[i.mesh].objects; ++object) {
-      const std::uint32_t id = instanceId(i.firstInstanceId, object);
+    const bool poseMoves =
+        placedMotion != nullptr ? placedMotion->moves() : instance.movement != nullptr && instance.movement->moves();
+    if (instance.animation == nullptr && !poseMoves) continue;
+    const Affine start = worldFromMeshAt(instance, index, placed_.get(), shot.time);
+    const Affine end = worldFromMeshAt(instance, index, placed_.get(), shot.time + duration);
+    const auto mean = [](const Vec3d& a, const Vec3d& b) { return (a + b) * 0.5; };
+    const auto rate = [duration](const Vec3d& a, const Vec3d& b) { return (b - a) * (1 / duration); };
+    const auto byColumn = [&](const auto& f) {
+      return Mat3{f(start.linear.x, end.linear.x), f(start.linear.y, end.linear.y), f(start.linear.z, end.linear.z)};
+    };
+    const Motion motion{.pivot = mean(start.translation, end.translation),
+                        .velocityOfPivot = rate(start.translation, end.translation),
+                        .velocityPerMetre = byColumn(rate) * inverse(byColumn(mean))};
+    for (std::uint32_t object = 1; object <= scene.meshes[instance.mesh].objects; ++object) {
+      const std::uint32_t id = instanceId(instance.firstInstanceId, object);
       motionOf_.emplace(id, motion);
       instances_.emplace(id, index);
     }
@@ -190,10 +192,10 @@ std::uint16_t InstanceMotions::classOf(std::uint16_t semantic, std::uint32_t ins
 }
 
 Vec3d InstanceMotions::velocity(std::uint32_t instanceId, const Vec3d& point) const {
-  const auto found = motionOf_.find(instanceId);
-  if (found == motionOf_.end()) return {};
-  const Motion& m = found->second;
-  return m.ofPivot + m.perMetre * (point - m.pivot);
+  const auto motion = motionOf_.find(instanceId);
+  if (motion == motionOf_.end()) return {};
+  const auto& [pivot, velocityOfPivot, velocityPerMetre] = motion->second;
+  return velocityOfPivot + velocityPerMetre * (point - pivot);
 }
 
 Vec3d InstanceMotions::flow(std::uint32_t instanceId, std::uint32_t primitive, const Vec3d& point, double time) const {

@@ -58,12 +58,13 @@ class InstanceMotions {
   Vec3d flow(std::uint32_t instanceId, std::uint32_t primitive, const Vec3d& point, double time) const;
 
  private:
-  Vec3d flowOf(std::uint32_t instance, std::uint32_t primitive, const Vec3d& point, double time) const;
+  // Returns flow() for an entry of Scene::instances, by its index.
+  Vec3d flowOf(std::uint32_t index, std::uint32_t primitive, const Vec3d& point, double time) const;
 
   struct Motion {
-    Vec3d pivot;    // m, world: origin of the mesh in the middle of the revolution
-    Vec3d ofPivot;  // m/s, velocity of the pivot
-    Mat3 perMetre;  // m/s per metre of distance from the pivot
+    Vec3d pivot;            // m, world: origin of the mesh in the middle of the revolution
+    Vec3d velocityOfPivot;  // m/s
+    Mat3 velocityPerMetre;  // m/s per metre of distance from the pivot
   };
   const Scene& scene_;
   std::shared_ptr<const Placements> placed_;                         // see Shot::placed

@@ -20,13 +20,11 @@ double power(double base, double exponent) {
   return exponential(exponent * naturalLog(base));
 }
 
-// Returns air in which droplets or dust float. The visibility (m) is the distance at which 5 % of the contrast are left
-// (Koschmieder).
+// Returns air in which droplets or dust float. The visibility (m) is the distance at which 5 % of the contrast remain
+// (Koschmieder). `lidarRatio`: extinction over backscatter (sr).
 Weather hazeOf(double visibility, double lidarRatio) {
-  Weather haze;
-  haze.extinction = -naturalLog(0.05) / visibility;
-  haze.backscatter = haze.extinction / lidarRatio;
-  return haze;
+  const double extinction = -naturalLog(0.05) / visibility;
+  return {.extinction = extinction, .backscatter = extinction / lidarRatio};
 }
 
 }  // namespace
@@ -53,6 +51,7 @@ Weather rainOf(double rate) {
   rain.extinction = kLargeDrops * kPi / 4 * rain.drops.squares() * kSquareMillimetre;
   const double reflectedOnce = fresnel(1, kWaterIndex);
   const double focus = kWaterIndex / (2 - kWaterIndex);
+  // The formula's bracket: the front face's reflection and the back face's, which the front face focuses.
   const double gain = reflectedOnce + (1 - reflectedOnce) * (1 - reflectedOnce) * reflectedOnce * focus * focus;
   // pi times the drop's echo per steradian, which is gain a^2 / 4 for the radius a = D / 2.
   rain.dropEcho = kPi * gain / 16 * kSquareMillimetre;
@@ -87,8 +86,8 @@ double dampness(double reflectance) {
 }
 
 double filmTransmission(double cosine) {
-  const double in = (1 - fresnel(cosine, kWaterIndex)) / (1 - fresnel(1, kWaterIndex));
-  return in * in;
+  const double oneWay = (1 - fresnel(cosine, kWaterIndex)) / (1 - fresnel(1, kWaterIndex));
+  return oneWay * oneWay;
 }
 
 }  // namespace scanmill

@@ -28,7 +28,7 @@ struct Weather {
   double extinction = 0;  // 1/m; exp(-extinction * r) of the light remains after r m (Beer and Lambert)
   // Sizes of particles that are so sparse that a beam hits at most one of them at the same range; intercept 0: there
   // are none.
-  DropSizes drops;
+  DropSizes drops = {};
   // Echo of a drop (m^2 / mm^2): a drop of diameter D (mm) in a beam of area A (m^2) returns dropEcho * D^2 / A of the
   // power that a white Lambertian target filling the beam returns.
   double dropEcho = 0;

@@ -28,6 +28,7 @@ class AngularJitter : public Effect {
   }
 
  private:
+  // Adds the displacements of the points by the errors of their beams' directions.
   SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
     if (azimuthSigma_ == 0 && elevationSigma_ == 0) return;
     returns.displacement.resize(returns.range.size());
@@ -40,20 +41,20 @@ class AngularJitter : public Effect {
       drawWords(shot, Purpose::AngularJitter, returns, first, words);
       for (std::size_t i = 0; i < count; ++i) {
         const NormalPair normal = normalPair(words.a[i], words.b[i]);
-        const SinCos turn = sinCosSmall(azimuthSigma_ * normal.first);
-        const SinCos tilt = sinCosSmall(elevationSigma_ * normal.second);
+        const SinCos azimuthError = sinCosSmall(azimuthSigma_ * normal.first);
+        const SinCos elevationError = sinCosSmall(elevationSigma_ * normal.second);
         const double x = direction[i].x;
         const double y = direction[i].y;
         const double z = direction[i].z;
-        // A vertical beam is tilted towards x.
-        const double level = std::sqrt(x * x + y * y);
-        const double inverseLevel = 1 / (level > 0 ? level : 1.0);
-        const double forwardX = level > 0 ? x * inverseLevel : 1.0;
-        const double forwardY = y * inverseLevel;
-        const double tiltedLevel = level * tilt.cos - z * tilt.sin;
-        const double dx = (forwardX * turn.cos - forwardY * turn.sin) * tiltedLevel - x;
-        const double dy = (forwardY * turn.cos + forwardX * turn.sin) * tiltedLevel - y;
-        const double dz = z * tilt.cos + level * tilt.sin - z;
+        // (forwardX, forwardY): the beam's horizontal direction, a unit vector. A vertical beam is tilted towards x.
+        const double horizontal = std::sqrt(x * x + y * y);
+        const double inverseHorizontal = 1 / (horizontal > 0 ? horizontal : 1.0);
+        const double forwardX = horizontal > 0 ? x * inverseHorizontal : 1.0;
+        const double forwardY = y * inverseHorizontal;
+        const double tiltedHorizontal = horizontal * elevationError.cos - z * elevationError.sin;
+        const double dx = (forwardX * azimuthError.cos - forwardY * azimuthError.sin) * tiltedHorizontal - x;
+        const double dy = (forwardY * azimuthError.cos + forwardX * azimuthError.sin) * tiltedHorizontal - y;
+        const double dz = z * elevationError.cos + horizontal * elevationError.sin - z;
         const double scale = range[i] < kMiss ? range[i] : 0.0;
         displacement[i].x += static_cast<float>(scale * dx);
         displacement[i].y += static_cast<float>(scale * dy);
@@ -70,9 +71,9 @@ class AngularJitter : public Effect {
 
 std::unique_ptr<Effect> makeAngularJitter(Fields& options) {
   options.also({"sigma_deg", "azimuth_sigma_deg", "elevation_sigma_deg"}).finish();
-  const bool both = options.has("sigma_deg");
-  const bool each = options.has("azimuth_sigma_deg") || options.has("elevation_sigma_deg");
-  if (both == each) {
+  const bool oneSigma = options.has("sigma_deg");
+  const bool sigmaPerAngle = options.has("azimuth_sigma_deg") || options.has("elevation_sigma_deg");
+  if (oneSigma == sigmaPerAngle) {
     throw InputError(options.where(),
                      "effect angular_jitter: give either sigma_deg or azimuth_sigma_deg and elevation_sigma_deg");
   }

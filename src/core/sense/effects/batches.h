@@ -23,14 +23,14 @@ constexpr std::size_t kBatch = 128;  // number of rows of a batch; a batch fits 
 template <class T>
 using Batch = std::array<T, kBatch>;
 
-// Calls body(first, count) for every batch of rows that has at least one return.
+// Calls body(first, count) for every batch of rows that has at least one return. `ranges`: ranges of all rows (m).
 template <class Body>
-void forBatches(std::span<const float> range, Body body) {
-  for (std::size_t first = 0; first < range.size(); first += kBatch) {
-    const std::size_t count = std::min(kBatch, range.size() - first);
-    std::uint32_t returned = 0;
-    for (std::size_t i = 0; i < count; ++i) returned |= range[first + i] < kMiss ? 1u : 0u;
-    if (returned != 0) body(first, count);
+void forBatches(std::span<const float> ranges, Body body) {
+  for (std::size_t first = 0; first < ranges.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, ranges.size() - first);
+    std::uint32_t hasReturn = 0;
+    for (std::size_t i = 0; i < count; ++i) hasReturn |= ranges[first + i] < kMiss ? 1u : 0u;
+    if (hasReturn != 0) body(first, count);
   }
 }
 
@@ -38,23 +38,25 @@ struct RandomWords {
   Batch<std::uint32_t> a, b;
 };
 
-// Returns the random words of a beam's row `number`.
+// Returns the random words of row `number` of a beam.
 inline RandomBlock drawBlock(const Shot& shot, Purpose purpose, std::uint32_t beam, std::uint32_t number = 0) {
   return randomBlock({shot.seed, shot.scene, shot.randomFrame(), shot.sensor, beam, number, purpose});
 }
 
-// Calls keep(i, block) for each row first + i of a batch. `block`: the random words for the row's address.
-template <class Keep>
-void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first, const Keep& keep) {
-  const auto draw = [&](std::size_t i, std::uint32_t beam, std::uint32_t number) {
-    keep(i, drawBlock(shot, purpose, beam, number));
-  };
+// Calls visit(i, block) for each row first + i of a batch. `block`: the random words for the row's address. If there is
+// one row per beam, also visits rows beyond the last one, so that the loop has a fixed length.
+template <class Visit>
+void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first, const Visit& visit) {
   if (returns.onePerBeam()) {
-    for (std::size_t i = 0; i < kBatch; ++i) draw(i, static_cast<std::uint32_t>(first + i), 0);
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      visit(i, drawBlock(shot, purpose, static_cast<std::uint32_t>(first + i)));
+    }
     return;
   }
   const std::size_t count = std::min(kBatch, returns.size() - first);
-  for (std::size_t i = 0; i < count; ++i) draw(i, returns.beam(first + i), returns.number(first + i));
+  for (std::size_t i = 0; i < count; ++i) {
+    visit(i, drawBlock(shot, purpose, returns.beam(first + i), returns.number(first + i)));
+  }
 }
 
 // Sets `words` to two random words for each row of the batch that begins at row `first`.

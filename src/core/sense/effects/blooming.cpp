@@ -28,15 +28,16 @@ namespace scanmill {
 namespace {
 
 struct BloomingOptions {
-  double share = 0;
-  double angle = 0;  // rad, angle at which the halo has fallen to 1/e^2
-  float above = 0;
-  std::uint16_t label = 0;
+  double share;         // fraction of the retroreflector's echo that the middle of the halo gets
+  double angle;         // rad, angle at which the halo has fallen to 1/e^2
+  float above;          // least retroreflectance that blooms
+  std::uint16_t label;  // class of the returns
 };
 
+// An echo of a retroreflector in a beam that points beside it.
 struct Stray {
-  float echo = 0;  // power relative to the echo of a white target at the same range
-  float range = 0;
+  float echo = 0;   // power relative to the echo of a white target at the same range
+  float range = 0;  // m
 };
 
 class Blooming : public Effect {
@@ -61,9 +62,11 @@ class Blooming : public Effect {
   }
 
  private:
+  // A return of a beam that hits a retroreflector.
   struct Source {
     std::uint32_t beam;
-    float range, echo;
+    float range;  // m
+    float echo;   // power relative to the echo of a white target at the same range
   };
 
   static float retroreflectanceOf(const Hits& hits, std::span<const Material> materials, std::uint32_t hit) {
@@ -71,48 +74,55 @@ class Blooming : public Effect {
     return hits.material[hit] < materials.size() ? materials[hits.material[hit]].retroreflectance : 0.0f;
   }
 
-  // Returns the strongest stray echo of each beam; an echo of 0 means that the beam gets none.
+  // Returns the strongest stray echo of each beam; an echo of 0 means that the beam gets none. Beyond 2 * angle from a
+  // source the halo (0.03 % of its peak) is ignored.
   std::vector<Stray> straysOf(const BeamTable& beams, const std::vector<Source>& sources) const {
     std::vector<Stray> strays(beams.size());
-    const double leastCosine = std::cos(2 * o_.angle);  // beyond 2 * angle the halo (0.03 % of its peak) is ignored
+    const double haloAngle = 2 * o_.angle;
+    const double leastCosine = std::cos(haloAngle);
     // Number of columns to search on each side, enough for neighbours in any ring; addHalo() then compares the
     // directions.
-    const double step = beams.fullTurn() ? 2 * kPi / beams.columns : beams.field / beams.columns;
-    const auto reach = static_cast<std::int64_t>(std::ceil((2 * o_.angle + widestOffset(beams)) / step)) + 1;
+    const double columnStep = beams.fullTurn() ? 2 * kPi / beams.columns : beams.field / beams.columns;
+    const auto reach = static_cast<std::int64_t>(std::ceil((haloAngle + widestOffset(beams)) / columnStep)) + 1;
     for (const Source& source : sources) {
-      const std::uint32_t beam = source.beam;
-      const std::int64_t column = beam % beams.columns;
-      const double elevation = beams.elevation.empty() ? 0 : beams.elevation[beam / beams.columns];
+      const std::int64_t sourceColumn = source.beam % beams.columns;
+      const std::uint32_t sourceRing = source.beam / beams.columns;
       for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
-        if (!beams.elevation.empty() && std::abs(beams.elevation[ring] - elevation) > 2 * o_.angle) continue;
-        for (std::int64_t off = -reach; off <= reach; ++off) {
-          std::int64_t other = column + off;
-          if (beams.fullTurn()) other = (other + beams.columns) % beams.columns;
-          if (other < 0 || other >= beams.columns) continue;
-          const auto neighbour = static_cast<std::uint32_t>(ring * beams.columns + static_cast<std::uint32_t>(other));
-          if (neighbour == beam) continue;
-          addHalo(beams, source, neighbour, leastCosine, strays[neighbour]);
+        if (!beams.elevation.empty() && std::abs(beams.elevation[ring] - beams.elevation[sourceRing]) > haloAngle) {
+          continue;
+        }
+        for (std::int64_t column = sourceColumn - reach; column <= sourceColumn + reach; ++column) {
+          const std::int64_t wrapped = beams.fullTurn() ? (column + beams.columns) % beams.columns : column;
+          if (wrapped < 0 || wrapped >= beams.columns) continue;
+          const std::uint32_t beam = ring * beams.columns + static_cast<std::uint32_t>(wrapped);
+          if (beam != source.beam) addHalo(beams, source, beam, leastCosine, strays[beam]);
         }
       }
     }
     return strays;
   }
 
+  // Returns the largest difference of two rings' azimuth offsets (rad).
   static double widestOffset(const BeamTable& beams) {
     if (beams.azimuthOffset.empty()) return 0;
-    const auto ends = std::minmax_element(beams.azimuthOffset.begin(), beams.azimuthOffset.end());
-    return *ends.second - *ends.first;
+    const auto [least, most] = std::ranges::minmax(beams.azimuthOffset);
+    return most - least;
   }
 
-  void addHalo(const BeamTable& beams, const Source& source, std::uint32_t to, double leastCosine, Stray& stray) const {
-    const double cosine = dot(beams.direction[source.beam], beams.direction[to]);
+  // Sets `stray` to the echo of the source's halo in a beam, if it is stronger than `stray`. At equal strength the
+  // nearer one counts.
+  void addHalo(const BeamTable& beams, const Source& source, std::uint32_t beam, double leastCosine,
+               Stray& stray) const {
+    const double cosine = dot(beams.direction[source.beam], beams.direction[beam]);
     if (cosine < leastCosine) return;
-    const double square = 2 * (1 - std::min(1.0, cosine));  // square of the angle (rad^2), for small angles
-    const double haloEcho = double{source.echo} * o_.share * exponential(-2 * square / (o_.angle * o_.angle));
+    const double angleSquared = 2 * (1 - std::min(1.0, cosine));  // rad^2, for small angles
+    const double haloEcho = double{source.echo} * o_.share * exponential(-2 * angleSquared / (o_.angle * o_.angle));
     const auto echo = static_cast<float>(haloEcho);
     if (echo > stray.echo || (echo == stray.echo && source.range < stray.range)) stray = {echo, source.range};
   }
 
+  // Adds a return for each stray echo that is not within a pulse length of another return of its beam. `strays`: by
+  // beam.
   void addStrays(const Hits& hits, const BeamTable& beams, const std::vector<Stray>& strays, Returns& returns) const {
     const auto length = static_cast<float>(pulseLength(beams.pulse));
     std::vector<bool> joinsAReturn(strays.size());
@@ -134,11 +144,10 @@ class Blooming : public Effect {
 }  // namespace
 
 std::unique_ptr<Effect> makeBlooming(Fields& options) {
-  BloomingOptions o;
-  o.share = options.number("share", {1e-9, 1}, 0.001);
-  o.angle = radians(options.number("angle_deg", {0.01, 20}, 0.5));
-  o.above = static_cast<float>(options.number("above", {1e-6, 1e6}, 10));
-  o.label = static_cast<std::uint16_t>(options.integer("label", 0, 65535, 0));
+  const BloomingOptions o{.share = options.number("share", {1e-9, 1}, 0.001),
+                          .angle = radians(options.number("angle_deg", {0.01, 20}, 0.5)),
+                          .above = static_cast<float>(options.number("above", {1e-6, 1e6}, 10)),
+                          .label = static_cast<std::uint16_t>(options.integer("label", 0, 65535, 0))};
   options.finish();
   return std::make_unique<Blooming>(o);
 }

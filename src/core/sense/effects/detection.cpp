@@ -51,12 +51,13 @@ enum class Report { Strongest, First, Last, Dual };
 struct DetectionOptions {
   Report report = Report::Strongest;
   std::uint32_t most = 1;  // largest number of echoes that Report::Strongest reports for a beam
-  double noise = 0;
-  double threshold = 4.8;
-  float separation = 0;  // m, least distance between reported echoes
+  double noise = 0;        // standard deviation, in units of power
+  double threshold = 4.8;  // least signal that is detected, in units of the noise
+  float separation = 0;    // m, least distance between reported echoes
   bool sun = false;
-  Vec3d towardsSun;  // unit vector, world axes
-  double sunNoise = 0, interference = 0;
+  Vec3d towardsSun;         // unit vector, world axes
+  double sunNoise = 0;      // noise that a white surface facing the sun adds
+  double interference = 0;  // probability per beam
 };
 
 class Detection : public Effect {
@@ -74,8 +75,9 @@ class Detection : public Effect {
   bool setsSnr() const override { return o_.noise > 0; }
   double threshold() const override { return o_.threshold * o_.noise; }
   std::uint32_t mostReturns(std::uint32_t before) const override {
-    const std::uint32_t found = std::min(before + (o_.noise > 0 ? 1 : 0) + (o_.interference > 0 ? 1 : 0), kMostReturns);
-    return std::min(found, o_.report == Report::Dual ? 2 : o_.report == Report::Strongest ? o_.most : 1);
+    const std::uint32_t detected =
+        std::min(before + (o_.noise > 0 ? 1 : 0) + (o_.interference > 0 ? 1 : 0), kMostReturns);
+    return std::min(detected, o_.report == Report::Dual ? 2 : o_.report == Report::Strongest ? o_.most : 1);
   }
 
   void check(const BeamTable& beams) const override {
@@ -86,11 +88,11 @@ class Detection : public Effect {
   }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
-    std::vector<float> measured = returns.power;
+    std::vector<float> measured = returns.power;  // by row: power with the receiver's noise
     if (o_.noise > 0) {
       std::vector<float> noise;
       if (o_.sun) noise = noiseInDaylight(hits, returns);
-      findInNoise(shot, noise, returns, measured);
+      detectInNoise(shot, noise, returns, measured);
       returns.recordFaint(measured, static_cast<float>(o_.threshold * o_.noise));
       addFalsePositives(hits, shot, returns, measured);
       if (o_.interference > 0) addInterference(hits, shot, returns, measured);
@@ -108,48 +110,49 @@ class Detection : public Effect {
     for (std::size_t row = 0; row < returns.size(); ++row) {
       const std::uint32_t hit = returns.hit(row);
       if (hit == kNoHit || !returns.returned(row)) continue;
-      const double lit = std::max(0.0, dot(Vec3d(hits.normal[hit]), o_.towardsSun)) * double{hits.reflectance[hit]};
-      noise[row] = static_cast<float>(std::sqrt(o_.noise * o_.noise + o_.sunNoise * o_.sunNoise * lit));
+      const double sunCosine = std::max(0.0, dot(Vec3d(hits.normal[hit]), o_.towardsSun));
+      const double daylight = sunCosine * double{hits.reflectance[hit]};  // relative to a white surface facing the sun
+      noise[row] = static_cast<float>(std::sqrt(o_.noise * o_.noise + o_.sunNoise * o_.sunNoise * daylight));
     }
     return noise;
   }
 
   // Removes the rows of echoes that are not detected, and sets the signal to noise ratio and the measured power of all
-  // rows. `daylight`: the noise of each row; if it is empty, all rows have the same noise.
-  SCANMILL_BEST_INSTRUCTIONS void findInNoise(const Shot& shot, const std::vector<float>& daylight, Returns& returns,
-                                              std::vector<float>& measured) const {
+  // rows. `noiseOfRow`: the noise of each row; if it is empty, all rows have the same noise.
+  SCANMILL_BEST_INSTRUCTIONS void detectInNoise(const Shot& shot, const std::vector<float>& noiseOfRow,
+                                                Returns& returns, std::vector<float>& measured) const {
     returns.snr.assign(returns.size(), 0);
     RandomWords words;
     Batch<float> noise;
     noise.fill(static_cast<float>(o_.noise));
-    Batch<float> least;
-    least.fill(static_cast<float>(o_.threshold * o_.noise));
+    Batch<float> leastPower;
+    leastPower.fill(static_cast<float>(o_.threshold * o_.noise));
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       drawWords(shot, Purpose::Detection, returns, first, words);
       float* const range = returns.range.data() + first;
       float* const snr = returns.snr.data() + first;
       float* const measure = measured.data() + first;
       const float* const power = returns.power.data() + first;
-      for (std::size_t i = 0; i < count && !daylight.empty(); ++i) {
-        noise[i] = daylight[first + i];
-        least[i] = static_cast<float>(o_.threshold * double{noise[i]});
+      for (std::size_t i = 0; i < count && !noiseOfRow.empty(); ++i) {
+        noise[i] = noiseOfRow[first + i];
+        leastPower[i] = static_cast<float>(o_.threshold * double{noise[i]});
       }
       for (std::size_t i = 0; i < count; ++i) {
         snr[i] = power[i] / noise[i];
         measure[i] = power[i] + noise[i] * static_cast<float>(normalPair(words.a[i], words.b[i]).first);
-        range[i] = measure[i] < least[i] ? kMiss : range[i];
+        range[i] = measure[i] < leastPower[i] ? kMiss : range[i];
       }
     });
   }
 
-  // Adds at most one false positive per beam. The amount by which its power exceeds the threshold follows the tail of
-  // the normal distribution, which is nearly exponential there.
+  // Adds at most one false positive per beam, and its power to `measured`. The amount by which its power exceeds the
+  // threshold follows the tail of the normal distribution, which is nearly exponential there.
   void addFalsePositives(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     const BeamTable& beams = *shot.beams;
-    const double length = beams.maxRange - beams.minRange;
-    const double aboveThreshold = 0.5 * std::erfc(o_.threshold / std::sqrt(2.0));
-    const double expected = length / pulseLength(beams.pulse) * aboveThreshold;
-    const double probability = -std::expm1(-expected);
+    const double rangeSpan = beams.maxRange - beams.minRange;
+    const double probabilityPerInterval = 0.5 * std::erfc(o_.threshold / std::sqrt(2.0));
+    const double expectedCount = rangeSpan / pulseLength(beams.pulse) * probabilityPerInterval;
+    const double probability = -std::expm1(-expectedCount);
     Batch<std::uint32_t> firstWords;
     for (std::size_t first = 0; first < beams.size(); first += kBatch) {
       drawFirstWords(shot, first, firstWords);
@@ -160,7 +163,7 @@ class Detection : public Effect {
         const RandomBlock words = drawBlock(shot, Purpose::FalsePositives, beam);
         const double excess = o_.threshold > 0 ? -naturalLog(uniform(words[2])) / o_.threshold : 0.0;
         const AddedReturn added{.beam = beam,
-                                .range = static_cast<float>(beams.minRange + length * uniform(words[1])),
+                                .range = static_cast<float>(beams.minRange + rangeSpan * uniform(words[1])),
                                 .power = static_cast<float>(o_.noise * (o_.threshold + excess)),
                                 .snr = static_cast<float>(o_.threshold + excess)};
         returns.add(added, hits);
@@ -169,18 +172,20 @@ class Detection : public Effect {
     }
   }
 
+  // Adds the returns from pulses of other sensors, and their power to `measured`.
   void addInterference(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     const BeamTable& beams = *shot.beams;
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
       const RandomBlock words = drawBlock(shot, Purpose::Interference, beam);
       if (uniform(words[0]) >= o_.interference || returns.full(beam)) continue;
       constexpr double kLog100 = 4.605170185988092;
-      AddedReturn added;
-      added.beam = beam;
-      added.range = static_cast<float>(beams.minRange + (beams.maxRange - beams.minRange) * uniform(words[1]));
-      added.snr = static_cast<float>(o_.threshold * exponential(kLog100 * uniform(words[2])));
-      added.power = static_cast<float>(o_.noise * double{added.snr});
-      added.cause = Reason::StrayLight;
+      const double range = beams.minRange + (beams.maxRange - beams.minRange) * uniform(words[1]);
+      const auto snr = static_cast<float>(o_.threshold * exponential(kLog100 * uniform(words[2])));
+      const AddedReturn added{.beam = beam,
+                              .range = static_cast<float>(range),
+                              .power = static_cast<float>(o_.noise * double{snr}),
+                              .snr = snr,
+                              .cause = Reason::StrayLight};
       returns.add(added, hits);
       measured.push_back(added.power);
     }
@@ -194,16 +199,17 @@ class Detection : public Effect {
     }
   }
 
+  // Removes the returns that are not reported. `measured`: power by row; if it is empty, all powers are equal.
   void selectReported(Returns& returns, const std::vector<float>& measured) const {
-    std::vector<std::uint32_t> rows;
+    std::vector<std::uint32_t> rows;  // of all beams; each beam's rows are neighbours after the sorting
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
       if (returns.returned(row)) rows.push_back(row);
     }
     // Sorts by beam. Only the few rows that effects have added are out of order.
     const auto isOfEarlierBeam = [&](std::uint32_t a, std::uint32_t b) { return returns.beam(a) < returns.beam(b); };
-    const auto added = std::is_sorted_until(rows.begin(), rows.end(), isOfEarlierBeam);
-    std::sort(added, rows.end(), isOfEarlierBeam);
-    std::inplace_merge(rows.begin(), added, rows.end(), isOfEarlierBeam);
+    const auto firstAdded = std::is_sorted_until(rows.begin(), rows.end(), isOfEarlierBeam);
+    std::sort(firstAdded, rows.end(), isOfEarlierBeam);
+    std::inplace_merge(rows.begin(), firstAdded, rows.end(), isOfEarlierBeam);
     // Orders a beam's rows by descending power, and at equal power by ascending range.
     const auto power = [&](std::uint32_t row) { return measured.empty() ? 0.0f : measured[row]; };
     const auto precedes = [&](std::uint32_t a, std::uint32_t b) {
@@ -222,9 +228,10 @@ class Detection : public Effect {
     }
   }
 
-  // Removes the rows of one beam that are not reported. `rows`: rows of the beam by descending power.
+  // Removes the rows of one beam that are not reported. `rows`: rows of the beam by descending power; their order is
+  // changed.
   void removeUnreported(std::span<std::uint32_t> rows, Returns& returns) const {
-    std::size_t count = 1;
+    std::size_t count = 1;  // number of rows, at the front of `rows`, that are far enough from stronger ones
     for (std::size_t i = 1; i < rows.size(); ++i) {
       const bool near = std::any_of(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count), [&](auto row) {
         return std::abs(returns.range[row] - returns.range[rows[i]]) < o_.separation;
@@ -235,28 +242,20 @@ class Detection : public Effect {
         rows[count++] = rows[i];
       }
     }
-    const std::span<std::uint32_t> found = rows.first(count);
-    const auto nearer = [&](auto a, auto b) { return returns.range[a] < returns.range[b]; };
-    const std::uint32_t first = *std::min_element(found.begin(), found.end(), nearer);
-    const std::uint32_t last = *std::max_element(found.begin(), found.end(), nearer);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!reports(i, found[i], first, last, found.front())) returns.remove(found[i]);
+    const std::span<std::uint32_t> separate = rows.first(count);
+    const auto rangeOf = [&](std::uint32_t row) { return returns.range[row]; };
+    const std::uint32_t nearest = *std::ranges::min_element(separate, {}, rangeOf);
+    const std::uint32_t farthest = *std::ranges::max_element(separate, {}, rangeOf);
+    const std::uint32_t strongest = separate.front();
+    for (std::size_t rank = 0; rank < count; ++rank) {
+      const std::uint32_t row = separate[rank];
+      const bool reported = o_.report == Report::First  ? row == nearest
+                            : o_.report == Report::Last ? row == farthest
+                            : o_.report == Report::Dual
+                                ? rank == 0 || row == farthest || (rank == 1 && farthest == strongest)
+                                : rank < o_.most;
+      if (!reported) returns.remove(row);
     }
-  }
-
-  bool reports(std::size_t rank, std::uint32_t row, std::uint32_t first, std::uint32_t last,
-               std::uint32_t strongest) const {
-    switch (o_.report) {
-      case Report::First:
-        return row == first;
-      case Report::Last:
-        return row == last;
-      case Report::Dual:
-        return rank == 0 || row == last || (rank == 1 && last == strongest);
-      case Report::Strongest:
-        break;
-    }
-    return rank < o_.most;
   }
 
   DetectionOptions o_;

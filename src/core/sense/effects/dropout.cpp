@@ -21,19 +21,25 @@
 namespace scanmill {
 namespace {
 
+struct DropOutOptions {
+  float threshold;     // least power that is reported; 0: any
+  double probability;  // of losing a return at random
+  bool instancesOnly;  // true: only returns of object instances are lost at random
+  double rings;        // fraction of the rings that report nothing
+};
+
 class DropOut : public Effect {
  public:
-  DropOut(float threshold, double probability, bool instancesOnly, double rings)
-      : threshold_(threshold), probability_(probability), instancesOnly_(instancesOnly), rings_(rings) {}
+  explicit DropOut(const DropOutOptions& options) : o_(options) {}
 
   Channels reads() const override {
     const Channels hits = Channel::Range;
-    return instancesOnly_ ? hits | Channels(Channel::Instance) : hits;
+    return o_.instancesOnly ? hits | Channels(Channel::Instance) : hits;
   }
-  bool needsIntensity() const override { return threshold_ > 0; }
+  bool needsIntensity() const override { return o_.threshold > 0; }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
-    if (rings_ > 0) {
+    if (o_.rings > 0) {
       loseRings(shot, returns);
       returns.recordLost(Reason::Dropped);
     }
@@ -41,12 +47,13 @@ class DropOut : public Effect {
   }
 
  private:
+  // Loses faint returns and returns at random, and sets the intensity of all lost rows to 0.
   SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, const Shot& shot, Returns& returns) const {
-    if (threshold_ > 0) {
+    if (o_.threshold > 0) {
       loseFaint(returns);
-      returns.recordFaint(returns.power, threshold_);
+      returns.recordFaint(returns.power, o_.threshold);
     }
-    if (probability_ > 0) loseAtRandom(hits, shot, returns);
+    if (o_.probability > 0) loseAtRandom(hits, shot, returns);
     returns.recordLost(Reason::Dropped);
     if (returns.intensity.empty()) return;
     for (std::size_t row = 0; row < returns.size(); ++row) {
@@ -59,26 +66,26 @@ class DropOut : public Effect {
       throw InputError("effect dropout: a threshold needs the effect intensity");
     }
     for (std::size_t row = 0; row < returns.size(); ++row) {
-      returns.range[row] = returns.power[row] >= threshold_ ? returns.range[row] : kMiss;
+      returns.range[row] = returns.power[row] >= o_.threshold ? returns.range[row] : kMiss;
     }
   }
 
-  // Removes the returns of the fraction `rings_` of the rings, rounded to complete rings. These are the rings with the
+  // Removes the returns of the fraction `rings` of the rings, rounded to complete rings. These are the rings with the
   // smallest random numbers.
   void loseRings(const Shot& shot, Returns& returns) const {
     const std::uint32_t rings = shot.beams->rings;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> ranks;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> lostRings;  // random number, ring
     for (std::uint32_t ring = 0; ring < rings; ++ring) {
-      ranks.emplace_back(
+      lostRings.emplace_back(
           randomBlock({.seed = shot.seed, .sensor = shot.sensor, .beam = ring, .purpose = Purpose::LostRings})[0],
           ring);
     }
-    std::sort(ranks.begin(), ranks.end());
-    ranks.resize(static_cast<std::size_t>(std::lround(rings_ * rings)));
-    std::vector<bool> lost(rings, false);
-    for (const auto& [rank, ring] : ranks) lost[ring] = true;
+    std::ranges::sort(lostRings);
+    lostRings.resize(static_cast<std::size_t>(std::lround(o_.rings * rings)));
+    std::vector<bool> isLost(rings, false);
+    for (const auto& [number, ring] : lostRings) isLost[ring] = true;
     for (std::size_t row = 0; row < returns.size(); ++row) {
-      if (lost[returns.beam(row) / shot.beams->columns]) returns.range[row] = kMiss;
+      if (isLost[returns.beam(row) / shot.beams->columns]) returns.remove(row);
     }
   }
 
@@ -87,38 +94,36 @@ class DropOut : public Effect {
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       float* const range = returns.range.data() + first;
       drawWords(shot, Purpose::DropOut, returns, first, words);
-      Batch<std::uint8_t> spared{};
-      for (std::size_t i = 0; instancesOnly_ && i < count; ++i)
-        spared[i] = returns.instanceOf(first + i, hits) == 0 ? 1 : 0;
+      Batch<std::uint8_t> isExempt{};  // 1: not of an instance
+      for (std::size_t i = 0; o_.instancesOnly && i < count; ++i) {
+        isExempt[i] = returns.instanceOf(first + i, hits) == 0 ? 1 : 0;
+      }
       for (std::size_t i = 0; i < count; ++i) {
-        const bool lost = (toDouble(words.a[i]) + 0.5) * 0x1p-32 < probability_ && spared[i] == 0;
+        const bool lost = (toDouble(words.a[i]) + 0.5) * 0x1p-32 < o_.probability && isExempt[i] == 0;
         range[i] = lost ? kMiss : range[i];
       }
     });
   }
 
-  float threshold_;
-  double probability_;
-  bool instancesOnly_;
-  double rings_;
+  DropOutOptions o_;
 };
 
 }  // namespace
 
 std::unique_ptr<Effect> makeDropOut(Fields& options) {
-  const double threshold = options.number("threshold", {0, 1e6}, 0);
-  const double probability = options.number("probability", {0, 1}, 0);
-  const bool things = options.boolean("things", false);
-  const double rings = options.number("rings", {0, 1}, 0);
+  const DropOutOptions o{.threshold = static_cast<float>(options.number("threshold", {0, 1e6}, 0)),
+                         .probability = options.number("probability", {0, 1}, 0),
+                         .instancesOnly = options.boolean("things", false),
+                         .rings = options.number("rings", {0, 1}, 0)};
   options.finish();  // reports unknown keys first, since an unknown key may be a misspelt required key
   if (!options.has("threshold") && !options.has("probability") && !options.has("rings")) {
     throw InputError(options.where(), "effect dropout: give at least one of threshold, probability and rings");
   }
-  if (things && !options.has("probability")) {
+  if (o.instancesOnly && !options.has("probability")) {
     throw InputError(options.where(),
                      "effect dropout: `things` limits the returns that are lost at random: give `probability` too");
   }
-  return std::make_unique<DropOut>(static_cast<float>(threshold), probability, things, rings);
+  return std::make_unique<DropOut>(o);
 }
 
 }  // namespace scanmill

@@ -28,8 +28,8 @@ class FootprintEffect : public Effect {
   }
 
   void check(const BeamTable& beams) const override {
-    const auto zero = [](const std::array<double, 2>& width) { return width[0] == 0 && width[1] == 0; };
-    if (zero(beams.divergence) && zero(beams.exitWidth)) {
+    constexpr std::array<double, 2> kNoWidth{};
+    if (beams.divergence == kNoWidth && beams.exitWidth == kNoWidth) {
       throw InputError(where_,
                        "effect footprint: the width of the beams is missing: add `divergence_mrad: 3`, with the data "
                        "sheet's value, to the sensor");

@@ -94,7 +94,9 @@ struct IntensityOptions {
 // How a material reflects light back along the beam: the diffuse reflectance is matt * reflectance, and F0 (reflectance
 // of facets at normal incidence) is glossy + metal * reflectance.
 struct Lobes {
-  float matt = 1, metal = 0, glossy = 0, alpha2 = 1, retro = 0;
+  float matt = 1, metal = 0, glossy = 0;
+  float alpha2 = 1;   // square of GGX's alpha
+  float retro = 0;    // retroreflectance
   float even = 1;     // factor of cos t in the diffuse part; t: angle of incidence
   float grazing = 0;  // factor of sin^2 t in the diffuse part
 };
@@ -110,21 +112,26 @@ double angleOfSlope(double t) {
   return 2 * half * (1 - z * (1.0 / 3 - z * (1.0 / 5 - z * (1.0 / 7 - z * tail))));
 }
 
-Lobes lobesOf(float givenRoughness, float givenMetallic, float retroreflectance, bool orenNayar) {
-  const float roughness = std::clamp(givenRoughness, 0.0f, 1.0f);
-  const float metallic = std::clamp(givenMetallic, 0.0f, 1.0f);
+// Returns the lobes of a material with glTF's roughness and metallic factor, which are clamped to 0 to 1. `orenNayar`:
+// true for the diffuse reflection of a rough surface, false for a Lambertian one.
+Lobes lobesOf(float roughness, float metallic, float retroreflectance, bool orenNayar) {
+  roughness = std::clamp(roughness, 0.0f, 1.0f);
+  metallic = std::clamp(metallic, 0.0f, 1.0f);
   // glTF's roughness is the square root of GGX's alpha (Burley, "Physically based shading at Disney", 2012). A
   // dielectric of roughness 1 reflects only diffusely; at lower roughness the glossy reflection reduces the diffuse
   // one.
   const float alpha = roughness * roughness;
   const float glossy = kDielectricF0 * (1 - alpha);
-  const float width = std::max(alpha, kSmallestAlpha);
-  Lobes lobes{(1 - metallic) * (1 - glossy), metallic, (1 - metallic) * glossy, width * width,
-              std::max(retroreflectance, 0.0f)};
+  const float lobeAlpha = std::max(alpha, kSmallestAlpha);
+  Lobes lobes{.matt = (1 - metallic) * (1 - glossy),
+              .metal = metallic,
+              .glossy = (1 - metallic) * glossy,
+              .alpha2 = lobeAlpha * lobeAlpha,
+              .retro = std::max(retroreflectance, 0.0f)};
   if (orenNayar) {
-    const double slope = angleOfSlope(alpha * kHalfRoot);
-    lobes.even = static_cast<float>(1 - 0.5 * slope * slope / (slope * slope + 0.33));
-    lobes.grazing = static_cast<float>(0.45 * slope * slope / (slope * slope + 0.09));
+    const double s = angleOfSlope(alpha * kHalfRoot);  // rad, s in the formulas at the top of this file
+    lobes.even = static_cast<float>(1 - 0.5 * s * s / (s * s + 0.33));
+    lobes.grazing = static_cast<float>(0.45 * s * s / (s * s + 0.09));
   }
   return lobes;
 }
@@ -179,18 +186,19 @@ class Intensity : public Effect {
     return lobes;
   }
 
+  // Computes powerOfRays().
   SCANMILL_BEST_INSTRUCTIONS void powerOf(const Hits& hits, std::span<const Material> materials,
                                           std::vector<float>& power) const {
     const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);
     const Returns rays;  // an empty table has one row per beam, so the rows of a batch are hits
     power.assign(hits.rays(), 0);
     forBatches(hits.range, [&](std::size_t first, std::size_t count) {
-      float* const batch = power.data() + first;
+      float* const batchPower = power.data() + first;
       const float* const range = hits.range.data() + first;
-      reflect(hits, rays, first, lobes, count, batch);
-      multiply(hits.weightOfRay, first, count, batch);
-      applyRangeLoss(range, count, batch);
-      clampPower(range, count, batch);
+      setReflected(hits, rays, first, lobes, count, batchPower);
+      multiply(hits.weightOfRay, first, count, batchPower);
+      applyRangeLoss(range, count, batchPower);
+      clampPower(range, count, batchPower);
     });
   }
 
@@ -219,7 +227,7 @@ class Intensity : public Effect {
       multiply(returns.gain, first, count, power);
       if (o_.reflectivity) removeRangeLoss(range, count, power, reflectivity);
     } else {
-      reflect(hits, returns, first, lobes, count, power);
+      setReflected(hits, returns, first, lobes, count, power);
       multiply(returns.gain, first, count, power);
       if (o_.reflectivity) std::copy_n(power, count, reflectivity);
       Batch<float> rangesOfHits;
@@ -240,7 +248,10 @@ class Intensity : public Effect {
     const float* const power = returns.power.data() + first;
     float* const intensity = returns.intensity.data() + first;
     const float* value = o_.reflectivity ? reflectivity : power;
-    if (o_.floor > 0) value = aboveFloor(value, power, count, reflectivity);
+    if (o_.floor > 0) {
+      subtractFloor(value, power, count, reflectivity);
+      value = reflectivity;
+    }
     respond(value, count, intensity);
     if (o_.noise > 0) addNoise(shot, returns, first, count);
     round(count, intensity);
@@ -259,9 +270,10 @@ class Intensity : public Effect {
     }
   }
 
-  // Sets `power` to the light that the surfaces of a batch of rows reflect back along the beam.
-  void reflect(const Hits& hits, const Returns& returns, std::size_t first, const std::vector<Lobes>& lobes,
-               std::size_t count, float* power) const {
+  // Sets `power` to the light that the surfaces of a batch of rows reflect back along the beam. `lobes`: by material,
+  // see lobesOfAll().
+  void setReflected(const Hits& hits, const Returns& returns, std::size_t first, const std::vector<Lobes>& lobes,
+                    std::size_t count, float* power) const {
     const auto valuesOf = [&](const std::vector<float>& values, Batch<float>& buffer) {
       return values.empty() ? nullptr : valuesOfHits(returns, values, first, buffer);
     };
@@ -282,18 +294,19 @@ class Intensity : public Effect {
       return;
     }
     const Lobes* const table = lobes.data();
-    const std::uint32_t last = static_cast<std::uint32_t>(lobes.size() - 1);
-    const auto lobesOfRow = [&](std::size_t i) { return table[std::min<std::uint32_t>(material[i], last)]; };
-    // Neighbouring rays often hit the same material. The loop over such a group is vectorised.
+    const std::uint32_t noMaterial = static_cast<std::uint32_t>(lobes.size() - 1);
+    const auto lobesOfRow = [&](std::size_t i) { return table[std::min<std::uint32_t>(material[i], noMaterial)]; };
+    // Neighbouring rays often hit the same material. For such a group the first loop over k, which is vectorised, is
+    // enough; for other groups the second loop replaces its results.
     constexpr std::size_t kGroup = 16;
     std::size_t i = 0;
     for (; i + kGroup <= count; i += kGroup) {
-      std::uint32_t different = 0;
-      for (std::size_t k = 0; k < kGroup; ++k) different |= material[i + k] ^ material[i];
+      std::uint32_t differences = 0;  // bits in which a material's index differs from the first row's
+      for (std::size_t k = 0; k < kGroup; ++k) differences |= material[i + k] ^ material[i];
       std::array<float, kGroup> group;
       const Lobes lobe = lobesOfRow(i);
       for (std::size_t k = 0; k < kGroup; ++k) group[k] = reflected(lobe, incidence[i + k], reflectance[i + k]);
-      for (std::size_t k = 0; k < kGroup && different != 0; ++k) {
+      for (std::size_t k = 0; k < kGroup && differences != 0; ++k) {
         group[k] = reflected(lobesOfRow(i + k), incidence[i + k], reflectance[i + k]);
       }
       std::copy_n(group.begin(), kGroup, power + i);
@@ -324,59 +337,59 @@ class Intensity : public Effect {
     }
   }
 
-  // Returns the values without the part that the floor takes from the power; the result is in `changed`.
-  const float* aboveFloor(const float* value, const float* power, std::size_t count, float* changed) const {
+  // Sets `result` to the values times the fraction of their power that is above the floor. `result` may be `value`.
+  void subtractFloor(const float* value, const float* power, std::size_t count, float* result) const {
     for (std::size_t i = 0; i < count; ++i) {
-      const float part = 1 - o_.floor / (power[i] > o_.floor ? power[i] : o_.floor);
-      changed[i] = value[i] * part;
+      result[i] = value[i] * (1 - o_.floor / (power[i] > o_.floor ? power[i] : o_.floor));
     }
-    return changed;
   }
 
-  // Sets the intensities of values above 0, before noise and rounding.
+  // Sets the intensities of values (power or reflectivity), before noise and rounding, by one of three responses: a
+  // table, the scale of calibrated reflectivity, or gain, saturation and gamma.
   void respond(const float* value, std::size_t count, float* intensity) const {
     if (!o_.table.empty()) return respondByTable(value, count, intensity);
     if (o_.retroFullScale > 0) return respondCalibrated(value, count, intensity);
-    const float unit = o_.bytes ? 1 / o_.saturation : 1.0f;
+    const float scale = o_.bytes ? 1 / o_.saturation : 1.0f;
     for (std::size_t i = 0; i < count; ++i) {
       const float amplified = o_.gain * value[i];
-      intensity[i] = (amplified < o_.saturation ? amplified : o_.saturation) * unit;
+      intensity[i] = (amplified < o_.saturation ? amplified : o_.saturation) * scale;
     }
     if (o_.gamma != 1) {
       for (std::size_t i = 0; i < count; ++i) {
         const double base = intensity[i] > FLT_MIN ? intensity[i] : FLT_MIN;
-        double number = exponential(o_.gamma * naturalLog(base));
-        number = number < FLT_MAX ? number : FLT_MAX;
-        intensity[i] = intensity[i] > FLT_MIN ? static_cast<float>(number) : 0.0f;
+        double power = exponential(o_.gamma * naturalLog(base));
+        power = power < FLT_MAX ? power : FLT_MAX;
+        intensity[i] = intensity[i] > FLT_MIN ? static_cast<float>(power) : 0.0f;
       }
     }
     for (std::size_t i = 0; i < count && o_.bytes; ++i) intensity[i] *= 255;
   }
 
+  // Sets bytes of calibrated reflectivity: 0 to 100 for diffuse surfaces, 100 to 255 for retroreflectors.
   void respondCalibrated(const float* value, std::size_t count, float* intensity) const {
-    const double steps = 155 / naturalLog(o_.retroFullScale);
+    const double stepsPerLog = 155 / naturalLog(o_.retroFullScale);
     for (std::size_t i = 0; i < count; ++i) {
       const double amplified = o_.gain * value[i];
       const double diffuse = amplified < 1 ? amplified : 1.0;
-      const double retro = amplified > 1 ? naturalLog(amplified) : 0.0;
-      intensity[i] = static_cast<float>(100 * diffuse + steps * retro);
+      const double logOfRetro = amplified > 1 ? naturalLog(amplified) : 0.0;
+      intensity[i] = static_cast<float>(100 * diffuse + stepsPerLog * logOfRetro);
     }
   }
 
+  // The interpolated intensity is the first row's plus the rises between the rows below the value, without a search.
   void respondByTable(const float* value, std::size_t count, float* intensity) const {
     for (std::size_t i = 0; i < count; ++i) {
-      const double base = value[i] > FLT_MIN ? value[i] : FLT_MIN;
-      const double at = naturalLog(base);
-      double number = o_.table.front().second;
+      const double logarithm = naturalLog(value[i] > FLT_MIN ? value[i] : FLT_MIN);
+      double sum = o_.table.front().second;
       for (std::size_t k = 1; k < o_.table.size(); ++k) {
-        const auto& [low, before] = o_.table[k - 1];
-        const auto& [high, after] = o_.table[k];
-        double part = (at - low) / (high - low);
-        part = part > 0 ? part : 0;
-        part = part < 1 ? part : 1;
-        number += part * (after - before);
+        const auto& [low, intensityAtLow] = o_.table[k - 1];
+        const auto& [high, intensityAtHigh] = o_.table[k];
+        double fraction = (logarithm - low) / (high - low);
+        fraction = fraction > 0 ? fraction : 0;
+        fraction = fraction < 1 ? fraction : 1;
+        sum += fraction * (intensityAtHigh - intensityAtLow);
       }
-      intensity[i] = value[i] > FLT_MIN ? static_cast<float>(number) : 0.0f;
+      intensity[i] = value[i] > FLT_MIN ? static_cast<float>(sum) : 0.0f;
     }
   }
 
@@ -407,24 +420,24 @@ class Intensity : public Effect {
   IntensityOptions o_;
 };
 
-// Reads the rows of `table`: the logarithm of each value, and its intensity.
+// Returns the rows of the option `table`: the natural logarithm of each value, ascending, and its intensity.
 std::vector<std::pair<double, double>> readResponse(const Value& table, double fullScale) {
-  const std::string what = "effect intensity: table";
+  const std::string option = "effect intensity: table";
   if (table.kind != Value::Kind::Sequence || table.items.size() < 2) {
-    throw InputError(table.where, what + " must be a list of at least two pairs [value, intensity]");
+    throw InputError(table.where, option + " must be a list of at least two pairs [value, intensity]");
   }
   std::vector<std::pair<double, double>> rows;
   for (const Value& item : table.items) {
-    const std::vector<double> pair = readNumbers(item, what, {0, 1e30});
-    if (pair.size() != 2) throw InputError(item.where, what + ": each row is [value, intensity]");
-    const double at = naturalLog(std::max(pair[0], 1e-30));
-    if (pair[0] < 1e-30 || (!rows.empty() && at <= rows.back().first)) {
-      throw InputError(item.where, what + ": values must be above 0 and rise from row to row");
+    const std::vector<double> pair = readNumbers(item, option, {0, 1e30});
+    if (pair.size() != 2) throw InputError(item.where, option + ": each row is [value, intensity]");
+    const double logarithm = naturalLog(std::max(pair[0], 1e-30));
+    if (pair[0] < 1e-30 || (!rows.empty() && logarithm <= rows.back().first)) {
+      throw InputError(item.where, option + ": values must be above 0 and rise from row to row");
     }
     if (pair[1] > fullScale) {
-      throw InputError(item.where, what + ": with `output: u8` intensities are at most 255");
+      throw InputError(item.where, option + ": with `output: u8` intensities are at most 255");
     }
-    rows.emplace_back(at, pair[1]);
+    rows.emplace_back(logarithm, pair[1]);
   }
   return rows;
 }

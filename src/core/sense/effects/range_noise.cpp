@@ -22,11 +22,10 @@
 namespace scanmill {
 namespace {
 
-// Noise makes no range smaller than kLeastRange (m), or than the exact range if the exact range is below it.
-constexpr double kLeastRange = 0.001;      // m, least range that noise gives
+constexpr double kLeastRange = 0.001;      // m; noise makes no range smaller than this, or than a smaller exact range
 constexpr double kWidthOverSigma = 2.355;  // full width at half maximum of a Gaussian, in standard deviations
 
-// Sigma rises by `slope` per metre, from `start` (m) on, for at most `length` (m).
+// A part of the table: from the range `start` (m) on, for `length` (m), sigma rises by `slope` per metre of range.
 struct Ramp {
   double start, length, slope;
 };
@@ -40,7 +39,8 @@ struct Sigma {
   bool zero() const { return base == 0 && growth == 0 && ramps.empty() && overSnr == 0; }
 };
 
-Sigma readTable(const Value& table) {
+// Reads the option `table`, a list of [range, sigma].
+Sigma readSigmaTable(const Value& table) {
   const char* what = "effect range_noise: table";
   if (table.kind != Value::Kind::Sequence || table.items.empty()) {
     throw InputError(table.where, std::string(what) + " must be a list of [range, sigma] pairs in metres");
@@ -50,14 +50,13 @@ Sigma readTable(const Value& table) {
   for (const Value& row : table.items) {
     const std::vector<double> pair = readNumbers(row, what, {0, 1e5});
     if (pair.size() != 2) throw InputError(row.where, std::string(what) + ": each row is [range, sigma] in metres");
-    const bool first = &row == &table.items.front();
-    if (first) {
+    const double length = pair[0] - lastRange;
+    if (&row == &table.items.front()) {
       sigma.base = pair[1];
-    } else if (pair[0] <= lastRange) {
+    } else if (length <= 0) {
       throw InputError(row.where, std::string(what) + ": ranges must rise from row to row");
     } else if (pair[1] != lastSigma) {
-      const double length = pair[0] - lastRange;
-      sigma.ramps.push_back({lastRange, length, (pair[1] - lastSigma) / length});
+      sigma.ramps.push_back({.start = lastRange, .length = length, .slope = (pair[1] - lastSigma) / length});
     }
     lastRange = pair[0];
     lastSigma = pair[1];
@@ -77,6 +76,7 @@ class RangeNoise : public Effect {
   }
 
  private:
+  // Adds the noise to the ranges.
   SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
     if (sigma_.zero()) return;
     RandomWords words;
@@ -104,14 +104,16 @@ class RangeNoise : public Effect {
     });
   }
 
+  // Adds the part of the noise that grows for faint echoes to `sigma`, the standard deviations (m) of rows first, first
+  // + 1, ...
   void addNoiseOfFaintEchoes(const Shot& shot, const Returns& returns, std::size_t first, std::size_t count,
                              Batch<double>& sigma) const {
     if (returns.snr.size() != returns.size()) {
       throw InputError("effect range_noise: over_snr_m needs the effect `detection` with the key `noise`");
     }
-    const double pulse = pulseLength(shot.beams->pulse) / kWidthOverSigma;
+    const double pulseSigma = pulseLength(shot.beams->pulse) / kWidthOverSigma;  // m
     for (std::size_t i = 0; i < count; ++i) {
-      const double spread = returns.spread.empty() ? 0 : returns.spread[first + i] / pulse;
+      const double spread = returns.spread.empty() ? 0 : returns.spread[first + i] / pulseSigma;
       const double snr = returns.snr[first + i] > 1e-3 ? returns.snr[first + i] : 1e-3;
       const double sigmaOfSnr = sigma_.overSnr / snr;
       sigma[i] = std::sqrt(sigma[i] * sigma[i] + sigmaOfSnr * sigmaOfSnr * (1 + spread * spread));
@@ -133,7 +135,7 @@ std::unique_ptr<Effect> makeRangeNoise(Fields& options) {
           "effect range_noise: give either a table or sigma_m and sigma_per_m (beside `sensor`, `table: null` "
           "leaves out the sensor's own table)");
     }
-    sigma = readTable(*table);
+    sigma = readSigmaTable(*table);
   }
   sigma.base += options.number("sigma_m", {0, 100}, 0);
   sigma.growth = options.number("sigma_per_m", {0, 1}, 0);

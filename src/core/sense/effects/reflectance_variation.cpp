@@ -43,12 +43,14 @@ class ReflectanceVariation : public Effect {
     const std::vector<Variation> none;
     for (const Material& m : materials) variationsOf.push_back(&m.variations);
     variationsOf.push_back(&none);
+    // Values of the rows of a batch. `area`: m^2, illuminated by the beam. `size`: m and then cubes per metre,
+    // `contrast`: of one variation. `exponent`: natural logarithm of the factor on the reflectance.
     Positions positions;
     Batch<const std::vector<Variation>*> variations;
     Batch<double> area, size, contrast, exponent;
     for (std::size_t first = 0; first < returns.size(); first += kBatch) {
       const std::size_t count = std::min(kBatch, returns.size() - first);
-      std::size_t most = 0;
+      std::size_t mostVariations = 0;  // of any row of the batch
       for (std::size_t i = 0; i < kBatch; ++i) {
         variations[i] = &none;
         area[i] = 0;
@@ -56,12 +58,12 @@ class ReflectanceVariation : public Effect {
         const std::uint32_t hit = returns.hit(first + i);
         variations[i] = variationsOf[std::min<std::size_t>(hits.material[hit], materials.size())];
         area[i] = beamArea(*shot.beams, double{hits.range[hit]});
-        most = std::max(most, variations[i]->size());
+        mostVariations = std::max(mostVariations, variations[i]->size());
       }
-      if (most == 0) continue;
-      positionsOfHits.find(first, positions);
+      if (mostVariations == 0) continue;
+      positionsOfHits.compute(first, positions);
       exponent.fill(0);
-      for (std::size_t k = 0; k < most; ++k) {
+      for (std::size_t k = 0; k < mostVariations; ++k) {
         for (std::size_t i = 0; i < kBatch; ++i) {
           const Variation variation = k < variations[i]->size() ? (*variations[i])[k] : Variation{};
           size[i] = double{variation.size};

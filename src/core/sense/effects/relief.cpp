@@ -29,15 +29,15 @@ namespace {
 
 constexpr double kSearchDeviations = 2.5;  // height at which the search begins, in standard deviations of the height;
                                            // only 0.6 % of heights are higher
-constexpr double kLeastCosine = 0.05;
-constexpr double kStepFraction = 0.75;  // length of a step, as a fraction of the smallest Relief::size
+constexpr double kLeastCosine = 0.05;      // of the angle of incidence, as which more grazing beams are treated
+constexpr double kStepFraction = 0.75;     // length of a step, as a fraction of the smallest Relief::size
 constexpr int kMostSteps = 24;
 
 // A beam that hits a rough surface.
 struct RoughHit {
   std::size_t row = 0;
-  Vec3d point, along;  // hit on the mesh (m) and direction of the beam (unit vector), in world
-                       // axes
+  Vec3d point;      // m, world: hit on the mesh
+  Vec3d direction;  // unit vector, world axes: of the beam
   // Standard deviation of the height after averaging over the beam's footprint (m), for each entry of the relief.
   std::array<double, kMostReliefs> height{};
   std::array<double, kMostReliefs> cubesPerMetre{};  // cubes per metre, by entry of the relief
@@ -69,6 +69,7 @@ class March {
   }
 
  private:
+  // Gives the next beam to a slot, at the start of its search, or no beam if all beams have had a slot.
   void startNext(std::size_t slot) {
     if (next_ == hits_.size()) {
       hit_[slot] = nullptr;
@@ -87,39 +88,40 @@ class March {
     moveTo(slot, -hit.reach);
   }
 
-  // Moves the slot's position along its beam to `at` (m, counted from the mesh).
-  void moveTo(std::size_t slot, double at) {
+  // Moves the slot's position along its beam to `distance` (m, counted from the mesh).
+  void moveTo(std::size_t slot, double distance) {
     const RoughHit& hit = *hit_[slot];
-    at_[slot] = at;
-    positions_.x[slot] = hit.point.x + at * hit.along.x;
-    positions_.y[slot] = hit.point.y + at * hit.along.y;
-    positions_.z[slot] = hit.point.z + at * hit.along.z;
+    distance_[slot] = distance;
+    positions_.set(slot, hit.point + hit.direction * distance);
   }
 
+  // Continues a slot's search. `height`: height (m) of the height field at the slot's position.
   void advance(std::size_t slot, double height) {
     const RoughHit& hit = *hit_[slot];
-    const double at = at_[slot];
-    const double heightOver = -at * hit.cosine - height;
+    const double distance = distance_[slot];
+    const double clearance = -distance * hit.cosine - height;  // m, height of the beam over the height field
     if (below_[slot] < 0) {  // after the first interpolation: interpolate again, between this position and the step
                              // on the other side of the height field
-      const double first = step_[slot] * hit.step - hit.reach;
-      finish(slot, heightOver > 0 ? at + (first + hit.step - at) * heightOver / (heightOver - below_[slot])
-                                  : first + (at - first) * above_[slot] / (above_[slot] - heightOver));
-    } else if (heightOver > 0 && step_[slot] < hit.steps) {
-      above_[slot] = heightOver;
+      const double stepAbove = step_[slot] * hit.step - hit.reach;
+      finish(slot, clearance > 0 ? distance + (stepAbove + hit.step - distance) * clearance / (clearance - below_[slot])
+                                 : stepAbove + (distance - stepAbove) * above_[slot] / (above_[slot] - clearance));
+    } else if (clearance > 0 && step_[slot] < hit.steps) {  // above the height field: take the next step
+      above_[slot] = clearance;
       moveTo(slot, ++step_[slot] * hit.step - hit.reach);
-    } else if (step_[slot] == 0 || heightOver >= 0) {
-      finish(slot, at);
-    } else {
-      below_[slot] = heightOver;
-      const double first = --step_[slot] * hit.step - hit.reach;
-      moveTo(slot, first + hit.step * above_[slot] / (above_[slot] - heightOver));
+    } else if (step_[slot] == 0 || clearance >= 0) {  // below it from the start on, or above it up to the end
+      finish(slot, distance);
+    } else {  // the first step below it: interpolate between this and the previous step
+      below_[slot] = clearance;
+      const double stepAbove = --step_[slot] * hit.step - hit.reach;
+      moveTo(slot, stepAbove + hit.step * above_[slot] / (above_[slot] - clearance));
     }
   }
 
-  void finish(std::size_t slot, double at) {
+  // Ends a slot's search with a hit at `distance` (m along the beam, from the mesh) and starts the next one. The range
+  // becomes at least half of what it was.
+  void finish(std::size_t slot, double distance) {
     float& range = returns_.range[hit_[slot]->row];
-    range = std::max(range / 2, range + static_cast<float>(at));
+    range = std::max(range / 2, range + static_cast<float>(distance));
     --running_;
     startNext(slot);
   }
@@ -127,14 +129,17 @@ class March {
   std::span<SpatialField> fields_;  // by entry of the relief
   std::span<const RoughHit> hits_;
   Returns& returns_;
-  std::size_t next_ = 0, running_ = 0, levels_ = 0;
-  Batch<const RoughHit*> hit_{};
-  Batch<int> step_{};      // the current step; after below_ is set, the last step above the height field
-  Batch<double> at_{};     // m, current position along the beam, counted from the mesh
-  Batch<double> above_{};  // m, height of the beam over the height field at the last step above it
-  Batch<double> below_{};  // m, height (negative) at the first step below the height field; 0: not found yet
-  Positions positions_{};
-  std::array<Batch<double>, kMostReliefs> height_{}, cubesPerMetre_{};
+  std::size_t next_ = 0;     // index in hits_ of the next beam
+  std::size_t running_ = 0;  // number of slots with a beam
+  std::size_t levels_ = 0;   // largest number of entries of a relief so far
+  // The state of each slot.
+  Batch<const RoughHit*> hit_{};  // null: no beam
+  Batch<int> step_{};             // the current step; after below_ is set, the last step above the height field
+  Batch<double> distance_{};      // m, current position along the beam, counted from the mesh
+  Batch<double> above_{};         // m, height of the beam over the height field at the last step above it
+  Batch<double> below_{};         // m, height (negative) at the first step below the height field; 0: not found yet
+  Positions positions_{};         // m, world
+  std::array<Batch<double>, kMostReliefs> height_{}, cubesPerMetre_{};  // by entry of the relief, see RoughHit
 };
 
 class ReliefEffect : public Effect {
@@ -144,26 +149,26 @@ class ReliefEffect : public Effect {
   Channels reads() const override { return Channel::Range | Channel::Incidence | Channel::Material; }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
-    constexpr std::size_t kTogether = 64 * kBatch;  // largest number of rows whose beams one March follows
+    constexpr std::size_t kRowsOfMarch = 64 * kBatch;  // largest number of rows whose beams one March follows
     const PositionsOfHits positionsOfHits(hits, shot, returns);
     std::vector<SpatialField> fields;
     for (std::uint32_t k = 0; k < kMostReliefs; ++k) fields.emplace_back(shot.seed, Purpose::Relief, k);
     Positions positions;
-    Positions along;
+    Positions directions;
     std::vector<RoughHit> rough;
-    for (std::size_t start = 0; start < returns.size(); start += kTogether) {
+    for (std::size_t start = 0; start < returns.size(); start += kRowsOfMarch) {
       rough.clear();
-      for (std::size_t first = start; first < std::min(start + kTogether, returns.size()); first += kBatch) {
+      for (std::size_t first = start; first < std::min(start + kRowsOfMarch, returns.size()); first += kBatch) {
         const std::size_t before = rough.size();
         const std::size_t count = std::min(kBatch, returns.size() - first);
-        for (std::size_t row = first; row < first + count; ++row)
+        for (std::size_t row = first; row < first + count; ++row) {
           addIfRough(hits, shot, materials, returns, row, rough);
+        }
         if (rough.size() == before) continue;
-        positionsOfHits.find(first, positions, &along);
+        positionsOfHits.compute(first, positions, &directions);
         for (std::size_t k = before; k < rough.size(); ++k) {
-          const std::size_t i = rough[k].row - first;
-          rough[k].point = {positions.x[i], positions.y[i], positions.z[i]};
-          rough[k].along = {along.x[i], along.y[i], along.z[i]};
+          rough[k].point = positions.at(rough[k].row - first);
+          rough[k].direction = directions.at(rough[k].row - first);
         }
       }
       March(fields, rough, returns).run();
@@ -171,7 +176,8 @@ class ReliefEffect : public Effect {
   }
 
  private:
-  // Appends a RoughHit for the row if the row's hit has a material with a relief. The caller sets `point` and `along`.
+  // Appends a RoughHit for the row if the row's hit has a material with a relief. The caller sets `point` and
+  // `direction`.
   void addIfRough(const Hits& hits, const Shot& shot, std::span<const Material> materials, const Returns& returns,
                   std::size_t row, std::vector<RoughHit>& rough) const {
     if (!returns.returned(row) || returns.hit(row) == kNoHit) return;

@@ -9,6 +9,7 @@
 // from the pipeline's seed; the gain is then exp(gain_sigma * number). Each of the three errors is given either by its
 // sigma or as a list. A reported range is at least 1 mm, or the range before this effect if that is less.
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/instruction_sets.h"
@@ -22,12 +23,13 @@ constexpr double kNearestRange = 0.001;  // m, least range that is reported
 
 // One kind of error: either a list with a value per ring, or the standard deviation for sampling values.
 struct PerRing {
-  double sigma = 0;
-  std::vector<double> list;
-  Location where;
+  double sigma = 0;          // standard deviation; used if `list` is empty
+  std::vector<double> list;  // by ring
+  Location where;            // of the list
 
   bool zero() const { return sigma == 0 && list.empty(); }
-  double of(std::uint32_t ring, double normal) const { return list.empty() ? sigma * normal : list[ring]; }
+  // Returns the error of a ring. `normal`: a standard normal random number.
+  double errorOf(std::uint32_t ring, double normal) const { return list.empty() ? sigma * normal : list[ring]; }
 };
 
 class RingBias : public Effect {
@@ -50,23 +52,25 @@ class RingBias : public Effect {
     check(*shot.beams);
     if (!gain_.zero()) returns.gain.resize(returns.size(), 1.0f);
     if (!elevation_.zero()) returns.displacement.resize(returns.size());
+    const std::uint32_t columns = shot.beams->columns;
     std::vector<Errors> errors;
     for (std::uint32_t ring = 0; ring < shot.beams->rings; ++ring) errors.push_back(errorsOf(shot, ring));
     for (std::size_t row = 0; row < returns.size();) {
-      const std::uint32_t ring = returns.beam(row) / shot.beams->columns;
-      const std::uint32_t first = ring * shot.beams->columns;
-      std::size_t end = returns.onePerBeam() ? row + shot.beams->columns : row + 1;
-      while (end < returns.size() && returns.beam(end) - first < shot.beams->columns) ++end;
+      const std::uint32_t ring = returns.beam(row) / columns;
+      const std::uint32_t firstBeam = ring * columns;
+      std::size_t end = returns.onePerBeam() ? row + columns : row + 1;  // end of consecutive rows of the same ring
+      while (end < returns.size() && returns.beam(end) - firstBeam < columns) ++end;
       change(errors[ring], shot, row, end - row, returns);
       row = end;
     }
   }
 
  private:
+  // The errors of one ring.
   struct Errors {
     double range = 0;  // m, added to the range
     SinCos elevation{0, 1};
-    double gain = 1;
+    double gain = 1;  // factor on the power
   };
 
   Errors errorsOf(const Shot& shot, std::uint32_t ring) const {
@@ -75,8 +79,8 @@ class RingBias : public Effect {
     const NormalPair first = normalPair(words[0], words[1]);
     const NormalPair second = normalPair(words[2], words[3]);
     Errors errors;
-    errors.range = range_.of(ring, first.first);
-    errors.elevation = sinCosSmall(radians(elevation_.of(ring, first.second)));
+    errors.range = range_.errorOf(ring, first.first);
+    errors.elevation = sinCosSmall(radians(elevation_.errorOf(ring, first.second)));
     if (!gain_.zero()) errors.gain = gain_.list.empty() ? exponential(gain_.sigma * second.first) : gain_.list[ring];
     return errors;
   }
@@ -113,16 +117,17 @@ class RingBias : public Effect {
   PerRing gain_;
 };
 
-PerRing readPerRing(Fields& options, const char* spread, Range spreads, const char* list, Range values) {
+// Reads one kind of error from either of two keys, within the limits of each.
+PerRing readPerRing(Fields& options, const char* sigmaKey, Range sigmaLimits, const char* listKey, Range valueLimits) {
   PerRing errors;
-  if (const Value* given = options.find(list)) {
-    if (options.has(spread)) {
-      throw InputError(given->where, std::string("effect ring_bias: give either ") + list + " or " + spread);
+  if (const Value* list = options.find(listKey)) {
+    if (options.has(sigmaKey)) {
+      throw InputError(list->where, std::string("effect ring_bias: give either ") + listKey + " or " + sigmaKey);
     }
-    errors.list = readNumbers(*given, std::string("effect ring_bias: ") + list, values);
-    errors.where = given->where;
+    errors.list = readNumbers(*list, std::string("effect ring_bias: ") + listKey, valueLimits);
+    errors.where = list->where;
   }
-  errors.sigma = options.number(spread, spreads, 0);
+  errors.sigma = options.number(sigmaKey, sigmaLimits, 0);
   return errors;
 }
 
@@ -133,11 +138,9 @@ std::unique_ptr<Effect> makeRingBias(Fields& options) {
   PerRing elevation = readPerRing(options, "elevation_sigma_deg", {0, 2}, "elevation_deg", {-10, 10});
   PerRing gain = readPerRing(options, "gain_sigma", {0, 3}, "gain", {0, 1000});
   options.finish();  // reports unknown keys first, since an unknown key may be a misspelt required key
-  bool given = false;
-  for (const char* key : {"range_sigma_m", "elevation_sigma_deg", "gain_sigma", "range_m", "elevation_deg", "gain"}) {
-    given |= options.has(key);
-  }
-  if (!given)
+  constexpr const char* kKeys[] = {"range_sigma_m", "elevation_sigma_deg", "gain_sigma",
+                                   "range_m",       "elevation_deg",       "gain"};
+  if (std::ranges::none_of(kKeys, [&](const char* key) { return options.has(key); }))
     throw InputError(options.where(), "effect ring_bias: give a spread or a list of range, elevation or gain");
   return std::make_unique<RingBias>(std::move(range), std::move(elevation), std::move(gain));
 }

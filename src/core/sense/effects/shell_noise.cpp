@@ -32,14 +32,14 @@ class ShellNoise : public Effect {
       drawWords(shot, Purpose::ShellNoise, returns, first, words);
       for (std::size_t i = 0; i < count; ++i) {
         const double r = range[i] < kMiss ? range[i] : 0.0;
-        const double wanted = scale_ + growth_ * r;
-        const double scale = wanted < 0.5 * r ? wanted : 0.5 * r;
+        const double unlimitedScale = scale_ + growth_ * r;
+        const double scale = unlimitedScale < 0.5 * r ? unlimitedScale : 0.5 * r;
         // Zones of a sphere with equal heights have equal areas (Archimedes), so z is uniformly distributed.
         const double z = (toDouble(words.a[i]) + 0.5) * 0x1p-31 - 1;
-        const double level = std::sqrt(1 - z * z);
+        const double horizontal = std::sqrt(1 - z * z);
         const SinCos angle = sinCosRandom(words.b[i]);
-        displacement[i].x += static_cast<float>(scale * level * angle.cos);
-        displacement[i].y += static_cast<float>(scale * level * angle.sin);
+        displacement[i].x += static_cast<float>(scale * horizontal * angle.cos);
+        displacement[i].y += static_cast<float>(scale * horizontal * angle.sin);
         displacement[i].z += static_cast<float>(scale * z);
       }
     });

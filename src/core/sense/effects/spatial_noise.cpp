@@ -10,20 +10,23 @@ namespace scanmill {
 
 namespace {
 
-// A coordinate from -2^51 to 2^51, as a position between two neighbouring corners of the lattice.
-struct Cell {
+// The position of a coordinate between two neighbouring corners of the lattice.
+struct LatticePosition {
   std::uint32_t corner;  // index of the lower corner, modulo 2^32
-  double lower;          // weight of the lower corner
-  double upper;
+  double lowerWeight;
+  double upperWeight;
 };
 
-Cell cellOf(double at) {
-  const double shifted = at + 0x1.8p52;  // rounds to the nearest integer, which is in the last bits
-  const double offset = at - (shifted - 0x1.8p52);
-  const bool below = offset < 0;
-  const double t = below ? offset + 1 : offset;
+// Returns the lattice position of a coordinate from -2^51 to 2^51, in cubes. Uses no std::floor(), so that loops are
+// vectorised: the sum with 1.5 * 2^52 has the integer nearest to the coordinate in its last bits.
+LatticePosition latticePosition(double coordinate) {
+  const double shifted = coordinate + 0x1.8p52;
+  const double offset = coordinate - (shifted - 0x1.8p52);  // from the nearest integer, -0.5 to 0.5
+  const bool roundedUp = offset < 0;
+  const double t = roundedUp ? offset + 1 : offset;  // from the lower corner, 0 to 1
   const double upper = t * t * t * (t * (t * 6 - 15) + 10);
-  return {static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(shifted)) - (below ? 1u : 0u), 1 - upper, upper};
+  const auto nearest = static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(shifted));
+  return {.corner = nearest - (roundedUp ? 1u : 0u), .lowerWeight = 1 - upper, .upperWeight = upper};
 }
 
 // Returns philox4x32(counter, key). Each word is in the lower half of 64 bits: with AVX-512, GCC vectorises these
@@ -55,28 +58,19 @@ PositionsOfHits::PositionsOfHits(const Hits& hits, const Shot& shot, const Retur
   for (std::uint32_t column = 0; column < shot.beams->columns; ++column) stepOf_.push_back(shot.stepOf(column));
 }
 
-void PositionsOfHits::find(std::size_t first, Positions& positions, Positions* along) const {
+void PositionsOfHits::compute(std::size_t first, Positions& positions, Positions* directions) const {
   const BeamTable& beams = *shot_.beams;
-  const std::size_t count = std::min(kBatch, returns_.size() - first);
   for (std::size_t i = 0; i < kBatch; ++i) {
-    Vec3d position, direction;
+    positions.set(i, {});
+    if (directions != nullptr) directions->set(i, {});
     const std::size_t row = first + i;
-    if (i < count && returns_.returned(row) && returns_.hit(row) != kNoHit) {
-      const std::uint32_t beam = returns_.beam(row);
-      const std::size_t step = rotation_.size() == 1 ? 0 : stepOf_[beam % beams.columns];
-      Vec3d local = beams.direction[beam] * double{hits_.range[returns_.hit(row)]};
-      if (!beams.origin.empty()) local += Vec3d(beams.origin[beam]);
-      position = shot_.worldFromSensor[step].translation + rotation_[step] * local;
-      if (along != nullptr) direction = rotation_[step] * beams.direction[beam];
-    }
-    if (along != nullptr) {
-      along->x[i] = direction.x;
-      along->y[i] = direction.y;
-      along->z[i] = direction.z;
-    }
-    positions.x[i] = position.x;
-    positions.y[i] = position.y;
-    positions.z[i] = position.z;
+    if (row >= returns_.size() || !returns_.returned(row) || returns_.hit(row) == kNoHit) continue;
+    const std::uint32_t beam = returns_.beam(row);
+    const std::size_t step = rotation_.size() == 1 ? 0 : stepOf_[beam % beams.columns];
+    Vec3d inSensor = beams.direction[beam] * double{hits_.range[returns_.hit(row)]};
+    if (!beams.origin.empty()) inSensor += Vec3d(beams.origin[beam]);
+    positions.set(i, shot_.worldFromSensor[step].translation + rotation_[step] * inSensor);
+    if (directions != nullptr) directions->set(i, rotation_[step] * beams.direction[beam]);
   }
 }
 
@@ -93,18 +87,19 @@ SpatialField::SpatialField(std::uint64_t seed, Purpose purpose, std::uint32_t nu
 
 SCANMILL_BEST_INSTRUCTIONS void SpatialField::computeCorners(const CubeIndices& cubes, std::size_t count) {
   for (std::uint32_t corner = 0; corner < 8; ++corner) {
-    const std::uint32_t right = corner & 1;
-    const std::uint32_t far = (corner >> 1) & 1;
-    const std::uint32_t above = corner >> 2;
+    const std::uint32_t dx = corner & 1;
+    const std::uint32_t dy = (corner >> 1) & 1;
+    const std::uint32_t dz = corner >> 2;
     for (std::size_t i = 0; i < count; ++i) {
       numbers_[kEntries + i][corner] =
-          standard(widePhilox({cubes.x[i] + right, cubes.y[i] + far, cubes.z[i] + above, tag_}, key_));
+          standard(widePhilox({cubes.x[i] + dx, cubes.y[i] + dy, cubes.z[i] + dz, tag_}, key_));
     }
   }
 }
 
 void SpatialField::lookUp(const CubeIndices& cubes, CornerNumbers& numbers) {
-  Batch<std::uint32_t> entryOf;
+  Batch<std::uint32_t> entryOf;    // by row of the batch: index in entries_
+  Batch<std::uint32_t> numbersOf;  // by row of the batch: index in numbers_
   for (std::size_t i = 0; i < kBatch; ++i) entryOf[i] = (cubes.x[i] + 32 * cubes.y[i] + 5 * cubes.z[i]) % kEntries;
   // The numbers of new cubes are first stored behind those of all entries, because rows of this batch may still need
   // the numbers that they replace.
@@ -123,11 +118,11 @@ void SpatialField::lookUp(const CubeIndices& cubes, CornerNumbers& numbers) {
       added.z[count] = z;
       entryOfAdded[count++] = entryOf[i];
     }
-    entryOf[i] = entry.row;
+    numbersOf[i] = entry.row;
   }
   computeCorners(added, count);
   for (std::size_t i = 0; i < kBatch; ++i) {
-    for (std::size_t corner = 0; corner < 8; ++corner) numbers[corner][i] = numbers_[entryOf[i]][corner];
+    for (std::size_t corner = 0; corner < 8; ++corner) numbers[corner][i] = numbers_[numbersOf[i]][corner];
   }
   for (std::size_t i = 0; i < count; ++i) {
     numbers_[entryOfAdded[i]] = numbers_[kEntries + i];
@@ -141,15 +136,11 @@ SCANMILL_BEST_INSTRUCTIONS void SpatialField::add(const Positions& positions, co
   Positions lower;  // weights of the corners at the lower end of each axis
   Positions upper;
   for (std::size_t i = 0; i < kBatch; ++i) {
-    const Cell x = cellOf(positions.x[i] * cubesPerMetre[i]);
-    const Cell y = cellOf(positions.y[i] * cubesPerMetre[i]);
-    const Cell z = cellOf(positions.z[i] * cubesPerMetre[i]);
-    lower.x[i] = x.lower;
-    lower.y[i] = y.lower;
-    lower.z[i] = z.lower;
-    upper.x[i] = x.upper;
-    upper.y[i] = y.upper;
-    upper.z[i] = z.upper;
+    const LatticePosition x = latticePosition(positions.x[i] * cubesPerMetre[i]);
+    const LatticePosition y = latticePosition(positions.y[i] * cubesPerMetre[i]);
+    const LatticePosition z = latticePosition(positions.z[i] * cubesPerMetre[i]);
+    lower.set(i, {x.lowerWeight, y.lowerWeight, z.lowerWeight});
+    upper.set(i, {x.upperWeight, y.upperWeight, z.upperWeight});
     cubes.x[i] = x.corner;
     cubes.y[i] = y.corner;
     cubes.z[i] = z.corner;

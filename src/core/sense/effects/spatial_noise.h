@@ -14,9 +14,12 @@
 
 namespace scanmill {
 
-// The world positions of a batch of rows (m).
+// A position (m, world) or a direction for each row of a batch.
 struct Positions {
   Batch<double> x, y, z;
+
+  Vec3d at(std::size_t row) const { return {x[row], y[row], z[row]}; }
+  void set(std::size_t row, const Vec3d& p) { x[row] = p.x, y[row] = p.y, z[row] = p.z; }
 };
 
 // Computes the noise-free positions of rows' hits, along their beams. A mirror image is placed where the sensor assumes
@@ -24,9 +27,9 @@ struct Positions {
 class PositionsOfHits {
  public:
   PositionsOfHits(const Hits& hits, const Shot& shot, const Returns& returns);
-  // Computes the positions of rows first, first + 1, ... `along`, if not null, gets the directions of the beams (unit
-  // vectors in the world frame). A row that was removed or has no hit gets zero for both.
-  void find(std::size_t first, Positions& positions, Positions* along = nullptr) const;
+  // Computes the positions of rows first, first + 1, ... of a batch. `directions`, if not null, gets the directions of
+  // the beams (unit vectors in the world frame). A row that was removed or has no hit gets zero for both.
+  void compute(std::size_t first, Positions& positions, Positions* directions = nullptr) const;
 
  private:
   const Hits& hits_;
@@ -72,8 +75,8 @@ class SpatialField {
   // Sets `numbers` to the numbers at the corners of each row's cube, and adds cubes that the table lacks.
   void lookUp(const CubeIndices& cubes, CornerNumbers& numbers);
 
-  std::uint32_t tag_;
-  std::array<std::uint32_t, 2> key_;
+  std::uint32_t tag_;                 // number and purpose of the field
+  std::array<std::uint32_t, 2> key_;  // the seed
   std::vector<Entry> entries_;
   std::vector<std::array<double, 8>> numbers_;  // by corner; corner 1 is the next along x, 2 along y, 4 along z
 };

@@ -34,10 +34,10 @@ class Speckle : public Effect {
     Batch<double> product;
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       product.fill(1.0);
-      for (int drawn = 0; drawn < looks_; drawn += 4) {
-        const auto purpose = static_cast<Purpose>(static_cast<int>(Purpose::Speckle) + drawn / 4);
+      for (int look = 0; look < looks_; look += 4) {
+        const auto purpose = static_cast<Purpose>(static_cast<int>(Purpose::Speckle) + look / 4);
         // A block has four words, and each word gives a factor. Factors beyond the number of looks are 1.
-        const int remaining = looks_ - drawn;
+        const int remaining = looks_ - look;
         const double isLook[] = {1, remaining > 1 ? 1.0 : 0.0, remaining > 2 ? 1.0 : 0.0, remaining > 3 ? 1.0 : 0.0};
         drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {
           double factor[4];

@@ -81,9 +81,10 @@ double litArea(const BeamTable& beams, double range) {
 
 struct WeatherOptions {
   Weather weather;
-  double least = 0;  // 0: kUsualLeastPower, or less for receivers that detect less
-  double wet = 0;
-  std::uint16_t label = 0;
+  double least = 0;         // power below which particles are ignored; 0: kUsualLeastPower, or less for receivers that
+                            // detect less
+  double wet = 0;           // fraction of upward surfaces under standing water
+  std::uint16_t label = 0;  // class of the particles' returns
 };
 
 // How the receiver sees particles.
@@ -98,27 +99,27 @@ class DropTable {
   DropTable(const Weather& weather, const BeamTable& beams, const Reception& reception)
       : weather_(weather), beams_(beams), reception_(reception) {
     step_ = (beams.maxRange - beams.minRange) / kSteps;
-    double last = density(beams.minRange);
+    double startDensity = density(beams.minRange);
     for (std::size_t i = 1; i <= kSteps; ++i) {
-      const double next = density(beams.minRange + static_cast<double>(i) * step_);
-      sum_[i] = sum_[i - 1] + (last + next) / 2 * step_;
-      last = next;
+      const double endDensity = density(beams.minRange + static_cast<double>(i) * step_);
+      sum_[i] = sum_[i - 1] + (startDensity + endDensity) / 2 * step_;
+      startDensity = endDensity;
     }
   }
 
   // Returns the expected number of sufficiently bright drops from the minimum range to `range` (m).
-  double upTo(double range) const {
-    const double at = std::clamp((range - beams_.minRange) / step_, 0.0, double{kSteps});
-    const auto i = std::min(static_cast<std::size_t>(at), kSteps - 1);
-    return sum_[i] + (at - static_cast<double>(i)) * (sum_[i + 1] - sum_[i]);
+  double expectedDrops(double range) const {
+    const double position = std::clamp((range - beams_.minRange) / step_, 0.0, double{kSteps});  // in steps
+    const auto i = std::min(static_cast<std::size_t>(position), kSteps - 1);
+    return sum_[i] + (position - static_cast<double>(i)) * (sum_[i + 1] - sum_[i]);
   }
 
-  // Returns the range (m) up to which `expected` drops are expected.
-  double rangeOf(double expected) const {
-    const auto next = std::upper_bound(sum_.begin() + 1, sum_.end() - 1, expected);
-    const double before = *(next - 1);
-    const double part = *next > before ? std::clamp((expected - before) / (*next - before), 0.0, 1.0) : 0.0;
-    return beams_.minRange + (static_cast<double>(next - sum_.begin()) - 1 + part) * step_;
+  // Returns the range (m) for which expectedDrops() is `count`.
+  double rangeOf(double count) const {
+    const auto next = std::upper_bound(sum_.begin() + 1, sum_.end() - 1, count);
+    const double previous = *(next - 1);
+    const double fraction = *next > previous ? std::clamp((count - previous) / (*next - previous), 0.0, 1.0) : 0.0;
+    return beams_.minRange + (static_cast<double>(next - sum_.begin()) - 1 + fraction) * step_;
   }
 
   // Returns the diameter (mm) of the smallest drop that is bright enough at a range (m).
@@ -132,21 +133,23 @@ class DropTable {
  private:
   static constexpr std::size_t kSteps = 4096;
 
+  // Returns the expected number of sufficiently bright drops per metre of a beam at a range (m).
   double density(double range) const { return litArea(beams_, range) * weather_.drops.above(leastDiameter(range)); }
 
   const Weather& weather_;
   const BeamTable& beams_;
   Reception reception_;
-  double step_ = 0;
-  std::array<double, kSteps + 1> sum_{};
+  double step_ = 0;                       // m of range, from entry to entry of sum_
+  std::array<double, kSteps + 1> sum_{};  // expected numbers of drops from the minimum range on
 };
 
-// Returns for each beam the range (m) of its nearest return, or the sensor's maximum range if the beam has no return.
-std::vector<float> nearestRanges(const Hits& hits, const BeamTable& beams, const Returns& returns) {
+// Returns, by beam, the range (m) up to which the beam is open: of its nearest return, or the sensor's maximum range if
+// the beam has no return.
+std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Returns& returns) {
   std::vector<float> open(hits.size(), static_cast<float>(beams.maxRange));
   for (std::size_t row = 0; row < returns.size(); ++row) {
-    float& range = open[returns.beam(row)];
-    if (returns.returned(row)) range = std::min(range, returns.range[row]);
+    float& openRange = open[returns.beam(row)];
+    if (returns.returned(row)) openRange = std::min(openRange, returns.range[row]);
   }
   // A beam that the ego vehicle blocks nearer than the sensor's minimum range has no hit; its range is 0.
   for (std::size_t ray = 0; ray < hits.pathOfRay.size(); ++ray) {
@@ -157,7 +160,7 @@ std::vector<float> nearestRanges(const Hits& hits, const BeamTable& beams, const
 }
 
 struct Particle {
-  float range;
+  float range;     // m
   float echo;      // power relative to a white target at the same range, after the loss in the air
   float strength;  // power as received, see Falloff
   float rank;      // of more than kMostOfBeam particles those with the highest ranks become returns
@@ -177,28 +180,31 @@ class WeatherEffect : public Effect {
   }
 
   std::string assumed(const BeamTable& beams) const override {
-    std::string lacks;
-    if (beamArea(beams, 1) == 0) lacks = fmt::format("`divergence_mrad: {:g}`", kUsualDivergence * 1e3);
+    std::string keys;
+    if (beamArea(beams, 1) == 0) keys = fmt::format("`divergence_mrad: {:g}`", kUsualDivergence * 1e3);
     if (beams.pulse == 0) {
-      lacks += fmt::format("{}`pulse_ns: {:g}`", lacks.empty() ? "" : " and ", kUsualPulse * 1e9);
+      keys += fmt::format("{}`pulse_ns: {:g}`", keys.empty() ? "" : " and ", kUsualPulse * 1e9);
     }
-    return lacks;
+    return keys;
   }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
     returns.gain.resize(returns.size(), 1.0f);
-    const std::vector<float> open = nearestRanges(hits, *shot.beams, returns);
+    const std::vector<float> open = openRanges(hits, *shot.beams, returns);
     extinguish(returns);
     if (o_.wet > 0) wetGround(hits, shot, returns);
     const Falloff& falloff = returns.falloff;
-    const double unit = falloff.inverseSquare ? falloff.reference / kUnitRange : 1;
-    Reception reception{falloff, (o_.least > 0 ? o_.least : kUsualLeastPower) * unit * unit};
+    // Convert the least power to the unit of the effect `intensity`.
+    const double rangeRatio = falloff.inverseSquare ? falloff.reference / kUnitRange : 1;
+    Reception reception{.falloff = falloff,
+                        .least = (o_.least > 0 ? o_.least : kUsualLeastPower) * rangeRatio * rangeRatio};
     if (o_.least == 0 && returns.threshold > 0) reception.least = std::min(reception.least, returns.threshold / 2);
     if (o_.weather.drops.intercept > 0) addDrops(hits, shot, open, reception, returns);
     if (o_.weather.backscatter > 0) addMist(hits, shot, open, reception, returns);
   }
 
  private:
+  // Multiplies the gain of each row by the fraction of light that the air transmits, both ways.
   void extinguish(Returns& returns) const {
     if (returns.recordsReasons()) returns.air.resize(returns.size(), 1.0f);
     for (std::size_t row = 0; row < returns.size(); ++row) {
@@ -209,53 +215,56 @@ class WeatherEffect : public Effect {
     }
   }
 
+  // Multiplies the gain of rows whose surfaces face upwards: wet surfaces are darker, and puddles transmit less light.
+  // A puddle is where a Gaussian field is below the quantile of the fraction `wet`.
   void wetGround(const Hits& hits, const Shot& shot, Returns& returns) const {
-    const double film = quantileOfNormal(o_.wet);
+    const double puddleBound = quantileOfNormal(o_.wet);
     const PositionsOfHits positionsOfHits(hits, shot, returns);
     SpatialField puddles(shot.seed, Purpose::WetGround, 0);
     Positions positions;
-    Batch<double> cubes, one;
-    cubes.fill(1 / kPuddleSize);
-    one.fill(1);
+    Batch<double> cubesPerMetre, factorOne;
+    cubesPerMetre.fill(1 / kPuddleSize);
+    factorOne.fill(1);
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       Batch<double> field{};
-      positionsOfHits.find(first, positions);
-      puddles.add(positions, cubes, one, field);
+      positionsOfHits.compute(first, positions);
+      puddles.add(positions, cubesPerMetre, factorOne, field);
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t hit = returns.hit(first + i);
         if (!returns.returned(first + i) || hit == kNoHit || double{hits.normal[hit].z} < kWetCosine) continue;
         double factor = dampness(std::clamp(double{hits.reflectance[hit]}, 0.0, 1.0));
-        if (field[i] < film) factor *= filmTransmission(hits.incidence[hit]);
+        if (field[i] < puddleBound) factor *= filmTransmission(hits.incidence[hit]);
         returns.gain[first + i] *= static_cast<float>(factor);
       }
     });
   }
 
-  // Returns the quantile of the standard normal distribution for the probability `share`, found by bisection.
-  static double quantileOfNormal(double share) {
+  // Returns the quantile of the standard normal distribution for a probability, found by bisection.
+  static double quantileOfNormal(double probability) {
     double low = -8, high = 8;
     for (int i = 0; i < 60; ++i) {
       const double middle = (low + high) / 2;
-      (std::erfc(-middle / std::sqrt(2.0)) / 2 < share ? low : high) = middle;
+      (std::erfc(-middle / std::sqrt(2.0)) / 2 < probability ? low : high) = middle;
     }
     return low;
   }
 
+  // Adds the returns of raindrops or snowflakes. `open`: see openRanges().
   void addDrops(const Hits& hits, const Shot& shot, const std::vector<float>& open, const Reception& reception,
                 Returns& returns) const {
     const BeamTable& beams = *shot.beams;
     const DropTable table(o_.weather, beams, reception);
     std::vector<Particle> drops;
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
-      const double expected = table.upTo(double{open[beam]});
+      const double expected = table.expectedDrops(double{open[beam]});
       if (expected <= 0) continue;
       // The number of drops has Poisson's distribution, which is inverted by subtracting the probabilities of 0, 1, 2
       // ... drops from a uniform number. Its random block is behind those of the drops.
-      double remaining = uniform(drawBlock(shot, Purpose::Weather, beam, kMostDrops)[0]);
-      double probability = exponential(-expected);
+      double remainder = uniform(drawBlock(shot, Purpose::Weather, beam, kMostDrops)[0]);
+      double probability = exponential(-expected);  // of n drops
       drops.clear();
-      for (std::uint32_t n = 0; remaining > probability && n < kMostDrops; ++n) {
-        remaining -= probability;
+      for (std::uint32_t n = 0; remainder > probability && n < kMostDrops; ++n) {
+        remainder -= probability;
         probability *= expected / (n + 1);
         const RandomBlock words = drawBlock(shot, Purpose::Weather, beam, n);
         const double range = table.rangeOf(expected * uniform(words[0]));
@@ -264,14 +273,16 @@ class WeatherEffect : public Effect {
         drops.push_back(
             particleAt(range, std::min(1.0, o_.weather.dropEcho * diameter * diameter / area), reception.falloff));
       }
-      add(beam, drops, hits, returns);
+      addParticles(beam, drops, hits, returns);
     }
   }
 
+  // Adds the returns of fog or dust. A beam is divided into intervals of one pulse length, each of which may give an
+  // echo. `open`: see openRanges().
   void addMist(const Hits& hits, const Shot& shot, const std::vector<float>& open, const Reception& reception,
                Returns& returns) const {
     const BeamTable& beams = *shot.beams;
-    const double pulse = pulseLength(beams.pulse > 0 ? beams.pulse : kUsualPulse);
+    const double pulse = pulseLength(beams.pulse > 0 ? beams.pulse : kUsualPulse);  // m
     std::vector<Particle> intervals;
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
       intervals.clear();
@@ -289,10 +300,11 @@ class WeatherEffect : public Effect {
         interval.rank /= static_cast<float>(-naturalLog(uniform(words[2 * (k % 2)])));
         intervals.push_back(interval);
       }
-      add(beam, intervals, hits, returns);
+      addParticles(beam, intervals, hits, returns);
     }
   }
 
+  // Returns a particle at a range (m). `echo`: its power relative to a white target at this range, in clear air.
   Particle particleAt(double range, double echo, const Falloff& falloff) const {
     const double echoBehindAir = echo * exponential(-2 * o_.weather.extinction * range);
     const double loss = falloff.amplitudeLoss(range);
@@ -300,7 +312,8 @@ class WeatherEffect : public Effect {
     return {static_cast<float>(range), static_cast<float>(echoBehindAir), strength, strength};
   }
 
-  void add(std::uint32_t beam, std::vector<Particle>& particles, const Hits& hits, Returns& returns) const {
+  // Adds a beam's particles as returns: at most kMostOfBeam, those with the highest ranks.
+  void addParticles(std::uint32_t beam, std::vector<Particle>& particles, const Hits& hits, Returns& returns) const {
     if (particles.size() > kMostOfBeam) {
       std::nth_element(particles.begin(), particles.begin() + kMostOfBeam, particles.end(),
                        [](const Particle& a, const Particle& b) { return a.rank > b.rank; });
@@ -317,16 +330,17 @@ class WeatherEffect : public Effect {
   WeatherOptions o_;
 };
 
-// `amount`: the rate (mm/h of water) or the visibility (m). `wet`: fraction of the ground under standing water.
 struct Severity {
-  double amount, wet;
+  double amount;  // rate (mm/h of water) or visibility (m)
+  double wet;     // fraction of the ground under standing water
 };
 
 struct KindOfWeather {
   std::string_view name;
-  Weather (*weatherOf)(double);
-  bool byRate;
-  double greatestAmount;
+  Weather (*weatherOf)(double amount);
+  const char* amountKey;               // the option that states the amount
+  const char* otherKey;                // the option that states the amount of other kinds
+  Range amounts;                       // limits of the amount
   std::array<Severity, 3> severities;  // light, moderate, heavy
 };
 
@@ -334,10 +348,10 @@ struct KindOfWeather {
 // Meteorological Society), for snow and fog the visibility (1000 and 500 m; 1000 and 200 m). The values within these
 // bounds, and the fractions under water, are estimates.
 constexpr std::array<KindOfWeather, 4> kKinds{{
-    {"rain", rainOf, true, 200, {{{1.5, 0.1}, {5, 0.3}, {25, 0.6}}}},
-    {"snow", snowOf, true, 50, {{{0.5, 0}, {1.5, 0}, {4, 0}}}},
-    {"fog", fogOf, false, 1e5, {{{500, 0}, {150, 0}, {50, 0}}}},
-    {"dust", dustOf, false, 1e5, {{{500, 0}, {150, 0}, {50, 0}}}},
+    {"rain", rainOf, "rate_mm_h", "visibility_m", {0.01, 200}, {{{1.5, 0.1}, {5, 0.3}, {25, 0.6}}}},
+    {"snow", snowOf, "rate_mm_h", "visibility_m", {0.01, 50}, {{{0.5, 0}, {1.5, 0}, {4, 0}}}},
+    {"fog", fogOf, "visibility_m", "rate_mm_h", {1, 1e5}, {{{500, 0}, {150, 0}, {50, 0}}}},
+    {"dust", dustOf, "visibility_m", "rate_mm_h", {1, 1e5}, {{{500, 0}, {150, 0}, {50, 0}}}},
 }};
 
 }  // namespace
@@ -349,19 +363,17 @@ std::unique_ptr<Effect> makeWeather(Fields& options) {
   options.also({"kind", "severity", "rate_mm_h", "visibility_m", "wet", "least", "label"}).finish();
   options.require("kind");
   const std::string name = options.choice("kind", names, "");
-  const KindOfWeather& kind =
-      *std::find_if(kKinds.begin(), kKinds.end(), [&](const KindOfWeather& k) { return k.name == name; });
-  const char* const exact = kind.byRate ? "rate_mm_h" : "visibility_m";
-  if (const Value* other = options.find(kind.byRate ? "visibility_m" : "rate_mm_h")) {
-    throw InputError(other->where, fmt::format("effect weather: give the amount of {} by `{}`", name, exact));
+  const KindOfWeather& kind = *std::ranges::find(kKinds, name, &KindOfWeather::name);
+  if (const Value* amount = options.find(kind.otherKey)) {
+    throw InputError(amount->where, fmt::format("effect weather: give the amount of {} by `{}`", name, kind.amountKey));
   }
   const std::string word = options.choice("severity", {"light", "moderate", "heavy"}, "moderate");
   Severity severity = kind.severities[word == "light" ? 0 : word == "moderate" ? 1 : 2];
-  if (const Value* given = options.find(exact)) {
+  if (const Value* amount = options.find(kind.amountKey)) {
     if (options.has("severity")) {
-      throw InputError(given->where, fmt::format("effect weather: give `severity` or `{}`, not both", exact));
+      throw InputError(amount->where, fmt::format("effect weather: give `severity` or `{}`, not both", kind.amountKey));
     }
-    severity.amount = options.number(exact, {kind.byRate ? 0.01 : 1.0, kind.greatestAmount});
+    severity.amount = options.number(kind.amountKey, kind.amounts);
   }
   WeatherOptions o;
   o.weather = kind.weatherOf(severity.amount);

@@ -85,7 +85,7 @@ TEST(SpatialNoise, LiesWhereTheHitsAre) {
   returns.start(world.hits);
   returns.remove(2);
   Positions positions;
-  PositionsOfHits(world.hits, world.shot, returns).find(0, positions);
+  PositionsOfHits(world.hits, world.shot, returns).compute(0, positions);
   EXPECT_NEAR(positions.x[0], 108, 1e-12);
   EXPECT_NEAR(positions.y[1], 208, 1e-12);
   EXPECT_NEAR(positions.z[1], 3, 1e-12);
