@@ -52,29 +52,21 @@ struct ComputeContext {
 
 std::vector<FoundDevice> findDevices() {
   const ComputeModule& module = moduleOf<ComputeModule>();
-  std::vector<FoundDevice> found;
+  std::vector<FoundDevice> devices;
   for (const std::string& name : module.devices()) {
     try {
       const std::unique_ptr<ComputeBackend> device = module.open(name);
-      found.push_back({name, device->name(), true, device->software()});
+      devices.push_back({name, device->name(), true, device->software()});
     } catch (const std::exception& e) {
-      found.push_back({name, e.what()});
+      devices.push_back({name, e.what()});
     }
   }
-  return found;
+  return devices;
 }
 
 std::uint64_t texelBytes(ComputeTable::Texel texel) {
-  switch (texel) {
-    case ComputeTable::Texel::Uint16:
-      return 2;
-    case ComputeTable::Texel::Uint32:
-      return 4;
-    case ComputeTable::Texel::Uint32x4:
-    case ComputeTable::Texel::Float32x4:
-      break;
-  }
-  return 16;
+  constexpr std::uint64_t kBytes[] = {2, 4, 16, 16};  // by ComputeTable::Texel
+  return kBytes[static_cast<std::size_t>(texel)];
 }
 
 ComputeDevice::ComputeDevice(ComputeErrorWords words, const ComputeLimits& most)
@@ -131,16 +123,17 @@ void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
 }
 
 std::span<const std::byte> ComputeReadback::wait() {
-  constexpr double kSpin = 1e-3;  // time during which the device is queried without pauses (s)
-  constexpr double kMost = 120;   // longest time that a copy may take; then an error is thrown (s)
+  constexpr double kSpin = 1e-3;      // s, time during which the device is queried without pauses
+  constexpr double kTimeLimit = 120;  // s, longest time that a copy may take: then the driver hangs
   constexpr auto kPause = std::chrono::microseconds(50);
-  const std::scoped_lock lock(asking_);
-  const WallTimer waiting;
+  const std::scoped_lock lock(waiting_);
+  const WallTimer timer;
   while (copy_ == nullptr) {
     copy_ = context_->withErrorWords([&] { return context_->backend->copied(*readback_); });
     if (copy_ != nullptr) break;
-    if (waiting.seconds() > kSpin) std::this_thread::sleep_for(kPause);
-    if (waiting.seconds() > kMost) context_->fail(fmt::format("{} has not answered for {} s", context_->name, kMost));
+    if (timer.seconds() > kSpin) std::this_thread::sleep_for(kPause);
+    if (timer.seconds() <= kTimeLimit) continue;
+    context_->fail(fmt::format("{} has not answered for {} s", context_->name, kTimeLimit));
   }
   return {copy_, bytes_};
 }
@@ -167,25 +160,27 @@ ComputeProgram::ComputeProgram(const ComputeDevice& device, const std::string& n
 
 void ComputeProgram::run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
                          std::span<const std::byte> parameters, std::initializer_list<ComputeTable> tables) {
-  std::vector<const GlBuffer*> bound;
-  for (const ComputeBuffer* buffer : buffers) bound.push_back(buffer->buffer_.get());
-  std::vector<ComputeRun::Table> shown;
-  for (const ComputeTable& table : tables) shown.push_back({table.buffer->buffer_.get(), table.texel});
-  context_->withErrorWords([&] { context_->backend->run({*program_, bound, shown, parameters, invocations}); });
+  std::vector<const GlBuffer*> storageBuffers;
+  for (const ComputeBuffer* buffer : buffers) storageBuffers.push_back(buffer->buffer_.get());
+  std::vector<ComputeRun::Table> textures;
+  for (const ComputeTable& table : tables) textures.push_back({table.buffer->buffer_.get(), table.texel});
+  context_->withErrorWords([&] {
+    context_->backend->run({*program_, storageBuffers, textures, parameters, invocations});
+  });
 }
 
-void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, const std::string& what,
-                const std::string& mend) {
-  const std::uint64_t most = device.limits().tableTexels;
-  if (bytes / texelBytes(texel) <= most) return;
-  device.fail(fmt::format("the {} take {}, of which a table on {} holds {}{}", what,
+void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes,
+                const std::string& contents, const std::string& remedy) {
+  const std::uint64_t tableBytes = device.limits().tableTexels * texelBytes(texel);
+  if (bytes / texelBytes(texel) <= device.limits().tableTexels) return;
+  device.fail(fmt::format("the {} take {}, of which a table on {} holds {}{}", contents,
                           shortBytes(static_cast<double>(bytes)), device.name(),
-                          shortBytes(static_cast<double>(most * texelBytes(texel))), mend));
+                          shortBytes(static_cast<double>(tableBytes)), remedy));
 }
 
 void uploadTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
-                 std::span<const std::byte> array, const std::string& what, const std::string& mend) {
-  checkTable(device, texel, array.size(), what, mend);
+                 std::span<const std::byte> array, const std::string& contents, const std::string& remedy) {
+  checkTable(device, texel, array.size(), contents, remedy);
   if (!array.empty()) buffer.upload(array);
 }
 

@@ -120,7 +120,7 @@ class ComputeReadback {
   std::shared_ptr<ComputeContext> context_;
   OwnedObject<MappedCopy> readback_;
   std::uint64_t bytes_ = 0;
-  std::mutex asking_;                // held by the waiting thread that queries the device
+  std::mutex waiting_;               // held by the thread that queries the device
   const std::byte* copy_ = nullptr;  // null: the copy is not complete yet
 };
 
@@ -136,13 +136,13 @@ struct ComputeTable {
 std::uint64_t texelBytes(ComputeTable::Texel texel);
 
 // Throws Error if `bytes` exceeds the largest table of the device. The message is worded by ComputeErrorWords, with the
-// reason "the <what> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<mend>".
-void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, const std::string& what,
-                const std::string& mend = "");
+// reason "the <contents> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<remedy>".
+void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes,
+                const std::string& contents, const std::string& remedy = "");
 
 // Calls checkTable() for an array, then uploads the array into a table's buffer.
 void uploadTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
-                 std::span<const std::byte> array, const std::string& what, const std::string& mend = "");
+                 std::span<const std::byte> array, const std::string& contents, const std::string& remedy = "");
 
 // Returns a line of GLSL that defines a constant with exactly this value. The value is given by its bits, since shader
 // compilers may round decimals differently.

@@ -54,14 +54,15 @@ class MappedCopy {
   }
 
  private:
+  // Replaces the mapped memory by `bytes` bytes.
   void map(std::size_t bytes) {
     drop();
-    constexpr GLbitfield kHow = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    constexpr GLbitfield kAccess = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
     glGenBuffers(1, &name_);
     glBindBuffer(GL_COPY_WRITE_BUFFER, name_);
-    glBufferStorage(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, kHow | GL_CLIENT_STORAGE_BIT);
-    memory_ =
-        static_cast<const std::byte*>(glMapBufferRange(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), kHow));
+    glBufferStorage(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, kAccess | GL_CLIENT_STORAGE_BIT);
+    memory_ = static_cast<const std::byte*>(
+        glMapBufferRange(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), kAccess));
     checkGl("a buffer cannot be mapped");
     if (memory_ == nullptr) throw std::bad_alloc();
     bytes_ = bytes;
@@ -115,29 +116,19 @@ std::uint64_t limitOf(GLenum name) {
 
 // Returns the largest number of work groups of a dispatch. Mesa's llvmpipe gives each of its threads one contiguous
 // part of a dispatch in advance, so only small dispatches keep all threads busy until the end.
-std::uint64_t groupsAtOnce(bool software) {
-  GLint most = 0;
-  glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &most);
-  const auto promised = static_cast<std::uint64_t>(std::max(most, 65535));
-  constexpr std::uint64_t kGroupsPerThread = 64;
+std::uint64_t groupsPerDispatch(bool software) {
+  constexpr GLint kGuaranteed = 65535;            // by OpenGL
+  constexpr std::uint64_t kGroupsPerThread = 64;  // small enough that the threads end at about the same time
+  GLint reported = 0;
+  glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &reported);
+  const auto most = static_cast<std::uint64_t>(std::max(reported, kGuaranteed));
   const std::uint64_t threads = std::max(std::thread::hardware_concurrency(), 1u);
-  return software ? std::min(promised, kGroupsPerThread * threads) : promised;
+  return software ? std::min(most, kGroupsPerThread * threads) : most;
 }
 
-GLenum formatOf(ComputeTable::Texel texel) {
-  switch (texel) {
-    case ComputeTable::Texel::Uint16:
-      return GL_R16UI;
-    case ComputeTable::Texel::Uint32:
-      return GL_R32UI;
-    case ComputeTable::Texel::Uint32x4:
-      return GL_RGBA32UI;
-    case ComputeTable::Texel::Float32x4:
-      return GL_RGBA32F;
-  }
-  return GL_NONE;
-}
+constexpr GLenum kTexelFormats[] = {GL_R16UI, GL_R32UI, GL_RGBA32UI, GL_RGBA32F};  // by ComputeTable::Texel
 
+// A texture through which shaders read a buffer.
 class BufferTexture {
  public:
   BufferTexture() { glGenTextures(1, &name_); }
@@ -145,7 +136,7 @@ class BufferTexture {
   BufferTexture(const BufferTexture&) = delete;
   BufferTexture& operator=(const BufferTexture&) = delete;
 
-  void show(GLuint unit, GLuint buffer, GLenum format) const {
+  void bind(GLuint unit, GLuint buffer, GLenum format) const {
     glActiveTexture(GL_TEXTURE0 + unit);
     glBindTexture(GL_TEXTURE_BUFFER, name_);
     glTexBuffer(GL_TEXTURE_BUFFER, format, buffer);
@@ -171,13 +162,13 @@ class GlCompute final : public ComputeBackend {
  public:
   explicit GlCompute(const std::string& device) {
     thread_->run([&] {
-      auto made = std::make_unique<ContextState>(device);
+      auto state = std::make_unique<ContextState>(device);
       name_ = textOf(GL_RENDERER, "an unknown device");
       software_ = isSoftware(name_);
-      groups_ = groupsAtOnce(software_);
+      groupsPerDispatch_ = groupsPerDispatch(software_);
       limits_ = {limitOf(GL_MAX_SHADER_STORAGE_BLOCK_SIZE), limitOf(GL_MAX_TEXTURE_BUFFER_SIZE)};
       checkGl("the device cannot be asked for its limits");
-      state_ = std::move(made);
+      state_ = std::move(state);
     });
   }
 
@@ -195,10 +186,10 @@ class GlCompute final : public ComputeBackend {
   ComputeLimits limits() const override { return limits_; }
 
   OwnedObject<GlProgram> makeProgram(const std::string& name, const std::string& text) override {
-    return made<GlProgram>(name, std::initializer_list<GlShaderText>{{GL_COMPUTE_SHADER, text.c_str()}});
+    return makeOwned<GlProgram>(name, std::initializer_list<GlShaderText>{{GL_COMPUTE_SHADER, text.c_str()}});
   }
-  OwnedObject<GlBuffer> makeBuffer() override { return made<GlBuffer>(); }
-  OwnedObject<MappedCopy> makeReadback() override { return made<MappedCopy>(); }
+  OwnedObject<GlBuffer> makeBuffer() override { return makeOwned<GlBuffer>(); }
+  OwnedObject<MappedCopy> makeReadback() override { return makeOwned<MappedCopy>(); }
 
   void startCopy(MappedCopy& readback, const GlBuffer& buffer, std::uint64_t bytes) override {
     withContext([&](ContextState&) { readback.start(buffer.name(), bytes); });
@@ -216,7 +207,7 @@ class GlCompute final : public ComputeBackend {
   void resize(GlBuffer& buffer, std::uint64_t bytes) override {
     withContext([&](ContextState&) {
       buffer.fill(nullptr, bytes, GL_DYNAMIC_COPY);
-      checkGl("a buffer cannot be made");
+      checkGl("a buffer cannot be makeOwned");
     });
   }
 
@@ -237,14 +228,16 @@ class GlCompute final : public ComputeBackend {
       }
       while (state.textures.size() < run.tables.size()) state.textures.push_back(std::make_unique<BufferTexture>());
       for (GLuint k = 0; k < run.tables.size(); ++k) {
-        state.textures[k]->show(k, run.tables[k].buffer->name(), formatOf(run.tables[k].texel));
+        state.textures[k]->bind(k, run.tables[k].buffer->name(),
+                                kTexelFormats[static_cast<std::size_t>(run.tables[k].texel)]);
       }
       if (!run.parameters.empty()) {
         state.parameters->fill(run.parameters.data(), run.parameters.size(), GL_STREAM_DRAW);
         glBindBufferBase(GL_UNIFORM_BUFFER, 0, state.parameters->name());
       }
-      for (std::uint64_t first = 0; first < run.invocations; first += groups_ * kComputeGroup) {
-        const std::uint64_t end = std::min(first + groups_ * kComputeGroup, run.invocations);
+      const std::uint64_t mostAtOnce = groupsPerDispatch_ * kComputeGroup;  // invocations per dispatch
+      for (std::uint64_t first = 0; first < run.invocations; first += mostAtOnce) {
+        const std::uint64_t end = std::min(first + mostAtOnce, run.invocations);
         glUniform1ui(kFirstInvocation, static_cast<GLuint>(first));
         glUniform1ui(kEndInvocation, static_cast<GLuint>(end));
         glDispatchCompute(static_cast<GLuint>((end - first + kComputeGroup - 1) / kComputeGroup), 1, 1);
@@ -267,7 +260,7 @@ class GlCompute final : public ComputeBackend {
 
   // Makes an object that is destroyed while the context is current, on the OpenGL thread.
   template <class Object, class... Arguments>
-  OwnedObject<Object> made(const Arguments&... arguments) {
+  OwnedObject<Object> makeOwned(const Arguments&... arguments) {
     std::unique_ptr<Object> object;
     withContext([&](ContextState&) { object = std::make_unique<Object>(arguments...); });
     return {object.release(), [this](Object* owned) {
@@ -283,7 +276,7 @@ class GlCompute final : public ComputeBackend {
   std::string name_;
   bool software_ = false;
   ComputeLimits limits_;
-  std::uint64_t groups_ = 0;  // maximum number of work groups per dispatch
+  std::uint64_t groupsPerDispatch_ = 0;  // the most
 };
 
 class GlComputeModule final : public ComputeModule {

@@ -68,21 +68,19 @@ std::span<const MethodEntry> methods() {
 }
 
 const MethodEntry* findMethod(std::string_view name) {
-  const auto found =
-      std::find_if(kMethods.begin(), kMethods.end(), [&](const MethodEntry& e) { return e.name == name; });
-  return found == kMethods.end() ? nullptr : &*found;
+  const auto entry = std::ranges::find(kMethods, name, &MethodEntry::name);
+  return entry == kMethods.end() ? nullptr : &*entry;
 }
 
 const MethodEntry& requireMethod(std::string_view name, const Location& where) {
   if (const MethodEntry* entry = findMethod(name)) return *entry;
   std::vector<std::string> names;
-  names.reserve(kMethods.size());
   for (const MethodEntry& entry : kMethods) names.emplace_back(entry.name);
   throw InputError(where, "unknown method '" + std::string(name) + "'" + suggestion(name, names));
 }
 
 const MethodEntry& firstMethodThat(bool MethodCapabilities::*can) {
-  return *std::find_if(kMethods.begin(), kMethods.end(), [&](const MethodEntry& e) { return e.can.*can; });
+  return *std::ranges::find_if(kMethods, [&](const MethodEntry& e) { return e.can.*can; });
 }
 
 std::unique_ptr<Method> makeReference(const Scene& scene) {

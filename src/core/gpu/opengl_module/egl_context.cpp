@@ -14,21 +14,18 @@ namespace scanmill {
 
 namespace {
 
+// A device that EGL may open.
 struct Candidate {
-  std::string name;
+  std::string name;  // the number among EGL's devices, or "surfaceless"
   EGLenum platform;
-  void* native;
-  bool software;
+  void* nativeDisplay;  // of the platform
+  bool software;        // true: a software rasteriser
 };
 
-bool names(const char* extensions, std::string_view wanted) {
-  std::string_view list = extensions != nullptr ? extensions : "";
-  while (!list.empty()) {
-    const std::string_view one = list.substr(0, list.find(' '));
-    if (one == wanted) return true;
-    list.remove_prefix(std::min(list.size(), one.size() + 1));
-  }
-  return false;
+// Returns true if a list of extensions, separated by spaces (null: none), has the extension.
+bool hasExtension(const char* extensions, std::string_view extension) {
+  const std::string list = fmt::format(" {} ", extensions != nullptr ? extensions : "");
+  return list.find(fmt::format(" {} ", extension)) != list.npos;
 }
 
 template <class Function>
@@ -38,59 +35,59 @@ Function entry(const char* name) {
 
 // Returns the devices to try, with graphics cards before software rasterisers.
 std::vector<Candidate> candidates() {
-  const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-  std::vector<Candidate> found;
-  const bool devices = names(client, "EGL_EXT_platform_device") &&
-                       (names(client, "EGL_EXT_device_base") || names(client, "EGL_EXT_device_enumeration"));
+  const char* clientExtensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  const auto hasClient = [&](const char* extension) { return hasExtension(clientExtensions, extension); };
+  std::vector<Candidate> devices;
   const auto queryDevices = entry<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
-  if (devices && queryDevices != nullptr) {
+  if (queryDevices != nullptr && hasClient("EGL_EXT_platform_device") &&
+      (hasClient("EGL_EXT_device_base") || hasClient("EGL_EXT_device_enumeration"))) {
     std::array<EGLDeviceEXT, 32> handles{};
     EGLint count = 0;
     if (queryDevices(static_cast<EGLint>(handles.size()), handles.data(), &count) == EGL_TRUE) {
       const auto query = entry<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
       for (EGLint i = 0; i < count; ++i) {
         const char* extensions = query != nullptr ? query(handles[i], EGL_EXTENSIONS) : nullptr;
-        found.push_back(
-            {fmt::format("{}", i), EGL_PLATFORM_DEVICE_EXT, handles[i], names(extensions, "EGL_MESA_device_software")});
+        devices.push_back({fmt::format("{}", i), EGL_PLATFORM_DEVICE_EXT, handles[i],
+                           hasExtension(extensions, "EGL_MESA_device_software")});
       }
     }
   }
-  if (names(client, "EGL_MESA_platform_surfaceless")) {
-    found.push_back({"surfaceless", EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, true});
+  if (hasClient("EGL_MESA_platform_surfaceless")) {
+    devices.push_back({"surfaceless", EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, true});
   }
-  std::stable_partition(found.begin(), found.end(), [](const Candidate& c) { return !c.software; });
-  return found;
+  std::ranges::stable_partition(devices, [](const Candidate& c) { return !c.software; });
+  return devices;
 }
 
-std::vector<Candidate> chosen(const std::string& device) {
-  std::vector<Candidate> list = candidates();
-  if (device.empty()) return list;
-  std::string known;
-  for (const Candidate& c : list) known += c.software ? "" : c.name + ", ";
-  std::erase_if(list, [&](const Candidate& c) { return device == "software" ? !c.software : c.name != device; });
-  if (list.empty()) {
+// Returns the devices to try for a value of SCANMILL_GL_DEVICE (gpu/device.h); throws if there are none.
+std::vector<Candidate> candidatesFor(const std::string& device) {
+  std::vector<Candidate> devices = candidates();
+  if (device.empty()) return devices;
+  std::string cards;
+  for (const Candidate& c : devices) cards += c.software ? "" : c.name + ", ";
+  std::erase_if(devices, [&](const Candidate& c) { return device == "software" ? !c.software : c.name != device; });
+  if (devices.empty()) {
     throw std::invalid_argument(
-        fmt::format("SCANMILL_GL_DEVICE: there is no device '{}' (known: {}software)", device, known));
+        fmt::format("SCANMILL_GL_DEVICE: there is no device '{}' (known: {}software)", device, cards));
   }
-  return list;
+  return devices;
 }
 
-// Creates an OpenGL context; returns null if this fails. If the driver supports it, the context reports that a reset of
-// the graphics card has destroyed it.
+// Creates a context of OpenGL 4.5, or otherwise of 4.3; returns null if this fails. If the driver supports it, the
+// context reports that a reset of the graphics card has destroyed it.
 EGLContext newContext(EGLDisplay display, EGLConfig config) {
-  for (const EGLint version : {5, 3}) {
-    for (const bool tellsResets : {true, false}) {
-      const std::array<EGLint, 9> attributes{EGL_CONTEXT_MAJOR_VERSION,
-                                             4,
-                                             EGL_CONTEXT_MINOR_VERSION,
-                                             version,
-                                             EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                             tellsResets ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
-                                             EGL_LOSE_CONTEXT_ON_RESET,
-                                             EGL_NONE};
-      EGLContext made = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
-      if (made != EGL_NO_CONTEXT) return made;
+  for (const EGLint minorVersion : {5, 3}) {
+    for (const bool reportsResets : {true, false}) {
+      std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION,       4,
+                                     EGL_CONTEXT_MINOR_VERSION,       minorVersion,
+                                     EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
+      if (reportsResets) {
+        attributes.insert(attributes.end(),
+                          {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET});
+      }
+      attributes.push_back(EGL_NONE);
+      EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
+      if (context != EGL_NO_CONTEXT) return context;
     }
   }
   return EGL_NO_CONTEXT;
@@ -101,11 +98,13 @@ EGLContext newContext(EGLDisplay display, EGLConfig config) {
 std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLContext& context) {
   const auto getDisplay = entry<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (getDisplay == nullptr) return "it knows no platforms";
-  display = getDisplay(candidate.platform, candidate.native, nullptr);
+  display = getDisplay(candidate.platform, candidate.nativeDisplay, nullptr);
   EGLint major = 0;
   EGLint minor = 0;
   if (display == EGL_NO_DISPLAY || eglInitialize(display, &major, &minor) != EGL_TRUE) return "it does not start";
-  if (!names(eglQueryString(display, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context")) return "it wants a surface";
+  if (!hasExtension(eglQueryString(display, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context")) {
+    return "it wants a surface";
+  }
   if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return "it has no OpenGL";
   const std::array<EGLint, 5> configuration{EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
                                             EGL_NONE};
@@ -127,17 +126,17 @@ std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLCon
 }  // namespace
 
 std::vector<std::string> eglDevices() {
-  std::vector<std::string> found;
+  std::vector<std::string> names;
   for (const Candidate& candidate : candidates()) {
     const std::string name = candidate.software ? "software" : candidate.name;
-    if (found.empty() || found.back() != name) found.push_back(name);
+    if (names.empty() || names.back() != name) names.push_back(name);
   }
-  return found;
+  return names;
 }
 
 EglContext::EglContext(const std::string& device) {
   std::string tried;
-  for (const Candidate& candidate : chosen(device)) {
+  for (const Candidate& candidate : candidatesFor(device)) {
     const std::string reason = tryCandidate(candidate, display_, context_);
     if (reason.empty()) return;
     tried += fmt::format("{}EGL device {}: {}", tried.empty() ? "" : "; ", candidate.name, reason);

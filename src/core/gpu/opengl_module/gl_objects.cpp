@@ -9,6 +9,8 @@ namespace scanmill {
 
 namespace {
 
+// Returns the compiler's or linker's log of a shader or program. `length` and `text`: the functions of OpenGL that give
+// the log's length and text.
 std::string logOf(GLuint object, void (*length)(GLuint, GLenum, GLint*),
                   void (*text)(GLuint, GLsizei, GLsizei*, GLchar*)) {
   GLint size = 0;
@@ -29,7 +31,7 @@ void checkGl(std::string_view doing) {
                                              : GLenum{GL_NO_ERROR};
   if (reset != GL_NO_ERROR) throw std::runtime_error("the graphics card was reset, and all that it held is lost");
   if (error == GL_NO_ERROR) return;
-  constexpr int kMostErrors = 64;
+  constexpr int kMostErrors = 64;  // a lost context may report errors for ever
   for (int k = 0; k < kMostErrors && glGetError() != GL_NO_ERROR; ++k) continue;
   if (error == GL_OUT_OF_MEMORY) throw std::bad_alloc();
   throw std::runtime_error(fmt::format("{}: OpenGL error {:#x}", doing, error));
@@ -66,20 +68,21 @@ GlProgram::GlProgram(std::string_view name, std::initializer_list<GlShaderText> 
     const GLuint compiled = glCreateShader(shader.kind);
     glShaderSource(compiled, 1, &shader.text, nullptr);
     glCompileShader(compiled);
-    GLint done = GL_FALSE;
-    glGetShaderiv(compiled, GL_COMPILE_STATUS, &done);
-    const std::string log = done == GL_TRUE ? std::string() : logOf(compiled, glGetShaderiv, glGetShaderInfoLog);
-    if (done == GL_TRUE) glAttachShader(name_, compiled);
-    glDeleteShader(compiled);
-    if (done != GL_TRUE) {
+    GLint status = GL_FALSE;
+    glGetShaderiv(compiled, GL_COMPILE_STATUS, &status);
+    if (status != GL_TRUE) {
+      const std::string log = logOf(compiled, glGetShaderiv, glGetShaderInfoLog);
+      glDeleteShader(compiled);
       glDeleteProgram(name_);
       throw std::runtime_error(fmt::format("the driver does not compile the {} shader: {}", name, log));
     }
+    glAttachShader(name_, compiled);
+    glDeleteShader(compiled);  // when the program is deleted
   }
   glLinkProgram(name_);
-  GLint done = GL_FALSE;
-  glGetProgramiv(name_, GL_LINK_STATUS, &done);
-  if (done != GL_TRUE) {
+  GLint status = GL_FALSE;
+  glGetProgramiv(name_, GL_LINK_STATUS, &status);
+  if (status != GL_TRUE) {
     const std::string log = logOf(name_, glGetProgramiv, glGetProgramInfoLog);
     glDeleteProgram(name_);
     throw std::runtime_error(fmt::format("the driver does not link the {} shader: {}", name, log));

@@ -4,13 +4,10 @@ namespace scanmill {
 
 std::shared_ptr<GlThread> GlThread::shared() {
   static std::mutex mutex;
-  static std::weak_ptr<GlThread> known;
+  static std::weak_ptr<GlThread> current;
   const std::scoped_lock lock(mutex);
-  std::shared_ptr<GlThread> thread = known.lock();
-  if (thread == nullptr) {
-    thread = std::make_shared<GlThread>();
-    known = thread;
-  }
+  std::shared_ptr<GlThread> thread = current.lock();
+  if (thread == nullptr) current = thread = std::make_shared<GlThread>();
   return thread;
 }
 
@@ -36,20 +33,19 @@ void GlThread::run(const std::function<void()>& work) {
   if (job.failure) std::rethrow_exception(job.failure);
 }
 
+// Runs the jobs of run() until the destructor has set ended_.
 void GlThread::serve() {
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [&] { return job_ != nullptr || ended_; });
     if (job_ == nullptr) return;
     lock.unlock();
-    std::exception_ptr failure;
     try {
       (*job_->work)();
     } catch (...) {
-      failure = std::current_exception();
+      job_->failure = std::current_exception();
     }
     lock.lock();
-    job_->failure = failure;
     job_->done = true;
     job_ = nullptr;
     changed_.notify_all();

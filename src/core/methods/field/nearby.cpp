@@ -90,7 +90,7 @@ double reachOf(const BrickPlace& place, float distance2) {
 
 bool visitNearest(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<PointSearch*>(arguments->userPtr);
-  const std::uint32_t triangle = search.block.global(arguments->geomID, arguments->primID);
+  const std::uint32_t triangle = search.block.indexOf(arguments->geomID, arguments->primID);
   if (!search.ball.overlaps(search.block, triangle)) return false;
   const Facet<float>& facet = search.facets.of(search.block, triangle, search.place);
   const float distance2 = facet.distance2(search.point.x, search.point.y, search.point.z);
@@ -119,7 +119,7 @@ struct Gathering {
 bool visitGathered(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<Gathering*>(arguments->userPtr);
   if (search.triangles.size() > search.most) return false;
-  const std::uint32_t triangle = search.block.global(arguments->geomID, arguments->primID);
+  const std::uint32_t triangle = search.block.indexOf(arguments->geomID, arguments->primID);
   if (!search.margin.overlaps(search.block, triangle, search.half)) return false;
   search.triangles.push_back(triangle);
   if (search.triangles.size() <= search.most) return false;

@@ -11,17 +11,19 @@ namespace {
 
 constexpr double kStep = 1e-4;  // m; a continued ray starts this far from the surface, so as not to hit it again
 
-// A ray that continues after a hit.
+// A ray that continues after a hit; or a ray that starts at the sensor, whose path has no length yet.
 struct ContinuedRay {
   std::uint32_t beam;
-  Vec3d origin;       // m, world axes, relative to the sensor's position at the start of the revolution
-  Vec3d direction;    // unit vector, world axes
-  double pathLength;  // m, length of the path so far
-  double weight;
-  std::uint32_t panes;
-  std::uint32_t bounces;
-  RayPath path;
+  Vec3d origin;               // m, world axes, relative to the sensor's position at the start of the revolution
+  Vec3d direction;            // unit vector, world axes
+  double pathLength = 0;      // m, length of the path from the sensor to `origin`
+  double weight;              // see Hits::weightOfRay
+  std::uint32_t panes = 0;    // number of panes that the path has passed
+  std::uint32_t bounces = 0;  // number of reflections of the path
+  RayPath path = RayPath::Direct;
 };
+
+enum class Continuation { ThroughPane, OffMirror };
 
 class LightFollower {
  public:
@@ -35,12 +37,12 @@ class LightFollower {
 
   TraceAccount follow() {
     markDirectRays();
-    std::vector<ContinuedRay> continued = continuedFromSensor();
+    std::vector<ContinuedRay> rays = continueDirectRays();
     TraceAccount account;
-    while (!continued.empty()) {
-      Hits found;
-      account += method_.trace(shotOf(continued), hits_.channels, found);
-      continued = add(continued, found);
+    while (!rays.empty()) {
+      Hits raysHits;
+      account += method_.trace(shotOf(rays), hits_.channels, raysHits);
+      rays = addHits(rays, raysHits);
     }
     return account;
   }
@@ -57,68 +59,76 @@ class LightFollower {
     hits_.glassIsClear = true;
   }
 
-  std::vector<ContinuedRay> continuedFromSensor() const {
-    const BeamTable& rays = *shot_.beams;
+  // Returns the rays that continue from the hits of the shot's own rays.
+  std::vector<ContinuedRay> continueDirectRays() const {
+    const BeamTable& beams = *shot_.beams;
     const Vec3d start = shot_.worldFromSensor.front().translation;
     std::vector<Mat3> rotation;
     for (const Pose& pose : shot_.worldFromSensor) rotation.push_back(toMatrix(pose.rotation));
     std::vector<ContinuedRay> continued;
-    for (std::uint32_t ray = 0; ray < hits_.rays(); ++ray) {
-      if (!continues(hits_.material[ray]) || !hits_.hit(ray)) continue;
-      const std::size_t step = shot_.stepOf(ray % rays.columns);
+    for (std::uint32_t i = 0; i < hits_.rays(); ++i) {
+      if (!continues(hits_.material[i]) || !hits_.hit(i)) continue;
+      const std::size_t step = shot_.stepOf(i % beams.columns);
       Vec3d origin = shot_.worldFromSensor[step].translation - start;
-      if (!rays.origin.empty()) origin = origin + rotation[step] * Vec3d(rays.origin[ray]);
-      const ContinuedRay before{
-          hits_.beamOfRay[ray], origin, rotation[step] * rays.direction[ray], 0, hits_.weightOfRay[ray], 0, 0,
-          RayPath::Direct};
-      branch(before, hits_, ray, continued);
+      if (!beams.origin.empty()) origin = origin + rotation[step] * Vec3d(beams.origin[i]);
+      const ContinuedRay direct{.beam = hits_.beamOfRay[i],
+                                .origin = origin,
+                                .direction = rotation[step] * beams.direction[i],
+                                .weight = hits_.weightOfRay[i]};
+      appendContinuations(direct, hits_, i, continued);
     }
     return continued;
   }
 
   bool continues(std::uint16_t material) const { return material < continues_.size() && continues_[material] != 0; }
 
-  // Appends the rays that continue from a hit: one through a pane and one off a mirror, if the surface has these
-  // properties.
-  void branch(const ContinuedRay& before, const Hits& found, std::uint32_t ray,
-              std::vector<ContinuedRay>& continued) const {
-    const Material& material = materials_[found.material[ray]];
-    const double cosine = found.incidence[ray];
-    const Vec3d hitPoint = before.origin + before.direction * double{found.range[ray]};
-    const auto continueRay = [&](double fraction, const Vec3d& direction, bool pane) {
-      ContinuedRay next = before;
-      next.weight *= fraction * fraction;
-      if (next.weight < paths_.least) return;
-      next.direction = direction;
-      next.origin = hitPoint + direction * kStep;
-      next.pathLength += double{found.range[ray]} + kStep;
-      next.panes += pane ? 1 : 0;
-      next.bounces += pane ? 0 : 1;
-      next.path = !pane || before.path == RayPath::Mirrored ? RayPath::Mirrored : RayPath::ThroughGlass;
-      continued.push_back(next);
-    };
-    if (material.transmission > 0 && before.panes < paths_.panes) {
-      continueRay(paneOf(cosine, material.index, material.transmission).transmitted, before.direction, true);
+  // Appends the rays that continue from the hit `i` of `ray`: one through a pane and one off a mirror, if the surface
+  // has these properties and the ray is strong enough.
+  void appendContinuations(const ContinuedRay& ray, const Hits& hits, std::uint32_t i,
+                           std::vector<ContinuedRay>& continued) const {
+    const Material& material = materials_[hits.material[i]];
+    const double cosine = hits.incidence[i];
+    if (material.transmission > 0 && ray.panes < paths_.panes) {
+      const double fraction = paneOf(cosine, material.index, material.transmission).transmitted;
+      append(Continuation::ThroughPane, ray, hits.range[i], ray.direction, fraction, continued);
     }
-    if (before.bounces < paths_.bounces) {
-      const Vec3d normal(found.normal[ray]);
-      const Vec3d reflected = before.direction - normal * (2 * dot(before.direction, normal));
-      continueRay(mirrored(material, cosine, found.reflectance[ray]), normalized(reflected), false);
+    if (ray.bounces < paths_.bounces) {
+      const Vec3d normal(hits.normal[i]);
+      const Vec3d reflected = ray.direction - normal * (2 * dot(ray.direction, normal));
+      const double fraction = mirrored(material, cosine, hits.reflectance[i]);
+      append(Continuation::OffMirror, ray, hits.range[i], normalized(reflected), fraction, continued);
     }
   }
 
-  // Returns a shot with the rays `continued` as beams of a single ring, in world axes, relative to the sensor's
-  // position.
-  Shot shotOf(const std::vector<ContinuedRay>& continued) {
+  // Appends the continuation of a ray after its hit at `range` (m), unless it is too weak. `fraction`: fraction of the
+  // light that continues.
+  void append(Continuation kind, const ContinuedRay& ray, float range, const Vec3d& direction, double fraction,
+              std::vector<ContinuedRay>& continued) const {
+    const double weight = ray.weight * (fraction * fraction);
+    if (weight < paths_.least) return;
+    const bool isMirrored = kind == Continuation::OffMirror || ray.path == RayPath::Mirrored;
+    continued.push_back({.beam = ray.beam,
+                         .origin = ray.origin + ray.direction * double{range} + direction * kStep,
+                         .direction = direction,
+                         .pathLength = ray.pathLength + (double{range} + kStep),
+                         .weight = weight,
+                         .panes = ray.panes + (kind == Continuation::ThroughPane ? 1 : 0),
+                         .bounces = ray.bounces + (kind == Continuation::OffMirror ? 1 : 0),
+                         .path = isMirrored ? RayPath::Mirrored : RayPath::ThroughGlass});
+  }
+
+  // Returns a shot with these rays as the beams of a single ring, in world axes, relative to the sensor's position at
+  // the start of the revolution. The shot refers to remaining_, so it is valid until the next call.
+  Shot shotOf(const std::vector<ContinuedRay>& rays) {
     auto table = std::make_shared<BeamTable>();
     table->model = shot_.beams->model;
     table->rings = 1;
-    table->columns = static_cast<std::uint32_t>(continued.size());
+    table->columns = static_cast<std::uint32_t>(rays.size());
     table->maxRange = shot_.beams->maxRange;
     table->period = shot_.beams->period;
     table->elevation = {0};
     remaining_.clear();
-    for (const ContinuedRay& ray : continued) {
+    for (const ContinuedRay& ray : rays) {
       table->direction.push_back(ray.direction);
       remaining_.push_back(static_cast<float>(std::max(0.0, shot_.beams->maxRange - ray.pathLength)));
       table->origin.push_back(Vec3f(ray.origin));
@@ -133,19 +143,20 @@ class LightFollower {
 
   // Returns the time at which a beam fires (s since the start of the revolution).
   float timeOf(std::uint32_t beam) const {
-    const BeamTable& rays = *shot_.beams;
-    return static_cast<float>(rays.columnTime(beam % (rays.columns / rays.raysPerBeam) * rays.raysPerBeam));
+    const BeamTable& beams = *shot_.beams;  // a footprint's table has raysPerBeam columns for each beam of a ring
+    const std::uint32_t beamColumn = beam % (beams.columns / beams.raysPerBeam);
+    return static_cast<float>(beams.columnTime(beamColumn * beams.raysPerBeam));
   }
 
-  // Appends `found`, the hits of the rays `continued`, to hits_. Returns the rays that continue from these hits.
-  std::vector<ContinuedRay> add(const std::vector<ContinuedRay>& continued, const Hits& found) {
-    std::vector<ContinuedRay> further;
-    for (std::uint32_t i = 0; i < continued.size(); ++i) {
-      if (!found.hit(i)) continue;
-      const ContinuedRay& ray = continued[i];
-      const double pathLength = ray.pathLength + double{found.range[i]};
+  // Appends the hits of continued rays to hits_. Returns the rays that continue from these hits.
+  std::vector<ContinuedRay> addHits(const std::vector<ContinuedRay>& rays, const Hits& raysHits) {
+    std::vector<ContinuedRay> continued;
+    for (std::uint32_t i = 0; i < rays.size(); ++i) {
+      if (!raysHits.hit(i)) continue;
+      const ContinuedRay& ray = rays[i];
+      const double pathLength = ray.pathLength + double{raysHits.range[i]};
       if (pathLength > shot_.beams->maxRange) continue;
-      if (continues(found.material[i])) branch(ray, found, i, further);
+      if (continues(raysHits.material[i])) appendContinuations(ray, raysHits, i, continued);
       if (pathLength < shot_.beams->minRange) continue;
       hits_.beamOfRay.push_back(ray.beam);
       hits_.weightOfRay.push_back(static_cast<float>(ray.weight));
@@ -153,14 +164,14 @@ class LightFollower {
       hits_.range.push_back(static_cast<float>(pathLength));
       forEachChannel([&](const ChannelRow& row, auto member) {
         auto& column = hits_.*member;
-        if (row.channel != Channel::Range && !column.empty()) column.push_back((found.*member)[i]);
+        if (row.channel != Channel::Range && !column.empty()) column.push_back((raysHits.*member)[i]);
       });
       if (ray.path == RayPath::Mirrored && paths_.mirroredUnlabelled) {
         if (!hits_.semantic.empty()) hits_.semantic.back() = 0;
         if (!hits_.instance.empty()) hits_.instance.back() = 0;
       }
     }
-    return further;
+    return continued;
   }
 
   const Method& method_;
@@ -168,7 +179,7 @@ class LightFollower {
   std::span<const Material> materials_;
   const LightPaths& paths_;
   Hits& hits_;
-  std::vector<float> remaining_;         // m that each ray of the last shotOf() may continue within the sensor's range
+  std::vector<float> remaining_;         // m, by ray of the last shotOf(): path left within the sensor's range
   std::vector<std::uint8_t> continues_;  // by material: 1 if rays continue behind it or off it
 };
 

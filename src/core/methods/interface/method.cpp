@@ -9,14 +9,12 @@
 namespace scanmill {
 
 void TraceAccount::warn(BeamWarning warning) {
-  const auto place =
-      std::lower_bound(warnings.begin(), warnings.end(), warning, [](const BeamWarning& a, const BeamWarning& b) {
-        return std::tie(a.sensor, a.kind) < std::tie(b.sensor, b.kind);
-      });
-  if (place == warnings.end() || place->sensor != warning.sensor || place->kind != warning.kind) {
-    warnings.insert(place, std::move(warning));
-  } else if (place->count < warning.count) {
-    *place = std::move(warning);
+  const auto keyOf = [](const BeamWarning& w) { return std::tie(w.sensor, w.kind); };
+  const auto position = std::ranges::lower_bound(warnings, keyOf(warning), {}, keyOf);
+  if (position == warnings.end() || keyOf(*position) != keyOf(warning)) {
+    warnings.insert(position, std::move(warning));
+  } else if (position->count < warning.count) {
+    *position = std::move(warning);
   }
 }
 
@@ -28,7 +26,6 @@ TraceAccount& TraceAccount::operator+=(const TraceAccount& other) {
 
 std::vector<std::string> TraceAccount::warningTexts() const {
   std::vector<std::string> texts;
-  texts.reserve(warnings.size());
   for (const BeamWarning& warning : warnings) texts.push_back(warning.text);
   return texts;
 }

@@ -13,14 +13,15 @@ namespace {
 
 // Embree's RTCRayN and RTCHitN for N rays (Embree 3 API, rtcore_ray.h): field f of ray i is the 32-bit word f * N + i.
 enum RayField { kDirX = 4, kDirY = 5, kDirZ = 6, kFar = 8, kId = 10 };
-enum HitField { kNgX = 0, kNgY = 1, kNgZ = 2, kU = 3, kV = 4, kPrimitive = 5, kGeometry = 6, kInstance = 7 };
+enum HitField { kU = 3, kV = 4, kPrimitive = 5, kGeometry = 6, kInstance = 7 };
 
+// Embree's ids of a triangle that a ray may hit.
 struct Candidate {
   std::uint32_t instance, geometry, primitive;
 };
 
-// Returns what the tie rule compares: the instance id, then the place of the triangle in the scene. That place does not
-// depend on how meshes are divided into parts, or on which instances the world has.
+// Returns the rank that the tie rule compares: the instance id, then the triangle's position in the scene, which
+// depends neither on how meshes are divided into parts nor on which instances the world has.
 std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t> rankOf(const World& world, const Candidate& c) {
   const HitTriangle hit = hitTriangle(world, c.instance, c.geometry, c.primitive);
   if (hit.placed == nullptr) return {instanceOf(hit), c.instance, c.geometry, c.primitive};
@@ -35,41 +36,38 @@ float cosineOf(const World& world, const Candidate& c, const Vec3f& direction) {
   return static_cast<float>(std::abs(dot(normal, Vec3d(direction))));
 }
 
-float reachOf(float distance, float floor) {
-  return distance + (distance * kReach + floor);
-}
-
-// Decides whether a lane accepts a candidate hit at `distance` (m). If so, returns true and updates the context and
-// `far`, the ray's end. `direction`: direction of the ray, in the world frame.
-bool accepts(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction,
-             const Candidate& candidate, float& far) {
-  const float best = context.distance[lane];
-  bool tied = false;
-  if (std::abs(distance - best) <= distance * kReach + context.floor) {
+// Accepts or rejects a candidate hit of a lane's ray at `distance` (m). If it is accepted, returns true and sets the
+// lane's nearest hit in the context, and `far`, the ray's end. `direction`: direction of the ray (world frame).
+bool tryAccept(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction,
+               const Candidate& candidate, float& far) {
+  const float nearestSoFar = context.distance[lane];
+  bool isTie = false;
+  if (std::abs(distance - nearestSoFar) <= distance * kReach + context.floor) {
     const Candidate holder{context.instance[lane], context.geometry[lane], context.primitive[lane]};
     const float cosine =
         std::max(cosineOf(*context.world, candidate, direction), cosineOf(*context.world, holder, direction));
-    tied = std::abs(distance - best) * cosine <= kCoplanar * distance + context.floor;
-    if (tied && !(rankOf(*context.world, candidate) < rankOf(*context.world, holder))) return false;
+    isTie = std::abs(distance - nearestSoFar) * cosine <= kCoplanar * distance + context.floor;
+    if (isTie && !(rankOf(*context.world, candidate) < rankOf(*context.world, holder))) return false;
   }
-  if (!tied && !(distance < best)) return false;
-  const float nearest = tied ? std::min(distance, best) : distance;
+  if (!isTie && !(distance < nearestSoFar)) return false;
+  const float nearest = isTie ? std::min(distance, nearestSoFar) : distance;
   context.distance[lane] = nearest;
   context.instance[lane] = candidate.instance;
   context.geometry[lane] = candidate.geometry;
   context.primitive[lane] = candidate.primitive;
-  far = reachOf(nearest, context.floor);
+  far = nearest + (nearest * kReach + context.floor);
   return true;
 }
 
-// Filters the lanes one by one, for packets of any width.
-void filterLanes(const RTCFilterFunctionNArguments* a, TieContext& context) {
-  const unsigned n = a->N;
-  auto* ray = reinterpret_cast<float*>(a->ray);
+// Filters the lanes one by one, for packets of any width. Sets `valid` to 0 in lanes whose candidate is rejected. On
+// entry, `far` of a ray is its candidate's distance.
+void filterLanes(const RTCFilterFunctionNArguments* arguments, TieContext& context) {
+  const unsigned n = arguments->N;
+  auto* ray = reinterpret_cast<float*>(arguments->ray);
   const auto* ids = reinterpret_cast<const std::uint32_t*>(ray) + kId * n;
-  const auto* hitIds = reinterpret_cast<const std::uint32_t*>(a->hit);
+  const auto* hitIds = reinterpret_cast<const std::uint32_t*>(arguments->hit);
   for (unsigned i = 0; i < n; ++i) {
-    if (a->valid[i] == 0) continue;
+    if (arguments->valid[i] == 0) continue;
     Vec3f direction{ray[kDirX * n + i], ray[kDirY * n + i], ray[kDirZ * n + i]};
     const Candidate candidate{hitIds[kInstance * n + i], hitIds[kGeometry * n + i], hitIds[kPrimitive * n + i]};
     if (candidate.instance != RTC_INVALID_GEOMETRY_ID) {  // Embree gives the ray in the instance's frame
@@ -78,8 +76,8 @@ void filterLanes(const RTCFilterFunctionNArguments* a, TieContext& context) {
     }
     float& far = ray[kFar * n + i];
     const float distance = far;
-    if (!accepts(context, ids[i], distance, direction, candidate, far)) {
-      a->valid[i] = 0;
+    if (!tryAccept(context, ids[i], distance, direction, candidate, far)) {
+      arguments->valid[i] = 0;
       far = distance;
     }
   }
@@ -96,17 +94,18 @@ struct Lanes {
 // candidate may tie with the nearest hit of its lane, which is rare. On entry, `far` of a ray is its candidate's
 // distance. Uses vector types, because the compiler does not vectorise the loop of filterLanes().
 template <int N>
-void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
+void filterPacket(const RTCFilterFunctionNArguments* arguments, TieContext& context) {
   constexpr int kWidth = N < 8 ? N : 8;
   using Floats = typename Lanes<kWidth>::Floats;
   using Ints = typename Lanes<kWidth>::Ints;
-  auto* ray = reinterpret_cast<float*>(a->ray);
-  const auto* hit = reinterpret_cast<const float*>(a->hit);
-  const std::uint32_t first = reinterpret_cast<const std::uint32_t*>(ray)[kId * N];
-  const auto valid = [&](int from) -> Ints& { return *reinterpret_cast<Ints*>(a->valid + from); };
+  auto* ray = reinterpret_cast<float*>(arguments->ray);
+  const auto* hit = reinterpret_cast<const float*>(arguments->hit);
+  const std::uint32_t firstLane = reinterpret_cast<const std::uint32_t*>(ray)[kId * N];
+  // The values of kWidth lanes, from lane `from` of the packet on.
+  const auto valid = [&](int from) -> Ints& { return *reinterpret_cast<Ints*>(arguments->valid + from); };
   const auto far = [&](int from) -> Floats& { return *reinterpret_cast<Floats*>(ray + kFar * N + from); };
   const auto nearestSoFar = [&](int from) -> Floats& {
-    return *reinterpret_cast<Floats*>(context.distance + first + from);
+    return *reinterpret_cast<Floats*>(context.distance + firstLane + from);
   };
 
   Ints tieCandidates = valid(0) & 0;
@@ -117,35 +116,35 @@ void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
   }
   int anyTie = 0;
   for (int i = 0; i < kWidth; ++i) anyTie |= tieCandidates[i];
-  if (anyTie != 0) return filterLanes(a, context);
+  if (anyTie != 0) return filterLanes(arguments, context);
   for (int from = 0; from < N; from += kWidth) {
     const Floats distance = far(from);
     const Floats margin = distance * kReach + context.floor;
-    const Ints taken = valid(from) & (nearestSoFar(from) > distance);
-    nearestSoFar(from) = taken ? distance : nearestSoFar(from);
+    const Ints accepted = valid(from) & (nearestSoFar(from) > distance);
+    nearestSoFar(from) = accepted ? distance : nearestSoFar(from);
     const auto update = [&](std::uint32_t* column, int field) {
-      auto& ids = *reinterpret_cast<Ints*>(column + first + from);
-      ids = taken ? *reinterpret_cast<const Ints*>(hit + field * N + from) : ids;
+      auto& ids = *reinterpret_cast<Ints*>(column + firstLane + from);
+      ids = accepted ? *reinterpret_cast<const Ints*>(hit + field * N + from) : ids;
     };
     update(context.geometry, kGeometry);
     update(context.primitive, kPrimitive);
     update(context.instance, kInstance);
-    far(from) = taken ? distance + margin : distance;
-    valid(from) = taken;
+    far(from) = accepted ? distance + margin : distance;
+    valid(from) = accepted;
   }
 }
 
 // Rejects hits at which the texture's alpha is transparent.
-void dropTransparent(const RTCFilterFunctionNArguments* a, const World& world) {
-  const unsigned n = a->N;
-  const auto* hit = reinterpret_cast<const float*>(a->hit);
+void rejectTransparent(const RTCFilterFunctionNArguments* arguments, const World& world) {
+  const unsigned n = arguments->N;
+  const auto* hit = reinterpret_cast<const float*>(arguments->hit);
   const auto* hitIds = reinterpret_cast<const std::uint32_t*>(hit);
   for (unsigned i = 0; i < n; ++i) {
-    if (a->valid[i] == 0) continue;
-    const HitTriangle found =
+    if (arguments->valid[i] == 0) continue;
+    const HitTriangle triangle =
         hitTriangle(world, hitIds[kInstance * n + i], hitIds[kGeometry * n + i], hitIds[kPrimitive * n + i]);
     const double u = hit[kU * n + i], v = hit[kV * n + i];
-    if (transparentAt(world, *found.block, found.index, u, v)) a->valid[i] = 0;
+    if (transparentAt(world, *triangle.block, triangle.index, u, v)) arguments->valid[i] = 0;
   }
 }
 
@@ -156,22 +155,17 @@ void TieContext::reset() {
   std::fill_n(instance, kPacket, RTC_INVALID_GEOMETRY_ID);
 }
 
+// Embree calls the filter with as many lanes as it tests at once on this CPU.
 SCANMILL_BEST_INSTRUCTIONS void tieFilter(const RTCFilterFunctionNArguments* arguments) {
   auto& context = *reinterpret_cast<TieContext*>(arguments->context);
-  switch (arguments->N) {
-    case 16:
-      return filterPacket<16>(arguments, context);
-    case 8:
-      return filterPacket<8>(arguments, context);
-    case 4:
-      return filterPacket<4>(arguments, context);
-    default:
-      return filterLanes(arguments, context);
-  }
+  if (arguments->N == 16) return filterPacket<16>(arguments, context);
+  if (arguments->N == 8) return filterPacket<8>(arguments, context);
+  if (arguments->N == 4) return filterPacket<4>(arguments, context);
+  filterLanes(arguments, context);
 }
 
 void alphaTieFilter(const RTCFilterFunctionNArguments* arguments) {
-  dropTransparent(arguments, *reinterpret_cast<TieContext*>(arguments->context)->world);
+  rejectTransparent(arguments, *reinterpret_cast<TieContext*>(arguments->context)->world);
   tieFilter(arguments);
 }
 

@@ -16,7 +16,7 @@ inline HitTriangle hitTriangle(const World& world, std::uint32_t instance, std::
   const PlacedBlock* placed =
       instance == RTC_INVALID_GEOMETRY_ID ? nullptr : &world.placed[instance - World::kFirstPlaced];
   const TriangleBlock* block = placed == nullptr ? &world.baked : placed->block;
-  return {block, placed, block->global(geometry, primitive)};
+  return {block, placed, block->indexOf(geometry, primitive)};
 }
 
 // Returns the instance id of a triangle's object.
@@ -47,8 +47,10 @@ struct TieContext {
 constexpr float kCoplanar = 4e-7f;
 constexpr float kCoplanarCorners = 64;  // m; the floor covers rounding of corners up to this far from the sensor
 
+// Returns the floor (m). `sensorToOrigin`: distance of the sensor from the world's origin (m).
 inline float coplanarFloor(float sensorToOrigin) {
-  return 2.5e-7f * (sensorToOrigin + kCoplanarCorners);
+  constexpr float kRounding = 2.5e-7f;  // about four times the relative rounding error of float32, 2^-24
+  return kRounding * (sensorToOrigin + kCoplanarCorners);
 }
 
 // When a hit is accepted, the ray is not cut off at the hit but farther, by this fraction of the hit's distance plus
@@ -56,6 +58,7 @@ inline float coplanarFloor(float sensorToOrigin) {
 // incidence up to 89.98 degrees.
 constexpr float kReach = 1e-3f;
 
+// The filters for opaque and for alpha-tested triangles. Their context is a TieContext.
 void tieFilter(const RTCFilterFunctionNArguments* arguments);
 void alphaTieFilter(const RTCFilterFunctionNArguments* arguments);
 

@@ -13,16 +13,16 @@ namespace {
 // Returns a component of a direction for Embree; tiny components become 0. Embree 3.13 treats components with absolute
 // values below 1e-18 as positive when it divides by them, but not when it tests their sign: with -4e-19 in one lane,
 // all rays of a coherent packet missed surfaces that they should have hit.
-float component(double direction) {
+float nonTiny(double direction) {
   constexpr double kAlongAnAxis = 1e-12;
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
-// Returns the length (m) of a ray whose hits do not matter beyond a distance `blocked` (m): more than that, by more
-// than the range that follows from a triangle's plane can differ from the traced range.
-float endOf(float blocked, float far) {
+// Returns the length (m) of a ray whose hits do not matter beyond the distance `blockedBeyond` (m), at most `far`. The
+// margin exceeds the difference between the range that follows from a triangle's plane and the traced range.
+float endOf(float blockedBeyond, float far) {
   constexpr auto kMargin = static_cast<float>(2 * kRangeErrorBound);
-  return std::min(far, blocked + (blocked * kMargin + kMargin));
+  return std::min(far, blockedBeyond + (blockedBeyond * kMargin + kMargin));
 }
 
 // Returns the largest distance (m) of the shot's positions from the first one.
@@ -46,17 +46,19 @@ void findEnds(const PacketJob& job, const Tile& tile, float* ends) {
   }
 }
 
-void intersectAll(const PacketJob& job, const Rays& rays, const float* firedAt, const float* ends,
-                  TieContext& context) {
+// Traces a packet of rays and sets the nearest hits in `context`. `firedAt`, `ends`: by lane, see Pending and
+// findEnds().
+void intersectRays(const PacketJob& job, const Rays& rays, const float* firedAt, const float* ends,
+                   TieContext& context) {
   RTCRayHit16 packet;
   alignas(64) int valid[kPacket];
   for (int i = 0; i < kPacket; ++i) {
     packet.ray.org_x[i] = static_cast<float>(rays.ox[i]);
     packet.ray.org_y[i] = static_cast<float>(rays.oy[i]);
     packet.ray.org_z[i] = static_cast<float>(rays.oz[i]);
-    packet.ray.dir_x[i] = component(rays.dx[i]);
-    packet.ray.dir_y[i] = component(rays.dy[i]);
-    packet.ray.dir_z[i] = component(rays.dz[i]);
+    packet.ray.dir_x[i] = nonTiny(rays.dx[i]);
+    packet.ray.dir_y[i] = nonTiny(rays.dy[i]);
+    packet.ray.dir_z[i] = nonTiny(rays.dz[i]);
     packet.ray.tnear[i] = 0;
     packet.ray.tfar[i] = ends[i];
     packet.ray.time[i] = firedAt[i];
@@ -70,13 +72,14 @@ void intersectAll(const PacketJob& job, const Rays& rays, const float* firedAt, 
   intersectPacket(job.world.embree.get(), context.embree, valid, packet);
 }
 
-// Returns the triangle that a lane hits. `before`: those of the lanes before it, often the same one.
-HitTriangle triangleOf(const World& world, const TieContext& context, int lane, const HitTriangle* before) {
+// Returns the triangle that a lane's ray hits, and none if it misses. `triangles`: the triangles of the lanes before;
+// the lane's is often the last of them.
+HitTriangle triangleOf(const World& world, const TieContext& context, int lane, const HitTriangle* triangles) {
   if (!(context.distance[lane] < INFINITY)) return {};
-  const auto asBefore = [&](const std::uint32_t* column) { return column[lane] == column[lane - 1]; };
-  if (lane > 0 && context.distance[lane - 1] < INFINITY && asBefore(context.primitive) && asBefore(context.geometry) &&
-      asBefore(context.instance)) {
-    return before[lane - 1];
+  const auto isUnchanged = [&](const std::uint32_t* ids) { return ids[lane] == ids[lane - 1]; };
+  if (lane > 0 && context.distance[lane - 1] < INFINITY && isUnchanged(context.primitive) &&
+      isUnchanged(context.geometry) && isUnchanged(context.instance)) {
+    return triangles[lane - 1];
   }
   return hitTriangle(world, context.instance[lane], context.geometry[lane], context.primitive[lane]);
 }
@@ -90,6 +93,7 @@ struct Pending {
   float firedAt[kPacket];  // see HitTriangle::firedAt
 };
 
+// Sets the triangles and traced ranges of a packet whose rays are set up.
 void intersect(const PacketJob& job, Pending& p) {
   TieContext context;
   context.world = &job.world;
@@ -97,13 +101,14 @@ void intersect(const PacketJob& job, Pending& p) {
   context.reset();
   alignas(64) float ends[kPacket];
   findEnds(job, p.tile, ends);
-  intersectAll(job, p.rays, p.firedAt, ends, context);
+  intersectRays(job, p.rays, p.firedAt, ends, context);
   for (int i = 0; i < kPacket; ++i) {
     p.triangles[i] = i < p.rays.count ? triangleOf(job.world, context, i, p.triangles) : HitTriangle{};
     p.traced[i] = context.distance[i];
   }
 }
 
+// Sets up and traces the packet of a tile, and prefetches what finish() reads.
 SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p, Hits& hits) {
   p.tile = tile;
   prefetchStore(tile, hits);
@@ -116,20 +121,21 @@ SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pe
   }
 }
 
+// Resolves a traced packet and stores its hits.
 SCANMILL_BEST_INSTRUCTIONS void finish(const PacketJob& job, const Pending& p, Hits& hits) {
-  HitPlanes resolved;
+  HitPlanes planes;
   for (int i = 0; i < kPacket; ++i) {
     const HitTriangle& hit = p.triangles[i];
     if (hit.block == nullptr) {
-      loadMiss(resolved, i);
+      loadMiss(planes, i);
     } else if (i > 0 && hit.sameTriangle(p.triangles[i - 1]) && (hit.placed == nullptr || !hit.placed->moves)) {
-      loadSamePlane(p.traced[i], resolved, i);
+      loadSamePlane(p.traced[i], planes, i);
     } else {
-      loadPlane(hit, p.traced[i], resolved, i);
+      loadPlane(hit, p.traced[i], planes, i);
     }
   }
-  usePlaneRanges(p.rays, *job.shot.beams, resolved);
-  store(job.materials, p.tile, p.rays, resolved, p.triangles, hits);
+  usePlaneRanges(p.rays, *job.shot.beams, planes);
+  store(job.materials, p.tile, p.rays, planes, p.triangles, hits);
 }
 
 }  // namespace
@@ -143,20 +149,20 @@ double farthestEnd(const Shot& shot, double farthestOrigin) {
 }
 
 double farthestEnd(const Shot& shot) {
-  constexpr float kOnSensor = 1;  // m; rays that start farther from the sensor's origin continue others
+  constexpr float kLargestSensor = 1;   // m; rays that start farther from the sensor's origin continue others
+  constexpr double kRoundUp = 1.00001;  // exceeds the rounding error of the squares
   const BeamTable& beams = *shot.beams;
-  float square = 0;
-  for (const Vec3f& o : beams.origin) square = std::max(square, o.x * o.x + o.y * o.y + o.z * o.z);
-  // The factor exceeds the rounding error of the squares.
-  if (square <= kOnSensor * kOnSensor || shot.blockedBeyond.empty()) {
-    return farthestEnd(shot, 1.00001 * std::sqrt(square));
+  float farthestOrigin2 = 0;
+  for (const Vec3f& o : beams.origin) farthestOrigin2 = std::max(farthestOrigin2, dot(o, o));
+  if (farthestOrigin2 <= kLargestSensor * kLargestSensor || shot.blockedBeyond.empty()) {
+    return farthestEnd(shot, kRoundUp * std::sqrt(farthestOrigin2));
   }
   const float far = searchDistance(beams);
-  double end = 0;
+  double farthest = 0;  // from the sensor's origin
   for (std::size_t ray = 0; ray < beams.origin.size(); ++ray) {
-    end = std::max(end, length(Vec3d(beams.origin[ray])) + double{endOf(shot.blockedBeyond[ray], far)});
+    farthest = std::max(farthest, length(Vec3d(beams.origin[ray])) + double{endOf(shot.blockedBeyond[ray], far)});
   }
-  return travelOf(shot) + end;
+  return travelOf(shot) + farthest;
 }
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits) {

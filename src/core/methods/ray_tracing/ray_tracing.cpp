@@ -47,20 +47,13 @@ RayTracingOptions readRayTracingOptions(Fields& fields) {
 // kRingWeight times: packets trace fastest when their beams are close together.
 std::uint32_t bestTileColumns(const BeamTable& beams) {
   if (beams.rings < 2 || beams.raysPerBeam > 1) return kPacket;
-  const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());
-  const double down = beams.elevation.empty() ? 0 : (*high - *low) / (beams.rings - 1);
-  const double across = 2 * kPi / beams.columns;
-  std::uint32_t best = kPacket;
-  double bestSpread = INFINITY;
-  for (std::uint32_t width = kPacket; width >= 1; width /= 2) {
-    const std::uint32_t rings = kPacket / width;
-    const double spread = std::max(across * width, kRingWeight * down * rings);
-    if (spread < bestSpread) {
-      bestSpread = spread;
-      best = width;
-    }
-  }
-  return best;
+  const auto [low, high] = std::ranges::minmax_element(beams.elevation);
+  const double ringSpacing = beams.elevation.empty() ? 0 : (*high - *low) / (beams.rings - 1);  // rad, mean
+  const double columnSpacing = 2 * kPi / beams.columns;                                         // rad
+  const auto spread = [&](std::uint32_t columns) {
+    return std::max(columnSpacing * columns, kRingWeight * ringSpacing * (kPacket / columns));
+  };
+  return std::ranges::min({16u, 8u, 4u, 2u, 1u}, {}, spread);
 }
 
 // Returns the packets of a table's rays.
@@ -70,7 +63,10 @@ std::vector<Tile> packetsOf(const BeamTable& beams) {
   std::vector<Tile> tiles;
   for (std::uint32_t ring = 0; ring < beams.rings; ring += rows) {
     for (std::uint32_t column = 0; column < beams.columns; column += width) {
-      tiles.push_back({ring, column, std::min(rows, beams.rings - ring), std::min(width, beams.columns - column)});
+      tiles.push_back({.ring = ring,
+                       .column = column,
+                       .rows = std::min(rows, beams.rings - ring),
+                       .width = std::min(width, beams.columns - column)});
     }
   }
   return tiles;
@@ -99,15 +95,16 @@ class RayTracing : public Method {
     const BeamTable& beams = *shot.beams;
     hits.reset(beams.rings, beams.columns, channels);
     const std::vector<Tile> tiles = packetsOf(beams);
-    parallelFor(tiles.size(), 128, [&](std::size_t first, std::size_t last) {
-      tracePackets(job, std::span(tiles).subspan(first, last - first), hits);
+    constexpr std::size_t kGrain = 128;  // tiles per task
+    parallelFor(tiles.size(), kGrain, [&](std::size_t first, std::size_t end) {
+      tracePackets(job, std::span(tiles).subspan(first, end - first), hits);
     });
     return {};
   }
 
   std::vector<ModelledItem> modelled() const override {
-    const bool instanced = std::any_of(scene_.instances.begin(), scene_.instances.end(),
-                                       [&](const Instance& i) { return worlds_.instanced(i.mesh); });
+    const bool instanced =
+        std::ranges::any_of(scene_.instances, [&](const Instance& i) { return worlds_.instanced(i.mesh); });
     return {
         {"geometry", fmt::format("{}, one hit per ray, watertight",
                                  simplified_ ? fmt::format("simplified meshes, {} of {} placed triangles",

@@ -21,18 +21,21 @@ bool alphaTested(const Scene& scene, const Surface& surface) {
   return material.alphaTested && material.texture != nullptr;
 }
 
-// Appends either the opaque or the alpha-tested triangles of a mesh. fillPlanes() adds their planes later, in parallel.
+// Appends either the opaque or (`alpha`) the alpha-tested triangles of a mesh. fillPlanes() computes their planes
+// later, in parallel.
 void appendTriangles(TriangleBlock& block, const Scene& scene, const BlockSource& source, bool alpha) {
   const Mesh& mesh = *source.mesh;
-  std::vector<char> wanted(mesh.surfaces.size());
-  for (std::size_t s = 0; s < wanted.size(); ++s) wanted[s] = alphaTested(scene, mesh.surfaces[s]) == alpha ? 1 : 0;
-  if (std::count(wanted.begin(), wanted.end(), 1) == 0) return;
-  const std::uint32_t first = source.firstVertex;
+  std::vector<char> isAppended(mesh.surfaces.size());  // by surface
+  std::ranges::transform(mesh.surfaces, isAppended.begin(),
+                         [&](const Surface& surface) { return alphaTested(scene, surface) == alpha ? 1 : 0; });
+  if (std::ranges::count(isAppended, 1) == 0) return;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (wanted[mesh.surfaceOf[t]] == 0) continue;
-    const Triangle& c = mesh.triangles[t];
-    block.corners.push_back({c[0] + first, c[1] + first, c[2] + first});
-    block.triangles.push_back({{}, 0, source.firstSurface + mesh.surfaceOf[t], t});
+    if (isAppended[mesh.surfaceOf[t]] == 0) continue;
+    Triangle corners = mesh.triangles[t];
+    for (std::uint32_t& corner : corners) corner += source.firstVertex;
+    block.corners.push_back(corners);
+    block.triangles.push_back(
+        {.normal = {}, .offset = 0, .surface = source.firstSurface + mesh.surfaceOf[t], .primitive = t});
   }
 }
 
@@ -48,12 +51,12 @@ void fillVertices(TriangleBlock& block, const std::vector<BlockSource>& sources)
 }
 
 // Computes the triangles' planes in double from the meshes' corners and transforms, without the rounding of transformed
-// vertices.
+// vertices. The source of a triangle is the last one whose first vertex is not after the triangle's first corner.
 void fillPlanes(TriangleBlock& block, const std::vector<BlockSource>& sources) {
-  parallelFor(block.triangles.size(), 4096, [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) {
-      const auto next = std::upper_bound(sources.begin(), sources.end(), block.corners[t][0],
-                                         [](std::uint32_t v, const BlockSource& s) { return v < s.firstVertex; });
+  constexpr std::size_t kGrain = 4096;  // triangles per task
+  parallelFor(block.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto next = std::ranges::upper_bound(sources, block.corners[t][0], {}, &BlockSource::firstVertex);
       const BlockSource& source = *std::prev(next);
       BlockTriangle& triangle = block.triangles[t];
       const Triangle& corners = source.mesh->triangles[triangle.primitive];
@@ -66,29 +69,22 @@ void fillPlanes(TriangleBlock& block, const std::vector<BlockSource>& sources) {
 }
 
 bool needsUvs(const Scene& scene, const Mesh& mesh) {
-  return !mesh.uvs.empty() && std::any_of(mesh.surfaces.begin(), mesh.surfaces.end(), [&](const Surface& s) {
-    return scene.materials[s.material].texture != nullptr;
-  });
+  const auto isTextured = [&](const Surface& s) { return scene.materials[s.material].texture != nullptr; };
+  return !mesh.uvs.empty() && std::ranges::any_of(mesh.surfaces, isTextured);
 }
 
-void appendUvs(TriangleBlock& block, const Mesh& mesh) {
-  if (mesh.uvs.empty()) {
-    block.uvs.resize(block.uvs.size() + mesh.positions.size());
-  } else {
-    block.uvs.insert(block.uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
-  }
-}
-
+// Adds the triangles [first, end) of a block to an Embree scene, as the geometry `id`, unless there are none. Null
+// filters: no filter.
 void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& block, std::uint32_t first,
-                     std::uint32_t last, unsigned id, const HierarchyOptions& options, RTCFilterFunctionN filter) {
-  if (first == last) return;
+                     std::uint32_t end, unsigned id, RTCFilterFunctionN filter, RTCFilterFunctionN occlusionFilter) {
+  if (first == end) return;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, block.vertices.data(), 0,
                              sizeof(Vec3f), block.vertices.size() - 1);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, block.corners.data(),
-                             first * sizeof(Triangle), sizeof(Triangle), last - first);
+                             first * sizeof(Triangle), sizeof(Triangle), end - first);
   if (filter != nullptr) rtcSetGeometryIntersectFilterFunction(geometry, filter);
-  if (options.occlusionFilter != nullptr) rtcSetGeometryOccludedFilterFunction(geometry, options.occlusionFilter);
+  if (occlusionFilter != nullptr) rtcSetGeometryOccludedFilterFunction(geometry, occlusionFilter);
   // A scene of low quality builds each geometry with the quality set for the geometry.
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
   rtcCommitGeometry(geometry);
@@ -101,9 +97,9 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
 DeviceHandle makeDevice() {
   // Ranges differ in their last bits between instruction sets.
   const char* const isa = std::getenv("SCANMILL_ISA");
-  constexpr std::array<std::string_view, 5> kKnown{"sse2", "sse4.2", "avx", "avx2", "avx512"};
-  if (isa != nullptr && std::ranges::find(kKnown, isa) == kKnown.end()) {
-    throw InputError(fmt::format("SCANMILL_ISA={}: there are {}", isa, fmt::join(kKnown, ", ")));
+  constexpr std::array<std::string_view, 5> kIsas{"sse2", "sse4.2", "avx", "avx2", "avx512"};
+  if (isa != nullptr && std::ranges::find(kIsas, isa) == kIsas.end()) {
+    throw InputError(fmt::format("SCANMILL_ISA={}: there are {}", isa, fmt::join(kIsas, ", ")));
   }
   RTCDevice device = rtcNewDevice(isa == nullptr ? nullptr : fmt::format("isa={}", isa).c_str());
   if (device == nullptr)
@@ -119,8 +115,8 @@ std::string embreeVersion(RTCDevice device) {
 
 void attachBlock(RTCDevice device, RTCScene scene, const TriangleBlock& block, const HierarchyOptions& options) {
   const auto count = static_cast<std::uint32_t>(block.triangles.size());
-  attachTriangles(device, scene, block, 0, block.firstAlpha, 0, options, options.solidFilter);
-  attachTriangles(device, scene, block, block.firstAlpha, count, 1, options, options.alphaFilter);
+  attachTriangles(device, scene, block, 0, block.firstAlpha, 0, options.solidFilter, options.occlusionFilter);
+  attachTriangles(device, scene, block, block.firstAlpha, count, 1, options.alphaFilter, options.occlusionFilter);
 }
 
 SceneHandle newScene(RTCDevice device) {
@@ -133,11 +129,9 @@ SceneHandle newScene(RTCDevice device) {
 void fillBlock(TriangleBlock& block, const Scene& scene, const std::vector<BlockSource>& sources) {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
-  bool uvs = false;
   for (const BlockSource& s : sources) {
     vertices += s.mesh->positions.size();
     triangles += s.mesh->triangles.size();
-    uvs = uvs || needsUvs(scene, *s.mesh);
   }
   block.vertices.resize(vertices + 1);
   block.corners.reserve(triangles);
@@ -148,10 +142,9 @@ void fillBlock(TriangleBlock& block, const Scene& scene, const std::vector<Block
   }
   fillVertices(block, sources);
   fillPlanes(block, sources);
-  if (uvs) {
-    block.uvs.reserve(vertices);
-    for (const BlockSource& s : sources) appendUvs(block, *s.mesh);
-  }
+  if (std::ranges::none_of(sources, [&](const BlockSource& s) { return needsUvs(scene, *s.mesh); })) return;
+  block.uvs.resize(vertices);  // zero for meshes without texture coordinates
+  for (const BlockSource& s : sources) std::ranges::copy(s.mesh->uvs, block.uvs.begin() + s.firstVertex);
 }
 
 std::unique_ptr<TriangleBlock> blockOf(const Scene& scene, const Mesh& mesh) {

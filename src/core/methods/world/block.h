@@ -18,7 +18,7 @@ namespace scanmill {
 
 // The labels of hits on a triangle.
 struct HitSurface {
-  std::uint32_t instance = 0;
+  std::uint32_t instance = 0;  // see TriangleBlock::surfaces
   std::uint16_t semantic = 0;
   std::uint16_t material = 0;
 };
@@ -44,7 +44,8 @@ struct TriangleBlock {
   std::uint32_t firstAlpha = 0;      // triangles with at least this index are alpha-tested
 
   const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
-  std::uint32_t global(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
+  // Returns the index in `triangles` of the triangle that has these numbers in Embree.
+  std::uint32_t indexOf(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
     return primitiveOfGeometry + (geometry == 0 ? 0 : firstAlpha);
   }
 };

@@ -21,9 +21,10 @@ struct TileHits {
   bool hit(int lane) const { return planes.range[lane] < kNoRange; }
 };
 
-float texturedReflectance(const TileHits& from, const CompactMaterial& material, int lane) {
-  const HitTriangle& hit = from.triangles[lane];
-  const Vec3d point = from.rays.origin(lane) + from.rays.direction(lane) * from.planes.range[lane];
+// Returns the reflectance of the texel that a lane's ray hits.
+float texturedReflectance(const TileHits& tileHits, const CompactMaterial& material, int lane) {
+  const HitTriangle& hit = tileHits.triangles[lane];
+  const Vec3d point = tileHits.rays.origin(lane) + tileHits.rays.direction(lane) * tileHits.planes.range[lane];
   return material.texturedAt(
       textureCoordinates(hit.block->uvs, hit.block->corners[hit.index], barycentric(hit, point)));
 }
@@ -48,27 +49,21 @@ struct HitLabels {
   std::uint32_t primitive[kPacket];
 };
 
-HitLabels labelsOf(const TileHits& from) {
-  HitLabels labels;
-  const HitTriangle* last = nullptr;  // the hit whose labels the next two variables have
-  HitSurface surfaceOfLast{};
-  std::uint32_t primitiveOfLast = 0;
+// Returns zero for lanes without a hit. Neighbouring lanes often hit the same triangle, which is looked up once.
+HitLabels labelsOf(const TileHits& tileHits) {
+  HitLabels labels{};
+  const HitTriangle* lookedUp = nullptr;  // the hit whose labels `surface` and `primitive` are
+  HitSurface surface{};
+  std::uint32_t primitive = 0;
   for (int i = 0; i < kPacket; ++i) {
-    HitSurface surface{};
-    std::uint32_t primitive = 0;
-    if (from.hit(i)) {
-      const HitTriangle& t = from.triangles[i];
-      if (last == nullptr || !t.sameTriangle(*last)) {
-        const BlockTriangle& triangle = t.block->triangles[t.index];
-        surfaceOfLast = t.block->surfaces[triangle.surface];
-        primitiveOfLast = triangle.primitive;
-        if (t.placed != nullptr) {
-          surfaceOfLast.instance = instanceId(t.placed->firstInstanceId, surfaceOfLast.instance);
-        }
-        last = &t;
-      }
-      surface = surfaceOfLast;
-      primitive = primitiveOfLast;
+    if (!tileHits.hit(i)) continue;
+    const HitTriangle& hit = tileHits.triangles[i];
+    if (lookedUp == nullptr || !hit.sameTriangle(*lookedUp)) {
+      const BlockTriangle& triangle = hit.block->triangles[hit.index];
+      surface = hit.block->surfaces[triangle.surface];
+      primitive = triangle.primitive;
+      if (hit.placed != nullptr) surface.instance = instanceId(hit.placed->firstInstanceId, surface.instance);
+      lookedUp = &hit;
     }
     labels.instance[i] = surface.instance;
     labels.semantic[i] = surface.semantic;
@@ -78,64 +73,58 @@ HitLabels labelsOf(const TileHits& from) {
   return labels;
 }
 
-void storeReflectance(const TileHits& from, const std::vector<CompactMaterial>& materials, const HitLabels& labels,
+void storeReflectance(const TileHits& tileHits, const std::vector<CompactMaterial>& materials, const HitLabels& labels,
                       Hits& hits) {
   float reflectance[kPacket];
   for (int i = 0; i < kPacket; ++i) {
     const CompactMaterial& material = materials[labels.material[i]];
-    reflectance[i] = from.hit(i) ? material.reflectance : 0.0f;
-    if (from.hit(i) && material.texture != nullptr) reflectance[i] = texturedReflectance(from, material, i);
+    reflectance[i] = tileHits.hit(i) ? material.reflectance : 0.0f;
+    if (tileHits.hit(i) && material.texture != nullptr) reflectance[i] = texturedReflectance(tileHits, material, i);
   }
-  storeRows(from.tile, reflectance, hits.reflectance, hits.columns);
+  storeRows(tileHits.tile, reflectance, hits.reflectance, hits.columns);
 }
 
-void storeIncidence(const TileHits& from, Hits& hits) {
+void storeIncidence(const TileHits& tileHits, Hits& hits) {
   alignas(64) float incidence[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    const double cosine = std::abs(from.planes.cosine[i]);
+    const double cosine = std::abs(tileHits.planes.cosine[i]);
     const double bounded = cosine < 1 ? cosine : 1;
-    incidence[i] = static_cast<float>(from.hit(i) ? bounded : 0);
+    incidence[i] = static_cast<float>(tileHits.hit(i) ? bounded : 0);
   }
-  storeRows(from.tile, incidence, hits.incidence, hits.columns);
+  storeRows(tileHits.tile, incidence, hits.incidence, hits.columns);
 }
 
-void storeNormals(const TileHits& from, Hits& hits) {
-  const HitPlanes& planes = from.planes;
+// Stores unit normals that are turned against the rays, and zero for misses.
+void storeNormals(const TileHits& tileHits, Hits& hits) {
+  const HitPlanes& planes = tileHits.planes;
   alignas(64) float x[kPacket], y[kPacket], z[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    const double towards = planes.cosine[i] > 0 ? -1 : 1;
-    const bool hit = from.hit(i);
-    x[i] = static_cast<float>(hit ? planes.nx[i] * towards : 0);
-    y[i] = static_cast<float>(hit ? planes.ny[i] * towards : 0);
-    z[i] = static_cast<float>(hit ? planes.nz[i] * towards : 0);
+    const double sign = planes.cosine[i] > 0 ? -1 : 1;
+    const bool hit = tileHits.hit(i);
+    x[i] = static_cast<float>(hit ? planes.nx[i] * sign : 0);
+    y[i] = static_cast<float>(hit ? planes.ny[i] * sign : 0);
+    z[i] = static_cast<float>(hit ? planes.nz[i] * sign : 0);
   }
   Vec3f normal[kPacket];
   for (int i = 0; i < kPacket; ++i) normal[i] = {x[i], y[i], z[i]};
-  storeRows(from.tile, normal, hits.normal, hits.columns);
+  storeRows(tileHits.tile, normal, hits.normal, hits.columns);
 }
 
-// Values of the lanes of a packet. The second half is room for writes of kPacket values that begin at any lane.
-struct PaddedLane {
-  alignas(64) double value[2 * kPacket];
-
-  void fillFrom(int lane, double with) { std::fill_n(value + lane, kPacket, with); }
-};
-
-// The poses of the rays of a packet: lane by lane the columns of the rotation, and the position.
+// The poses of the rays of a packet, by component and lane. The components are the columns of the rotation, then the
+// position. The second half of the lanes is room for writes of kPacket values that begin at any lane.
 struct LanePoses {
-  PaddedLane value[12];
+  alignas(64) double component[12][2 * kPacket];
 
-  void fillFrom(int lane, const Mat3& rotation, const Vec3d& position) {
+  // Sets the poses of all lanes from `firstLane` on.
+  void fillFrom(int firstLane, const Mat3& rotation, const Vec3d& position) {
     int k = 0;
     for (const Vec3d* v : {&rotation.x, &rotation.y, &rotation.z, &position}) {
-      value[k++].fillFrom(lane, v->x);
-      value[k++].fillFrom(lane, v->y);
-      value[k++].fillFrom(lane, v->z);
+      for (const double value : {v->x, v->y, v->z}) std::fill_n(component[k++] + firstLane, kPacket, value);
     }
   }
 };
 
-// Sets up kPacket neighbouring rays of one ring. The arithmetic is that of Mat3 * Vec3d, lane by lane.
+// Sets up the rays of a tile of one ring and kPacket columns. The arithmetic is that of Mat3 * Vec3d, lane by lane.
 void setUpRowOfRays(const ShotFrame& frame, const BeamTable& beams, const Tile& tile, Rays& rays) {
   const std::size_t first = std::size_t{tile.ring} * beams.columns + tile.column;
   const std::uint32_t* const step = &frame.step[tile.column];
@@ -144,7 +133,7 @@ void setUpRowOfRays(const ShotFrame& frame, const BeamTable& beams, const Tile& 
     if (lane > 0 && step[lane] == step[lane - 1]) continue;
     poses.fillFrom(lane, frame.rotation[step[lane]], frame.position[step[lane]]);
   }
-  const auto pose = [&](int k) { return poses.value[k].value; };
+  const auto pose = [&](int k) { return poses.component[k]; };
   const Vec3d* const directions = &beams.direction[first];
   for (int i = 0; i < kPacket; ++i) {
     const Vec3d d = directions[i];
@@ -170,8 +159,8 @@ void setUpRowOfRays(const ShotFrame& frame, const BeamTable& beams, const Tile& 
 }  // namespace
 
 RangeLimits limitsOf(const BeamTable& beams) {
-  return {beams.minRange > 0 ? beams.minRange : std::numeric_limits<double>::denorm_min(),
-          beams.maxRange * (1 + 1e-12)};
+  constexpr double kRoundUp = 1 + 1e-12;  // so that a hit at exactly the maximum range counts
+  return {beams.minRange > 0 ? beams.minRange : std::numeric_limits<double>::denorm_min(), beams.maxRange * kRoundUp};
 }
 
 ShotFrame frameOf(const Shot& shot, const Vec3d& origin, double duration) {
@@ -196,8 +185,8 @@ ShotFrame frameOf(const Shot& shot, const Vec3d& origin, double duration) {
 float firingFraction(const BeamTable& beams, std::size_t ray, double duration) {
   if (duration <= 0) return 0;
   const auto column = static_cast<std::uint32_t>(ray % beams.columns);
-  const double time =
-      beams.time.empty() ? beams.columnTime(column / beams.raysPerBeam * beams.raysPerBeam) : double{beams.time[ray]};
+  const std::uint32_t firstColumnOfBeam = column / beams.raysPerBeam * beams.raysPerBeam;
+  const double time = beams.time.empty() ? beams.columnTime(firstColumnOfBeam) : double{beams.time[ray]};
   return static_cast<float>(std::clamp(time / duration, 0.0, 1.0));
 }
 
@@ -251,24 +240,24 @@ SCANMILL_BEST_INSTRUCTIONS void setUpRays(const Shot& shot, const ShotFrame& fra
 SCANMILL_BEST_INSTRUCTIONS void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes) {
   const RangeLimits limits = limitsOf(beams);
   for (int i = 0; i < kPacket; ++i) {
-    const double along = planes.nx[i] * rays.dx[i] + planes.ny[i] * rays.dy[i] + planes.nz[i] * rays.dz[i];
-    const double origin = planes.nx[i] * rays.ox[i] + planes.ny[i] * rays.oy[i] + planes.nz[i] * rays.oz[i];
-    const double toPlane = (planes.offset[i] - origin) / along;
-    const double low = planes.traced[i] - (kRangeErrorBound * planes.traced[i] + kRangeErrorBound);
-    const double high = planes.traced[i] + (kRangeErrorBound * planes.traced[i] + kRangeErrorBound);
-    double range = toPlane > low ? toPlane : low;  // `low` also if `toPlane` is NaN
-    range = range < high ? range : high;
-    const bool inside = (range >= limits.nearest) & (range <= limits.farthest) & (planes.traced[i] < kNoRange);
-    planes.range[i] = inside ? range : kNoRange;
-    planes.cosine[i] = along;
+    const double cosine = planes.nx[i] * rays.dx[i] + planes.ny[i] * rays.dy[i] + planes.nz[i] * rays.dz[i];
+    const double originOffset = planes.nx[i] * rays.ox[i] + planes.ny[i] * rays.oy[i] + planes.nz[i] * rays.oz[i];
+    const double toPlane = (planes.offset[i] - originOffset) / cosine;
+    const double least = planes.traced[i] - (kRangeErrorBound * planes.traced[i] + kRangeErrorBound);
+    const double most = planes.traced[i] + (kRangeErrorBound * planes.traced[i] + kRangeErrorBound);
+    double range = toPlane > least ? toPlane : least;  // `least` also if `toPlane` is NaN
+    range = range < most ? range : most;
+    const bool isHit = (range >= limits.nearest) & (range <= limits.farthest) & (planes.traced[i] < kNoRange);
+    planes.range[i] = isHit ? range : kNoRange;
+    planes.cosine[i] = cosine;
   }
 }
 
 SCANMILL_BEST_INSTRUCTIONS void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes) {
   const RangeLimits limits = limitsOf(beams);
   for (int i = 0; i < kPacket; ++i) {
-    const bool inside = (planes.traced[i] >= limits.nearest) & (planes.traced[i] <= limits.farthest);
-    planes.range[i] = inside ? planes.traced[i] : kNoRange;
+    const bool isHit = (planes.traced[i] >= limits.nearest) & (planes.traced[i] <= limits.farthest);
+    planes.range[i] = isHit ? planes.traced[i] : kNoRange;
     planes.cosine[i] = planes.nx[i] * rays.dx[i] + planes.ny[i] * rays.dy[i] + planes.nz[i] * rays.dz[i];
   }
 }
@@ -298,19 +287,19 @@ static_assert(kChannels.size() == 8, "fill the new channel in store()");
 
 SCANMILL_BEST_INSTRUCTIONS void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
                                       const HitPlanes& planes, const HitTriangle* triangles, Hits& hits) {
-  const TileHits from{tile, rays, planes, triangles};
+  const TileHits tileHits{tile, rays, planes, triangles};
   const Channels requested = hits.channels;
   alignas(64) float range[kPacket];
   for (int i = 0; i < kPacket; ++i) range[i] = static_cast<float>(planes.range[i]);
   storeRows(tile, range, hits.range, hits.columns);
-  if (requested.has(Channel::Incidence)) storeIncidence(from, hits);
-  if (requested.has(Channel::Normal)) storeNormals(from, hits);
-  const HitLabels labels = labelsOf(from);
+  if (requested.has(Channel::Incidence)) storeIncidence(tileHits, hits);
+  if (requested.has(Channel::Normal)) storeNormals(tileHits, hits);
+  const HitLabels labels = labelsOf(tileHits);
   if (requested.has(Channel::Instance)) storeRows(tile, labels.instance, hits.instance, hits.columns);
   if (requested.has(Channel::Semantic)) storeRows(tile, labels.semantic, hits.semantic, hits.columns);
   if (requested.has(Channel::Material)) storeRows(tile, labels.material, hits.material, hits.columns);
   if (requested.has(Channel::Primitive)) storeRows(tile, labels.primitive, hits.primitive, hits.columns);
-  if (requested.has(Channel::Reflectance)) storeReflectance(from, materials, labels, hits);
+  if (requested.has(Channel::Reflectance)) storeReflectance(tileHits, materials, labels, hits);
 }
 
 }  // namespace scanmill

@@ -47,10 +47,11 @@ struct Rays {
   Vec3d direction(int lane) const { return {dx[lane], dy[lane], dz[lane]}; }
 };
 
+// The triangle that a ray hits.
 struct HitTriangle {
   const TriangleBlock* block = nullptr;  // null: the ray hits nothing
   const PlacedBlock* placed = nullptr;   // null: the triangle is baked
-  std::uint32_t index = 0;
+  std::uint32_t index = 0;               // index into TriangleBlock::triangles
   float firedAt = 0;  // time at which the ray fires, as a fraction of the revolution (0 to 1), which determines the
                       // pose of a moving mesh
 
@@ -73,44 +74,45 @@ struct HitPlanes {
 // if `duration` is 0, which means that nothing in the scene moves.
 float firingFraction(const BeamTable& beams, std::size_t ray, double duration);
 
+// Sets `rays` to the rays of a tile. `frame`: the shot's frame.
 void setUpRays(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
 
 // Sets `fractions` to the times at which a tile's rays fire, as firingFraction() does for one ray; lanes without a ray
 // get 0.
 void fillFiringFractions(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration, float* fractions);
 
-// Loads the plane of a triangle that a ray has hit at about the range `traced` (m).
-inline void loadPlane(const HitTriangle& hit, float traced, HitPlanes& r, int lane) {
+// Sets the lane's plane to the plane of a triangle that the lane's ray has hit at about the range `traced` (m).
+inline void loadPlane(const HitTriangle& hit, float traced, HitPlanes& planes, int lane) {
   const BlockTriangle& triangle = hit.block->triangles[hit.index];
   Vec3d normal = triangle.normal;
   double offset = triangle.offset;
   if (hit.placed != nullptr) {
     const bool moves = hit.placed->moves;
-    const Affine now = moves ? hit.placed->at(double{hit.firedAt}) : hit.placed->originFromMesh;
-    normal = (moves ? transposed(inverse(now.linear)) : hit.placed->normalFromMesh) * normal;
+    const Affine originFromMesh = moves ? hit.placed->at(double{hit.firedAt}) : hit.placed->originFromMesh;
+    normal = (moves ? transposed(inverse(originFromMesh.linear)) : hit.placed->normalFromMesh) * normal;
     const double scale = 1 / length(normal);
     normal = normal * scale;
-    offset = offset * scale + dot(normal, now.translation);
+    offset = offset * scale + dot(normal, originFromMesh.translation);
   }
-  r.nx[lane] = normal.x;
-  r.ny[lane] = normal.y;
-  r.nz[lane] = normal.z;
-  r.offset[lane] = offset;
-  r.traced[lane] = double{traced};
+  planes.nx[lane] = normal.x;
+  planes.ny[lane] = normal.y;
+  planes.nz[lane] = normal.z;
+  planes.offset[lane] = offset;
+  planes.traced[lane] = double{traced};
 }
 
-// Loads the plane that the lane before has, for a ray that hits the same triangle.
-inline void loadSamePlane(float traced, HitPlanes& r, int lane) {
-  r.nx[lane] = r.nx[lane - 1];
-  r.ny[lane] = r.ny[lane - 1];
-  r.nz[lane] = r.nz[lane - 1];
-  r.offset[lane] = r.offset[lane - 1];
-  r.traced[lane] = double{traced};
+// Sets the lane's plane to the plane of the lane before, whose ray hits the same triangle.
+inline void loadSamePlane(float traced, HitPlanes& planes, int lane) {
+  planes.nx[lane] = planes.nx[lane - 1];
+  planes.ny[lane] = planes.ny[lane - 1];
+  planes.nz[lane] = planes.nz[lane - 1];
+  planes.offset[lane] = planes.offset[lane - 1];
+  planes.traced[lane] = double{traced};
 }
 
-inline void loadMiss(HitPlanes& r, int lane) {
-  r.nx[lane] = r.ny[lane] = r.nz[lane] = r.offset[lane] = 0;
-  r.traced[lane] = std::numeric_limits<double>::infinity();
+inline void loadMiss(HitPlanes& planes, int lane) {
+  planes.nx[lane] = planes.ny[lane] = planes.nz[lane] = planes.offset[lane] = 0;
+  planes.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
 // The nearest and the farthest range that a sensor reports (m).
@@ -132,7 +134,7 @@ void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes)
 // Sets each range to the traced range. A hit outside of the sensor's range limits becomes a miss.
 void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes);
 
-// Writes the tile's hits to the channels that `hits` has.
+// Writes the tile's hits to the channels that `hits` has. `materials`: those of the scene. `triangles`: one per lane.
 void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const HitPlanes& planes,
            const HitTriangle* triangles, Hits& hits);
 

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns a mesh of some of a mesh's triangles, with the vertices that they use.
+// Returns a mesh of some of a mesh's triangles (indices), with the vertices that these triangles use.
 Mesh excerpt(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   constexpr std::uint32_t kUnused = 0xFFFFFFFFu;
   thread_local std::vector<std::uint32_t> numbers;  // by vertex of the mesh: its number in the excerpt, or kUnused
@@ -51,16 +51,13 @@ SharedMeshes::SharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::v
     const Mesh& mesh = scene.meshes[m];
     firstPart_.push_back(parts_.size());
     if (!instanced[m]) continue;
-    if (divided && mesh.triangles.size() > 2 * kTrianglesOfPart) {
-      divide(mesh);
-      continue;
-    }
-    addPart(mesh, mesh.bounds(), {});
+    divided&& mesh.triangles.size() > 2 * kTrianglesOfPart ? divide(mesh) : addPart(mesh, mesh.bounds(), {});
   }
   firstPart_.push_back(parts_.size());
 }
 
-// Divides a mesh by a grid of squares, seen from above; a triangle belongs to the square of its first corner.
+// Divides a mesh by a grid of squares, seen from above, into parts of kTrianglesOfPart triangles on average. A triangle
+// belongs to the square of its first corner.
 void SharedMeshes::divide(const Mesh& mesh) {
   const Box box = mesh.bounds();
   const double width = box.high.x - box.low.x;
@@ -74,9 +71,9 @@ void SharedMeshes::divide(const Mesh& mesh) {
   std::vector<Box> boxes(cells.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& corners = mesh.triangles[t];
-    const Vec3d place(mesh.positions[corners[0]]);
-    const std::size_t cell = static_cast<std::size_t>((place.y - box.low.y) / side) * columns +
-                             static_cast<std::size_t>((place.x - box.low.x) / side);
+    const Vec3d a(mesh.positions[corners[0]]);
+    const std::size_t cell = static_cast<std::size_t>((a.y - box.low.y) / side) * columns +
+                             static_cast<std::size_t>((a.x - box.low.x) / side);
     cells[cell].push_back(t);
     for (const std::uint32_t corner : corners) boxes[cell].add(Vec3d(mesh.positions[corner]));
   }
@@ -99,7 +96,7 @@ void SharedMeshes::build(std::span<const std::size_t> numbers) const {
       Part::State missing = Part::State::Missing;
       if (!part.state.compare_exchange_strong(missing, Part::State::InProgress)) continue;
       try {
-        make(part);
+        buildPart(part);
       } catch (...) {
         part.failure = std::current_exception();  // rethrown in each thread that needs the part
       }
@@ -114,13 +111,14 @@ void SharedMeshes::build(std::span<const std::size_t> numbers) const {
   }
 }
 
-void SharedMeshes::make(Part& part) const {
+// Sets the part's block and hierarchy.
+void SharedMeshes::buildPart(Part& part) const {
   if (part.triangles.empty()) {
     part.block = blockOf(scene_, *part.mesh);
   } else {
     part.block = blockOf(scene_, excerpt(*part.mesh, part.triangles));
     for (BlockTriangle& triangle : part.block->triangles) triangle.primitive = part.triangles[triangle.primitive];
-    std::vector<std::uint32_t>().swap(part.triangles);
+    part.triangles = std::vector<std::uint32_t>();  // frees the memory
   }
   part.hierarchy = newScene(device_);
   attachBlock(device_, part.hierarchy.get(), *part.block, options_);

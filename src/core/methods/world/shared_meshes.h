@@ -37,8 +37,9 @@ class SharedMeshes {
   SharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
                const HierarchyOptions& options, bool divided = false);
 
-  // Returns the numbers of a mesh's parts: from first(mesh) to first(mesh + 1).
-  std::size_t first(std::size_t mesh) const { return firstPart_[mesh]; }
+  // Returns the number of a mesh's first part; the mesh has the parts from firstPart(mesh) to before
+  // firstPart(mesh + 1).
+  std::size_t firstPart(std::size_t mesh) const { return firstPart_[mesh]; }
   const Part& part(std::size_t number) const { return parts_[number]; }
 
   // Builds the parts with these numbers that are missing. Threads that want the same parts share the work. Throws Error
@@ -50,7 +51,7 @@ class SharedMeshes {
  private:
   void divide(const Mesh& mesh);
   void addPart(const Mesh& mesh, const Box& bounds, std::vector<std::uint32_t> triangles);
-  void make(Part& part) const;
+  void buildPart(Part& part) const;
 
   RTCDeviceTy* device_;
   const Scene& scene_;

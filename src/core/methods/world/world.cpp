@@ -16,6 +16,9 @@ namespace {
 // equally fast, and instancing takes half the memory.
 constexpr std::uint64_t kFlattenedTriangles = 500'000;
 
+constexpr std::uint64_t kMostVertices = 0xFFFFFFF0u;  // of a block, whose indices have 32 bits
+
+// Fills World::baked with the instances of all meshes that are not instanced.
 void bake(World& world, const std::vector<bool>& instanced) {
   const Scene& scene = *world.scene;
   TriangleBlock& block = world.baked;
@@ -24,14 +27,14 @@ void bake(World& world, const std::vector<bool>& instanced) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     if (instanced[instance.mesh] || mesh.triangles.empty()) continue;
-    const Affine& place = instance.worldFromMesh;
-    sources.push_back({&mesh,
-                       {place.linear, place.translation - world.origin},
-                       static_cast<std::uint32_t>(vertices),
-                       static_cast<std::uint32_t>(block.surfaces.size())});
+    const Affine& worldFromMesh = instance.worldFromMesh;
+    sources.push_back({.mesh = &mesh,
+                       .blockFromMesh = {worldFromMesh.linear, worldFromMesh.translation - world.origin},
+                       .firstVertex = static_cast<std::uint32_t>(vertices),
+                       .firstSurface = static_cast<std::uint32_t>(block.surfaces.size())});
     for (const Surface& s : mesh.surfaces) block.surfaces.push_back({instanceId(instance, s), s.semantic, s.material});
     vertices += mesh.positions.size();
-    if (vertices > 0xFFFFFFF0u) {
+    if (vertices > kMostVertices) {
       throw Error(
           "the scene has over 4 billion vertices in meshes that are placed once: place repeated meshes as copies of "
           "one object");
@@ -60,13 +63,13 @@ void attachInstance(RTCDevice device, RTCScene scene, RTCScene shared, const Pla
 }
 
 // Returns the distance of a box from the origin (m).
-double distanceOf(const Box& box) {
-  const auto beyond = [](double low, double high) { return std::max({low, -high, 0.0}); };
-  return length(Vec3d{beyond(box.low.x, box.high.x), beyond(box.low.y, box.high.y), beyond(box.low.z, box.high.z)});
+double distanceFromOrigin(const Box& box) {
+  const auto gap = [](double low, double high) { return std::max({low, -high, 0.0}); };
+  return length(Vec3d{gap(box.low.x, box.high.x), gap(box.low.y, box.high.y), gap(box.low.z, box.high.z)});
 }
 
 // Sets World::placed, without blocks, to the parts of instanced meshes that are within reach at some time of the
-// revolution. Returns their numbers.
+// revolution. Returns the number of each part in `shared`.
 std::vector<std::size_t> placeParts(World& world, const std::vector<bool>& instanced, const SharedMeshes& shared) {
   const Revolution& revolution = world.revolution;
   std::vector<std::size_t> parts;
@@ -75,26 +78,25 @@ std::vector<std::size_t> placeParts(World& world, const std::vector<bool>& insta
     if (!instanced[instance.mesh]) continue;
     const RigidMotion* const motion = revolution.placed == nullptr ? nullptr : revolution.placed->find(i);
     if (motion != nullptr && motion->hidden) continue;
-    const auto placeAt = [&](double when) {
-      const Affine a = worldFromMeshAt(instance, i, revolution.placed.get(), when);
-      return Affine{a.linear, a.translation - world.origin};
+    const auto originFromMeshAt = [&](double time) {
+      const Affine worldFromMesh = worldFromMeshAt(instance, i, revolution.placed.get(), time);
+      return Affine{worldFromMesh.linear, worldFromMesh.translation - world.origin};
     };
+    const bool moves = motion != nullptr ? motion->moves() : instance.movement != nullptr;
     PlacedBlock placed;
     placed.instance = i;
-    placed.originFromMesh = placeAt(revolution.time);
+    placed.originFromMesh = originFromMeshAt(revolution.time);
     placed.normalFromMesh = transposed(inverse(placed.originFromMesh.linear));
     placed.firstInstanceId = instance.firstInstanceId;
-    if ((motion != nullptr ? motion->moves() : instance.movement != nullptr) && revolution.duration > 0) {
-      placed.atEnd = placeAt(revolution.time + revolution.duration);
-      placed.moves = true;
-    }
+    placed.moves = moves && revolution.duration > 0;
+    if (placed.moves) placed.atEnd = originFromMeshAt(revolution.time + revolution.duration);
     const std::uint32_t mesh = instance.meshAt(revolution.time + revolution.duration / 2);
-    for (std::size_t part = shared.first(mesh); part < shared.first(mesh + 1); ++part) {
+    for (std::size_t part = shared.firstPart(mesh); part < shared.firstPart(mesh + 1); ++part) {
       const Box& bounds = shared.part(part).bounds;
       if (bounds.empty()) continue;
       Box box = boxAround(placed.originFromMesh, bounds);
       if (placed.moves) box.add(boxAround(placed.atEnd, bounds));
-      if (distanceOf(box) > revolution.reach) continue;
+      if (distanceFromOrigin(box) > revolution.reach) continue;
       world.placed.push_back(placed);
       parts.push_back(part);
     }
@@ -104,9 +106,9 @@ std::vector<std::size_t> placeParts(World& world, const std::vector<bool>& insta
 
 }  // namespace
 
-Affine PlacedBlock::at(double part) const {
+Affine PlacedBlock::at(double fraction) const {
   if (!moves) return originFromMesh;
-  const auto between = [part](const Vec3d& a, const Vec3d& b) { return a + (b - a) * part; };
+  const auto between = [fraction](const Vec3d& a, const Vec3d& b) { return a + (b - a) * fraction; };
   const Mat3& a = originFromMesh.linear;
   const Mat3& b = atEnd.linear;
   return {{between(a.x, b.x), between(a.y, b.y), between(a.z, b.z)},
@@ -118,16 +120,15 @@ bool worldsMove(const Scene& scene, Instancing instancing) {
 }
 
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing) {
-  const UnreducedScene* const unreduced = scene.unreduced.get();
-  const std::vector<std::uint64_t> copies = unreduced != nullptr ? unreduced->copies : scene.copies();
-  const bool large =
-      (unreduced != nullptr ? unreduced->placedTriangles : scene.placedTriangles()) > kFlattenedTriangles;
-  const bool moves = worldsMove(scene, instancing);
-  std::vector<bool> instanced(scene.meshes.size());
-  for (std::size_t m = 0; m < instanced.size(); ++m) {
-    instanced[m] =
-        moves || instancing == Instancing::Always || (instancing == Instancing::Auto && large && copies[m] > 1);
+  if (instancing == Instancing::Always || worldsMove(scene, instancing)) {
+    return std::vector<bool>(scene.meshes.size(), true);
   }
+  std::vector<bool> instanced(scene.meshes.size());
+  const UnreducedScene* const unreduced = scene.unreduced.get();
+  const std::uint64_t triangles = unreduced != nullptr ? unreduced->placedTriangles : scene.placedTriangles();
+  if (instancing == Instancing::Never || triangles <= kFlattenedTriangles) return instanced;
+  const std::vector<std::uint64_t> copies = unreduced != nullptr ? unreduced->copies : scene.copies();
+  for (std::size_t m = 0; m < instanced.size(); ++m) instanced[m] = copies[m] > 1;
   return instanced;
 }
 

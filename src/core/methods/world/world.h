@@ -27,7 +27,7 @@ struct PlacedBlock {
                       // Embree
 
   // Returns originFromMesh at a fraction of the revolution, 0 to 1.
-  Affine at(double part) const;
+  Affine at(double fraction) const;
 };
 
 enum class Instancing { Auto, Always, Never };
@@ -63,7 +63,8 @@ struct World {
                                                     // have these numbers
 };
 
-// `shared` must outlive the world.
+// Builds the world of a scene around `origin` (m). `instanced`: the result of instancedMeshes(). `shared`: the meshes
+// that are instanced; must outlive the world, as the scene.
 std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const Vec3d& origin,
                                   const std::vector<bool>& instanced, const SharedMeshes& shared,
                                   const HierarchyOptions& options, const Revolution& revolution = {});

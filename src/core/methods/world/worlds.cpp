@@ -14,16 +14,12 @@ constexpr std::size_t kWorldsInMemory = 2;  // number of cached worlds if nothin
 
 constexpr std::uint64_t kBytesPerTriangle = 150;  // bytes, measured: hierarchy, corners and records
 
-Vec3d centerOf(const Box& box) {
-  return box.empty() ? Vec3d{} : box.center();
-}
-
 }  // namespace
 
 Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options)
     : scene_(scene),
       options_(options),
-      anchor_(centerOf(scene.bounds())),
+      gridCentre_(scene.bounds().empty() ? Vec3d{} : scene.bounds().center()),
       device_(makeDevice()),
       moves_(worldsMove(scene, instancing)),
       instanced_(instancedMeshes(scene, instancing)),
@@ -31,8 +27,9 @@ Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions
 
 std::uint64_t Worlds::triangles() const {
   std::uint64_t triangles = 0;
-  for (const Instance& i : scene_.instances)
+  for (const Instance& i : scene_.instances) {
     triangles += instanced_[i.mesh] ? 0 : scene_.meshes[i.mesh].triangles.size();
+  }
   for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
     triangles += instanced_[m] ? scene_.meshes[m].triangles.size() : 0;
   }
@@ -46,13 +43,16 @@ std::uint64_t Worlds::memoryBytes() const {
 std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, double time, double duration,
                                           const std::shared_ptr<const Placements>& placed) const {
   const double grid = moves_ ? kMovingOriginGrid : kOriginGrid;
-  const auto cell = [grid](double d) { return std::round(d / grid) * grid; };
-  const Vec3d offset = sensor - anchor_;
-  const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
+  const auto snapped = [grid](double coordinate) { return std::round(coordinate / grid) * grid; };
+  const Vec3d offset = sensor - gridCentre_;
+  const Vec3d origin = gridCentre_ + Vec3d{snapped(offset.x), snapped(offset.y), snapped(offset.z)};
   Revolution revolution;
   if (moves_) {
-    // Rounds up, so that shots of one revolution that differ little share a world.
-    revolution = {time, duration, std::ceil((length(sensor - origin) + reach) / grid) * grid, placed};
+    // The reach is rounded up, so that shots of one revolution that differ little share a world.
+    revolution = {.time = time,
+                  .duration = duration,
+                  .reach = std::ceil((length(sensor - origin) + reach) / grid) * grid,
+                  .placed = placed};
   }
   const std::shared_ptr<Slot> slot = slotOf(origin, revolution);
   std::call_once(slot->built, [&] {
@@ -61,15 +61,16 @@ std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, dou
   return {slot, slot->world.get()};
 }
 
+// Returns the slot of a world with this origin and revolution and at least its reach; a new slot if there is none.
 std::shared_ptr<Worlds::Slot> Worlds::slotOf(const Vec3d& origin, const Revolution& revolution) const {
-  const auto isOwn = [&](const std::shared_ptr<Slot>& slot) {
-    const Revolution& known = slot->revolution;
-    return slot->origin == origin && known.time == revolution.time && known.duration == revolution.duration &&
-           known.placed == revolution.placed && known.reach >= revolution.reach;
+  const auto fits = [&](const std::shared_ptr<Slot>& slot) {
+    const Revolution& cached = slot->revolution;
+    return slot->origin == origin && cached.time == revolution.time && cached.duration == revolution.duration &&
+           cached.placed == revolution.placed && cached.reach >= revolution.reach;
   };
-  const auto most = moves_ ? static_cast<std::size_t>(threadCount()) + 1 : kWorldsInMemory;
+  const auto mostWorlds = moves_ ? static_cast<std::size_t>(threadCount()) + 1 : kWorldsInMemory;
   const std::scoped_lock lock(mutex_);
-  return worlds_.findOrAdd(isOwn, most, [&] {
+  return worlds_.findOrAdd(fits, mostWorlds, [&] {
     auto slot = std::make_shared<Slot>();
     slot->origin = origin;
     slot->revolution = revolution;

@@ -49,7 +49,7 @@ class Worlds {
 
   const Scene& scene_;
   HierarchyOptions options_;
-  Vec3d anchor_;
+  Vec3d gridCentre_;  // m, the scene's centre
   DeviceHandle device_;
   bool moves_;
   std::vector<bool> instanced_;

@@ -187,10 +187,9 @@ ChunkRange append(ViewBatch& batch, ViewBatch&& meshBatch) {
                          static_cast<std::uint32_t>(batch.chunks.size() + meshBatch.chunks.size())};
   const auto firstTriangle = static_cast<std::uint32_t>(batch.original.size());
   for (ViewChunk& chunk : meshBatch.chunks) chunk.firstTriangle += firstTriangle;
-  // Appends and frees an array, so that two copies of the scene are never in memory.
   const auto append = [&](auto ViewBatch::*array) {
-    (batch.*array).insert((batch.*array).end(), (meshBatch.*array).begin(), (meshBatch.*array).end());
-    meshBatch.*array = {};
+    const auto part = std::move(meshBatch.*array);  // freed below, so that memory never holds two copies of the scene
+    (batch.*array).insert((batch.*array).end(), part.begin(), part.end());
   };
   append(&ViewBatch::positions);
   append(&ViewBatch::uvs);

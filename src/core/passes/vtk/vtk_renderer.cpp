@@ -51,10 +51,12 @@ struct Device {
       plugin->upload(geometry);
       plugin->finish();
     });
-    for (ViewBatch* batch : {&geometry.solid, &geometry.cut}) {
-      batch->positions = {};
-      batch->uvs = {};
-      batch->cutouts = {};
+    for (ViewBatch* batch : {&geometry.solid, &geometry.cut}) {  // frees the other arrays
+      *batch = {.positions = {},
+                .uvs = {},
+                .cutouts = {},
+                .original = std::move(batch->original),
+                .chunks = std::move(batch->chunks)};
     }
   }
 

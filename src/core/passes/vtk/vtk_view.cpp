@@ -122,7 +122,6 @@ DrawnView::DrawnView(const Scene& scene, const ViewGeometry& geometry, const Cam
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) addFrame(i, solid, cut);
   addDraws(solid, geometry.solid, solid_);
   addDraws(cut, geometry.cut, cut_);
-  framePlacements_ = {};
 }
 
 // Adds an instance to frames_, and its chunks to the candidates, if it may be visible. Everything is computed in double
@@ -163,8 +162,8 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
                      .meshFromCamera = meshFromWorld * transposed(cameraFromWorld_),
                      .cameraInMesh = cameraInMesh,
                      .depthAxis = map.rows.z,
-                     .depthOffset = map.translation.z - dot(map.rows.z, mesh.origin)});
-  framePlacements_.push_back(placementOf(map, camera_));
+                     .depthOffset = map.translation.z - dot(map.rows.z, mesh.origin),
+                     .placement = placementOf(map, camera_)});
 }
 
 // Appends draw calls of the visible chunks, all of one batch. Near chunks are drawn first, so that they hide farther
@@ -180,7 +179,7 @@ void DrawnView::addDraws(std::vector<Candidate>& candidates, const ViewBatch& ba
       draws.push_back({chunk.firstTriangle, chunk.triangles, static_cast<std::uint32_t>(placements_.size()), 1});
     }
     previous = &candidate;
-    VtkPlacement placement = framePlacements_[candidate.frame];
+    VtkPlacement placement = frames_[candidate.frame].placement;
     // The shader adds a triangle's index in the batch to firstNumber, and the chunk's first triangle must get
     // nextNumber_. The difference may wrap around.
     placement.firstNumber = static_cast<std::uint32_t>(nextNumber_) - chunk.firstTriangle;

@@ -35,6 +35,7 @@ class DrawnView {
     Vec3d cameraInMesh;
     Vec3d depthAxis;  // depth = depthAxis . p + depthOffset, for points p in mesh axes
     double depthOffset;
+    VtkPlacement placement;  // without the number
   };
   // A chunk that is drawn for one instance: its triangles have consecutive numbers in the image.
   struct DrawnChunk {
@@ -53,8 +54,7 @@ class DrawnView {
   DrawLimits limits_;
   Mat3 cameraFromWorld_;
   std::vector<Frame> frames_;
-  std::vector<VtkPlacement> framePlacements_;  // by frame, without numbers; only used by the constructor
-  std::vector<VtkPlacement> placements_;       // by drawn chunk
+  std::vector<VtkPlacement> placements_;  // by drawn chunk
   std::vector<VtkDraw> solid_;
   std::vector<VtkDraw> cut_;
   std::vector<DrawnChunk> drawnChunks_;

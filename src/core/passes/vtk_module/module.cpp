@@ -129,12 +129,13 @@ class GlDevice final : public VtkDevice {
   explicit GlDevice(const std::string& device) {
     thread_->run([&] {
       Quiet quiet;
-      auto made = std::make_unique<ContextState>(device);
+      auto state = std::make_unique<ContextState>(device);
       GLint size = 0;
       glGetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
-      limits_ = {static_cast<std::uint32_t>(size), 0x7FFFFFFFu / 3};  // OpenGL's vertex indices are signed
+      limits_ = {.imageSize = static_cast<std::uint32_t>(size),
+                 .trianglesPerBatch = 0x7FFFFFFFu / 3};  // OpenGL's vertex indices are signed
       name_ = describeGl();
-      state_ = std::move(made);
+      state_ = std::move(state);
     });
   }
 

@@ -46,7 +46,7 @@ Scene largeMeshes() {
 }
 
 std::vector<std::size_t> allParts(const SharedMeshes& shared, const Scene& scene) {
-  std::vector<std::size_t> parts(shared.first(scene.meshes.size()));
+  std::vector<std::size_t> parts(shared.firstPart(scene.meshes.size()));
   std::iota(parts.begin(), parts.end(), std::size_t{0});
   return parts;
 }
@@ -86,9 +86,9 @@ TEST_F(SharedParts, EachTriangleIsInOnePartThatContainsIt) {
   shared.build(allParts(shared, scene_));
   for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
     const Mesh& mesh = scene_.meshes[m];
-    EXPECT_GT(shared.first(m + 1) - shared.first(m), 1u);
+    EXPECT_GT(shared.firstPart(m + 1) - shared.firstPart(m), 1u);
     std::vector<int> found(mesh.triangles.size());
-    for (std::size_t p = shared.first(m); p < shared.first(m + 1); ++p) {
+    for (std::size_t p = shared.firstPart(m); p < shared.firstPart(m + 1); ++p) {
       const SharedMeshes::Part& part = shared.part(p);
       const TriangleBlock& block = *part.block;
       ASSERT_EQ(block.corners.size(), block.triangles.size());
@@ -133,7 +133,7 @@ TEST_F(SharedParts, NoRayPassesBetweenParts) {
   shared.build(allParts(shared, scene_));
   const Mesh& mesh = scene_.meshes[ground.mesh];
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::set<std::size_t>> partsOfEdge;
-  for (std::size_t p = shared.first(ground.mesh); p < shared.first(ground.mesh + 1); ++p) {
+  for (std::size_t p = shared.firstPart(ground.mesh); p < shared.firstPart(ground.mesh + 1); ++p) {
     for (const BlockTriangle& t : shared.part(p).block->triangles) {
       const Triangle& corners = mesh.triangles[t.primitive];
       for (std::size_t k = 0; k < 3; ++k) {
@@ -181,7 +181,7 @@ TEST_F(SharedParts, WorldsHaveThePartsWithinReachAndNoFarOnes) {
   std::size_t far = 0;
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const Instance& instance = scene_.instances[i];
-    for (std::size_t p = shared.first(instance.mesh); p < shared.first(instance.mesh + 1); ++p) {
+    for (std::size_t p = shared.firstPart(instance.mesh); p < shared.firstPart(instance.mesh + 1); ++p) {
       double nearest = INFINITY;
       const TriangleBlock& block = *shared.part(p).block;
       for (const Triangle& t : block.corners) {
