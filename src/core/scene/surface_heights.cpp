@@ -183,10 +183,7 @@ Vec3d SurfaceHeights::Area::sample(const std::array<double, 3>& u) const {
   const auto sum = std::upper_bound(sums_.begin(), sums_.end() - 1, u[0] * sums_.back());
   const Facet& facet = facets_[static_cast<std::size_t>(sum - sums_.begin())];
   const Instance& instance = scene_->instances[facet.instance];
-  const auto [a, b, c] = cornersOf(instance, scene_->meshes[instance.mesh], facet.triangle);
-  // Shirley's mapping of the unit square to a triangle, uniform by area.
-  const double root = std::sqrt(u[1]);
-  return a * (1 - root) + b * (root * (1 - u[2])) + c * (root * u[2]);
+  return pointInTriangle(cornersOf(instance, scene_->meshes[instance.mesh], facet.triangle), u[1], u[2]);
 }
 
 }  // namespace scanmill

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -35,6 +36,13 @@ inline std::array<Vec3d, 3> cornersOf(const Instance& instance, const Mesh& mesh
   const auto [a, b, c] = mesh.triangles[triangle];
   const auto corner = [&](std::uint32_t vertex) { return instance.worldFromMesh * Vec3d(mesh.positions[vertex]); };
   return {corner(a), corner(b), corner(c)};
+}
+
+// Maps two random numbers from 0 to 1 to a point of a triangle, uniformly by area (Turk, "Generating random points in
+// triangles", Graphics Gems, 1990).
+inline Vec3d pointInTriangle(const std::array<Vec3d, 3>& corners, double u, double v) {
+  const double root = std::sqrt(u);
+  return corners[0] * (1 - root) + corners[1] * (root * (1 - v)) + corners[2] * (root * v);
 }
 
 // Calls visit(instance, triangle, corners) for each triangle of the classes in the first `instanceCount` instances:

@@ -19,12 +19,13 @@ namespace scanmill {
 namespace {
 
 // Extents of meshes that cause no warning (m), in general and if the mesh is a thing such as a car or a house.
-constexpr Range kUsual{1e-3, 5000};
-constexpr Range kUsualOfThings{0.01, 300};
-constexpr std::size_t kMostLines = 5;
-constexpr double kTown = 30;         // a mesh of at least this size (m) is taken to hold more than one object instance
-constexpr std::size_t kSeveral = 3;  // least number of nodes of a class for which one shared instance causes a warning
-constexpr double kMostBlocked = 0.5;
+constexpr Range kUsualExtent{1e-3, 5000};
+constexpr Range kUsualThingExtent{0.01, 300};
+constexpr std::size_t kMostLines = 5;      // of warnings of the same kind
+constexpr double kLeastTown = 30;          // m; a mesh of at least this size is taken to hold more than one thing
+constexpr std::size_t kFewestNodes = 3;    // of a class, for which one shared instance causes a warning
+constexpr double kMostBlockedShare = 0.5;  // of a sensor's rays that the ego vehicle may block
+constexpr double kPeriodRounding = 1e-6;   // as a fraction of a period
 
 // Returns the longest edge (m) of a mesh's bounding box, which is computed in the mesh's frame and scaled by `linear`.
 // A rotation does not change this edge.
@@ -34,12 +35,12 @@ double largestExtent(const Box& box, const Mat3& linear) {
                    size.z * length(linear * Vec3d{0, 0, 1})});
 }
 
-// Returns the first kMostLines lines and, if there are more, a line that says how many `others` follow.
-std::vector<std::string> firstOf(std::vector<std::string> lines, const Scene& scene, std::string_view others) {
+// Returns the first kMostLines lines and, if there are more, a line with their number and what they are.
+std::vector<std::string> shortened(std::vector<std::string> lines, const Scene& scene, std::string_view description) {
   if (lines.size() <= kMostLines) return lines;
-  const std::size_t more = lines.size() - kMostLines;
+  const std::size_t hidden = lines.size() - kMostLines;
   lines.resize(kMostLines);
-  lines.push_back(fmt::format("scene {}: {} more {}", scene.name, more, others));
+  lines.push_back(fmt::format("scene {}: {} more {}", scene.name, hidden, description));
   return lines;
 }
 
@@ -48,30 +49,57 @@ std::vector<std::string> firstOf(std::vector<std::string> lines, const Scene& sc
 std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) {
   const double interval = sequence.trajectory->interval();
   const double period = pipeline.periods.longest;
-  if (interval >= period * (1 - 1e-6)) return {};
+  if (interval >= period * (1 - kPeriodRounding)) return {};
   const auto slowest = std::ranges::find(pipeline.sensors, period, &MountedSensor::period);
-  const std::string both =
+  const std::string text =
       fmt::format("are {:g} s apart, but a revolution of '{}' takes {:g} s", interval, slowest->name, period);
   if (sequence.turnsWithoutBreak(pipeline.periods)) {
-    return fmt::format("{}: some samples have no scan of it (`every_s: {:g}` gives each sample one)", both, period);
+    return fmt::format("{}: some samples have no scan of it (`every_s: {:g}` gives each sample one)", text, period);
   }
   return fmt::format(
       "{}: its revolutions overlap, as those of a real sensor cannot (`every_s: {:g}` makes one follow "
       "the other)",
-      both, period);
+      text, period);
+}
+
+// Warns of values that a list of effects assumes, and of weather with an intensity of the default near range.
+std::vector<std::string> effectWarnings(const Effects& effects, const MountedSensor& sensor, const BeamTable& beams) {
+  constexpr double kDefaultNearRange = 1;  // m, of the effect intensity
+  std::vector<std::string> lines;
+  bool hasWeather = false;
+  double nearRange = 0;  // m; 0: the power of no effect depends on the range
+  for (const ChosenEffect& effect : effects) {
+    hasWeather |= effect.entry->name == "weather";
+    const std::optional<Falloff> falloff = effect->falloff();
+    if (falloff && falloff->inverseSquare) nearRange = falloff->near;
+    const std::string assumed = effect->assumed(beams);
+    if (assumed.empty()) continue;
+    lines.push_back(
+        fmt::format("effect {}: the file of the sensor '{}' does not give {}: this value is assumed; add "
+                    "the data sheet's to the sensor",
+                    effect.entry->name, sensor.name, assumed));
+  }
+  if (hasWeather && nearRange == kDefaultNearRange) {
+    lines.push_back(
+        fmt::format("effect weather: the sensor '{}' has the default `near_range_m: 1` in its effect intensity, "
+                    "with which particles in the first metres give many returns: the presets have 7 to 25 "
+                    "m, so set it",
+                    sensor.name));
+  }
+  return lines;
 }
 
 }  // namespace
 
 std::vector<std::string> damageWarnings(const Scene& scene) {
   std::vector<std::string> lines;
-  const auto warnOf = [&](std::uint64_t triangles, const char* why) {
+  const auto addWarning = [&](std::uint64_t triangles, const char* reason) {
     if (triangles == 0) return;
     lines.push_back(fmt::format("scene {}: {} {} left out because of {}: is a file damaged?", scene.name,
-                                pluralOf(triangles, "triangle"), triangles == 1 ? "is" : "are", why));
+                                pluralOf(triangles, "triangle"), triangles == 1 ? "is" : "are", reason));
   };
-  warnOf(scene.dropped.nonFinite, "corners that are NaN or infinite");
-  warnOf(scene.dropped.outOfRange, "corner indices that are out of range");
+  addWarning(scene.dropped.nonFinite, "corners that are NaN or infinite");
+  addWarning(scene.dropped.outOfRange, "corner indices that are out of range");
   return lines;
 }
 
@@ -88,14 +116,14 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
     const double extent = largestExtent(box, instance.worldFromMesh.linear);
     const bool isThing =
         mesh.objects == 1 && std::ranges::all_of(mesh.surfaces, [](const Surface& s) { return s.object != 0; });
-    if ((isThing ? kUsualOfThings : kUsual).contains(extent)) continue;
+    if ((isThing ? kUsualThingExtent : kUsualExtent).contains(extent)) continue;
     reported.insert(instance.mesh);
     lines.push_back(
         fmt::format("scene {}: the object '{}' measures {}: is its `unit` right? (0.001 for millimetres, 0.01 "
                     "for centimetres, 1 for metres)",
                     scene.name, instance.name, shortLength(extent)));
   }
-  return firstOf(std::move(lines), scene, "objects have such sizes");
+  return shortened(std::move(lines), scene, "objects have such sizes");
 }
 
 std::vector<std::string> unlabeledWarnings(const Scene& scene) {
@@ -106,11 +134,11 @@ std::vector<std::string> unlabeledWarnings(const Scene& scene) {
     triangles += count;
     files.insert(part.file);
   }
-  const std::string more = files.size() == 1 ? "" : fmt::format(" and {} more", files.size() - 1);
+  const std::string otherFiles = files.size() == 1 ? "" : fmt::format(" and {} more", files.size() - 1);
   return {fmt::format(
       "scene {}: no rule gives a class to {} triangles of {}{}: their points are unlabeled (`scanmill plan --check` "
       "lists them)",
-      scene.name, grouped(triangles), *files.begin(), more)};
+      scene.name, grouped(triangles), *files.begin(), otherFiles)};
 }
 
 std::vector<std::string> withoutWarnings(const Scene& scene) {
@@ -131,15 +159,15 @@ std::vector<std::string> ruleWarnings(const Scene& scene) {
                           "triangles that it matches",
                           rule.where.text(), rule.match, rule.matched));
   }
-  lines = firstOf(std::move(lines), scene, "rules match nothing or have no effect");
+  lines = shortened(std::move(lines), scene, "rules match nothing or have no effect");
   for (const Mesh& mesh : scene.meshes) {
-    if (mesh.objects != 1 || largestExtent(mesh.bounds(), {}) < kTown) continue;
-    std::map<std::uint16_t, std::set<std::string>> nodes;
+    if (mesh.objects != 1 || largestExtent(mesh.bounds(), {}) < kLeastTown) continue;
+    std::map<std::uint16_t, std::set<std::string>> nodesByClass;
     for (const Surface& s : mesh.surfaces) {
-      if (s.object != 0) nodes[s.semantic].insert(s.node);
+      if (s.object != 0) nodesByClass[s.semantic].insert(s.node);
     }
-    for (const auto& [id, names] : nodes) {
-      if (names.size() < kSeveral) continue;
+    for (const auto& [id, names] : nodesByClass) {
+      if (names.size() < kFewestNodes) continue;
       lines.push_back(
           fmt::format("scene {}: {} nodes of the class {} in '{}' share one instance id: `instances: node` gives each "
                       "its own, and `part` "
@@ -171,25 +199,25 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
 std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   std::vector<std::string> lines;
   std::set<std::string> reported;
-  std::map<std::string, std::set<std::string>> close;  // end of the warning -> names of drives
-  std::size_t turning = 0;
-  std::size_t straight = 0;
+  std::map<std::string, std::set<std::string>> drivesByWarning;  // names of drives, by intervalWarning()
+  std::size_t turningDrives = 0;                                 // drives with `along: turns`
+  std::size_t straightDrives = 0;                                // those of them without any turn
   for (const Sequence& s : pipeline.sequences) {
     if (s.trajectory == nullptr) continue;
-    if (s.trajectory->turns()) ++turning;
-    if (s.trajectory->turns() == 0) ++straight;
-    if (const std::string line = intervalWarning(pipeline, s); !line.empty()) close[line].insert(s.trajectoryName);
-    const std::string doubt = s.trajectory->warning();
-    if (!doubt.empty() && reported.insert(s.trajectoryName).second) {
-      lines.push_back(fmt::format("the recorded drive '{}': {}", s.trajectoryName, doubt));
+    if (s.trajectory->turns()) ++turningDrives;
+    if (s.trajectory->turns() == 0) ++straightDrives;
+    const std::string interval = intervalWarning(pipeline, s);
+    if (!interval.empty()) drivesByWarning[interval].insert(s.trajectoryName);
+    const std::string implausible = s.trajectory->warning();
+    if (!implausible.empty() && reported.insert(s.trajectoryName).second) {
+      lines.push_back(fmt::format("the recorded drive '{}': {}", s.trajectoryName, implausible));
     }
   }
-  for (const auto& [line, drives] : close) {
-    const std::size_t others = drives.size() - 1;
-    const std::string more = others == 0 ? "" : " and " + pluralOf(others, "more drive");
-    lines.push_back(fmt::format("frames of '{}'{} {}", *drives.begin(), more, line));
+  for (const auto& [interval, drives] : drivesByWarning) {
+    const std::string otherDrives = drives.size() == 1 ? "" : " and " + pluralOf(drives.size() - 1, "more drive");
+    lines.push_back(fmt::format("frames of '{}'{} {}", *drives.begin(), otherDrives, interval));
   }
-  if (turning == 0 || straight < turning) return lines;
+  if (turningDrives == 0 || straightDrives < turningDrives) return lines;
   lines.emplace_back(
       "no drive with `along: turns` turns: the towns have no side road to turn out of or into; other seeds may have "
       "one");
@@ -202,36 +230,15 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     const MountedSensor& sensor = pipeline.sensors[s];
     for (const Effects* const effects : pipeline.effectCases(s)) {
-      bool weather = false;
-      double nearRange = 0;  // m; 0: the power of no effect depends on the range
-      for (const ChosenEffect& effect : *effects) {
-        weather |= effect.entry->name == "weather";
-        const std::optional<Falloff> falloff = effect->falloff();
-        if (falloff && falloff->inverseSquare) nearRange = falloff->near;
-        const std::string assumed = effect->assumed(*plan.sensors[s].beams);
-        if (assumed.empty()) continue;
-        appendNew(
-            {fmt::format("effect {}: the file of the sensor '{}' does not give {}: this value is assumed; add the "
-                         "data sheet's to the sensor",
-                         effect.entry->name, sensor.name, assumed)},
-            lines);
-      }
-      if (weather && nearRange == 1) {
-        appendNew(
-            {fmt::format("effect weather: the sensor '{}' has the default `near_range_m: 1` in its effect intensity, "
-                         "with which particles in the first metres give many returns: the presets have 7 to 25 "
-                         "m, so set it",
-                         sensor.name)},
-            lines);
-      }
+      appendNew(effectWarnings(*effects, sensor, *plan.sensors[s].beams), lines);
     }
-    const Value* const own = sensor.description.find("effects");
-    const bool written = own != nullptr && own->where.file == pipeline.file.string();
-    if (written && pipeline.drawn == nullptr && !takesSensorEffects(pipeline)) {
+    const Value* const effects = sensor.description.find("effects");
+    const bool isInPipeline = effects != nullptr && effects->where.file == pipeline.file.string();
+    if (isInPipeline && pipeline.drawn == nullptr && !takesSensorEffects(pipeline)) {
       lines.push_back(fmt::format(
           "{}:{}: the effects of the sensor '{}' are not applied, because the pipeline's own `effects` do not name "
           "`sensor`: write `effects: sensor`, or remove them here",
-          own->where.file, own->where.line, sensor.name));
+          effects->where.file, effects->where.line, sensor.name));
     }
   }
   return lines;
@@ -240,13 +247,13 @@ std::vector<std::string> sensorWarnings(const Plan& plan) {
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked) {
   std::vector<std::string> lines;
   for (std::size_t s = 0; s < blocked.size(); ++s) {
-    if (!(blocked[s] >= kMostBlocked)) continue;
+    if (!(blocked[s] >= kMostBlockedShare)) continue;
     const MountedSensor& sensor = pipeline.sensors[s];
-    const Vec3d& at = sensor.vehicleFromSensor.translation;
+    const Vec3d& mount = sensor.vehicleFromSensor.translation;
     lines.push_back(fmt::format(
         "the ego vehicle blocks {:.0f} % of the rays of '{}', which is mounted at [{:g}, {:g}, "
         "{:g}] m: is the sensor inside the vehicle? See `scanmill info` of the vehicle's scene, and `mount`",
-        100 * blocked[s], sensor.name, at.x, at.y, at.z));
+        100 * blocked[s], sensor.name, mount.x, mount.y, mount.z));
   }
   return lines;
 }

@@ -16,31 +16,32 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Throws InputError if the plan has other samples or shards than the dataset.
 void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& datasetFolder) {
-  const auto differs = [&](const std::string& what) {
+  const auto refuse = [&](const std::string& difference) {
     throw InputError({(datasetFolder / kManifestName).string()},
                      fmt::format("its pipeline now gives {}: files that it names or the program (then {}) have changed "
                                  "since, or the dataset was made from a recording",
-                                 what, manifest.programVersion));
+                                 difference, manifest.programVersion));
   };
   const std::vector<ShardJob> jobs = shardJobs(plan);
   if (manifest.programVersion == kVersion && !manifest.planSha256.empty() &&
       datasetPlan(plan, jobs).hash != manifest.planSha256) {
-    differs("other samples");
+    refuse("other samples");
   }
-  if (jobs.size() != manifest.shards.size()) differs(fmt::format("{} shards", jobs.size()));
-  std::vector<std::vector<std::string>> keys(jobs.size());
+  if (jobs.size() != manifest.shards.size()) refuse(fmt::format("{} shards", jobs.size()));
+  std::vector<std::vector<std::string>> keysByShard(jobs.size());
   for (const SampleRecord& sample : manifest.samples) {
-    if (!sample.key.empty()) keys[sample.shard].push_back(sample.key);
+    if (!sample.key.empty()) keysByShard[sample.shard].push_back(sample.key);
   }
   for (std::size_t job = 0; job < jobs.size(); ++job) {
-    if (jobs[job].file != manifest.shards[job].file) differs("the shard " + jobs[job].file);
-    if (keys[job].empty()) continue;  // the file that describes the shard's samples is damaged
-    if (jobs[job].samples.size() != keys[job].size()) differs("other samples in " + jobs[job].file);
-    for (std::size_t i = 0; i < keys[job].size(); ++i) {
-      const auto& [sequence, frame, number] = jobs[job].samples[i];
-      const std::string key = plan.pipeline.sequences[sequence].key(frame);
-      if (key != keys[job][i]) differs("the sample " + key);
+    if (jobs[job].file != manifest.shards[job].file) refuse("the shard " + jobs[job].file);
+    if (keysByShard[job].empty()) continue;  // the file that describes the shard's samples is damaged
+    if (jobs[job].samples.size() != keysByShard[job].size()) refuse("other samples in " + jobs[job].file);
+    for (std::size_t i = 0; i < keysByShard[job].size(); ++i) {
+      const SampleAddress& sample = jobs[job].samples[i];
+      const std::string key = plan.pipeline.sequences[sample.sequence].key(sample.frame);
+      if (key != keysByShard[job][i]) refuse("the sample " + key);
     }
   }
 }
@@ -50,12 +51,12 @@ void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& dat
 std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {
   std::vector<fs::path> folders{{}, datasetFolder};
   std::error_code ignored;
-  for (fs::path above = fs::absolute(datasetFolder, ignored).lexically_normal(); above.has_relative_path();) {
-    above = above.parent_path();
-    for (const char* within : {"", "pipelines", "scenes"}) folders.push_back(above / within);
+  for (fs::path folder = fs::absolute(datasetFolder, ignored).lexically_normal(); folder.has_relative_path();) {
+    folder = folder.parent_path();
+    for (const char* subfolder : {"", "pipelines", "scenes"}) folders.push_back(folder / subfolder);
   }
   const fs::path resources = resourceFolder();
-  for (const char* within : {"pipelines", "scenes", ""}) folders.push_back(resources / within);
+  for (const char* subfolder : {"pipelines", "scenes", ""}) folders.push_back(resources / subfolder);
   return folders;
 }
 
@@ -74,15 +75,15 @@ Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, cons
   std::string notFound;   // the message about the first folder in which a file is missing
   std::string different;  // the message about the first folder that has all files but gives a different dataset
   for (const fs::path& folder : pipelineFolders(datasetFolder)) {
-    bool found = false;
+    bool hasAllFiles = false;
     try {
       Plan plan = planAt(folder);
-      found = true;
+      hasAllFiles = true;
       checkShards(plan, manifest, datasetFolder);
       return plan;
     } catch (const InputError& error) {
-      std::string& why = found ? different : notFound;
-      if (why.empty()) why = error.what();
+      std::string& message = hasAllFiles ? different : notFound;
+      if (message.empty()) message = error.what();
     }
   }
   throw InputError(fmt::format("{}\nname the pipeline file that {} was made from, by --pipeline FILE",

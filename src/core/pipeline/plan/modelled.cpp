@@ -23,9 +23,9 @@ namespace {
 // Adds an item for each effect: separately for each sensor if the pipeline uses the effects of the sensors' files,
 // otherwise once for all sensors.
 void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
-  const bool own = takesSensorEffects(pipeline);
-  for (std::size_t s = 0; s < (own ? pipeline.sensors.size() : 1); ++s) {
-    const std::string sensor = own ? pipeline.sensors[s].name : "";
+  const bool perSensor = takesSensorEffects(pipeline);
+  for (std::size_t s = 0; s < (perSensor ? pipeline.sensors.size() : 1); ++s) {
+    const std::string sensor = perSensor ? pipeline.sensors[s].name : "";  // empty: all sensors
     const Effects& effects = *pipeline.sensors[s].effects;
     if (effects.empty() && pipeline.drawn == nullptr) {
       items.push_back({"effects", "none, the scans are noise-free", false, sensor});
@@ -45,7 +45,7 @@ void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
     }
   }
   for (const MountedSensor& sensor : pipeline.sensors) {
-    if (own || sensor.description.find("effects") == nullptr) continue;
+    if (perSensor || sensor.description.find("effects") == nullptr) continue;
     items.push_back({"effects of the sensor's file", "(`effects: sensor` uses them)", true, sensor.name});
   }
 }
@@ -53,13 +53,14 @@ void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
 // Adds items about classes of the scenes that the ontology named by the pipeline lacks or merges.
 void addLabels(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
   if (pipeline.ontology.empty() || pipeline.recording != nullptr) return;
-  const Ontology own = readOntology(pipeline.ontology);
+  const Ontology ontology = readOntology(pipeline.ontology);
   std::set<std::string> reported;
   for (const Sequence& s : pipeline.sequences) {
-    const Ontology scenes = readSceneOntology(s.sceneFile);
-    if (!reported.insert(scenes.name).second) continue;
-    for (const std::string& line : lostBetween(scenes, own)) {
-      items.push_back({"labels", fmt::format("classes of {} replace those of {}: {}", own.name, scenes.name, line)});
+    const Ontology sceneOntology = readSceneOntology(s.sceneFile);
+    if (!reported.insert(sceneOntology.name).second) continue;
+    for (const std::string& line : lostBetween(sceneOntology, ontology)) {
+      items.push_back(
+          {"labels", fmt::format("classes of {} replace those of {}: {}", ontology.name, sceneOntology.name, line)});
     }
   }
 }
@@ -98,40 +99,33 @@ ModelledItem voxels(const Pipeline& pipeline) {
 
 ModelledItem misses(const ScanLayout& layout) {
   if (layout.organised) return {"misses", "written as NaN"};
-  const bool beamKnown = layout.columns.has(kRing) && layout.columns.has(kColumn);
+  const bool namesBeam = layout.columns.has(kRing) && layout.columns.has(kColumn);
   return {"misses", fmt::format("not written; {}",
-                                beamKnown ? "ring and column identify the beam of a point"
+                                namesBeam ? "ring and column identify the beam of a point"
                                           : "name ring and column in output.columns to know the beam of a point")};
 }
 
-// Whether the beams of a sensor continue behind glass and off mirrors.
-struct LightFollowing {
-  std::string sensor;  // empty: all sensors
-  bool follows = false;
-};
-
-// Returns one entry for all sensors if they agree, otherwise one for each.
-std::vector<LightFollowing> followingsOf(const Pipeline& pipeline) {
-  std::vector<LightFollowing> each;
+// Returns, by name of the sensor, whether its beams continue behind glass and off mirrors, in the order of the sensors:
+// one entry with an empty name if all sensors agree.
+std::vector<std::pair<std::string, bool>> lightFollowing(const Pipeline& pipeline) {
+  std::vector<std::pair<std::string, bool>> sensors;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    each.push_back({pipeline.sensors[s].name, pipeline.lightPaths(s) != nullptr});
+    sensors.emplace_back(pipeline.sensors[s].name, pipeline.lightPaths(s) != nullptr);
   }
-  const bool first = each.front().follows;
-  if (std::ranges::all_of(each, [&](const LightFollowing& one) { return one.follows == first; })) {
-    return {{"", first}};
-  }
-  return each;
+  const bool follows = sensors.front().second;
+  const bool agree = std::ranges::all_of(sensors, [&](const auto& sensor) { return sensor.second == follows; });
+  return agree ? std::vector{std::pair(std::string(), follows)} : sensors;
 }
 
-ModelledItem egoVehicle(const Pipeline& pipeline, std::span<const double> blocked) {
+ModelledItem egoVehicle(const Pipeline& pipeline, std::span<const double> blockedShares) {
   if (pipeline.vehicle.empty()) {
     return {"own vehicle", "(`vehicle: vehicle` puts a car of boxes under the sensors)", true};
   }
   std::string shares;
-  for (std::size_t s = 0; s < blocked.size(); ++s) {
-    const std::string of = blocked.size() > 1 ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
+  for (std::size_t s = 0; s < blockedShares.size(); ++s) {
+    const std::string ofSensor = blockedShares.size() > 1 ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
     shares += s > 0 ? ", " : "";
-    shares += fmt::format("{:.1f} % of the rays{}", 100 * blocked[s], of);
+    shares += fmt::format("{:.1f} % of the rays{}", 100 * blockedShares[s], ofSensor);
   }
   return {"own vehicle", fmt::format("{}, blocks {}{}", pipeline.vehicle.filename().string(), shares,
                                      pipeline.dropVehicle ? ", which have no return (`returns: drop`)" : "")};
@@ -139,13 +133,13 @@ ModelledItem egoVehicle(const Pipeline& pipeline, std::span<const double> blocke
 
 }  // namespace
 
-std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blocked) {
+std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blockedShares) {
   const Pipeline& pipeline = plan.pipeline;
   const ColumnSet columns = pipeline.output.layout.columns;
   std::vector<ModelledItem> items;
   items.push_back({"channels", fmt::format("{}", fmt::join(channelNames(plan.channels), ", "))});
   std::vector<std::string> unread = channelNames(Channels::all());
-  for (const std::string& read : channelNames(plan.channels)) std::erase(unread, read);
+  for (const std::string& channel : channelNames(plan.channels)) std::erase(unread, channel);
   if (!unread.empty()) {
     items.push_back({"properties of hits that nothing reads", fmt::format("{}", fmt::join(unread, ", ")), true});
   }
@@ -159,32 +153,33 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
   addLabels(pipeline, items);
   addEffects(pipeline, items);
   if (pipeline.recording == nullptr) {
-    for (const LightFollowing& one : followingsOf(pipeline)) {
-      if (one.follows) continue;
+    for (const auto& [sensor, follows] : lightFollowing(pipeline)) {
+      if (follows) continue;
       items.push_back({"light through glass and off mirrors",
-                       "so that glass is opaque (the effect light_paths adds both, by ray tracing)", true, one.sensor});
+                       "so that glass is opaque (the effect light_paths adds both, by ray tracing)", true, sensor});
     }
   }
   if (pipeline.drawn != nullptr) {
     items.push_back({"random values", "the lines above have those of the first frame, each sample lists its own"});
     for (ModelledItem& item : pipeline.drawn->items()) items.push_back(std::move(item));
   }
-  std::set<std::string> removals;
-  std::map<std::string, std::set<std::string>> paths;  // description -> names of trajectories
+  std::set<std::string> removedObjects;
+  std::map<std::string, std::set<std::string>> trajectoriesByPath;  // description -> names of trajectories
   for (const Sequence& s : pipeline.sequences) {
-    const std::string about = s.trajectory == nullptr ? "" : s.trajectory->about();
-    if (!about.empty()) paths[about].insert(s.trajectoryName);
+    const std::string description = s.trajectory == nullptr ? "" : s.trajectory->about();
+    if (!description.empty()) trajectoriesByPath[description].insert(s.trajectoryName);
     if (s.without.empty()) continue;
-    Value list;
-    list.kind = Value::Kind::Sequence;
-    list.items = s.without;
-    removals.insert(fmt::format("the pipeline removes {} from {}", flowText(list), s.scene));
+    Value removed;
+    removed.kind = Value::Kind::Sequence;
+    removed.items = s.without;
+    removedObjects.insert(fmt::format("the pipeline removes {} from {}", flowText(removed), s.scene));
   }
-  for (const std::string& text : removals) items.push_back({"objects of scenes", text, true});
+  for (const std::string& text : removedObjects) items.push_back({"objects of scenes", text, true});
   if (!pipeline.oneRevolution()) items.push_back(revolutions(pipeline));
   items.push_back(egoMotion(pipeline));
-  for (const auto& [about, names] : paths) items.push_back({fmt::format("path of {}", fmt::join(names, ", ")), about});
-  if (pipeline.recording == nullptr) items.push_back(egoVehicle(pipeline, blocked));
+  for (const auto& [description, names] : trajectoriesByPath)
+    items.push_back({fmt::format("path of {}", fmt::join(names, ", ")), description});
+  if (pipeline.recording == nullptr) items.push_back(egoVehicle(pipeline, blockedShares));
   items.push_back(misses(pipeline.output.layout));
   if (pipeline.recording == nullptr) {
     items.push_back(
@@ -207,14 +202,12 @@ std::vector<ModelledItem> modelledOf(const Plan& plan, const Sequence& sequence,
     for (const Surface& surface : mesh.surfaces) panes += scene.materials[surface.material].transmission > 0 ? 1 : 0;
   }
   if (panes > 0 && plan.pipeline.recording == nullptr) {
-    for (const LightFollowing& one : followingsOf(plan.pipeline)) {
-      items.push_back({"parts that let light through",
-                       one.follows ? "beams continue behind them" : "opaque here",
-                       !one.follows,
-                       one.sensor,
-                       {},
-                       {},
-                       panes});
+    for (const auto& [sensor, follows] : lightFollowing(plan.pipeline)) {
+      items.push_back({.topic = "parts that let light through",
+                       .text = follows ? "beams continue behind them" : "opaque here",
+                       .leftOut = !follows,
+                       .sensor = sensor,
+                       .parts = panes});
     }
   }
   for (ModelledItem& item : items) item.scenes = {sequence.sceneName()};

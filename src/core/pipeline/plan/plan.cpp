@@ -16,8 +16,8 @@ namespace scanmill {
 
 namespace {
 
-[[noreturn]] void refuse(const Pipeline& pipeline, const std::string& why) {
-  throw InputError({pipeline.file.string()}, why);
+[[noreturn]] void refuse(const Pipeline& pipeline, const std::string& reason) {
+  throw InputError({pipeline.file.string()}, reason);
 }
 
 // True if rays of a sensor continue through glass or off mirrors in any sequence.
@@ -46,20 +46,20 @@ constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(floa
 // ontology of each scene file, so that errors are found before hours of work.
 void checkOntologies(const Pipeline& pipeline) {
   if (!pipeline.ontology.empty() || pipeline.recording != nullptr) return;
-  std::map<std::filesystem::path, Ontology> known;  // each scene file's ontology
+  std::map<std::filesystem::path, Ontology> ontologies;  // by scene file
   std::vector<std::filesystem::path> files;
   for (const Sequence& s : pipeline.sequences) files.push_back(s.sceneFile);
   if (!pipeline.vehicle.empty()) files.push_back(pipeline.vehicle);
   for (const std::filesystem::path& file : files) {
-    if (known.contains(file)) continue;
+    if (ontologies.contains(file)) continue;
     const Ontology ontology = readSceneOntology(file);
-    if (!known.empty() && !sameClasses(ontology, known.begin()->second)) {
+    if (!ontologies.empty() && !sameClasses(ontology, ontologies.begin()->second)) {
       refuse(pipeline,
              fmt::format(
                  "the scenes {} and {} have different classes: name one ontology for all scenes by the key `labels`",
-                 known.begin()->first.string(), file.string()));
+                 ontologies.begin()->first.string(), file.string()));
     }
-    known.emplace(file, ontology);
+    ontologies.emplace(file, ontology);
   }
 }
 
@@ -75,14 +75,14 @@ bool tellsMovingClasses(const Pipeline& pipeline) {
 // hit.
 void checkObjects(const Pipeline& pipeline) {
   if (pipeline.recording == nullptr) return;
-  const auto lacks = [&](std::string_view what, const std::string& key) {
-    refuse(pipeline, fmt::format("a recording does not have {}: leave {} out, or trace the scene again", what, key));
+  const auto refuseMissing = [&](std::string_view missing, const std::string& key) {
+    refuse(pipeline, fmt::format("a recording does not have {}: leave {} out, or trace the scene again", missing, key));
   };
-  if (pipeline.output.objects) lacks("the boxes of objects", "`output.objects`");
-  if (pipeline.output.voxels) lacks("the geometry that no beam hit", "`output.voxels`");
+  if (pipeline.output.objects) refuseMissing("the boxes of objects", "`output.objects`");
+  if (pipeline.output.voxels) refuseMissing("the geometry that no beam hit", "`output.voxels`");
   for (std::size_t i = 0; i < kColumnCount; ++i) {
     if (!pipeline.output.layout.columns.has(i) || !dependsOnMotion(kColumns[i])) continue;
-    lacks("the motions of objects and of the sensor", fmt::format("the column {}", kColumns[i].name));
+    refuseMissing("the motions of objects and of the sensor", fmt::format("the column {}", kColumns[i].name));
   }
 }
 
@@ -180,8 +180,8 @@ PlannedSensor planSensor(const Pipeline& pipeline, std::size_t index) {
 
 }  // namespace
 
-Plan makePlan(Pipeline read, Channels recorded) {
-  Plan plan{std::move(read), {}, recorded};
+Plan makePlan(Pipeline readPipeline, Channels recorded) {
+  Plan plan{.pipeline = std::move(readPipeline), .sensors = {}, .channels = recorded};
   const Pipeline& pipeline = plan.pipeline;
   if (pipeline.recording != nullptr && pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
     refuse(pipeline,
@@ -236,33 +236,32 @@ void Plan::requireOneRay() const {
 std::uint64_t Plan::bytesPerFrameInMemory() const {
   // Counts hits, returns, the scan, the encoders' buffers, and the encoded bytes of this sample and of a second one
   // that waits to be written. Beam tables are not counted, since all frames share them.
-  constexpr std::uint64_t kReturnBytes = 40;
-  std::uint64_t perPoint = sizeof(Vec3f);
+  constexpr std::uint64_t kReturnBytes = 40;  // of a row of Returns
+  constexpr std::uint64_t kVoxelBytes = 20;   // a voxel's labels, area, flags and part of the encoded archive
+  std::uint64_t bytesPerPoint = sizeof(Vec3f);
   for (std::size_t c = 0; c < kColumnCount; ++c) {
-    if (pipeline.output.layout.columns.has(c)) perPoint += bytesOf(kColumns[c].type);
+    if (pipeline.output.layout.columns.has(c)) bytesPerPoint += bytesOf(kColumns[c].type);
   }
-  std::uint64_t perRay = 8;
+  std::uint64_t bytesPerRay = 8;  // of buffers that all methods need, before the channels
   forEachChannel([&]<class T>(const ChannelRow& row, std::vector<T> Hits::*) {
-    if (row.channel != Channel::Normal || channels.has(Channel::Normal)) perRay += sizeof(T);
+    if (row.channel != Channel::Normal || channels.has(Channel::Normal)) bytesPerRay += sizeof(T);
   });
-  const std::uint64_t perReturn = kReturnBytes + (3 + 2 * pipeline.output.formats.size()) * perPoint;
-  std::uint64_t beams = 0;
-  std::uint64_t scans = 0;
+  const std::uint64_t bytesPerReturn = kReturnBytes + (3 + 2 * pipeline.output.formats.size()) * bytesPerPoint;
+  std::uint64_t beamCount = 0;
+  std::uint64_t scanCount = 0;
   for (const MountedSensor& s : pipeline.sensors) {
-    beams += s.size.rings * s.size.columns * s.revolutions;
-    scans += s.revolutions;
+    beamCount += s.size.rings * s.size.columns * s.revolutions;
+    scanCount += s.revolutions;
   }
-  const std::uint64_t reported = perReturn * pipeline.mostReturns() * beams;
-  // Size of a voxel's labels, area, flags and part of the encoded archive (bytes).
-  constexpr std::uint64_t kVoxelBytes = 20;
-  const std::uint64_t voxels = pipeline.output.voxels ? kVoxelBytes * pipeline.output.voxels->voxels() : 0;
-  return perRay * pipeline.raysPerFrame() + reported + voxels * scans;
+  const std::uint64_t returnBytes = bytesPerReturn * pipeline.mostReturns() * beamCount;
+  const std::uint64_t voxelBytes = pipeline.output.voxels ? kVoxelBytes * pipeline.output.voxels->voxels() : 0;
+  return bytesPerRay * pipeline.raysPerFrame() + returnBytes + voxelBytes * scanCount;
 }
 
 std::size_t Plan::framesInFlight() const {
-  const std::uint64_t free = memoryLimitBytes() - std::min(kProgramBytes, memoryLimitBytes());
-  const std::uint64_t fitting = free / 2 / bytesPerFrameInMemory();
-  return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()));
+  const std::uint64_t freeBytes = memoryLimitBytes() - std::min(kProgramBytes, memoryLimitBytes());
+  const std::uint64_t fittingFrames = freeBytes / 2 / bytesPerFrameInMemory();
+  return std::clamp<std::uint64_t>(fittingFrames, 1, static_cast<std::uint64_t>(threadCount()));
 }
 
 std::uint64_t Plan::bytesInMemory(std::uint64_t scenes) const {
@@ -280,8 +279,8 @@ void Plan::checkMemory(std::uint64_t bytes, const std::string& scene) const {
 }
 
 ColumnSet Plan::columns() const {
-  const ColumnSet asked = pipeline.output.layout.columns;
-  return setsIntensity(pipeline) ? asked : asked.without(kIntensity).without(kPower);
+  const ColumnSet columns = pipeline.output.layout.columns;
+  return setsIntensity(pipeline) ? columns : columns.without(kIntensity).without(kPower);
 }
 
 }  // namespace scanmill

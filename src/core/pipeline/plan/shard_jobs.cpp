@@ -49,6 +49,7 @@ void addRecording(const std::filesystem::path& folder, const std::function<void(
   for (const std::string& file : files) add(file);
 }
 
+// Returns the hash that datasetPlan() describes.
 std::string planHash(const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline;
   Sha256 hash;
@@ -58,11 +59,11 @@ std::string planHash(const Plan& plan) {
   add(pipeline.text);
   for (const auto& [beams, footprint] : plan.sensors) add(beamsHash(*beams));
   for (const MountedSensor& sensor : pipeline.sensors) addValue(sensor.description, add);
-  std::set<std::filesystem::path> scenes;
-  for (const Sequence& sequence : pipeline.sequences) scenes.insert(sequence.sceneFile);
-  for (const std::filesystem::path& file : {pipeline.vehicle, pipeline.ontology}) scenes.insert(file);
-  for (const std::filesystem::path& scene : scenes) {
-    if (isFile(scene)) add(readFile(scene));  // recordings have no scene files
+  std::set<std::filesystem::path> files;
+  for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
+  files.insert({pipeline.vehicle, pipeline.ontology});
+  for (const std::filesystem::path& file : files) {
+    if (isFile(file)) add(readFile(file));  // recordings have no scene files
   }
   if (pipeline.recording != nullptr) addRecording(pipeline.recording->folder, add);
   return hash.hex();
@@ -84,32 +85,33 @@ void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
 }  // namespace
 
 double mostSampleBytes(const Plan& plan) {
-  constexpr double kHeaders = 1536;       // size of a tar member with a long name, without its contents (bytes)
-  constexpr double kDescription = 16384;  // size of a scan's part of the sample's .json (bytes)
-  constexpr double kObjects = 1000;       // assumed maximum number of objects near the sensors
-  constexpr double kObject = 700;         // size of an object's entry without the sensors' views of it (bytes)
-  constexpr double kView = 450;           // size of one sensor's view in an object's entry (bytes)
-  // Length (m) that is added to twice the range, for noise and for the vehicle's motion during a revolution.
-  constexpr double kReserve = 10;
+  constexpr double kHeaderBytes = 1536;  // of a tar member with a long name, without its contents
+  constexpr double kScanBytes = 16384;   // of a scan's part of the sample's .json
+  constexpr double kMostObjects = 1000;  // assumed number of objects near the sensors
+  constexpr double kObjectBytes = 700;   // of an object's entry without the sensors' views of it
+  constexpr double kViewBytes = 450;     // of one sensor's view in an object's entry
+  constexpr double kReserve = 10;  // m, added to twice the range, for noise and the vehicle's motion in a revolution
   const Pipeline& pipeline = plan.pipeline;
-  const auto sensors = static_cast<double>(plan.sensors.size());
-  double bytes = kHeaders;
-  if (pipeline.output.objects) bytes += kHeaders + kObjects * (kObject + kView * sensors);
+  const auto sensorCount = static_cast<double>(plan.sensors.size());
+  double bytes = kHeaderBytes;
+  if (pipeline.output.objects) bytes += kHeaderBytes + kMostObjects * (kObjectBytes + kViewBytes * sensorCount);
   ScanOutline outline;
   outline.held = plan.columns();
   for (std::size_t s = 0; s < plan.sensors.size(); ++s) {
     const std::shared_ptr<const BeamTable>& beams = plan.sensors[s].beams;
-    double scan = kDescription;
+    double scanBytes = kScanBytes;
     outline.points = beams->size() * pipeline.mostReturns();
     outline.rings = beams->rings;
     outline.columns = beams->columns;
     outline.reach = 2 * beams->maxRange + kReserve;
-    for (const ChosenFormat& f : pipeline.output.formats) scan += kHeaders + std::ceil(f.format->mostBytes(outline));
+    for (const ChosenFormat& f : pipeline.output.formats)
+      scanBytes += kHeaderBytes + std::ceil(f.format->mostBytes(outline));
     if (pipeline.output.layout.reasons) {
-      scan += kHeaders + static_cast<double>(mostReasonsBytes(beams->rings, beams->columns));
+      scanBytes += kHeaderBytes + static_cast<double>(mostReasonsBytes(beams->rings, beams->columns));
     }
-    if (pipeline.output.voxels) scan += kHeaders + static_cast<double>(mostVoxelsBytes(*pipeline.output.voxels));
-    bytes += scan * pipeline.sensors[s].revolutions;
+    if (pipeline.output.voxels)
+      scanBytes += kHeaderBytes + static_cast<double>(mostVoxelsBytes(*pipeline.output.voxels));
+    bytes += scanBytes * pipeline.sensors[s].revolutions;
   }
   return bytes;
 }
@@ -120,25 +122,27 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
   std::uint64_t number = 0;
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
     const Sequence& sequence = pipeline.sequences[s];
-    auto split = std::ranges::find_if(splits, [&](const auto& known) { return known.first == sequence.split; });
+    auto split = std::ranges::find_if(splits, [&](const auto& other) { return other.first == sequence.split; });
     if (split == splits.end()) split = splits.emplace(splits.end(), sequence.split, std::vector<SampleAddress>{});
     for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) split->second.push_back({s, frame, number++});
   }
-  const double room = static_cast<double>(pipeline.output.shards.bytes) - ShardFile::kEndBytes;
-  const auto fit = static_cast<std::size_t>(std::max(1.0, std::floor(room / mostSampleBytes(plan))));
+  const double shardBytes = static_cast<double>(pipeline.output.shards.bytes) - ShardFile::kEndBytes;
+  const auto fitting = static_cast<std::size_t>(std::max(1.0, std::floor(shardBytes / mostSampleBytes(plan))));
+  const std::size_t stated = pipeline.output.shards.samples;  // samples per shard; 0: as many as fit
   std::vector<ShardJob> jobs;
   for (auto& [name, samples] : splits) {
     if (pipeline.output.shards.shuffled) shuffle(pipeline.seed, samples);
-    const std::size_t all = samples.size();
-    const std::size_t given = pipeline.output.shards.samples;
-    const std::size_t count =
-        given > 0 ? (all + given - 1) / given : std::max((all + fit - 1) / fit, std::min<std::size_t>(2, all));
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t first = given > 0 ? i * given : all * i / count;
-      const std::size_t last = given > 0 ? std::min(all, first + given) : all * (i + 1) / count;
-      ShardJob job{shardName(name, i), name, {}};
-      job.samples.assign(samples.begin() + static_cast<std::ptrdiff_t>(first),
-                         samples.begin() + static_cast<std::ptrdiff_t>(last));
+    const std::size_t total = samples.size();
+    const auto shardsOf = [&](std::size_t samplesPerShard) { return (total + samplesPerShard - 1) / samplesPerShard; };
+    const std::size_t shards =
+        stated > 0 ? shardsOf(stated) : std::max(shardsOf(fitting), std::min<std::size_t>(2, total));
+    for (std::size_t i = 0; i < shards; ++i) {
+      const std::size_t first = stated > 0 ? i * stated : total * i / shards;
+      const std::size_t end = stated > 0 ? std::min(total, first + stated) : total * (i + 1) / shards;
+      ShardJob job{.file = shardName(name, i),
+                   .split = name,
+                   .samples = {samples.begin() + static_cast<std::ptrdiff_t>(first),
+                               samples.begin() + static_cast<std::ptrdiff_t>(end)}};
       std::ranges::sort(job.samples, {}, &SampleAddress::number);
       jobs.push_back(std::move(job));
     }
@@ -147,7 +151,7 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
 }
 
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs) {
-  DatasetPlan planned{planHash(plan), 0, {}};
+  DatasetPlan planned{.hash = planHash(plan), .samples = 0, .splits = {}};
   for (const ShardJob& job : jobs) {
     std::vector<DatasetPlan::Split>& splits = planned.splits;
     if (splits.empty() || splits.back().name != job.split) splits.push_back({job.split});

@@ -25,10 +25,10 @@ Value readCorruption(const std::filesystem::path& file) {
   return root;
 }
 
-// True if the keys of `change` are merged into `own`, the options of an effect in the pipeline. False if `own` is
-// `none` or random, or if `change` names a kind of weather: then `change` replaces `own`.
-bool addsTo(const Value& own, const Value& change) {
-  return own.kind != Value::Kind::Scalar && !isDistribution(own) && change.find("kind") == nullptr;
+// True if the keys of `change` are merged into the options of the same effect in the pipeline. False if these are
+// `none` or random, or if `change` names a kind of weather: then `change` replaces the options.
+bool isMerged(const Value& options, const Value& change) {
+  return options.kind != Value::Kind::Scalar && !isDistribution(options) && change.find("kind") == nullptr;
 }
 
 }  // namespace
@@ -60,16 +60,15 @@ Value withCorruption(const Value& effects, const Value& corruption) {
   }
   for (const Value& item : file.find(severity)->items) {
     const NamedOptions change = readNamed(item, "an effect");
-    const auto own = std::ranges::find_if(list.items, [&](const Value& other) {
+    const auto effect = std::ranges::find_if(list.items, [&](const Value& other) {
       return !isDistribution(other) && readNamed(other, "an effect").name == change.name;
     });
-    if (own == list.items.end()) {
+    if (effect == list.items.end()) {
       list.items.push_back(item);
-    } else if (!addsTo(readNamed(*own, "an effect").options, change.options)) {
-      *own = item;
-    } else {
-      *own = withKeysOf(readNamed(*own, "an effect"), change);
+      continue;
     }
+    const NamedOptions listed = readNamed(*effect, "an effect");
+    *effect = isMerged(listed.options, change.options) ? withKeysOf(listed, change) : item;
   }
   return list;
 }

@@ -37,9 +37,9 @@ bool DrawnSensors::draws(const Written& written) {
 
 DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
     : written_(std::move(written)), classes_(std::make_shared<const EffectClasses>(pipeline)) {
-  std::size_t cases = 1;
+  std::size_t caseCount = 1;
   forEachKey([&](const std::string& key, const Value& value) {
-    cases = std::max(cases, countCases(value));
+    caseCount = std::max(caseCount, countCases(value));
     const Value* perFrame = findDrawnPerFrame(value);
     drawsPerFrame_ = drawsPerFrame_ || perFrame != nullptr;
     if (!key.ends_with(".mount") || !holdsDistribution(value)) return;
@@ -49,19 +49,19 @@ DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
                      "`per: frame`: the mount of a sensor is fixed during a sequence: leave `per` out, for a random "
                      "mount in each sequence");
   });
-  std::map<std::string, PlaceInSplit> splits;
+  std::map<std::string, PlaceInSplit> totals;  // by split: numbers of sequences and frames so far
   for (const Sequence& s : pipeline.sequences) {
-    PlaceInSplit& split = splits[s.split];
-    places_.push_back({s.split, split.sequence++, 0, split.frame, 0});
-    split.frame += s.frames;
+    PlaceInSplit& total = totals[s.split];
+    places_.push_back({.split = s.split, .sequence = total.sequence++, .frame = total.frame});
+    total.frame += s.frames;
   }
   for (PlaceInSplit& place : places_) {
-    place.sequences = splits[place.split].sequence;
-    place.frames = splits[place.split].frame;
+    place.sequences = totals[place.split].sequence;
+    place.frames = totals[place.split].frame;
   }
-  for (std::size_t number = 0; number < cases; ++number) {
-    cases_.push_back(made(pipeline, [&](const Value& value, const std::string& /*key*/,
-                                        std::vector<DrawnValue>& /*draws*/) { return withCase(value, number); }));
+  for (std::size_t i = 0; i < caseCount; ++i) {
+    cases_.push_back(settingsWith(pipeline, [&](const Value& value, const std::string& /*key*/,
+                                                std::vector<DrawnValue>& /*draws*/) { return withCase(value, i); }));
   }
   checkCases();
 }
@@ -69,17 +69,17 @@ DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
 // Throws InputError if the cases differ in the number of rays per beam, in whether there is an intensity, or in its
 // unit. All scans of a dataset must agree in these.
 void DrawnSensors::checkCases() const {
-  for (const SensorDraw& one : cases_) {
-    for (std::size_t s = 0; s < one.effects.size(); ++s) {
-      const Effects& first = *cases_.front().effects[s];
-      const Effects& other = *one.effects[s];
-      const bool rays = raysPerBeam(other) == raysPerBeam(first);
-      if (rays && intensityFullScale(other) == intensityFullScale(first)) continue;
+  for (const SensorDraw& testCase : cases_) {
+    for (std::size_t s = 0; s < testCase.effects.size(); ++s) {
+      const Effects& firstCase = *cases_.front().effects[s];
+      const Effects& effects = *testCase.effects[s];
+      const bool sameRays = raysPerBeam(effects) == raysPerBeam(firstCase);
+      if (sameRays && intensityFullScale(effects) == intensityFullScale(firstCase)) continue;
       throw InputError(
           written_.effects.where,
           fmt::format("the random effects of '{1}' change {0}, but all scans of a dataset must agree in this: make all "
                       "choices agree, or make a dataset of each with --sweep",
-                      rays ? "the existence or the unit of its intensity" : "the number of rays per beam",
+                      sameRays ? "the existence or the unit of its intensity" : "the number of rays per beam",
                       Fields(written_.descriptions[s], "sensor").text("model", fmt::format("sensor {}", s))));
     }
   }
@@ -89,24 +89,25 @@ template <class Visit>
 void DrawnSensors::forEachKey(const Visit& visit) const {
   for (std::size_t s = 0; s < written_.mounts.size(); ++s) {
     visit(fmt::format("sensors.{}.mount", s), written_.mounts[s]);
-    if (const Value* own = written_.descriptions[s].find("effects")) visit(fmt::format("sensors.{}.effects", s), *own);
+    if (const Value* list = written_.descriptions[s].find("effects"))
+      visit(fmt::format("sensors.{}.effects", s), *list);
   }
   visit(std::string("effects"), written_.effects);
 }
 
-// Makes the mounts and effects of a frame. `change` takes a value, its key and the list of random values to append to,
-// and returns the value with each of its distributions replaced by one value.
-template <class Change>
-SensorDraw DrawnSensors::made(const Pipeline& pipeline, const Change& change) const {
+// Returns the mounts and effects of a frame. sampled(value, key, draws) returns a value of the pipeline with each of
+// its distributions replaced by one value, and may append random values to `draws`.
+template <class Sampled>
+SensorDraw DrawnSensors::settingsWith(const Pipeline& pipeline, const Sampled& sampled) const {
   SensorDraw drawn;
-  const Value effects = change(written_.effects, "effects", drawn.draws);
+  const Value effects = sampled(written_.effects, "effects", drawn.draws);
   for (std::size_t s = 0; s < written_.mounts.size(); ++s) {
-    drawn.mounts.push_back(readMount(change(written_.mounts[s], fmt::format("sensors.{}.mount", s), drawn.draws)));
+    drawn.mounts.push_back(readMount(sampled(written_.mounts[s], fmt::format("sensors.{}.mount", s), drawn.draws)));
     MountedSensor sensor;
     sensor.name = pipeline.sensors[s].name;
     sensor.description = written_.descriptions[s];
     for (auto& [key, value] : sensor.description.entries) {
-      if (key == "effects") value = change(value, fmt::format("sensors.{}.effects", s), drawn.draws);
+      if (key == "effects") value = sampled(value, fmt::format("sensors.{}.effects", s), drawn.draws);
     }
     drawn.effects.push_back(std::make_shared<const Effects>(readSensorEffects(effects, *classes_, sensor)));
   }
@@ -117,7 +118,7 @@ SensorDraw DrawnSensors::draw(const Pipeline& pipeline, std::size_t sequence, st
   const RandomAddress address{.seed = pipeline.seed, .scene = static_cast<std::uint32_t>(sequence), .frame = frame};
   PlaceInSplit place = places_.at(sequence);
   place.frame += frame;
-  return made(pipeline, [&](const Value& value, const std::string& key, std::vector<DrawnValue>& draws) {
+  return settingsWith(pipeline, [&](const Value& value, const std::string& key, std::vector<DrawnValue>& draws) {
     return withDraws(value, key, address, draws, place);
   });
 }
@@ -125,10 +126,10 @@ SensorDraw DrawnSensors::draw(const Pipeline& pipeline, std::size_t sequence, st
 std::vector<ModelledItem> DrawnSensors::items() const {
   std::vector<ModelledItem> items;
   forEachKey([&](const std::string& key, const Value& value) {
-    forEachDistribution(value, key, [&](const std::string& place, const Value& distribution) {
+    forEachDistribution(value, key, [&](const std::string& path, const Value& distribution) {
       items.push_back(
           {fmt::format("random for each {}", findDrawnPerFrame(distribution) == nullptr ? "sequence" : "frame"),
-           fmt::format("{} {}", place, flowText(distribution))});
+           fmt::format("{} {}", path, flowText(distribution))});
     });
   });
   return items;

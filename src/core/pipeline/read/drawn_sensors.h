@@ -53,8 +53,9 @@ class DrawnSensors {
   std::vector<ModelledItem> items() const;
 
  private:
-  template <class Change>
-  SensorDraw made(const Pipeline& pipeline, const Change& change) const;
+  template <class Sampled>
+  SensorDraw settingsWith(const Pipeline& pipeline, const Sampled& sampled) const;
+  // Calls visit(key, value) for the mounts, the sensors' effects and the pipeline's effects.
   template <class Visit>
   void forEachKey(const Visit& visit) const;
   void checkCases() const;

@@ -18,8 +18,8 @@ namespace scanmill {
 
 namespace {
 
-struct MadeEffect : ChosenEffect {
-  Location where;
+struct ListedEffect : ChosenEffect {
+  Location where;  // of its item in the list
 };
 
 bool meansSensor(const Value& item) {
@@ -34,9 +34,9 @@ bool meansNone(const NamedOptions& item) {
 void resolveLabel(Value& label, const EffectClasses& classes) {
   if (label.kind != Value::Kind::Scalar) return;
   const Ontology* const ontology = classes.find();
-  const bool number =
+  const bool isNumber =
       !label.quoted && !label.text.empty() && label.text.find_first_not_of("0123456789") == std::string::npos;
-  if (!number) {
+  if (!isNumber) {
     if (ontology == nullptr)
       throw InputError(label.where, "the recording has no class names: give `label` as a number");
     label.text = std::to_string(ontology->require(label.text, label.where).id);
@@ -60,73 +60,79 @@ void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectCl
   }
 }
 
-// Appends to `made` the effects that the items name. The items must no longer contain the word `sensor`.
-void addEffects(const std::vector<Value>& items, const EffectClasses* classes, std::vector<MadeEffect>& made) {
+// Returns the effects that the items name, in their order. The items must no longer contain the word `sensor`.
+// `classes`: null if no ontology is known; then labels are not checked.
+std::vector<ListedEffect> listedEffects(const std::vector<Value>& items, const EffectClasses* classes) {
+  std::vector<ListedEffect> effects;
   for (const Value& item : items) {
     NamedOptions named = readNamed(item, "an effect");
     const EffectEntry& entry = requireEffect(named.name, named.where);
-    const auto other = std::ranges::find_if(made, [&](const MadeEffect& m) { return m.entry == &entry; });
-    if (other != made.end()) {
+    const auto earlier = std::ranges::find_if(effects, [&](const ListedEffect& e) { return e.entry == &entry; });
+    if (earlier != effects.end()) {
       throw InputError(named.where, fmt::format("the effect '{}' is listed twice, here and at {}:{}: both would use "
                                                 "the same random numbers; leave one out",
-                                                named.name, other->where.file, other->where.line));
+                                                named.name, earlier->where.file, earlier->where.line));
     }
     if (meansNone(named)) continue;  // `EFFECT: none` changes nothing in a list without the word `sensor`
     resolveLabels(named, entry, classes);
     Fields options(named.options, "effect " + named.name);
     options.alsoDescribed(entry.keys).finish();
     const std::string text = named.options.kind == Value::Kind::Null ? "" : flowText(named.options);
-    made.push_back({{&entry, entry.make(options), text}, named.where});
+    effects.push_back({{&entry, entry.make(options), text}, named.where});
   }
+  return effects;
 }
 
 // Adds the effect `detection` if a beam may have several echoes and the list has no such effect: by default the
 // strongest echo is reported.
-void addDetection(std::vector<MadeEffect>& made) {
+void addDetection(std::vector<ListedEffect>& effects) {
   const EffectEntry* const detection = &requireEffect("detection", {});
-  const auto several = std::ranges::find_if(made, [](const MadeEffect& m) { return m->mostReturns(1) > 1; });
-  const bool named = std::ranges::any_of(made, [&](const MadeEffect& m) { return m.entry == detection; });
-  if (several == made.end() || named) return;
+  const auto multiEcho = std::ranges::find_if(effects, [](const ListedEffect& e) { return e->mostReturns(1) > 1; });
+  const bool isListed = std::ranges::any_of(effects, [&](const ListedEffect& e) { return e.entry == detection; });
+  if (multiEcho == effects.end() || isListed) return;
   const Value none;
   Fields options(none, "effect detection");
-  made.push_back({{detection, detection->make(options), ""}, several->where});
+  effects.push_back({{detection, detection->make(options), ""}, multiEcho->where});
 }
 
 // Returns the effects in the order of their stages, with `detection` if it is needed. Throws InputError if an effect
 // needs another effect that is missing.
-Effects inOrder(std::vector<MadeEffect> made) {
-  addDetection(made);
-  std::ranges::stable_sort(made, {}, [](const MadeEffect& m) { return m.entry->stage; });
+Effects inOrder(std::vector<ListedEffect> effects) {
+  addDetection(effects);
+  std::ranges::stable_sort(effects, {}, [](const ListedEffect& effect) { return effect.entry->stage; });
   Effects ordered;
-  bool intensity = false;
-  bool snr = false;
-  const bool lit = std::ranges::any_of(made, [](const MadeEffect& m) { return m->setsIntensity(); });
-  for (MadeEffect& m : made) {
-    if (m->setsGain() && !lit) {
-      throw InputError(m.where, fmt::format("the effect '{0}' changes the power, but no effect uses the power: add the "
-                                            "effect `intensity`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
-                                            m.entry->name));
+  bool hasIntensity = false;
+  bool hasSnr = false;
+  const bool usesPower =
+      std::ranges::any_of(effects, [](const ListedEffect& effect) { return effect->setsIntensity(); });
+  for (ListedEffect& effect : effects) {
+    if (effect->setsGain() && !usesPower) {
+      throw InputError(effect.where,
+                       fmt::format("the effect '{0}' changes the power, but no effect uses the power: add the "
+                                   "effect `intensity`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
+                                   effect.entry->name));
     }
-    if (m->needsIntensity() && !intensity) {
-      throw InputError(m.where, fmt::format("the effect '{0}' needs the intensity: add the effect `intensity`, or "
-                                            "leave '{0}' out too (`{0}: none` beside `sensor`)",
-                                            m.entry->name));
+    if (effect->needsIntensity() && !hasIntensity) {
+      throw InputError(effect.where, fmt::format("the effect '{0}' needs the intensity: add the effect `intensity`, or "
+                                                 "leave '{0}' out too (`{0}: none` beside `sensor`)",
+                                                 effect.entry->name));
     }
-    if (m->setsIntensity() && intensity) {
+    if (effect->setsIntensity() && hasIntensity) {
       throw InputError(
-          m.where,
+          effect.where,
           fmt::format(
               "the effect '{}' sets the intensity, which an earlier effect sets already: leave one of the two out",
-              m.entry->name));
+              effect.entry->name));
     }
-    if (m->needsSnr() && !snr) {
-      throw InputError(m.where, fmt::format("the effect '{0}' needs the signal-to-noise ratio: add `detection: "
-                                            "{{noise: ...}}`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
-                                            m.entry->name));
+    if (effect->needsSnr() && !hasSnr) {
+      throw InputError(effect.where,
+                       fmt::format("the effect '{0}' needs the signal-to-noise ratio: add `detection: "
+                                   "{{noise: ...}}`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
+                                   effect.entry->name));
     }
-    intensity = intensity || m->setsIntensity();
-    snr = snr || m->setsSnr();
-    ordered.push_back(std::move(m));
+    hasIntensity = hasIntensity || effect->setsIntensity();
+    hasSnr = hasSnr || effect->setsSnr();
+    ordered.push_back(std::move(effect));
   }
   return ordered;
 }
@@ -136,11 +142,12 @@ std::vector<Value> withoutNone(std::vector<Value> items) {
   return items;
 }
 
-void checkIsList(const Value& own) {
-  if (own.kind == Value::Kind::Sequence) return;
-  throw InputError(own.where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
+void checkIsList(const Value& effects) {
+  if (effects.kind == Value::Kind::Sequence) return;
+  throw InputError(effects.where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
 }
 
+// Returns the items of the key `effects`: a list, the word `sensor`, or Null for none.
 std::vector<Value> effectItems(const Value& list) {
   if (list.kind == Value::Kind::Null) return {};
   if (list.kind == Value::Kind::Sequence) return withoutNone(list.items);
@@ -151,45 +158,43 @@ std::vector<Value> effectItems(const Value& list) {
 }
 
 Effects makeEffects(const std::vector<Value>& items, const EffectClasses& classes) {
-  std::vector<MadeEffect> made;
-  addEffects(items, &classes, made);
-  return inOrder(std::move(made));
+  return inOrder(listedEffects(items, &classes));
 }
 
 }  // namespace
 
 std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const MountedSensor& sensor) {
-  const auto word = std::ranges::find_if(items, meansSensor);
-  if (word == items.end()) return items;
-  const Value* own = sensor.description.find("effects");
-  if (own == nullptr) {
+  const auto sensorItem = std::ranges::find_if(items, meansSensor);
+  if (sensorItem == items.end()) return items;
+  const Value* sensorEffects = sensor.description.find("effects");
+  if (sensorEffects == nullptr) {
     throw InputError(
-        word->where,
+        sensorItem->where,
         fmt::format(
             "the file of the sensor '{}' has no effects: measure them with `scanmill fit-noise`, write `effects:` into "
             "the file or beside the sensor (`effects: [intensity]`: its ranges are exact), or name effects here "
             "(`scanmill list sensors` shows the presets with effects)",
             sensor.name));
   }
-  checkIsList(*own);
-  std::vector<Value> expanded = withoutNone(own->items);
+  checkIsList(*sensorEffects);
+  std::vector<Value> expanded = withoutNone(sensorEffects->items);
   std::set<std::string> changed;
   for (const Value& item : items) {
-    if (&item == &*word) continue;
+    if (&item == &*sensorItem) continue;
     if (meansSensor(item)) throw InputError(item.where, "the word `sensor` is listed twice");
     const NamedOptions change = readNamed(item, "an effect");
     requireEffect(change.name, change.where);
     if (!changed.insert(change.name).second) {
       throw InputError(change.where, fmt::format("the effect '{}' is listed twice beside `sensor`", change.name));
     }
-    const auto old = std::ranges::find_if(
-        expanded, [&](const Value& effect) { return readNamed(effect, "an effect").name == change.name; });
-    if (old == expanded.end()) {
+    const auto effect =
+        std::ranges::find_if(expanded, [&](const Value& e) { return readNamed(e, "an effect").name == change.name; });
+    if (effect == expanded.end()) {
       if (!meansNone(change)) expanded.push_back(item);
     } else if (meansNone(change)) {
-      expanded.erase(old);
+      expanded.erase(effect);
     } else if (change.options.kind == Value::Kind::Map) {
-      *old = withKeysOf(readNamed(*old, "an effect"), change);
+      *effect = withKeysOf(readNamed(*effect, "an effect"), change);
     } else if (change.options.kind != Value::Kind::Null) {
       throw InputError(
           change.options.where,
@@ -201,14 +206,15 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
   return expanded;
 }
 
-Value withKeysOf(const NamedOptions& own, const NamedOptions& change) {
-  Value options = own.options;
+Value withKeysOf(const NamedOptions& effect, const NamedOptions& change) {
+  Value options = effect.options;
   options.where = change.options.where;
   if (options.kind == Value::Kind::Null) options.kind = change.options.kind;
   for (const Value::Entry& entry : change.options.entries) {
-    const auto old = std::ranges::find_if(options.entries, [&](const Value::Entry& e) { return e.key == entry.key; });
-    if (old != options.entries.end()) {
-      old->value = entry.value;
+    const auto option =
+        std::ranges::find_if(options.entries, [&](const Value::Entry& e) { return e.key == entry.key; });
+    if (option != options.entries.end()) {
+      option->value = entry.value;
     } else {
       options.entries.push_back(entry);
     }
@@ -216,7 +222,7 @@ Value withKeysOf(const NamedOptions& own, const NamedOptions& change) {
   Value item;
   item.kind = Value::Kind::Map;
   item.where = change.where;
-  item.entries.push_back({own.name, std::move(options)});
+  item.entries.push_back({effect.name, std::move(options)});
   return item;
 }
 
@@ -240,10 +246,9 @@ const Ontology* EffectClasses::find() const {
 void checkSensorEffects(const Value& sensor, const EffectClasses* classes) {
   if (sensor.find("effects") == nullptr) return;
   std::vector<DrawnValue> ignored;
-  const Value own = withDraws(sensor.valueOf("effects"), "effects", {}, ignored);
-  checkIsList(own);
-  std::vector<MadeEffect> made;
-  addEffects(withoutNone(own.items), classes, made);
+  const Value effects = withDraws(sensor.valueOf("effects"), "effects", {}, ignored);
+  checkIsList(effects);
+  listedEffects(withoutNone(effects.items), classes);
 }
 
 Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor) {
@@ -273,8 +278,8 @@ void readEffects(const Value& written, Pipeline& pipeline) {
   }
   for (MountedSensor& sensor : pipeline.sensors) {
     sensor.effects = std::make_shared<const Effects>(makeEffects(sensorEffectItems(items, sensor), classes));
-    const auto isLit = [](const MountedSensor& s) { return intensityFullScale(*s.effects) > 0; };
-    if (isLit(sensor) == isLit(pipeline.sensors.front())) continue;
+    const auto hasIntensity = [](const MountedSensor& s) { return intensityFullScale(*s.effects) > 0; };
+    if (hasIntensity(sensor) == hasIntensity(pipeline.sensors.front())) continue;
     throw InputError(written.where,
                      fmt::format("only one of the sensors '{}' and '{}' has an intensity, but all scans of a dataset "
                                  "have the same columns: add `intensity` to the effects of the other sensor",

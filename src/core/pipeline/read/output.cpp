@@ -23,7 +23,8 @@ VoxelGrid readVoxelGrid(const Value& value) {
   grid.low = fields.vec3("from", grid.low);
   const Vec3d high = fields.vec3("to", {51.2, 25.6, 4.4});
   const std::array<double, 3> lengths{high.x - grid.low.x, high.y - grid.low.y, high.z - grid.low.z};
-  double all = 1;
+  constexpr double kRounding = 1e-6;  // as a fraction of the grid's length
+  double voxelCount = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (lengths[axis] <= 0) {
       throw InputError(
@@ -31,16 +32,16 @@ VoxelGrid readVoxelGrid(const Value& value) {
           fmt::format("voxels: `to` must be greater than `from` along x, y and z, but is not along {}", "xyz"[axis]));
     }
     const double count = std::round(lengths[axis] / grid.size);
-    if (count < 1 || std::abs(count * grid.size - lengths[axis]) > 1e-6 * grid.size * count) {
+    if (count < 1 || std::abs(count * grid.size - lengths[axis]) > kRounding * grid.size * count) {
       throw InputError(
           value.where,
           fmt::format(
               "voxels: the {:g} m along {} are not a whole number of voxels of {:g} m: change `from`, `to` or `size`",
               lengths[axis], "xyz"[axis], grid.size));
     }
-    all *= count;
-    constexpr double kMost = 64e6;
-    if (all > kMost)
+    voxelCount *= count;
+    constexpr double kMostVoxels = 64e6;
+    if (voxelCount > kMostVoxels)
       throw InputError(value.where,
                        "voxels: the grid has more than 64 million voxels: take larger voxels, or a smaller grid");
     grid.counts[axis] = static_cast<std::uint32_t>(count);
@@ -59,6 +60,7 @@ std::optional<VoxelGrid> readVoxels(const Value& value) {
   return readBool(value, "output: voxels") ? std::optional(VoxelGrid()) : std::nullopt;
 }
 
+// Reads a list of names of columns.
 ColumnSet readColumns(const Value& list) {
   if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "columns must be a list of names");
   ColumnSet columns;
@@ -76,33 +78,33 @@ ColumnSet readColumns(const Value& list) {
 }  // namespace
 
 Output readOutput(const Value& value) {
-  Output read;
-  Fields output(value, "output");
-  output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "shuffle", "reasons", "objects", "voxels"})
+  Output output;
+  Fields fields(value, "output");
+  fields.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "shuffle", "reasons", "objects", "voxels"})
       .finish();
-  read.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
-  read.layout.reasons = output.boolean("reasons", false);
-  read.objects = output.boolean("objects", false);
-  if (const Value* voxels = output.find("voxels")) read.voxels = readVoxels(*voxels);
-  if (const Value* list = output.find("columns")) read.layout.columns = readColumns(*list);
+  output.layout.organised = fields.choice("layout", {"dense", "organised"}, "dense") == "organised";
+  output.layout.reasons = fields.boolean("reasons", false);
+  output.objects = fields.boolean("objects", false);
+  if (const Value* voxels = fields.find("voxels")) output.voxels = readVoxels(*voxels);
+  if (const Value* list = fields.find("columns")) output.layout.columns = readColumns(*list);
   std::set<std::string> suffixes;
-  for (const Value& item : readList(output.require("formats"), "formats")) {
+  for (const Value& item : readList(fields.require("formats"), "formats")) {
     const NamedOptions named = readNamed(item, "a format");
     const FormatEntry& entry = requireFormat(named.name, named.where);
     Fields options(named.options, "format " + named.name);
     options.alsoDescribed(entry.keys).finish();
-    read.formats.push_back({&entry, entry.make(options)});
+    output.formats.push_back({&entry, entry.make(options)});
     if (!suffixes.insert(std::string(entry.suffix)).second) {
       throw InputError(named.where, fmt::format("two formats write '.{}' files", entry.suffix));
     }
   }
-  read.shards.bytes = static_cast<std::uint64_t>(output.number("shard_mb", {1, 1e6}, 256) * 1e6);
-  if (output.has("shard_samples")) {
-    output.refuse({"shard_mb"}, "has no effect beside `shard_samples`: leave it out");
-    read.shards.samples = static_cast<std::size_t>(output.integer("shard_samples", 1, 1'000'000'000));
+  output.shards.bytes = static_cast<std::uint64_t>(fields.number("shard_mb", {1, 1e6}, 256) * 1e6);
+  if (fields.has("shard_samples")) {
+    fields.refuse({"shard_mb"}, "has no effect beside `shard_samples`: leave it out");
+    output.shards.samples = static_cast<std::size_t>(fields.integer("shard_samples", 1, 1'000'000'000));
   }
-  read.shards.shuffled = output.boolean("shuffle", false);
-  return read;
+  output.shards.shuffled = fields.boolean("shuffle", false);
+  return output;
 }
 
 }  // namespace scanmill

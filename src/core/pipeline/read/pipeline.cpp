@@ -21,6 +21,8 @@ namespace scanmill {
 namespace {
 
 constexpr double kDefaultMaxRays = 1e11;
+constexpr double kTypicalRaysPerSecond = 20e6;  // for the message about too many rays
+constexpr std::size_t kMostSensors = 4095;
 
 // Returns a text with "# " inserted at the start of each line but the first, so that it can follow "# " in a comment.
 std::string commented(const std::string& text) {
@@ -35,9 +37,9 @@ std::string commented(const std::string& text) {
 // Returns the recording's sensor with the name of the pipeline's. Throws InputError at `where` if there is none, or if
 // it has other beams, since hits or images of a recording were computed for its beams.
 const RecordedSensor& recordedSensor(const Recording& recording, const MountedSensor& sensor, const Location& where) {
-  std::vector<std::string> names;
+  std::vector<std::string> recordedNames;
   for (const RecordedSensor& recorded : recording.sensors) {
-    names.push_back(recorded.name);
+    recordedNames.push_back(recorded.name);
     if (recorded.name != sensor.name) continue;
     if (recorded.rings == sensor.size.rings && recorded.columns == sensor.size.columns) return recorded;
     throw InputError(where, fmt::format("the sensor '{}' has {} x {} beams, but the recording in {} has {} x {} of it",
@@ -45,7 +47,7 @@ const RecordedSensor& recordedSensor(const Recording& recording, const MountedSe
                                         recorded.rings, recorded.columns));
   }
   throw InputError(where, fmt::format("the recording in {} has no sensor '{}'{}", recording.folder.string(),
-                                      sensor.name, suggestion(sensor.name, names)));
+                                      sensor.name, suggestion(sensor.name, recordedNames)));
 }
 
 // Sets the mounts of the sensors to the recorded ones. Throws InputError if the pipeline gives other sensors or mounts.
@@ -56,29 +58,31 @@ void takeRecordedMounts(Pipeline& pipeline, const Recording& recording, const Va
     if (!recorded) continue;
     const Value* mount = list.items[i].find("mount");
     if (mount != nullptr && sensor.vehicleFromSensor != *recorded) {
-      const Vec3d& t = recorded->translation;
+      const Vec3d& position = recorded->translation;
       throw InputError(mount->where,
                        fmt::format("the mount of the sensor '{}' differs from that of the recording in {}, which is at "
                                    "[{:g}, {:g}, {:g}]: recorded hits cannot be moved, so leave out `mount`",
-                                   sensor.name, recording.folder.string(), t.x, t.y, t.z));
+                                   sensor.name, recording.folder.string(), position.x, position.y, position.z));
     }
     sensor.vehicleFromSensor = *recorded;
   }
 }
 
 // Returns a sensor's name, which becomes part of file names: that in `fields` or, without one, `fallback`. Throws
-// InputError if it is empty, has other characters than file names, or is the name of one of the `others`.
-std::string readSensorName(Fields& fields, const std::string& fallback, const std::vector<MountedSensor>& others) {
+// InputError if it is empty, has other characters than file names, or is the name of one of `earlierSensors`.
+std::string readSensorName(Fields& fields, const std::string& fallback,
+                           const std::vector<MountedSensor>& earlierSensors) {
   const std::string name = fields.text("name", fallback);
-  const Value* const given = fields.find("name");
+  const Value* const nameValue = fields.find("name");
   if (name.empty())
-    throw InputError(given->where, "a sensor's name becomes part of file names, so it must not be empty");
+    throw InputError(nameValue->where, "a sensor's name becomes part of file names, so it must not be empty");
   if (name != keyPart(name)) {
-    throw InputError(given->where, fmt::format("a sensor's name becomes part of file names: use lower-case letters, "
-                                               "digits, '-' and '_', such as '{}'",
-                                               keyPart(name)));
+    throw InputError(nameValue->where,
+                     fmt::format("a sensor's name becomes part of file names: use lower-case letters, "
+                                 "digits, '-' and '_', such as '{}'",
+                                 keyPart(name)));
   }
-  if (std::ranges::any_of(others, [&](const MountedSensor& other) { return other.name == name; })) {
+  if (std::ranges::any_of(earlierSensors, [&](const MountedSensor& sensor) { return sensor.name == name; })) {
     throw InputError(fields.where(), fmt::format("two sensors are named '{}'", name));
   }
   return name;
@@ -88,26 +92,26 @@ std::string readSensorName(Fields& fields, const std::string& fallback, const st
 // values with their distributions are stored in `written`.
 std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, DrawnSensors::Written& written) {
   std::vector<DrawnValue> ignored;
-  const auto drawn = [&](const Value& value, std::size_t sensor, const char* key) {
+  const auto sampled = [&](const Value& value, std::size_t sensor, const char* key) {  // without distributions
     return withDraws(value, fmt::format("sensors.{}.{}", sensor, key), {.seed = seed}, ignored);
   };
   std::vector<MountedSensor> sensors;
   for (const Value& item : readList(fields.require("sensors"), "sensors")) {
-    Fields own(item, "sensor");
+    Fields sensorFields(item, "sensor");
     MountedSensor sensor;
     sensor.description = resolveSensor(item);
-    sensor.name = readSensorName(own, fmt::format("lidar{}", sensors.size()), sensors);
+    sensor.name = readSensorName(sensorFields, fmt::format("lidar{}", sensors.size()), sensors);
     written.descriptions.push_back(sensor.description);
     for (Value::Entry& entry : sensor.description.entries) {
-      if (entry.key == "effects") entry.value = drawn(entry.value, sensors.size(), "effects");
+      if (entry.key == "effects") entry.value = sampled(entry.value, sensors.size(), "effects");
     }
-    const Value* mount = own.find("mount");
+    const Value* mount = sensorFields.find("mount");
     written.mounts.push_back(mount == nullptr ? Value{} : *mount);
-    sensor.vehicleFromSensor = readMount(drawn(written.mounts.back(), sensors.size(), "mount"));
+    sensor.vehicleFromSensor = readMount(sampled(written.mounts.back(), sensors.size(), "mount"));
     sensor.size = sensorSize(sensor.description);
     sensors.push_back(std::move(sensor));
   }
-  if (sensors.size() > 4095) throw InputError(fields.where(), "a vehicle can have at most 4095 sensors");
+  if (sensors.size() > kMostSensors) throw InputError(fields.where(), "a vehicle can have at most 4095 sensors");
   return sensors;
 }
 
@@ -124,19 +128,21 @@ void readVehicle(Fields& fields, Pipeline& pipeline) {
   pipeline.dropVehicle = keys.choice("returns", {"keep", "drop"}, "keep") == "drop";
 }
 
-// Throws InputError if the frames have more rays than the pipeline allows. `frames`: a number, or "at least" a number.
-void checkRays(const Pipeline& pipeline, std::uint64_t frames, double perFrame, std::string_view unit,
+// Throws InputError if the frames have more rays than Pipeline::maxRays. `perFrame`: rays of a frame, called `unit` in
+// the message. `atLeast`: "at least " if there may be more frames, otherwise empty.
+void checkRays(const Pipeline& pipeline, std::uint64_t frameCount, double perFrame, std::string_view unit,
                std::string_view atLeast = "") {
-  const double rays = static_cast<double>(frames) * perFrame;
+  const double rays = static_cast<double>(frameCount) * perFrame;
   if (rays <= pipeline.maxRays) return;
   throw InputError(
       {pipeline.file.string()},
       fmt::format("{}{} frames x {:.0f} {} = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million "
                   "rays a second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the "
                   "limit",
-                  atLeast, frames, perFrame, unit, rays, pipeline.maxRays, rays / 20e6 / 3600));
+                  atLeast, frameCount, perFrame, unit, rays, pipeline.maxRays, rays / kTypicalRaysPerSecond / 3600));
 }
 
+// Reads Pipeline::about; empty for null.
 std::map<std::string, std::string> readAbout(const Value* value) {
   std::map<std::string, std::string> about;
   if (value == nullptr) return about;
@@ -149,15 +155,16 @@ std::map<std::string, std::string> readAbout(const Value* value) {
 }
 
 // Sets the splits of the sequences by the pipeline's key `splits`; null: it has none.
-void assignSplits(const Value* splitting, Pipeline& pipeline) {
+void setSplits(const Value* splitting, Pipeline& pipeline) {
   std::vector<SequenceName> names;
   for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});
   const std::vector<std::string> splits = assignSplits(splitting, names, pipeline.seed);
-  const Value* by = splitting == nullptr ? nullptr : splitting->find("by");
-  pipeline.splitsBySeed = splitting != nullptr && (by == nullptr || by->text == "seed");
+  const Value* key = splitting == nullptr ? nullptr : splitting->find("by");
+  pipeline.splitsBySeed = splitting != nullptr && (key == nullptr || key->text == "seed");
   for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
 }
 
+// Sets MountedSensor::period of each sensor, and Pipeline::periods.
 void readPeriods(Pipeline& pipeline) {
   for (MountedSensor& sensor : pipeline.sensors) {
     sensor.period = 1.0 / Fields(sensor.description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
@@ -176,25 +183,39 @@ void countRevolutions(Pipeline& pipeline) {
   }
   for (MountedSensor& sensor : pipeline.sensors) {
     for (const Sequence& sequence : pipeline.sequences) {
-      const std::uint32_t most = sequence.mostRevolutions(sensor.period, pipeline.periods);
-      if (most > Shot::kMostRevolutions) {
+      const std::uint32_t revolutions = sequence.mostRevolutions(sensor.period, pipeline.periods);
+      if (revolutions > Shot::kMostRevolutions) {
         throw InputError(
             sensor.description.where,
             fmt::format("a sample would hold {} revolutions of the sensor '{}', which turns in {:g} s, "
                         "beside one of the slowest sensor, which takes {:g} s; at most {} are possible: "
                         "scan with these sensors in two pipelines",
-                        most, sensor.name, sensor.period, pipeline.periods.longest, Shot::kMostRevolutions));
+                        revolutions, sensor.name, sensor.period, pipeline.periods.longest, Shot::kMostRevolutions));
       }
-      sensor.revolutions = std::max(sensor.revolutions, most);
+      sensor.revolutions = std::max(sensor.revolutions, revolutions);
     }
   }
 }
 
-Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& file,
+// Reads the method of scenes; for a recording, only if the pipeline names one.
+void readMethod(Fields& fields, Pipeline& pipeline) {
+  if (pipeline.recording != nullptr && fields.find("method") == nullptr) return;
+  const NamedOptions method = readNamed(fields.require("method"), "method");
+  if (method.name == "auto") {
+    throw InputError(method.where,
+                     "`method: auto` is no longer chosen by measuring, since ray_tracing is the fastest of the exact "
+                     "settings everywhere (docs/tradeoff.md): write `method: ray_tracing`");
+  }
+  pipeline.method = {&requireMethod(method.name, method.where), method.options};
+}
+
+// Returns the pipeline of a parsed text. Later keys depend on earlier ones: sequences on the sensors' periods, effects
+// on sequences, sensors and ontology, and random sensors on all of these.
+Pipeline pipelineOf(Value parsed, std::string text, const std::filesystem::path& file,
                     std::shared_ptr<const Recording> recording) {
   const FilesRead filesRead;
   Pipeline pipeline;
-  pipeline.root = std::move(read);
+  pipeline.root = std::move(parsed);
   const Value& root = pipeline.root;
   pipeline.recording = std::move(recording);
   pipeline.file = file;
@@ -215,9 +236,9 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   pipeline.sensors = readSensors(fields, pipeline.seed, written);
   readPeriods(pipeline);
   pipeline.maxRays = kDefaultMaxRays;
-  const Value* const limited = fields.find("limits");
-  if (limited != nullptr) {
-    pipeline.maxRays = Fields(*limited, "limits").number("max_rays", {1, 1e18}, kDefaultMaxRays);
+  const Value* const limits = fields.find("limits");
+  if (limits != nullptr) {
+    pipeline.maxRays = Fields(*limits, "limits").number("max_rays", {1, 1e18}, kDefaultMaxRays);
   }
   if (pipeline.recording != nullptr) {
     takeRecordedMounts(pipeline, *pipeline.recording, fields.require("sensors"));
@@ -230,21 +251,13 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   }
   countRevolutions(pipeline);
   pipeline.motion = readMotion(fields.find("motion"));
-  if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
-    const NamedOptions method = readNamed(fields.require("method"), "method");
-    if (method.name == "auto") {
-      throw InputError(method.where,
-                       "`method: auto` is no longer chosen by measuring, since ray_tracing is the fastest of the exact "
-                       "settings everywhere (docs/tradeoff.md): write `method: ray_tracing`");
-    }
-    pipeline.method = {&requireMethod(method.name, method.where), method.options};
-  }
+  readMethod(fields, pipeline);
   written.effects = writtenEffects(root);
   readEffects(written.effects, pipeline);
   pipeline.output = readOutput(fields.require("output"));
-  assignSplits(fields.find("splits"), pipeline);
+  setSplits(fields.find("splits"), pipeline);
   if (DrawnSensors::draws(written)) pipeline.drawn = std::make_shared<const DrawnSensors>(std::move(written), pipeline);
-  if (limited != nullptr) Fields(*limited, "limits").also({"max_rays"}).finish();
+  if (limits != nullptr) Fields(*limits, "limits").also({"max_rays"}).finish();
   checkRays(pipeline, pipeline.frames(), pipeline.rays() / static_cast<double>(pipeline.frames()),
             pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays");
   pipeline.files = recordsOf(filesRead, file.parent_path());
@@ -315,10 +328,10 @@ const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
 }
 
 std::vector<const Effects*> Pipeline::effectCases(std::size_t sensor) const {
-  std::vector<const Effects*> all{sensors[sensor].effects.get()};
-  if (drawn == nullptr) return all;
-  for (const SensorDraw& one : drawn->cases()) all.push_back(one.effects[sensor].get());
-  return all;
+  std::vector<const Effects*> cases{sensors[sensor].effects.get()};
+  if (drawn == nullptr) return cases;
+  for (const SensorDraw& testCase : drawn->cases()) cases.push_back(testCase.effects[sensor].get());
+  return cases;
 }
 
 std::uint32_t Pipeline::mostReturns() const {
@@ -355,25 +368,25 @@ Pipeline readPipelineText(const std::string& text, const std::filesystem::path& 
   return pipelineOf(std::move(root), text, file, nullptr);
 }
 
-// Returns the overrides, which are comments at the end of the text, such as "# --set scenes.0.seeds=[3]". An override
-// of several lines takes several comment lines.
+// The overrides are comments such as "# --set scenes.0.seeds=[3]". An override of several lines takes several comment
+// lines.
 std::vector<std::string> overridesIn(const std::string& text) {
-  constexpr std::string_view kComment = "# ";
-  constexpr std::string_view kSet = "# --set ";
+  constexpr std::string_view kCommentPrefix = "# ";
+  constexpr std::string_view kOverridePrefix = "# --set ";
   std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
+  for (std::size_t lineStart = 0; lineStart < text.size();) {
+    const std::size_t lineEnd = std::min(text.find('\n', lineStart), text.size());
+    lines.push_back(text.substr(lineStart, lineEnd - lineStart));
+    lineStart = lineEnd + 1;
   }
-  std::size_t first = lines.size();
-  while (first > 0 && lines[first - 1].starts_with(kComment)) --first;
+  std::size_t firstComment = lines.size();
+  while (firstComment > 0 && lines[firstComment - 1].starts_with(kCommentPrefix)) --firstComment;
   std::vector<std::string> overrides;
-  for (std::size_t i = first; i < lines.size(); ++i) {
-    if (lines[i].starts_with(kSet)) {
-      overrides.push_back(lines[i].substr(kSet.size()));
+  for (std::size_t i = firstComment; i < lines.size(); ++i) {
+    if (lines[i].starts_with(kOverridePrefix)) {
+      overrides.push_back(lines[i].substr(kOverridePrefix.size()));
     } else if (!overrides.empty()) {
-      overrides.back() += '\n' + lines[i].substr(kComment.size());
+      overrides.back() += '\n' + lines[i].substr(kCommentPrefix.size());
     }
   }
   return overrides;

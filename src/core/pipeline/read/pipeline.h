@@ -45,7 +45,7 @@ struct Sequence {
   std::shared_ptr<const Trajectory> trajectory;  // null if the shots come from a recording
   std::string trajectoryName;
   std::uint32_t frames = 0;
-  std::string split;
+  std::string split = {};
   bool moving = true;               // false: objects stay at their positions at time 0 s
   std::vector<Value> without = {};  // classes, names or ids of objects to remove from the scene, see takeOut()
 

@@ -22,20 +22,21 @@ namespace {
 using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
 
 // Returns the value of the first key `along` in a list of trajectories; null if no trajectory has this key.
-const Value* followsLane(const Value& list) {
+const Value* firstAlong(const Value& list) {
   for (const Value& item : list.items) {
     if (const Value* along = item.find("along")) return along;
   }
   return nullptr;
 }
 
-// Reads a list of trajectories. `lanes`: lanes of the scene's town; may be null if no trajectory follows a lane.
-// `seed`: the scene's seed, which determines the sway of the vehicle.
+// Reads a list of trajectories. `period`: duration of the slowest sensor's revolution (s). `lanes`: lanes of the
+// scene's town; may be null if no trajectory follows a lane. `seed`: the scene's seed, which determines the sway of the
+// vehicle.
 Trajectories readTrajectories(const Value& list, double period, const SceneLanes* lanes = nullptr,
                               std::uint64_t seed = 0) {
   const std::vector<Value>& items = readList(list, "trajectories");
   Trajectories trajectories;
-  std::map<std::string, std::string> names;  // by their parts of keys
+  std::map<std::string, std::string> nameByKeyPart;
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::uint32_t drives = countDrives(items[i]);
     for (std::uint32_t drive = 0; drive < drives; ++drive) {
@@ -44,28 +45,29 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
       if (trajectory->name().empty()) {
         throw InputError(items[i].where, "a trajectory's name becomes part of file names, so it must not be empty");
       }
-      const auto [other, isNew] = names.emplace(keyPart(trajectory->name()), trajectory->name());
+      const auto [entry, isNew] = nameByKeyPart.emplace(keyPart(trajectory->name()), trajectory->name());
       if (isNew) continue;
       throw InputError(items[i].where,
                        fmt::format("two trajectories are named '{}' and '{}', both '{}' in file names: give one "
                                    "another name",
-                                   other->second, trajectory->name(), other->first));
+                                   entry->second, trajectory->name(), entry->first));
     }
   }
   return trajectories;
 }
 
+// Reads a seed or a list of seeds without repetitions; {1} for null.
 std::vector<std::uint64_t> readSeeds(const Value* value) {
   if (value == nullptr) return {1};
-  constexpr std::int64_t kMost = 1'000'000'000'000;
-  const std::vector<PlacedInteger> listed =
+  constexpr std::int64_t kLargestSeed = 1'000'000'000'000;
+  const std::vector<PlacedInteger> placedSeeds =
       value->kind == Value::Kind::Sequence
-          ? readIntegers(*value, "seeds", 0, kMost)
-          : std::vector<PlacedInteger>{{readInteger(*value, "seeds", 0, kMost), value->where}};
+          ? readIntegers(*value, "seeds", 0, kLargestSeed)
+          : std::vector<PlacedInteger>{{readInteger(*value, "seeds", 0, kLargestSeed), value->where}};
   std::vector<std::uint64_t> seeds;
-  std::set<std::int64_t> known;
-  for (const PlacedInteger& seed : listed) {
-    if (!known.insert(seed.value).second) {
+  std::set<std::int64_t> distinctSeeds;
+  for (const PlacedInteger& seed : placedSeeds) {
+    if (!distinctSeeds.insert(seed.value).second) {
       throw InputError(seed.where,
                        fmt::format("seed {} is listed twice: both sequences would be the same", seed.value));
     }
@@ -77,15 +79,16 @@ std::vector<std::uint64_t> readSeeds(const Value* value) {
 
 bool sameItems(const std::vector<Value>& a, const std::vector<Value>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const Value& one, const Value& other) { return flowText(one) == flowText(other); });
+                    [](const Value& x, const Value& y) { return flowText(x) == flowText(y); });
 }
 
+// Reads the items of takeOut(); none for null.
 std::vector<Value> readWithout(const Value* value) {
   if (value == nullptr || value->kind == Value::Kind::Null) return {};
-  const bool words = value->kind == Value::Kind::Sequence && std::ranges::all_of(value->items, [](const Value& item) {
-                       return item.kind == Value::Kind::Scalar;
-                     });
-  if (!words) {
+  const bool isListOfScalars =
+      value->kind == Value::Kind::Sequence &&
+      std::ranges::all_of(value->items, [](const Value& item) { return item.kind == Value::Kind::Scalar; });
+  if (!isListOfScalars) {
     throw InputError(value->where,
                      "without must be a list of classes, names of objects and instance ids, such as "
                      "[car, 17]; each value of a sweep is such a list: [[], [car]]");
@@ -93,7 +96,8 @@ std::vector<Value> readWithout(const Value* value) {
   return value->items;
 }
 
-// Returns how many frames a list of trajectories has for each seed at least: those that it states.
+// Returns the least number of frames of a list of trajectories for each seed: the sum of the stated numbers, and one
+// for each trajectory that states none.
 std::uint64_t leastFrames(const Value& list) {
   std::uint64_t least = 0;
   for (const Value& trajectory : list.items) {
@@ -105,34 +109,35 @@ std::uint64_t leastFrames(const Value& list) {
   return least;
 }
 
-constexpr double kSlack = 1e-6;  // revolutions; absorbs rounding errors of times
+constexpr double kRevolutionRounding = 1e-6;  // revolutions; exceeds the rounding errors of times
 
 // Returns how many revolutions of a sensor have ended by `time` (s).
-std::uint64_t ended(double time, double period) {
-  return static_cast<std::uint64_t>(time / period + kSlack);
+std::uint64_t endedRevolutions(double time, double period) {
+  return static_cast<std::uint64_t>(time / period + kRevolutionRounding);
 }
 
 }  // namespace
 
 std::string keyPart(std::string_view text) {
-  std::string part;
-  for (std::size_t at = 0; at < text.size();) {
-    const Utf8Character c = utf8At(text, at);
-    if (c.code < 0x80) {
-      const int byte = static_cast<int>(c.code);
-      part += std::isalnum(byte) != 0 || byte == '-' ? static_cast<char>(std::tolower(byte)) : '_';
+  std::string key;
+  for (std::size_t index = 0; index < text.size();) {
+    const Utf8Character character = utf8At(text, index);
+    if (character.code < 0x80) {
+      const int byte = static_cast<int>(character.code);
+      key += std::isalnum(byte) != 0 || byte == '-' ? static_cast<char>(std::tolower(byte)) : '_';
     } else {
-      part += c.code == kNoCharacter ? "_" : fmt::format("u{:04x}", static_cast<std::uint32_t>(c.code));
+      key += character.code == kNoCharacter ? "_" : fmt::format("u{:04x}", static_cast<std::uint32_t>(character.code));
     }
-    at += c.bytes;
+    index += character.bytes;
   }
-  return part;
+  return key;
 }
 
 std::vector<Sequence> readSequences(Fields& fields, double period,
                                     const std::function<void(std::uint64_t)>& checkFrames) {
-  const Value* shared = fields.find("trajectories");
-  if (shared != nullptr && followsLane(*shared) == nullptr) readTrajectories(*shared, period);
+  const Value* sharedTrajectories = fields.find("trajectories");
+  if (sharedTrajectories != nullptr && firstAlong(*sharedTrajectories) == nullptr)
+    readTrajectories(*sharedTrajectories, period);
   std::vector<Sequence> sequences;
   std::set<std::string> keys;
   std::uint64_t frames = 0;
@@ -143,11 +148,11 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
     const std::vector<std::uint64_t> seeds = readSeeds(scene.find("seeds"));
     const bool moving = scene.boolean("moving", true);
     const std::vector<Value> without = readWithout(scene.find("without"));
-    const Value* own = scene.find("trajectories");
-    const Value* list = own == nullptr ? shared : own;
+    const Value* sceneTrajectories = scene.find("trajectories");
+    const Value* list = sceneTrajectories == nullptr ? sharedTrajectories : sceneTrajectories;
     if (list == nullptr)
       throw InputError(item.where, "no trajectories: give the scene or the pipeline the key `trajectories`");
-    const Value* along = followsLane(*list);
+    const Value* along = firstAlong(*list);
     Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, period);
     checkFrames(frames + seeds.size() * leastFrames(*list));
     for (const std::uint64_t seed : seeds) {
@@ -162,11 +167,15 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
       }
       checkFrames(frames);
       for (const auto& trajectory : trajectories) {
-        sequences.push_back(
-            {keyPart(file.stem().string()), file, seed, trajectory, trajectory->name(), trajectory->frames(), ""});
+        sequences.push_back({.scene = keyPart(file.stem().string()),
+                             .sceneFile = file,
+                             .sceneSeed = seed,
+                             .trajectory = trajectory,
+                             .trajectoryName = trajectory->name(),
+                             .frames = trajectory->frames(),
+                             .moving = moving,
+                             .without = without});
         frames += trajectory->frames();
-        sequences.back().moving = moving;
-        sequences.back().without = without;
         if (!keys.insert(sequences.back().key()).second) {
           throw InputError(item.where,
                            fmt::format("two sequences have the key '{}': list the scene once, or give one scene "
@@ -182,20 +191,25 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
 std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fields) {
   std::vector<Sequence> sequences;
   for (const RecordedSequence& s : recording.sequences) {
-    sequences.push_back({s.scene, {}, s.seed, nullptr, s.trajectory, s.frames, ""});
-    const std::string list = fmt::format("[{}]", fmt::join(s.without, ", "));
-    sequences.back().without = parseYaml(list, recording.folder.string()).items;
+    const std::string without = fmt::format("[{}]", fmt::join(s.without, ", "));
+    sequences.push_back({.scene = s.scene,
+                         .sceneFile = {},
+                         .sceneSeed = s.seed,
+                         .trajectory = nullptr,
+                         .trajectoryName = s.trajectory,
+                         .frames = s.frames,
+                         .without = parseYaml(without, recording.folder.string()).items});
   }
   // Objects cannot be removed from recorded hits: `without` must be as in the recording.
   const Value* scenes = fields.find("scenes");
   if (scenes == nullptr) return sequences;
   for (const Value& scene : scenes->items) {
     const Value* value = scene.find("without");
-    const std::vector<Value> asked = readWithout(value);
+    const std::vector<Value> requestedItems = readWithout(value);
     const Value* name = scene.find("scene");
     for (const Sequence& s : sequences) {
-      const bool own = name != nullptr && keyPart(std::filesystem::path(name->text).stem().string()) == s.scene;
-      if (value == nullptr || !own || sameItems(asked, s.without)) continue;
+      const bool isSameScene = name != nullptr && keyPart(std::filesystem::path(name->text).stem().string()) == s.scene;
+      if (value == nullptr || !isSameScene || sameItems(requestedItems, s.without)) continue;
       throw InputError(
           value->where,
           fmt::format("{} was recorded with {}, and recorded hits cannot be changed: leave out `without`",
@@ -208,34 +222,37 @@ std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fiel
 bool Sequence::turnsWithoutBreak(const Periods& periods) const {
   if (periods.shortest == periods.longest || trajectory == nullptr || !trajectory->regular()) return false;
   const double interval = trajectory->interval();
-  return interval >= periods.shortest * (1 - kSlack) && interval <= periods.longest * (1 + kSlack);
+  return interval >= periods.shortest * (1 - kRevolutionRounding) &&
+         interval <= periods.longest * (1 + kRevolutionRounding);
 }
 
 std::vector<double> Sequence::revolutions(std::uint32_t frame, double period, const Periods& periods) const {
   std::vector<double> begins;
   if (!turnsWithoutBreak(periods)) {
-    for (std::uint32_t k = 0; k < mostRevolutions(period, periods); ++k) begins.push_back(k * period);
+    for (std::uint32_t revolution = 0; revolution < mostRevolutions(period, periods); ++revolution)
+      begins.push_back(revolution * period);
     return begins;
   }
   const double start = trajectory->frameTime(frame);
-  const std::uint64_t last = ended(start + trajectory->interval(), period);
-  for (std::uint64_t k = ended(start, period); k < last; ++k) {
-    begins.push_back(static_cast<double>(k) * period - start);
+  const std::uint64_t lastRevolution = endedRevolutions(start + trajectory->interval(), period);
+  for (std::uint64_t revolution = endedRevolutions(start, period); revolution < lastRevolution; ++revolution) {
+    begins.push_back(static_cast<double>(revolution) * period - start);
   }
   return begins;
 }
 
 double Sequence::totalRevolutions(double period, const Periods& periods) const {
-  if (turnsWithoutBreak(periods)) return static_cast<double>(ended(frames * trajectory->interval(), period));
+  if (turnsWithoutBreak(periods)) return static_cast<double>(endedRevolutions(frames * trajectory->interval(), period));
   return static_cast<double>(frames) * mostRevolutions(period, periods);
 }
 
 std::uint32_t Sequence::mostRevolutions(double period, const Periods& periods) const {
   if (turnsWithoutBreak(periods)) {
-    return static_cast<std::uint32_t>(std::ceil(trajectory->interval() / period - kSlack));
+    return static_cast<std::uint32_t>(std::ceil(trajectory->interval() / period - kRevolutionRounding));
   }
-  const bool overlap = trajectory != nullptr && trajectory->interval() < periods.longest * (1 - kSlack);
-  return overlap ? 1 : static_cast<std::uint32_t>(ended(periods.longest, period));
+  const bool framesOverlap =
+      trajectory != nullptr && trajectory->interval() < periods.longest * (1 - kRevolutionRounding);
+  return framesOverlap ? 1 : static_cast<std::uint32_t>(endedRevolutions(periods.longest, period));
 }
 
 bool Sequence::sameScene(const Sequence& other) const {

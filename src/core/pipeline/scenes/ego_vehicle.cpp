@@ -7,25 +7,25 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kRaysTogether = 1 << 16;  // about the number of rays that are traced at a time
+constexpr std::uint32_t kRaysAtOnce = 1 << 16;  // about the number of rays that are traced at a time
 
-// Sets a table to some rings of another.
-void takeRings(const BeamTable& rays, std::uint32_t ring, std::uint32_t count, BeamTable& own) {
-  own.rings = count;
-  own.columns = rays.columns;
-  own.raysPerBeam = rays.raysPerBeam;
-  own.maxRange = rays.maxRange;
-  own.period = rays.period;
-  const auto take = [&](const auto& all, auto& some) {
-    if (all.empty()) return;
-    const std::size_t each = all.size() / rays.rings;
-    const auto first = all.begin() + static_cast<std::ptrdiff_t>(ring * each);
-    some.assign(first, first + static_cast<std::ptrdiff_t>(count * each));
+// Sets `part` to the rings of a table from `firstRing` on, so many as `count`.
+void copyRings(const BeamTable& table, std::uint32_t firstRing, std::uint32_t count, BeamTable& part) {
+  part.rings = count;
+  part.columns = table.columns;
+  part.raysPerBeam = table.raysPerBeam;
+  part.maxRange = table.maxRange;
+  part.period = table.period;
+  const auto copy = [&](const auto& values, auto& partValues) {  // empty, or several values per ring
+    if (values.empty()) return;
+    const std::size_t perRing = values.size() / table.rings;
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(firstRing * perRing);
+    partValues.assign(first, first + static_cast<std::ptrdiff_t>(count * perRing));
   };
-  take(rays.elevation, own.elevation);
-  take(rays.direction, own.direction);
-  take(rays.origin, own.origin);
-  take(rays.time, own.time);
+  copy(table.elevation, part.elevation);
+  copy(table.direction, part.direction);
+  copy(table.origin, part.origin);
+  copy(table.time, part.time);
 }
 
 }  // namespace
@@ -36,30 +36,27 @@ double BlockedRays::share() const {
 
 // Traces some rings at a time, since few rays hit the vehicle and only their hits are kept.
 BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
-  BlockedRays found;
-  found.range.reserve(rays.size());
-  found.hits.reset(0, 0, Channels::all());
+  BlockedRays blocked;
+  blocked.range.reserve(rays.size());
+  blocked.hits.reset(0, 0, Channels::all());
   Shot shot;
   shot.worldFromSensor = {vehicleFromSensor};
   const auto table = std::make_shared<BeamTable>();
   shot.beams = table;
-  Hits some;
-  const std::uint32_t together = std::max(1u, kRaysTogether / rays.columns);
-  for (std::uint32_t ring = 0; ring < rays.rings; ring += together) {
-    takeRings(rays, ring, std::min(together, rays.rings - ring), *table);
-    vehicle.trace(shot, Channels::all(), some);
-    const std::size_t before = found.range.size();
-    found.range.insert(found.range.end(), some.range.begin(), some.range.end());
-    for (std::size_t ray = 0; ray < some.rays(); ++ray) {
-      if (!some.hit(ray)) continue;
-      found.blocked.push_back(static_cast<std::uint32_t>(before + ray));
-      forEachChannel([&](const ChannelRow&, auto member) {
-        auto& column = found.hits.*member;
-        column.push_back((some.*member)[ray]);
-      });
+  Hits hits;
+  const std::uint32_t ringsAtOnce = std::max(1u, kRaysAtOnce / rays.columns);
+  for (std::uint32_t ring = 0; ring < rays.rings; ring += ringsAtOnce) {
+    copyRings(rays, ring, std::min(ringsAtOnce, rays.rings - ring), *table);
+    vehicle.trace(shot, Channels::all(), hits);
+    const std::size_t firstRay = blocked.range.size();
+    blocked.range.insert(blocked.range.end(), hits.range.begin(), hits.range.end());
+    for (std::size_t ray = 0; ray < hits.rays(); ++ray) {
+      if (!hits.hit(ray)) continue;
+      blocked.blocked.push_back(static_cast<std::uint32_t>(firstRay + ray));
+      forEachChannel([&](const ChannelRow&, auto member) { (blocked.hits.*member).push_back((hits.*member)[ray]); });
     }
   }
-  return found;
+  return blocked;
 }
 
 void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits) {
@@ -73,8 +70,9 @@ void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits) {
     hits.pathOfRay[ray] = RayPath::EgoVehicle;
     forEachChannel([&](const ChannelRow& row, auto member) {
       auto& column = hits.*member;
-      using Of = typename std::remove_reference_t<decltype(column)>::value_type;
-      if (row.channel != Channel::Range && !column.empty()) column[ray] = reported ? (vehicle.hits.*member)[i] : Of{};
+      using Element = typename std::remove_reference_t<decltype(column)>::value_type;
+      if (row.channel != Channel::Range && !column.empty())
+        column[ray] = reported ? (vehicle.hits.*member)[i] : Element{};
     });
     if (!hits.instance.empty()) hits.instance[ray] = 0;
     if (!hits.material.empty()) hits.material[ray] = reported ? kNoMaterial : 0;

@@ -18,7 +18,7 @@ namespace scanmill {
 // vehicle move together, unless the sensor's beams differ from revolution to revolution.
 struct BlockedRays {
   bool dropped = false;                // true: these rays give no return, as drivers leave the vehicle out
-  std::vector<float> range;            // m, by ray; kMiss: the ray does not hit the vehicle
+  std::vector<float> range;            // m, by ray of the sensor; kMiss: the ray does not hit the vehicle
   std::vector<std::uint32_t> blocked;  // indices of the rays that hit it, ascending
   Hits hits;                           // the hits of these rays, in the same order
 

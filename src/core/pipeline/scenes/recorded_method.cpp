@@ -19,17 +19,18 @@ namespace {
 // up.
 void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hits) {
   if (hits.material.empty() || !hits.roughness.empty()) return;
-  const std::size_t table = recording.sequences[shot.scene].materials;
-  const std::size_t known = recording.materials[table].size();
-  const std::uint16_t last = *std::ranges::max_element(hits.material);
-  const bool hit = std::ranges::any_of(hits.range, [](float r) { return r < kMiss; });
-  if (last < known || !hit) return;
+  const std::size_t tableIndex = recording.sequences[shot.scene].materials;
+  const std::size_t materialCount = recording.materials[tableIndex].size();
+  const std::uint16_t largestIndex = *std::ranges::max_element(hits.material);
+  const bool anyHit = std::ranges::any_of(hits.range, [](float r) { return r < kMiss; });
+  if (largestIndex < materialCount || !anyHit) return;
   throw InputError({(recording.folder / "recording.json").string()},
                    fmt::format("/materials/{}: has {} materials, but {} of '{}' has the material index {}: list all "
                                "materials, or give the images roughness, metallic and retroreflectance",
-                               table, known, shot.sample, shot.sensorName, last));
+                               tableIndex, materialCount, shot.sample, shot.sensorName, largestIndex));
 }
 
+// Returns the hits of a recording.
 class RecordedHits : public Method {
  public:
   explicit RecordedHits(std::shared_ptr<const Recording> recording) : recording_(std::move(recording)) {}
@@ -60,6 +61,7 @@ class RecordedHits : public Method {
   std::shared_ptr<const Recording> recording_;
 };
 
+// Samples the passes of a recording.
 class RecordedPasses : public Method {
  public:
   RecordedPasses(std::shared_ptr<const Recording> recording, Fields& options)
@@ -74,7 +76,7 @@ class RecordedPasses : public Method {
       PassStep step{recorded.firstColumn, recorded.endColumn, recorded.worldFromRig, {}};
       const WallTimer timer;
       for (const std::string& image : recorded.images) {
-        step.images.push_back(read(recording_->folder / image, sampler_->passes(channels)));
+        step.images.push_back(readImage(recording_->folder / image, sampler_->passes(channels)));
       }
       account.seconds["read_passes"] += timer.seconds();
       account += sampler_->sample(shot, step, hits);
@@ -93,14 +95,14 @@ class RecordedPasses : public Method {
  private:
   // Reads the passes of a file. If the file stores surface parameters, these are used instead of materials; if such
   // a file has no material ids, requested material ids are set to 0.
-  static PassImage read(const std::filesystem::path& file, PassChoice asked) {
-    const PassChoice there = passesIn(file);
-    asked.surfaceParameters = there.surfaceParameters;
-    const bool unnamed =
-        asked.channels.has(Channel::Material) && there.surfaceParameters && !there.channels.has(Channel::Material);
-    if (unnamed) asked.channels = asked.channels.without(Channel::Material);
-    PassImage image = readPasses(file, asked);
-    if (unnamed) image.planes.material.assign(image.planes.size(), 0);
+  static PassImage readImage(const std::filesystem::path& file, PassChoice passes) {
+    const PassChoice stored = passesIn(file);
+    passes.surfaceParameters = stored.surfaceParameters;
+    const bool lacksMaterials =
+        passes.channels.has(Channel::Material) && stored.surfaceParameters && !stored.channels.has(Channel::Material);
+    if (lacksMaterials) passes.channels = passes.channels.without(Channel::Material);
+    PassImage image = readPasses(file, passes);
+    if (lacksMaterials) image.planes.material.assign(image.planes.size(), 0);
     return image;
   }
 

@@ -8,20 +8,20 @@
 namespace scanmill {
 namespace {
 
-constexpr double kBehind = 1e-3;  // distance behind a hit at which the next ray starts (m)
+constexpr double kBehindHit = 1e-3;  // m, distance behind a hit at which the next ray starts
 constexpr std::size_t kMostHits = 100;
-// The places at which the method sees a sensor are at least this far apart along a ray (m), since the method may build
-// a hierarchy for each. Ray tracing's tie rule covers rounding up to 64 m from the sensor (kCoplanarCorners).
-constexpr double kNearAnchor = 48;
-constexpr double kProbeSlack = 1;  // m, margin around the scene's bounds
-constexpr double kNear = 1.5;      // maximum height difference between a place and the ground that near() finds (m)
+// m, least distance along a ray between the positions at which the method sees a sensor, since the method may build a
+// hierarchy for each. Ray tracing's tie rule covers rounding up to 64 m from the sensor (kCoplanarCorners).
+constexpr double kAnchorDistance = 48;
+constexpr double kBoundsMargin = 1;        // m, around the scene's bounds
+constexpr double kNearGroundHeight = 1.5;  // m, largest height difference of the ground that near() finds
 constexpr Vec3d kDown{0, 0, -1};
 
 // Returns the distance along a ray at which it leaves the slab from `low` to `high` of one axis (m); negative if it
-// never enters the part of the slab ahead.
-double leaves(double low, double high, double from, double direction) {
-  if (direction == 0) return low <= from && from <= high ? INFINITY : -1;
-  return ((direction > 0 ? high : low) - from) / direction;
+// never enters the part of the slab ahead. `start`, `direction`: the ray's coordinates along this axis.
+double slabExit(double low, double high, double start, double direction) {
+  if (direction == 0) return low <= start && start <= high ? INFINITY : -1;
+  return ((direction > 0 ? high : low) - start) / direction;
 }
 
 }  // namespace
@@ -34,11 +34,11 @@ SceneProbe::SceneProbe(const Scene& scene, const Method* method, const MethodEnt
 }
 
 double SceneProbe::endOf(const Ray& ray) const {
-  const Vec3d slack{kProbeSlack, kProbeSlack, kProbeSlack};
-  const Box box{bounds_.low - slack, bounds_.high + slack};
-  return std::min({leaves(box.low.x, box.high.x, ray.from.x, ray.direction.x),
-                   leaves(box.low.y, box.high.y, ray.from.y, ray.direction.y),
-                   leaves(box.low.z, box.high.z, ray.from.z, ray.direction.z)});
+  const Vec3d margin{kBoundsMargin, kBoundsMargin, kBoundsMargin};
+  const Box box{bounds_.low - margin, bounds_.high + margin};
+  return std::min({slabExit(box.low.x, box.high.x, ray.from.x, ray.direction.x),
+                   slabExit(box.low.y, box.high.y, ray.from.y, ray.direction.y),
+                   slabExit(box.low.z, box.high.z, ray.from.z, ray.direction.z)});
 }
 
 std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<Ray>& rays, double reach) const {
@@ -47,12 +47,12 @@ std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<
 
 std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<Ray>& rays, double reach,
                                                               const Vec3d& anchor) const {
-  std::vector<std::optional<Hit>> found(rays.size());
+  std::vector<std::optional<Hit>> firstHits(rays.size());
   // Rays end with the scene, so that the method need not look farther.
   double end = -1;
   for (const Ray& ray : rays) end = std::max(end, endOf(ray));
   reach = std::min(reach, end);
-  if (!(reach > 0)) return found;
+  if (!(reach > 0)) return firstHits;
   auto table = std::make_shared<BeamTable>();
   table->rings = 1;
   table->columns = static_cast<std::uint32_t>(rays.size());
@@ -71,26 +71,29 @@ std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!hits.hit(i)) continue;
     const double distance = double{hits.range[i]};
-    found[i] = Hit{distance, rays[i].from + rays[i].direction * distance, Vec3d(hits.normal[i]), hits.semantic[i],
-                   hits.instance[i]};
+    firstHits[i] = Hit{.distance = distance,
+                       .position = rays[i].from + rays[i].direction * distance,
+                       .normal = Vec3d(hits.normal[i]),
+                       .semantic = hits.semantic[i],
+                       .instance = hits.instance[i]};
   }
-  return found;
+  return firstHits;
 }
 
 std::vector<SceneProbe::Hit> SceneProbe::all(const Ray& ray, double reach) const {
-  std::vector<Hit> found;
-  double from = 0;
-  double anchor = 0;  // distance along the ray (m) of the place at which the method sees a sensor
-  while (found.size() < kMostHits && from < reach) {
-    if (from - anchor > kNearAnchor) anchor = from;
-    const std::vector<Ray> onward{{ray.from + ray.direction * from, ray.direction}};
-    std::optional<Hit> hit = first(onward, reach - from, ray.from + ray.direction * anchor).front();
+  std::vector<Hit> hits;
+  double start = 0;   // distance along the ray (m) from which the next hit is searched
+  double anchor = 0;  // distance along the ray (m) of the position at which the method sees a sensor
+  while (hits.size() < kMostHits && start < reach) {
+    if (start - anchor > kAnchorDistance) anchor = start;
+    const std::vector<Ray> remaining{{ray.from + ray.direction * start, ray.direction}};
+    std::optional<Hit> hit = first(remaining, reach - start, ray.from + ray.direction * anchor).front();
     if (!hit) break;
-    hit->distance += from;
-    from = hit->distance + kBehind;
-    found.push_back(*hit);
+    hit->distance += start;
+    start = hit->distance + kBehindHit;
+    hits.push_back(*hit);
   }
-  return found;
+  return hits;
 }
 
 SceneGround::SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes)
@@ -99,23 +102,23 @@ SceneGround::SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> cla
 bool SceneGround::isGround(const SceneProbe::Hit& hit) const {
   if (std::fabs(hit.normal.z) < kSteepestGroundCosine) return false;
   if (!classes_.empty()) return std::ranges::find(classes_, hit.semantic) != classes_.end();
-  const SemanticClass* const own = probe_.scene().ontology.find(hit.semantic);
-  return own == nullptr || !own->thing;
+  const SemanticClass* const semanticClass = probe_.scene().ontology.find(hit.semantic);
+  return semanticClass == nullptr || !semanticClass->thing;
 }
 
 std::optional<double> SceneGround::under(const Vec3d& position) const {
   if (bounds_.empty()) return std::nullopt;
-  const double top = bounds_.high.z + 1;
-  const auto hits = probe_.all({{position.x, position.y, top}, kDown}, top - bounds_.low.z + 1);
-  const SceneProbe::Hit* const found = groundUnder(
+  const double startHeight = bounds_.high.z + 1;
+  const auto hits = probe_.all({{position.x, position.y, startHeight}, kDown}, startHeight - bounds_.low.z + 1);
+  const SceneProbe::Hit* const ground = groundUnder(
       hits, position.z, [](const SceneProbe::Hit& hit) { return hit.position.z; },
       [&](const SceneProbe::Hit& hit) { return isGround(hit); });
-  return found == nullptr ? std::nullopt : std::optional(found->position.z);
+  return ground == nullptr ? std::nullopt : std::optional(ground->position.z);
 }
 
 std::optional<double> SceneGround::near(const Vec3d& position) const {
   std::optional<double> nearest;
-  for (const SceneProbe::Hit& hit : probe_.all({position - kDown * kNear, kDown}, 2 * kNear)) {
+  for (const SceneProbe::Hit& hit : probe_.all({position - kDown * kNearGroundHeight, kDown}, 2 * kNearGroundHeight)) {
     if (isGround(hit) && (!nearest || std::fabs(hit.position.z - position.z) < std::fabs(*nearest - position.z))) {
       nearest = hit.position.z;
     }

@@ -44,14 +44,14 @@ class SceneProbe {
   std::vector<Hit> all(const Ray& ray, double reach) const;
 
  private:
-  // Returns the distance (m) along a ray beyond which it does not meet the scene; may be negative.
+  // Returns the distance (m) along a ray beyond which it does not hit the scene; may be negative.
   double endOf(const Ray& ray) const;
-  // Returns the result of the public function; the method sees a sensor at `anchor`, a place near the rays.
+  // Returns the result of the public function; the method sees a sensor at `anchor`, a position near the rays.
   std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach, const Vec3d& anchor) const;
 
   const Scene& scene_;
   Box bounds_;
-  std::unique_ptr<Method> own_;
+  std::unique_ptr<Method> own_;  // null: the constructor's method is used
   const Method* method_;
 };
 
@@ -73,13 +73,13 @@ class SceneGround : public Ground {
   Box bounds_;
 };
 
-// Returns the points of a random path on surfaces of the classes in `random` (world frame, m). The points are about 4 m
-// apart, and the path has the length that `random` asks for, rounded up to arcs of 4 m. The path has room for a vehicle
-// 2 m wide and 2.5 m high, and its bends mostly have a radius of more than 5 m. It depends on the seed and the drive's
-// name. On roads it is 2 m from the edge on the side that `random` names, or in the middle if the road is narrower than
-// 4 m. In open places it goes left, right or straight on at random, and prefers places that it has not passed yet.
-// Throws InputError if the scene has no such surface or no path of this length.
-std::vector<Vec3d> findRandomPath(const SceneProbe& probe, const RandomPath& random, std::uint64_t seed,
+// Returns the points of a random path on surfaces of the classes in `request` (world frame, m). The points are about 4
+// m apart, and the path has the requested length, rounded up to arcs of 4 m. The path has room for a vehicle 2 m wide
+// and 2.5 m high, and its bends mostly have a radius of more than 5 m. It depends on the seed and the drive's name. On
+// roads it is 2 m from the edge on the requested side, or in the middle if the road is narrower than 4 m. In open
+// places it goes left, right or straight on at random, and prefers places that it has not passed yet. Throws InputError
+// if the scene has no such surface or no path of this length.
+std::vector<Vec3d> findRandomPath(const SceneProbe& probe, const RandomPath& request, std::uint64_t seed,
                                   const std::string& name);
 
 }  // namespace scanmill

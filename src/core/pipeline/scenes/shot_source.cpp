@@ -28,9 +28,9 @@ bool needsScene(const Trajectory& trajectory) {
 std::vector<Vec3d> pathOfTrip(const Scene& scene, const RandomPath& drive) {
   SurfaceHeights heights(scene);
   heights.update();
-  std::vector<Vec3d> way = findRoadPath(heights, scene.ontology, *drive.trip);
-  const double length = Path(way).length();
-  if (length >= drive.length) return way;
+  std::vector<Vec3d> points = findRoadPath(heights, scene.ontology, *drive.trip);
+  const double length = Path(points).length();
+  if (length >= drive.length) return points;
   const double missing = std::ceil((drive.length - length) / drive.perFrame);
   throw InputError(
       drive.trip->where,
@@ -43,26 +43,27 @@ std::vector<Vec3d> pathOfTrip(const Scene& scene, const RandomPath& drive) {
 // it asks for that. The path and the ground are found in the scene of `probe`. `seed`: determines the random path.
 // Throws InputError if the scene has no suitable path or ground.
 Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed) {
-  Trajectory driven = trajectory;
-  if (const RandomPath* random = trajectory.randomPath()) {
-    driven = driven.along(random->trip ? pathOfTrip(probe.scene(), *random)
-                                       : findRandomPath(probe, *random, seed, trajectory.name()));
+  Trajectory result = trajectory;
+  if (const RandomPath* request = trajectory.randomPath()) {
+    result = result.along(request->trip ? pathOfTrip(probe.scene(), *request)
+                                        : findRandomPath(probe, *request, seed, trajectory.name()));
   }
   if (const GroundOptions* ground = trajectory.ground()) {
-    driven = driven.onGround(SceneGround(probe, classIds(probe.scene().ontology, ground->classes, ground->where)));
+    result = result.onGround(SceneGround(probe, classIds(probe.scene().ontology, ground->classes, ground->where)));
   }
-  return driven;
+  return result;
 }
 
-// Returns the settings of a frame; an entry of `draw` replaces the mounts and effects in Pipeline::sensors.
+// Returns the settings of a frame. The mounts and effects of `draw`, if it has any, replace those in Pipeline::sensors.
 FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles, SensorDraw draw = {}) {
   FrameSettings settings;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     const MountedSensor& sensor = pipeline.sensors[s];
     const auto& effects = draw.effects.empty() ? sensor.effects : draw.effects[s];
-    settings.sensors.push_back({draw.mounts.empty() ? sensor.vehicleFromSensor : draw.mounts[s], effects,
-                                pipeline.recording == nullptr ? lightPaths(*effects) : nullptr,
-                                vehicles.empty() ? nullptr : vehicles[s]});
+    settings.sensors.push_back({.vehicleFromSensor = draw.mounts.empty() ? sensor.vehicleFromSensor : draw.mounts[s],
+                                .effects = effects,
+                                .paths = pipeline.recording == nullptr ? lightPaths(*effects) : nullptr,
+                                .vehicle = vehicles.empty() ? nullptr : vehicles[s]});
   }
   settings.draws = std::move(draw.draws);
   return settings;
@@ -107,16 +108,16 @@ VehicleHits ShotSource::traceEgoVehicle(const std::vector<Pose>& mounts) const {
   if (vehicle_ == nullptr) return hits;
   const std::shared_ptr<const Method> method = makeReference(*vehicle_);
   for (std::size_t s = 0; s < mounts.size(); ++s) {
-    const auto trace = [scene = vehicle_, method, mount = mounts[s],
-                        drop = pipeline_.dropVehicle](const BeamTable& rays) {
-      BlockedRays found = traceVehicle(*method, rays, mount);
-      found.dropped = drop;
-      return found;
+    const auto traceRays = [scene = vehicle_, method, mount = mounts[s],
+                            drop = pipeline_.dropVehicle](const BeamTable& rays) {
+      BlockedRays blockedRays = traceVehicle(*method, rays, mount);
+      blockedRays.dropped = drop;
+      return blockedRays;
     };
     const PlannedSensor& sensor = plan_.sensors[s];
     const auto blocked =
-        std::make_shared<BlockedRays>(trace(sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays));
-    if (sensor.beams->rosette() != nullptr) blocked->ofRevolution = trace;
+        std::make_shared<BlockedRays>(traceRays(sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays));
+    if (sensor.beams->rosette() != nullptr) blocked->ofRevolution = traceRays;
     hits.push_back(blocked);
   }
   return hits;
@@ -136,8 +137,8 @@ Scene ShotSource::recordedScene(std::size_t sequence) const {
   scene.procedural = true;  // a recording does not state this; with false, a warning about several seeds would appear
   scene.ontology = pipeline_.ontology.empty() ? recording.ontology : readOntology(pipeline_.ontology);
   scene.materials = recording.materials[recording.sequences[sequence].materials];
-  const bool both = !pipeline_.ontology.empty() && !recording.ontology.classes.empty();
-  if (both && !sameClasses(scene.ontology, recording.ontology)) {
+  const bool hasTwoOntologies = !pipeline_.ontology.empty() && !recording.ontology.classes.empty();
+  if (hasTwoOntologies && !sameClasses(scene.ontology, recording.ontology)) {
     throw InputError({pipeline_.ontology.string()},
                      fmt::format("has other classes than the ontology '{}' of the recording in {}, whose class ids "
                                  "cannot be converted: leave out `labels`",
@@ -153,17 +154,17 @@ Scene ShotSource::recordedScene(std::size_t sequence) const {
 
 Scene ShotSource::load(std::size_t sequence) {
   if (pipeline_.recording != nullptr) return recordedScene(sequence);
-  const Sequence& own = pipeline_.sequences[sequence];
-  Scene scene = readScene(own.sceneFile, {.seed = own.sceneSeed,
-                                          .ontology = pipeline_.ontology,
-                                          .wavelengthNm = pipeline_.wavelengthNm,
-                                          .textures = plan_.channels.has(Channel::Reflectance),
-                                          .add = changes_.add});
-  if (!own.moving) standStill(scene, 0);
+  const Sequence& loaded = pipeline_.sequences[sequence];
+  Scene scene = readScene(loaded.sceneFile, {.seed = loaded.sceneSeed,
+                                             .ontology = pipeline_.ontology,
+                                             .wavelengthNm = pipeline_.wavelengthNm,
+                                             .textures = plan_.channels.has(Channel::Reflectance),
+                                             .add = changes_.add});
+  if (!loaded.moving) standStill(scene, 0);
   scene.placeable = changes_.placeable;
   // Before takeOut(), so that random paths do not depend on which objects are removed.
-  findTrajectories(own, scene);
-  takeOut(scene, own.without);
+  findTrajectories(loaded, scene);
+  takeOut(scene, loaded.without);
   return scene;
 }
 
@@ -177,21 +178,21 @@ void ShotSource::findTrajectories(const Sequence& sequence, const Scene& scene) 
       if (trajectories_.contains(s)) continue;
     }
     if (!probe) probe.emplace(scene);
-    auto found = std::make_shared<const Trajectory>(inScene(*other.trajectory, *probe, other.sceneSeed));
+    auto placed = std::make_shared<const Trajectory>(inScene(*other.trajectory, *probe, other.sceneSeed));
     const std::scoped_lock lock(mutex_);
-    trajectories_.try_emplace(s, std::move(found));
+    trajectories_.try_emplace(s, std::move(placed));
   }
 }
 
 std::shared_ptr<const Trajectory> ShotSource::trajectory(std::size_t sequence) {
-  const Sequence& own = pipeline_.sequences[sequence];
-  if (!needsScene(*own.trajectory)) return own.trajectory;
+  const Sequence& requested = pipeline_.sequences[sequence];
+  if (!needsScene(*requested.trajectory)) return requested.trajectory;
   const auto find = [&] {
     const std::scoped_lock lock(mutex_);
-    const auto known = trajectories_.find(sequence);
-    return known == trajectories_.end() ? nullptr : known->second;
+    const auto cached = trajectories_.find(sequence);
+    return cached == trajectories_.end() ? nullptr : cached->second;
   };
-  if (auto known = find()) return known;
+  if (auto cached = find()) return cached;
   load(sequence);
   return find();
 }
@@ -204,22 +205,22 @@ std::unique_ptr<Method> ShotSource::method(const Scene& scene) const {
 std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, std::uint32_t frame) {
   if (pipeline_.drawn == nullptr) return settings_;
   const DrawnSensors& sensors = *pipeline_.drawn;
-  const auto isOwn = [&](const auto& drawn) { return drawn.first == sequence; };
-  std::shared_ptr<const FrameSettings> known;  // of this frame or of another one of the sequence
+  const auto isOfSequence = [&](const auto& drawn) { return drawn.first == sequence; };
+  std::shared_ptr<const FrameSettings> cached;  // of this frame or of another one of the sequence
   {
     const std::scoped_lock lock(mutex_);
-    if (const auto* const found = drawn_.find(isOwn)) known = found->second;
+    if (const auto* const entry = drawn_.find(isOfSequence)) cached = entry->second;
   }
-  if (known != nullptr && !sensors.drawsPerFrame()) return known;
+  if (cached != nullptr && !sensors.drawsPerFrame()) return cached;
   SensorDraw drawn = sensors.draw(pipeline_, sequence, frame);
   const VehicleHits vehicles = !sensors.drawsMounts() ? vehicleHits_
-                               : known != nullptr     ? hitsOf(*known)  // mounts are the same in all frames
+                               : cached != nullptr    ? hitsOf(*cached)  // mounts are the same in all frames
                                                       : traceEgoVehicle(drawn.mounts);
   const auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicles, std::move(drawn)));
   // Two cached sequences per thread are enough, since each thread makes samples of one sequence at a time.
-  const auto most = 2 * static_cast<std::size_t>(threadCount());
+  const auto mostCached = 2 * static_cast<std::size_t>(threadCount());
   const std::scoped_lock lock(mutex_);
-  return drawn_.findOrAdd(isOwn, most, [&] { return std::pair{sequence, settings}; }).second = settings;
+  return drawn_.findOrAdd(isOfSequence, mostCached, [&] { return std::pair{sequence, settings}; }).second = settings;
 }
 
 Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const {
@@ -240,31 +241,34 @@ Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, st
 }
 
 Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions revolutions) {
-  const Sequence& own = pipeline_.sequences[sequence];
-  const bool recorded = pipeline_.recording != nullptr;
-  const std::string sample = own.key(number);
-  const std::shared_ptr<const Trajectory> driven = recorded ? nullptr : trajectory(sequence);
-  Frame frame{settings(sequence, number), recorded ? 0 : driven->frameTime(number), {}};
+  const Sequence& sequenceOfFrame = pipeline_.sequences[sequence];
+  const bool isRecorded = pipeline_.recording != nullptr;
+  const std::string sample = sequenceOfFrame.key(number);
+  const std::shared_ptr<const Trajectory> frameTrajectory = isRecorded ? nullptr : trajectory(sequence);
+  Frame frame{settings(sequence, number), isRecorded ? 0 : frameTrajectory->frameTime(number), {}};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
     const double period = pipeline_.sensors[s].period;
-    std::vector<double> begins{0};  // s after the frame's time, of the sensor's revolutions
-    if (revolutions == Revolutions::All && !recorded) begins = own.revolutions(number, period, pipeline_.periods);
-    for (std::size_t r = 0; r < begins.size(); ++r) {
-      Shot shot = recorded ? recordedShot(sample, number, s)
-                           : makeShot(plan_.sensors[s].beams, *driven, number,
-                                      frame.settings->sensors[s].vehicleFromSensor, pipeline_.motion, begins[r]);
-      if (r + 1 < begins.size() || own.turnsWithoutBreak(pipeline_.periods)) shot.untilNext = period;
-      if (r > 0) shot.untilNext = std::max(shot.untilNext, period);  // of a single frame
+    std::vector<double> starts{0};  // s after the frame's time, of the sensor's revolutions
+    if (revolutions == Revolutions::All && !isRecorded)
+      starts = sequenceOfFrame.revolutions(number, period, pipeline_.periods);
+    for (std::size_t revolution = 0; revolution < starts.size(); ++revolution) {
+      Shot shot = isRecorded
+                      ? recordedShot(sample, number, s)
+                      : makeShot(plan_.sensors[s].beams, *frameTrajectory, number,
+                                 frame.settings->sensors[s].vehicleFromSensor, pipeline_.motion, starts[revolution]);
+      if (revolution + 1 < starts.size() || sequenceOfFrame.turnsWithoutBreak(pipeline_.periods))
+        shot.untilNext = period;
+      if (revolution > 0) shot.untilNext = std::max(shot.untilNext, period);  // its frame has no next one
       shot.sample = sample;
       shot.seed = pipeline_.seed;
       shot.scene = static_cast<std::uint32_t>(sequence);
       shot.sensor = static_cast<std::uint32_t>(s);
-      shot.revolution = static_cast<std::uint32_t>(r);
+      shot.revolution = static_cast<std::uint32_t>(revolution);
       shot.sensorName = pipeline_.sensors[s].name;
       frame.shots.push_back(std::move(shot));
     }
   }
-  if (recorded) frame.time = frame.shots.front().time;
+  if (isRecorded) frame.time = frame.shots.front().time;
   return frame;
 }
 
