@@ -18,7 +18,6 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/command.h"
-#include "commands/stop_signal.h"
 #include "config/fields.h"
 #include "config/version.h"
 
@@ -28,17 +27,19 @@ using namespace scanmill;
 
 void printHelp() {
   printText("scanmill {}: labelled LiDAR datasets from 3D scenes\n\n", kVersion);
-  constexpr std::size_t kUsage = 16;
+  constexpr std::size_t kUsageWidth = 16;
+  constexpr std::size_t kUsageColumn = 21;  // width of "  scanmill NAME      "
   for (const Command& c : commands()) {
-    // A long usage is followed by a line break.
-    const std::string gap = c.usage.size() <= kUsage ? "" : fmt::format("\n{:{}}", "", 21 + kUsage);
-    printText("  scanmill {:9} {:{}}{} {}\n", c.name, c.usage, kUsage, gap, c.summary);
+    // The summary of a command with a long usage is on a line of its own.
+    const std::string gap = c.usage.size() <= kUsageWidth ? "" : fmt::format("\n{:{}}", "", kUsageColumn + kUsageWidth);
+    printText("  scanmill {:9} {:{}}{} {}\n", c.name, c.usage, kUsageWidth, gap, c.summary);
   }
   printText(
       "\nEach has a --help with examples. Start with:\n"
       "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n");
 }
 
+// Runs the subcommand that the first argument names, or prints the help or the version. Returns the exit code.
 int dispatch(const std::vector<std::string>& arguments) {
   if (arguments.empty() || arguments[0] == "--help" || arguments[0] == "-h" || arguments[0] == "help") {
     printHelp();
@@ -59,6 +60,7 @@ int dispatch(const std::vector<std::string>& arguments) {
   throw InputError(fmt::format("no command '{}'{}", arguments[0], suggestion(arguments[0], names)));
 }
 
+// Returns the exit code.
 int reportNoMemory(const std::string& command) {
   printError(
       "error: scanmill {}: the memory ran out, of which {} are allowed: give fewer --threads or a lower "

@@ -41,27 +41,28 @@ std::string Arguments::positional(const std::string& what) const {
 
 std::filesystem::path Arguments::fileOrName(const std::string& what,
                                             std::initializer_list<std::string_view> folders) const {
-  const std::string given = positional(what);
-  if (isFolder(given)) return given;
-  if (!isPlainName(given) && pathExists(given)) return given;
+  const std::string argument = positional(what);
+  if (isFolder(argument) || (!isPlainName(argument) && pathExists(argument))) return argument;
   for (const std::string_view folder : folders) {
     try {
-      return namedResource(given, std::string(folder));
+      return namedResource(argument, std::string(folder));
     } catch (const InputError&) {
-      continue;  // opening the path will report that it does not exist
+      continue;  // the folder has no such file
     }
   }
   for (const std::string_view folder : folders) {
-    if (const std::string near = nearestResource(given, std::string(folder)); !near.empty()) {
-      throw InputError({given}, fmt::format("does not exist (did you mean '{}', which comes with the program?)", near));
+    if (const std::string similar = nearestResource(argument, std::string(folder)); !similar.empty()) {
+      throw InputError({argument},
+                       fmt::format("does not exist (did you mean '{}', which comes with the program?)", similar));
     }
   }
-  return given;
+  return argument;  // opening the path will report that it does not exist
 }
 
 std::filesystem::path Arguments::pipeline() const {
-  const std::string given = positional("PIPELINE");
-  return !isPlainName(given) && pathExists(given) ? std::filesystem::path(given) : namedResource(given, "pipelines");
+  const std::string argument = positional("PIPELINE");
+  if (!isPlainName(argument) && pathExists(argument)) return argument;
+  return namedResource(argument, "pipelines");
 }
 
 namespace {
@@ -73,6 +74,7 @@ const Command& commandNamed(std::string_view name) {
   throw Error(fmt::format("no command '{}'", name));
 }
 
+// Returns the number of threads; 0: all cores.
 int threadOption(const Arguments& arguments) {
   const int threads = arguments.options["threads"].as<int>();
   if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
@@ -88,10 +90,10 @@ std::optional<double> bytesOf(const std::string& text) {
   std::string unit = lowerCase(std::string(end, text.data() + text.size()));
   unit.erase(0, unit.find_first_not_of(' '));
   if (unit.empty()) return number;
-  constexpr std::string_view kPrefixes = "kmgt";  // each is 1024 of the one before
+  constexpr std::string_view kPrefixes = "kmgt";  // k is 1024, each following prefix 1024 times the one before
   const std::size_t prefix = kPrefixes.find(unit.front());
   if (prefix == std::string_view::npos || (unit.size() > 1 && unit.substr(1) != "ib")) return std::nullopt;
-  return std::ldexp(number, 10 * (static_cast<int>(prefix) + 1));
+  return std::ldexp(number, 10 * (static_cast<int>(prefix) + 1));  // 1024 is 2 to the 10
 }
 
 // Returns the memory limit in bytes; 0 if it is not given.
@@ -128,12 +130,17 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
   if (parsed.has("help")) {
     std::string help = options.help({""});
     constexpr std::string_view kNoDefault = "(=)]";  // follows the value of an option that may be given without one
-    if (const std::size_t at = help.find(kNoDefault); at != std::string::npos)
-      help.replace(at, kNoDefault.size(), "]   ");
+    if (const std::size_t position = help.find(kNoDefault); position != std::string::npos)
+      help.replace(position, kNoDefault.size(), "]   ");
     printText("{}\n\nExamples:\n{}", help, examples);
     parsed.help = true;
   }
   return parsed;
+}
+
+void addThreads(cxxopts::Options& options) {
+  options.add_options()("threads", "how many threads to use, 0 for all cores",
+                        cxxopts::value<int>()->default_value("0"));
 }
 
 void addInputLimit(cxxopts::Options& options) {
@@ -148,8 +155,8 @@ double inputLimit(const Arguments& arguments) {
 }
 
 void addPipelineOptions(cxxopts::Options& options) {
+  addThreads(options);
   cxxopts::OptionAdder add = options.add_options();
-  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
   add("memory-limit",
       "how much memory to use at most, such as 8G or 500M (default: all of the machine's or container's)", textValue(),
       "SIZE");

@@ -39,7 +39,8 @@ struct Arguments {
   // Returns the only positional argument, which messages call `what`. Throws InputError for none or several.
   std::string positional(const std::string& what) const;
   // Returns the only positional argument as a path: the argument itself if it exists, otherwise the file of this name
-  // in the first of these folders of the program that contains it. If none does, returns the argument itself.
+  // in the first of these folders of the program that contains it. If none does, returns the argument itself, or throws
+  // InputError if a folder has a file with a similar name.
   std::filesystem::path fileOrName(const std::string& what, std::initializer_list<std::string_view> folders) const;
   // Returns the file of the pipeline that the only positional argument names: a path, or a pipeline of the program.
   std::filesystem::path pipeline() const;
@@ -64,6 +65,8 @@ struct CommandOptions : cxxopts::Options {
 Arguments parseArguments(CommandOptions& options, const std::vector<std::string>& arguments,
                          const std::string& examples);
 
+// Adds --threads.
+void addThreads(cxxopts::Options& options);
 // Adds --input-limit, for commands that read scenes, 3D files or scans.
 void addInputLimit(cxxopts::Options& options);
 // Returns the factor that --input-limit gives; 1 if it is not given.

@@ -2,6 +2,7 @@
 
 // Subcommands of the program. To add a subcommand, add a file and a row in commands().
 
+#include <atomic>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,6 +19,12 @@ struct Command {
 };
 
 std::span<const Command> commands();
+
+// Returns the flag that SIGINT, SIGTERM and SIGHUP set after the first call, so that work ends at the next frame. A
+// second signal of the same kind ends the program at once. Signals ignored at the start, as by nohup, stay ignored.
+const std::atomic<bool>& stopSignal();
+// Returns the number of the signal that has set the flag; 0: none.
+int stoppedBy();
 
 int runGenerate(const std::vector<std::string>& arguments);
 int runRender(const std::vector<std::string>& arguments);

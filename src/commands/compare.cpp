@@ -10,7 +10,6 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "report/compare/compare_report.h"
 #include "report/page/page.h"
@@ -24,14 +23,16 @@ constexpr const char* kResultFile = "compare.json";
 constexpr const char* kPageFile = "index.html";
 constexpr std::size_t kMostScans = 200;  // greatest number of scans per set; each takes about 2 MB of memory
 
+// Prints three tables: features of patches, figures of the sets, and settings to try.
 void printComparison(const SetComparison& comparison) {
   Rows rows{{"feature of a patch", "separation", "within real", "real", "simulated", "changed by"}};
   for (const Separation& s : comparison.features) {
     const ComparedFigure& f = kPatchFeatures[s.feature];
-    const double within = comparison.withinReal[s.feature];
+    const double withinReal = comparison.withinReal[s.feature];
     rows.push_back({std::string(f.title), fmt::format("{:.3f}", s.strength),
-                    std::isnan(within) ? "-" : fmt::format("{:.3f}", within), figureText(s.realValue, f.factor, f.unit),
-                    figureText(s.simulatedValue, f.factor, f.unit), std::string(f.keys)});
+                    std::isnan(withinReal) ? "-" : fmt::format("{:.3f}", withinReal),
+                    figureText(s.realValue, f.factor, f.unit), figureText(s.simulatedValue, f.factor, f.unit),
+                    std::string(f.keys)});
   }
   printText(
       "{}separation: |area under the ROC curve - 0.5| of the real against the simulated patches, 0 to 0.5; within "
@@ -55,7 +56,10 @@ void printComparison(const SetComparison& comparison) {
             comparison.assignment);
 }
 
-void addCompareOptions(cxxopts::Options& options) {
+}  // namespace
+
+int runCompare(const std::vector<std::string>& arguments) {
+  CommandOptions options("compare");
   cxxopts::OptionAdder add = options.add_options();
   add("o,out", "folder of the page and the figures; it is made if it does not exist", textValue(), "DIR");
   add("scans", "the greatest number of scans to read of each set, evenly spaced",
@@ -64,52 +68,45 @@ void addCompareOptions(cxxopts::Options& options) {
   add("pipeline", "the pipeline that made SIMULATED, for the settings to try (default: searched for near the dataset)",
       textValue(), "FILE");
   add("overwrite", "replace an existing comparison");
-  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  addThreads(options);
   add("q,quiet", "print one line instead of progress and tables");
   addInputLimit(options);
-}
-
-}  // namespace
-
-int runCompare(const std::vector<std::string>& arguments) {
-  CommandOptions options("compare");
-  addCompareOptions(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill compare SemanticKITTI/sequences/08 out/training -o out/compared\n"
                      "  scanmill compare recorded_frames/ out/street -o out/compared --scans 50 --overwrite\n");
   if (parsed.help) return 0;
-  const std::vector<std::string> given = parsed.inputs();
-  if (given.size() != 2) {
+  const std::vector<std::string> sets = parsed.inputs();
+  if (sets.size() != 2) {
     throw InputError(
         fmt::format("compare takes two sets, REAL and SIMULATED, not {}: each is a folder of recorded scans (single "
                     "files, SemanticKITTI, KITTI or nuScenes), a dataset, a shard or a scan",
-                    given.size()));
+                    sets.size()));
   }
   const std::filesystem::path folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the page go?");
-  ScanSetOptions read;
-  read.scans = parsed.options["scans"].as<std::size_t>();
-  if (read.scans < 1 || read.scans > kMostScans) {
-    throw InputError(fmt::format("--scans must be from 1 to {}, not {}", kMostScans, read.scans));
+  ScanSetOptions setOptions;
+  setOptions.scans = parsed.options["scans"].as<std::size_t>();
+  if (setOptions.scans < 1 || setOptions.scans > kMostScans) {
+    throw InputError(fmt::format("--scans must be from 1 to {}, not {}", kMostScans, setOptions.scans));
   }
-  read.sensor = parsed.text("sensor");
-  read.stop = &stopSignal();
+  setOptions.sensor = parsed.text("sensor");
+  setOptions.stop = &stopSignal();
   const bool quiet = parsed.has("quiet");
   const ResourceLimits limits(parsed);
   prepareReportFolder(folder, kResultFile, parsed.has("overwrite"));
 
-  Progress progress("compare", 2 * read.scans, "scans", "points", quiet);
-  ScanSet real = readScanSet(given[0], read, progress);
-  progress.setTotal(real.scans + read.scans);
-  ScanSet simulated = readScanSet(given[1], read, progress);
-  if (!read.sensor.empty() && !real.foundSensor && !simulated.foundSensor) {
-    throw InputError(fmt::format("--sensor {}: neither set has a sensor of this name", read.sensor));
+  Progress progress("compare", 2 * setOptions.scans, "scans", "points", quiet);
+  ScanSet real = readScanSet(sets[0], setOptions, progress);
+  progress.setTotal(real.scans + setOptions.scans);
+  ScanSet simulated = readScanSet(sets[1], setOptions, progress);
+  if (!setOptions.sensor.empty() && !real.foundSensor && !simulated.foundSensor) {
+    throw InputError(fmt::format("--sensor {}: neither set has a sensor of this name", setOptions.sensor));
   }
   progress.say("comparing the sets");
   SetComparison comparison = compareSets(std::move(real), std::move(simulated));
-  addKeyChanges(comparison, given[1], read.sensor, parsed.text("pipeline"));
-  if (*read.stop) throw Error("stopped: nothing was written");
+  addKeyChanges(comparison, sets[1], setOptions.sensor, parsed.text("pipeline"));
+  if (*setOptions.stop) throw Error("stopped: nothing was written");
 
   const std::string date = today();
   beginReport(folder, kResultFile);

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
+#include <numeric>
 #include <set>
 
 #include "assets/asset_kinds.h"
@@ -18,45 +21,45 @@ namespace scanmill {
 
 namespace {
 
-// Returns the named files, with each folder replaced by the 3D files in it, sorted by path, which are added to
-// `inFolders`.
-std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named,
-                                           std::set<std::filesystem::path>& inFolders) {
+// Returns the files of the paths. A folder stands for the 3D files in it, sorted by path, which are also added to
+// `filesInFolders`.
+std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& paths,
+                                           std::set<std::filesystem::path>& filesInFolders) {
   std::vector<std::filesystem::path> files;
-  for (const std::string& name : named) {
-    if (!isFolder(name)) {
-      files.emplace_back(name);
+  for (const std::string& path : paths) {
+    if (!isFolder(path)) {
+      files.emplace_back(path);
       continue;
     }
-    const std::vector<std::filesystem::path> found = assetsIn(name);
-    if (found.empty()) throw InputError({name}, "contains no 3D file");
-    files.insert(files.end(), found.begin(), found.end());
-    inFolders.insert(found.begin(), found.end());
+    const std::vector<std::filesystem::path> assets = assetsIn(path);
+    if (assets.empty()) throw InputError({path}, "contains no 3D file");
+    files.insert(files.end(), assets.begin(), assets.end());
+    filesInFolders.insert(assets.begin(), assets.end());
   }
   return files;
 }
 
-// Prints a line per file.
+// Prints a table with a row for each file, and notes on all files. `out`: the scene file.
 void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   Rows rows{{"file", "unit", "up", "size", "triangles", "guessed", "by the file's name", "doubtful"}};
-  std::uint64_t triangles = 0;
-  std::uint64_t withCopies = 0;
-  std::uint64_t guessed = 0;
-  std::uint64_t byFolder = 0;
-  std::set<double> units;
-  bool doubts = false;
-  for (const draft::GuessedFile& f : made.files) {
-    triangles += f.triangles();
-    withCopies += f.trianglesWithCopies();
-    guessed += f.guessed();
-    byFolder += f.byFolder();
+  using draft::GuessedFile;
+  const auto sumOf = [&](std::uint64_t (GuessedFile::*count)() const) {
+    return std::transform_reduce(made.files.begin(), made.files.end(), std::uint64_t{0}, std::plus<>(),
+                                 [&](const GuessedFile& f) { return (f.*count)(); });
+  };
+  const std::uint64_t triangles = sumOf(&GuessedFile::triangles);
+  const std::uint64_t withCopies = sumOf(&GuessedFile::trianglesWithCopies);
+  const std::uint64_t guessed = sumOf(&GuessedFile::guessed);
+  const std::uint64_t byFolder = sumOf(&GuessedFile::byFolder);
+  std::set<double> units;  // m per unit of the files
+  for (const GuessedFile& f : made.files) {
     units.insert(f.frame.unit);
-    doubts = doubts || !f.doubts().empty();
     rows.push_back({f.file.string(), fmt::format("{:g}", f.frame.unit), std::string(1, f.frame.up), extentText(f.box),
                     grouped(f.triangles()), percent(f.guessed(), f.triangles()), percent(f.byFile(), f.triangles()),
                     fmt::format("{}", fmt::join(f.doubts(), ", "))});
   }
-  if (!doubts) {
+  const bool anyDoubts = std::ranges::any_of(made.files, [](const GuessedFile& f) { return !f.doubts().empty(); });
+  if (!anyDoubts) {
     for (std::vector<std::string>& row : rows) row.pop_back();
   }
   printText("{}\nclasses are guessed for {} of {} triangles ({}), by the names that {} lists\n", formatTable(rows),

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -20,24 +21,23 @@ namespace fs = std::filesystem;
 
 struct Example {
   std::string name;
-  std::string sentence;
-  std::vector<std::string> commands;
+  std::string sentence;               // what the example shows
+  std::vector<std::string> commands;  // which make its picture
   std::vector<fs::path> files;
 };
 
+// Reads the comment at the start of the file: lines "# words of the sentence" and "#   command". The result has no
+// files.
 Example readExample(const fs::path& file) {
-  constexpr std::string_view kCommand = "#   ";
-  Example example{file.stem().string(), {}, {}, {}};
-  const std::string text = readFile(file);
-  for (std::size_t at = 0; at < text.size() && text[at] == '#';) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    const std::string line = text.substr(at, end - at);
+  constexpr std::string_view kCommand = "#   ", kWords = "# ";
+  Example example{.name = file.stem().string(), .sentence = {}, .commands = {}, .files = {}};
+  std::istringstream text(readFile(file));
+  for (std::string line; std::getline(text, line) && line.starts_with('#');) {
     if (line.starts_with(kCommand)) {
       example.commands.push_back(line.substr(kCommand.size()));
-    } else if (line.size() > 2) {
-      example.sentence += (example.sentence.empty() ? "" : " ") + line.substr(2);
+    } else if (line.size() > kWords.size()) {
+      example.sentence += (example.sentence.empty() ? "" : " ") + line.substr(kWords.size());
     }
-    at = end + 1;
   }
   return example;
 }
@@ -46,9 +46,7 @@ std::vector<Example> allExamples() {
   std::vector<Example> examples;
   std::vector<fs::path> files;
   const fs::path folder = resourceFolder() / "pipelines" / "examples";
-  if (fs::is_directory(folder)) {
-    for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  }
+  if (fs::is_directory(folder)) files.assign(fs::directory_iterator(folder), fs::directory_iterator());
   std::ranges::sort(files);
   for (const fs::path& file : files) {
     // Other files belong to an example, such as NAME.scene.yaml and NAME.obj.
@@ -80,23 +78,23 @@ int runExample(const std::vector<std::string>& arguments) {
     return 0;
   }
   const std::string name = parsed.positional("NAME");
-  const auto found = std::ranges::find(examples, name, &Example::name);
-  if (found == examples.end()) {
+  const auto example = std::ranges::find(examples, name, &Example::name);
+  if (example == examples.end()) {
     std::vector<std::string> names;
-    for (const Example& example : examples) names.push_back(example.name);
+    for (const Example& other : examples) names.push_back(other.name);
     throw InputError(
         fmt::format("there is no example '{}'{}; `scanmill example` lists them", name, suggestion(name, names)));
   }
   const fs::path folder = parsed.has("out") ? fs::path(parsed.text("out")) : fs::path(".");
-  for (const fs::path& file : found->files) prepareOutputFile(folder / file.filename(), parsed);
+  for (const fs::path& file : example->files) prepareOutputFile(folder / file.filename(), parsed);
   std::string copied;
-  for (const fs::path& file : found->files) {
+  for (const fs::path& file : example->files) {
     writeFile(folder / file.filename(), readFile(file));
     copied += (copied.empty() ? "" : ", ") + (folder / file.filename()).lexically_normal().string();
   }
-  printText("{}\n\ncopied: {}\nnext{}:\n", found->sentence, copied,
+  printText("{}\n\ncopied: {}\nnext{}:\n", example->sentence, copied,
             parsed.has("out") ? fmt::format(", in {}", folder.string()) : "");
-  for (const std::string& command : found->commands) printText("  {}\n", command);
+  for (const std::string& command : example->commands) printText("  {}\n", command);
   return 0;
 }
 

@@ -8,7 +8,6 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/stop_signal.h"
 #include "config/resources.h"
 #include "dataset/folder_contents.h"
 #include "pipeline/run/progress.h"
@@ -40,47 +39,45 @@ int runExport(const std::vector<std::string>& arguments) {
   add("split", "only this one; may be given again", listValue(), "NAME");
   add("overwrite", "replace an existing export, complete or not: its folder is emptied");
   add("q,quiet", "print no progress");
-  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"), "N");
+  addThreads(options);
   const Arguments parsed = parseArguments(
       options, arguments,
       "  scanmill export out/quickstart --to semantic_kitti -o out/quickstart_kitti\n"
       "  scanmill export out/quickstart --to mcap --split val -o out/quickstart_val   # Foxglove, ROS 2\n\nlayouts:\n" +
           layoutLines());
   if (parsed.help) return 0;
-  ExportOptions chosen;
-  chosen.dataset = parsed.positional("DIR");
-  requireDataset(chosen.dataset);
+  ExportOptions exportOptions;
+  exportOptions.dataset = parsed.positional("DIR");
+  requireDataset(exportOptions.dataset);
   if (!parsed.has("to")) throw InputError("--to LAYOUT is missing; the layouts are:\n" + layoutLines());
-  chosen.layout = &requireLayout(parsed.text("to"));
-  chosen.folder = folderOption(parsed, "out");
-  if (chosen.folder.empty()) throw InputError("-o DIR is missing: name the folder to write");
-  if (parsed.has("classes")) {
-    chosen.classes = namedResource(parsed.text("classes"), "labels");
-  }
-  chosen.sensors = parsed.list("sensor");
-  chosen.splits = parsed.list("split");
-  chosen.overwrite = parsed.has("overwrite");
-  chosen.stop = &stopSignal();
+  exportOptions.layout = &requireLayout(parsed.text("to"));
+  exportOptions.folder = folderOption(parsed, "out");
+  if (exportOptions.folder.empty()) throw InputError("-o DIR is missing: name the folder to write");
+  if (parsed.has("classes")) exportOptions.classes = namedResource(parsed.text("classes"), "labels");
+  exportOptions.sensors = parsed.list("sensor");
+  exportOptions.splits = parsed.list("split");
+  exportOptions.overwrite = parsed.has("overwrite");
+  exportOptions.stop = &stopSignal();
   const ResourceLimits limits(parsed);
-  std::optional<Progress> progress;
-  std::string stage;
-  std::uint64_t before = 0;
+  std::optional<Progress> progress;  // of the current stage
+  std::string currentStage;
+  std::uint64_t shownFrames = 0;
   const bool quiet = parsed.has("quiet");
-  chosen.progress = [&](const char* doing, std::uint64_t done, std::uint64_t all) {
-    if (stage != doing) {
-      stage = doing;
-      before = 0;
-      progress.reset();
-      progress.emplace(stage, all, "frames", "frames", quiet);
+  exportOptions.progress = [&](const char* stage, std::uint64_t doneFrames, std::uint64_t allFrames) {
+    if (currentStage != stage) {
+      currentStage = stage;
+      shownFrames = 0;
+      progress.reset();  // ends the progress bar of the stage before
+      progress.emplace(stage, allFrames, "frames", "frames", quiet);
     }
-    progress->advance(done - before, static_cast<double>(done - before));
-    before = done;
+    progress->advance(doneFrames - shownFrames, static_cast<double>(doneFrames - shownFrames));
+    shownFrames = doneFrames;
   };
-  const ExportSummary summary = exportDataset(chosen);
+  const ExportSummary summary = exportDataset(exportOptions);
   progress.reset();
   for (const std::string& warning : summary.warnings) warn(warning);
   printText("wrote {} of {} to {}\n", pluralOf(summary.frames, "frame"), pluralOf(summary.sequences, "sequence"),
-            chosen.folder.string());
+            exportOptions.folder.string());
   return 0;
 }
 

@@ -15,7 +15,6 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/recorded_scans.h"
-#include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/file_kind.h"
@@ -28,31 +27,34 @@ namespace scanmill {
 
 namespace {
 
+// Prints a row for each band of ranges. Figures that were not measured are "-".
 void printBands(const std::vector<PatchGroup>& bands) {
   Rows rows{{fmt::format("range (incidence to {:g} deg)", kMostIncidenceDegrees), "patches", "points", "sigma mm", "+-",
              "with step", "about planes", "lost", "of", "drop-out %", "+-", ""}};
   for (const PatchGroup& g : bands) {
-    const auto figure = [](bool any, double value, int digits) {
-      return any ? fmt::format("{:.{}f}", value, digits) : std::string("-");
+    const auto figure = [](bool measured, double value) {
+      return measured ? fmt::format("{:.2f}", value) : std::string("-");
     };
-    const auto millimetres = [&](double metres) { return figure(g.patches > 0, 1000 * metres, 2); };
-    const bool tested = g.dropOut.beams > 0;
+    const auto millimetres = [&](double metres) { return figure(g.patches > 0, 1000 * metres); };
+    const bool hasDropOut = g.dropOut.beams > 0;
     rows.push_back({g.name, grouped(g.patches), grouped(g.points), millimetres(g.sigma), millimetres(g.error),
-                    millimetres(g.withStep), millimetres(g.planeSigma), grouped(g.dropOut.lost), grouped(g.dropOut.beams),
-                    figure(tested, 100 * g.dropOut.share(), 2), figure(tested, 100 * g.dropOut.error, 2),
-                    g.leftOut.empty() ? "" : "left out: " + g.leftOut});
+                    millimetres(g.withStep), millimetres(g.planeSigma), grouped(g.dropOut.lost),
+                    grouped(g.dropOut.beams), figure(hasDropOut, 100 * g.dropOut.share()),
+                    figure(hasDropOut, 100 * g.dropOut.error), g.leftOut.empty() ? "" : "left out: " + g.leftOut});
   }
   printText("{}\n", formatTable(rows));
 }
 
+// Prints by how much the frame of a scan's points differs from the sensor's, unless both are the same.
 void printFrame(const RecordedScan& scan) {
+  constexpr double kNoDifference = 1e-4;  // rad and m, less than the fit of the frame can resolve
   const Pose& pose = scan.scanFromSensor;
-  const double turn = 2 * std::acos(std::min(1.0, std::abs(pose.rotation.w)));
-  if (turn < 1e-4 && length(pose.translation) < 1e-4) return;
+  const double angle = 2 * std::acos(std::min(1.0, std::abs(pose.rotation.w)));
+  if (angle < kNoDifference && length(pose.translation) < kNoDifference) return;
   printText(
       "{}: the frame of its points is rotated by {:.2f} deg and shifted by [{:.4f}, {:.4f}, {:.4f}] m from the "
       "sensor's\n",
-      scan.name, degrees(turn), pose.translation.x, pose.translation.y, pose.translation.z);
+      scan.name, degrees(angle), pose.translation.x, pose.translation.y, pose.translation.z);
 }
 
 // Measures the noise of the scans and prints it. `checkStop` throws an Error if the user has stopped the program.
@@ -100,7 +102,7 @@ void addFitNoiseOptions(CommandOptions& options) {
       textValue(), "FILE");
   add("overwrite", "replace the file");
   addSimulatedOption(options);
-  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  addThreads(options);
   addInputLimit(options);
 }
 

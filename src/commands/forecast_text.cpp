@@ -8,29 +8,23 @@ namespace scanmill {
 
 namespace {
 
-// Returns a range such as "11 to 26 s". The unit is written once if both ends have the same unit.
+// Returns a range such as "11 to 26 s" of two figures with units, "11 s" and "26 s". The unit is written once if it is
+// the same and `most` consists of one figure, not of several as "1 h 2 min".
 std::string rangeText(const std::string& least, const std::string& most) {
-  const std::size_t unit = least.find(' ');
-  const bool same =
-      unit != std::string::npos && most.find(' ') == most.rfind(' ') && most.ends_with(least.substr(unit));
-  return fmt::format("{} to {}", same ? least.substr(0, unit) : least, most);
+  const std::size_t space = least.find(' ');  // before the unit
+  const bool sameUnit =
+      space != std::string::npos && most.find(' ') == most.rfind(' ') && most.ends_with(least.substr(space));
+  return fmt::format("{} to {}", sameUnit ? least.substr(0, space) : least, most);
 }
 
 }  // namespace
 
-std::optional<SampleCosts> sampleCosts(const Arguments& parsed, const Plan& plan, std::vector<std::string> overrides,
-                                       std::string* why) {
-  const Reread reread = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> all = overrides;
-    all.insert(all.end(), more.begin(), more.end());
-    return readPipeline(parsed.pipeline(), all);
-  };
-  try {
-    return measureSampleCosts(plan, reread);
-  } catch (const Error& failure) {
-    if (why != nullptr) *why = failure.what();
-    return std::nullopt;
-  }
+SampleCosts sampleCosts(const Arguments& parsed, const Plan& plan) {
+  return measureSampleCosts(plan, [&](const std::vector<std::string>& forecastOverrides) {
+    std::vector<std::string> overrides = pipelineOverrides(parsed);
+    overrides.insert(overrides.end(), forecastOverrides.begin(), forecastOverrides.end());
+    return readPipeline(parsed.pipeline(), overrides);
+  });
 }
 
 std::string timeText(const Forecast& forecast) {

@@ -2,7 +2,6 @@
 
 // Forecasts the time and the size of a dataset, in words.
 
-#include <optional>
 #include <string>
 
 #include "commands/arguments.h"
@@ -10,11 +9,9 @@
 
 namespace scanmill {
 
-// Measures the costs of the scenes and frames of the command's pipeline on this machine. `overrides`: see
-// pipelineOverrides(). Returns nothing if the pipeline cannot scan the small town that forecasts use; `why` then
-// receives the reason.
-std::optional<SampleCosts> sampleCosts(const Arguments& parsed, const Plan& plan, std::vector<std::string> overrides,
-                                       std::string* why = nullptr);
+// Measures the costs of the scenes and frames of the command's pipeline on this machine. Throws Error if the pipeline
+// cannot scan the small town that forecasts use.
+SampleCosts sampleCosts(const Arguments& parsed, const Plan& plan);
 
 // Returns a text such as "17 s (11 to 26 s) on 2 threads".
 std::string timeText(const Forecast& forecast);

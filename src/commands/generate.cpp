@@ -10,7 +10,6 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/forecast_text.h"
-#include "commands/stop_signal.h"
 #include "commands/sweep.h"
 #include "commands/table.h"
 #include "dataset/dataset_folder.h"
@@ -28,6 +27,7 @@ namespace {
 constexpr double kRaysWorthAForecast = 1e7;
 
 // Returns what is in the folder, such as "2 shards (1 of them existed already), 3.0 MiB, in out/street; 1 warning".
+// `shards`: number of all shards in the folder.
 std::string shardsText(std::uint64_t shards, const GenerateSummary& s, const std::filesystem::path& folder) {
   const std::string resumed =
       s.resumedShards == 0 ? std::string() : fmt::format(" ({} of them existed already)", s.resumedShards);
@@ -94,30 +94,29 @@ ShardChoice shardsOfWorker(std::uint64_t worker, std::uint64_t workers, std::uin
 
 // Reads --shards, --worker and --workers. `shards`: number of shards of the dataset.
 ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
-  const bool listed = parsed.has("shards");
-  const bool worker = parsed.has("worker");
-  const bool workers = parsed.has("workers");
-  if (!listed && !worker && !workers) return {};
-  if (listed && (worker || workers)) {
+  const bool hasShards = parsed.has("shards");
+  const bool hasWorker = parsed.has("worker");
+  const bool hasWorkers = parsed.has("workers");
+  if (!hasShards && !hasWorker && !hasWorkers) return {};
+  if (hasShards && (hasWorker || hasWorkers)) {
     throw InputError(
         "--shards names the shards to make, --workers shares them among processes: give only one of the two");
   }
-  if (listed) {
-    return {ShardChoice::Kind::Listed, parseShardRanges(parsed.text("shards"), shards)};
-  }
+  if (hasShards) return {ShardChoice::Kind::Listed, parseShardRanges(parsed.text("shards"), shards)};
   if (parsed.text("workers") == "auto") {
-    if (worker) throw InputError("--workers auto needs no --worker: leave it out");
+    if (hasWorker) throw InputError("--workers auto needs no --worker: leave it out");
     return {ShardChoice::Kind::Any, {}};
   }
-  if (!worker || !workers) {
+  if (!hasWorker || !hasWorkers) {
     throw InputError("give both --worker I and --workers N, with I from 0 to N - 1, or --workers auto");
   }
   return shardsOfWorker(countOption(parsed, "worker"), countOption(parsed, "workers"), shards);
 }
 
-Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
+// Returns the plan of the command's pipeline. `sweepOverrides`: applied after those of --set and --seed.
+Plan planOf(const Arguments& parsed, const std::vector<std::string>& sweepOverrides) {
   std::vector<std::string> overrides = pipelineOverrides(parsed);
-  overrides.insert(overrides.end(), more.begin(), more.end());
+  overrides.insert(overrides.end(), sweepOverrides.begin(), sweepOverrides.end());
   return makePlan(readPipeline(parsed.pipeline(), overrides, recordingOf(parsed)),
                   parsed.has("keep-hits") ? recordedChannels() : Channels{});
 }
@@ -147,18 +146,20 @@ GenerateOptions folderOptions(const Arguments& parsed, const std::filesystem::pa
 // Measures what samples cost, and prints the time and size that the dataset will take. Returns nothing if they cannot
 // be measured.
 std::optional<Forecast> printForecastOf(const Arguments& parsed, const Plan& plan) {
-  const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed));
-  if (!costs) return std::nullopt;
-  const Forecast predicted = forecast(*costs, plan.pipeline.frames(), scenesOf(plan.pipeline));
-  printText("this takes about {} and {}\n", timeText(predicted), sizeText(predicted));
-  return predicted;
+  try {
+    const Forecast predicted = forecast(sampleCosts(parsed, plan), plan.pipeline.frames(), scenesOf(plan.pipeline));
+    printText("this takes about {} and {}\n", timeText(predicted), sizeText(predicted));
+    return predicted;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
-// Makes one dataset. `overrides`: overrides in addition to those of --set and --seed.
-void generateOne(const Arguments& parsed, const std::vector<std::string>& overrides,
+// Makes one dataset. `sweepOverrides`: see planOf().
+void generateOne(const Arguments& parsed, const std::vector<std::string>& sweepOverrides,
                  const std::filesystem::path& folder) {
   GenerateOptions options = folderOptions(parsed, folder);
-  const Plan plan = planOf(parsed, overrides);
+  const Plan plan = planOf(parsed, sweepOverrides);
   const std::vector<ShardJob> jobs = shardJobs(plan);
   options.shards = shardsOption(parsed, jobs.size());
   const bool allShards = options.shards.kind == ShardChoice::Kind::All;
@@ -169,14 +170,14 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   }
   if (!options.keepHits.empty()) plan.requireOneRay();
   // A complete dataset is not an error, so that scripts can always pass --resume.
-  const auto made = options.resume ? wholeDatasetOf(datasetPlan(plan, jobs), folder) : std::nullopt;
-  if (made) {
-    if (!options.anyFiles) requireUnchangedFiles(made->files, plan.pipeline.file.parent_path(), folder);
+  const auto complete = options.resume ? wholeDatasetOf(datasetPlan(plan, jobs), folder) : std::nullopt;
+  if (complete) {
+    if (!options.anyFiles) requireUnchangedFiles(complete->files, plan.pipeline.file.parent_path(), folder);
     printText("{}: is complete: there is nothing to resume\n", folder.string());
     return;
   }
   checkFolder(options);  // before the forecast, which takes a second
-  const bool forecasts = overrides.empty() && plan.pipeline.rays() >= kRaysWorthAForecast && !options.quiet &&
+  const bool forecasts = sweepOverrides.empty() && plan.pipeline.rays() >= kRaysWorthAForecast && !options.quiet &&
                          !options.resume && allShards;
   const std::optional<Forecast> predicted = forecasts ? printForecastOf(parsed, plan) : std::nullopt;
   const GenerateSummary summary = generate(plan, options);

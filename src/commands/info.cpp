@@ -79,40 +79,43 @@ void printDataset(const std::filesystem::path& folder) {
                   undescribed.size(), m.shards.size(), folder.string()));
 }
 
+// Prints the size of a scan, and the least and greatest value of each column. `what`: the scan's name.
 void printScan(const Scan& scan, const std::string& what) {
   printText("scan {}: {} points, {}\n\n", what, grouped(scan.size()),
             scan.organised ? fmt::format("organised {} rings x {} columns{}", scan.rings, scan.columns,
                                          scan.planes == 1 ? "" : fmt::format(" x {} returns", scan.planes))
                            : std::string("dense"));
   Rows rows{{"column", "min", "max"}};
-  const auto add = [&](std::string_view name, std::string_view unit, const auto& at) {
+  const auto addRow = [&](std::string_view name, std::string_view unit, const auto& valueOfPoint) {
     if (scan.size() == 0) return;
     double low = INFINITY, high = -INFINITY;
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      const auto value = static_cast<double>(at(i));
-      low = std::fmin(low, value);  // which leaves out NaN
+      const auto value = static_cast<double>(valueOfPoint(i));
+      low = std::fmin(low, value);  // fmin() and fmax() leave out NaN
       high = std::fmax(high, value);
     }
     rows.push_back({withUnit(name, unit), fmt::format("{:.6g}", low), fmt::format("{:.6g}", high)});
   };
-  add("x", "m", [&](std::size_t i) { return scan.position[i].x; });
-  add("y", "m", [&](std::size_t i) { return scan.position[i].y; });
-  add("z", "m", [&](std::size_t i) { return scan.position[i].z; });
-  add("distance", "m", [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
+  addRow("x", "m", [&](std::size_t i) { return scan.position[i].x; });
+  addRow("y", "m", [&](std::size_t i) { return scan.position[i].y; });
+  addRow("z", "m", [&](std::size_t i) { return scan.position[i].z; });
+  addRow("distance", "m", [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
   visitColumns(scan, [&](std::string_view name, const auto& values) {
     const std::size_t index = columnIndex(name);
-    add(name, index < kColumnCount ? kColumns[index].unit : "", [&](std::size_t i) { return values[i]; });
+    addRow(name, index < kColumnCount ? kColumns[index].unit : "", [&](std::size_t i) { return values[i]; });
   });
   printText("{}", formatTable(rows));
 }
 
-void printScanFolder(const std::filesystem::path& folder, const ScanFolder& found) {
-  printText("{} recorded scans in the layout {}{}\n", grouped(found.scans.size()), found.layout,
-            found.ontology ? ", labelled with the classes of " + found.ontology->name : "");
-  const FolderScan& middle = found.scans[found.scans.size() / 2];
-  printText(
-      "{}{}\n\n", found.scans.front().key,
-      found.scans.size() == 1 ? "" : fmt::format(" to {}; the table shows {}", found.scans.back().key, middle.key));
+// Prints the number of the folder's scans and the middle scan.
+void printScanFolder(const std::filesystem::path& folder, const ScanFolder& recorded) {
+  printText("{} recorded scans in the layout {}{}\n", grouped(recorded.scans.size()), recorded.layout,
+            recorded.ontology ? ", labelled with the classes of " + recorded.ontology->name : "");
+  const FolderScan& middle = recorded.scans[recorded.scans.size() / 2];
+  printText("{}{}\n\n", recorded.scans.front().key,
+            recorded.scans.size() == 1
+                ? ""
+                : fmt::format(" to {}; the table shows {}", recorded.scans.back().key, middle.key));
   const std::filesystem::path points = std::filesystem::absolute(middle.points);
   printScan(readFolderScan(middle), points.lexically_relative(std::filesystem::absolute(folder)).string());
 }
@@ -121,9 +124,9 @@ void printShard(const std::filesystem::path& file) {
   Rows rows{{"member", "bytes", "points"}};
   readTar(file, [&](const std::string& name, std::string_view bytes) {
     const std::size_t dot = name.rfind('.');
-    const bool scan = dot != std::string::npos && formatBySuffix(name.substr(dot + 1)) != nullptr;
-    const std::string what = file.string() + ": " + name;
-    rows.push_back({name, grouped(bytes.size()), scan ? grouped(decodeMember(what, bytes).size()) : ""});
+    const bool isScan = dot != std::string::npos && formatBySuffix(name.substr(dot + 1)) != nullptr;
+    const auto countPoints = [&] { return decodeMember(file.string() + ": " + name, bytes).size(); };
+    rows.push_back({name, grouped(bytes.size()), isScan ? grouped(countPoints()) : ""});
   });
   printText("shard {}\n\n{}", file.string(), formatTable(rows));
 }
@@ -191,13 +194,14 @@ void printBeams(const BeamTable& beams) {
   const bool ownOrigins = !beams.originLeft.empty() || !beams.originUp.empty();
   if (ownOrigins) rows.front().insert(rows.front().end(), {"origin left mm", "origin up mm"});
   for (std::uint32_t r = 0; r < beams.rings; ++r) {
-    const auto at = [&](const std::vector<double>& column) { return r < column.size() ? column[r] : 0.0; };
-    rows.push_back({std::to_string(r), fmt::format("{:.3f}", degrees(at(beams.elevation))),
-                    fmt::format("{:.3f}", degrees(at(beams.azimuthOffset))),
-                    fmt::format("{:.3f}", at(beams.firingOffset) * 1e6)});
+    // A list without values stands for zeros.
+    const auto ofRing = [&](const std::vector<double>& values) { return r < values.size() ? values[r] : 0.0; };
+    rows.push_back({std::to_string(r), fmt::format("{:.3f}", degrees(ofRing(beams.elevation))),
+                    fmt::format("{:.3f}", degrees(ofRing(beams.azimuthOffset))),
+                    fmt::format("{:.3f}", ofRing(beams.firingOffset) * 1e6)});
     if (!ownOrigins) continue;
-    rows.back().push_back(fmt::format("{:.1f}", at(beams.originLeft) * 1000));
-    rows.back().push_back(fmt::format("{:.1f}", at(beams.originUp) * 1000));
+    rows.back().push_back(fmt::format("{:.1f}", ofRing(beams.originLeft) * 1000));
+    rows.back().push_back(fmt::format("{:.1f}", ofRing(beams.originUp) * 1000));
   }
   printText("{}", formatTable(rows));
 }
@@ -219,7 +223,8 @@ void printSensor(const Value& sensor) {
 bool isCalibration(const std::filesystem::path& file) {
   const std::string kind = lowerExtension(file);
   if (kind != ".json" && kind != ".csv") return false;
-  const std::string text = firstBytes(file, std::size_t{1} << 20);  // scans and tilesets may be large
+  constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // calibrations are smaller; scans and tilesets may be large
+  const std::string text = firstBytes(file, kMostBytes);
   if (kind == ".json") return text.find("\"beam_altitude_angles\"") != std::string::npos;
   const std::string head = lowerCase(std::string_view(text).substr(0, text.find('\n')));
   const char separator = head.find(';') == head.npos ? ',' : ';';
@@ -240,10 +245,9 @@ void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   const Value value = readYaml(file);
   if (value.find("lasers") != nullptr) refuseCalibration(file);
   switch (fileKind(value)) {
-    case FileKind::Pipeline: {
+    case FileKind::Pipeline:
       runPlan({file.string()});
       return;
-    }
     case FileKind::Scene:
       return printScene(file, seed);
     case FileKind::Sensor:
@@ -285,7 +289,7 @@ void printFolder(const std::filesystem::path& folder) {
   const ScanStore refused(folder);  // throws; the message states what a folder may contain
 }
 
-// Prints a file, whose kind its name tells.
+// Prints a file. Its name and, for some suffixes, its contents determine its kind.
 void printFile(const std::filesystem::path& file, const Arguments& parsed) {
   const std::string name = file.filename().string();
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
@@ -318,9 +322,9 @@ std::array<double, 2> fieldOf(const BeamTable& beams) {
     azimuths.push_back(std::atan2(d.y, d.x));
   }
   std::ranges::sort(azimuths);
-  double gap = azimuths.front() + 2 * kPi - azimuths.back();
-  for (std::size_t i = 1; i < azimuths.size(); ++i) gap = std::max(gap, azimuths[i] - azimuths[i - 1]);
-  return {gap < radians(5) ? 360 : degrees(2 * kPi - gap), degrees(highest - lowest)};
+  double largestGap = azimuths.front() + 2 * kPi - azimuths.back();
+  for (std::size_t i = 1; i < azimuths.size(); ++i) largestGap = std::max(largestGap, azimuths[i] - azimuths[i - 1]);
+  return {largestGap < radians(5) ? 360 : degrees(2 * kPi - largestGap), degrees(highest - lowest)};
 }
 
 int runInfo(const std::vector<std::string>& arguments) {

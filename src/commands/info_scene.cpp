@@ -28,23 +28,24 @@ namespace {
 // its first copy.
 void printObjects(const Scene& scene) {
   constexpr std::size_t kMostObjects = 30;
-  std::map<std::uint32_t, std::uint64_t> placed;
-  std::vector<const Instance*> firsts;
+  std::map<std::uint32_t, std::uint64_t> copies;  // number of instances by mesh
+  std::vector<const Instance*> firstCopies;
   for (const Instance& instance : scene.instances) {
-    if (++placed[instance.mesh] == 1) firsts.push_back(&instance);
+    if (++copies[instance.mesh] == 1) firstCopies.push_back(&instance);
   }
   Rows rows{{"object", "size x, y, z", "lowest z (m)", "triangles", "placed"}};
-  for (std::size_t i = 0; i < std::min(firsts.size(), kMostObjects); ++i) {
-    const Mesh& mesh = scene.meshes[firsts[i]->mesh];
+  for (std::size_t i = 0; i < std::min(firstCopies.size(), kMostObjects); ++i) {
+    const Instance& instance = *firstCopies[i];
+    const Mesh& mesh = scene.meshes[instance.mesh];
     Box box;
-    for (const Vec3f& p : mesh.positions) box.add(firsts[i]->worldFromMesh * Vec3d(p));
+    for (const Vec3f& p : mesh.positions) box.add(instance.worldFromMesh * Vec3d(p));
     if (box.empty()) continue;
-    rows.push_back({firsts[i]->name, extentText(box), fmt::format("{:.5g}", box.low.z), grouped(mesh.triangles.size()),
-                    grouped(placed[firsts[i]->mesh])});
+    rows.push_back({instance.name, extentText(box), fmt::format("{:.5g}", box.low.z), grouped(mesh.triangles.size()),
+                    grouped(copies[instance.mesh])});
   }
   printText("\n{} meshes, placed {} times\n{}", grouped(scene.meshes.size()), grouped(scene.instances.size()),
             formatTable(rows));
-  if (firsts.size() > kMostObjects) printText("and {} more meshes\n", grouped(firsts.size() - kMostObjects));
+  if (firstCopies.size() > kMostObjects) printText("and {} more meshes\n", grouped(firstCopies.size() - kMostObjects));
 }
 
 // Returns the bounds of the static instances, since moving instances may be far away before they appear. If no instance
@@ -69,25 +70,25 @@ void printClips(const std::filesystem::path& file) {
       "in a scene, `animation: {{clip: NAME}}` of the object plays an animation, and `time_s` holds it at that time\n");
 }
 
-using Color = std::pair<Rgb, std::uint64_t>;  // a colour and its number of triangles
+using CountedColor = std::pair<Rgb, std::uint64_t>;  // a colour and its number of triangles
 
-// Joins the colours that a rule takes for the same: the most frequent of them stands for all. Returns the most frequent
-// ones.
-std::vector<Color> joinedColors(const std::map<Rgb, std::uint64_t>& counts) {
-  constexpr std::size_t kMostColors = 12;  // greatest number of colours to print per material and texture
-  std::vector<Color> sorted(counts.begin(), counts.end());
-  std::ranges::stable_sort(sorted, std::greater<>(), &Color::second);
-  std::vector<Color> joined;
+// Returns the kMostColors most frequent colours, the most frequent first. Colours that a rule for one of them matches
+// are counted with it. `counts`: triangles by colour.
+std::vector<CountedColor> joinedColors(const std::map<Rgb, std::uint64_t>& counts) {
+  constexpr std::size_t kMostColors = 12;  // per material and texture, so that the table stays short
+  std::vector<CountedColor> sorted(counts.begin(), counts.end());
+  std::ranges::stable_sort(sorted, std::greater<>(), &CountedColor::second);
+  std::vector<CountedColor> joined;
   for (const auto& [color, triangles] : sorted) {
     TriangleTraits traits;
     traits.color = color;
-    const auto same = std::ranges::find_if(joined, [&](const Color& c) {
+    const auto matching = std::ranges::find_if(joined, [&](const CountedColor& frequent) {
       Rule rule;
-      rule.colors = {c.first};
+      rule.colors = {frequent.first};
       return matchesTriangle(rule, traits);
     });
-    if (same != joined.end()) {
-      same->second += triangles;
+    if (matching != joined.end()) {
+      matching->second += triangles;
     } else if (joined.size() < kMostColors) {
       joined.emplace_back(color, triangles);
     }
@@ -131,11 +132,13 @@ void printLargest(Rows rows) {
   printText("{}{}\n", formatTable(rows), omitted == 0 ? "" : fmt::format("and {} more (smaller)\n", grouped(omitted)));
 }
 
-// Prints the names that rules can match and, if parts share a material and a texture, the sums of their triangles;
-// those with most triangles first.
-void printParts(std::vector<ListedPart> parts, bool instanced) {
+// Prints a table of the parts with the names that rules can match and, if parts share a material and a texture, a table
+// of the sums of their triangles. In both, rows with most triangles come first. `hasCopies`: the column `placed` is
+// printed.
+void printParts(std::vector<ListedPart> parts, bool hasCopies) {
   struct Sum {
-    std::uint64_t triangles = 0, parts = 0;
+    std::uint64_t triangles = 0;  // of all copies
+    std::uint64_t parts = 0;
   };
   std::ranges::stable_sort(parts, std::greater<>(), &ListedPart::triangles);
   std::map<std::pair<std::string, std::string>, Sum> sums;  // by material and texture
@@ -147,7 +150,9 @@ void printParts(std::vector<ListedPart> parts, bool instanced) {
     sum.triangles += p.triangles * p.placed;
     ++sum.parts;
   }
-  for (std::vector<std::string>& row : rows) row.resize(instanced ? 7 : 6);
+  if (!hasCopies) {
+    for (std::vector<std::string>& row : rows) row.pop_back();
+  }
   printLargest(std::move(rows));
   if (sums.size() == parts.size()) return;
   std::vector<std::pair<std::pair<std::string, std::string>, Sum>> sorted(sums.begin(), sums.end());
@@ -190,8 +195,8 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
   }
   Rows rows{{"class", "id", "triangles", "instances"}};
   for (const auto& [id, c] : perClass) {
-    const SemanticClass* known = scene.ontology.find(id);
-    rows.push_back({known == nullptr ? "?" : known->name, std::to_string(id), grouped(c.triangles),
+    const SemanticClass* const semantic = scene.ontology.find(id);
+    rows.push_back({semantic == nullptr ? "?" : semantic->name, std::to_string(id), grouped(c.triangles),
                     c.instances.empty() ? "" : grouped(c.instances.size())});
   }
   printText("\n{}", formatTable(rows));
@@ -217,16 +222,16 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
 void printAsset(const std::filesystem::path& file, const AssetOptions& options) {
   const Asset asset = readAsset(file, options);
   std::vector<ListedPart> parts;
-  std::uint64_t triangles = 0;
-  std::uint64_t notFinite = 0;
+  std::uint64_t triangles = 0;  // of all copies
+  std::uint64_t nonFinite = 0;  // triangles with a corner that is NaN or infinite, each part counted once
   Box bounds;
-  const auto add = [&](const AssetPart& part, const std::vector<Affine>& copies) {
+  const auto addPart = [&](const AssetPart& part, const std::vector<Affine>& copies) {
     ListedPart& listed = parts.emplace_back(
         ListedPart{part.node, part.material, part.texture, part.triangles.size(), copies.size(), {}});
     triangles += part.triangles.size() * copies.size();
     for (const Triangle& t : part.triangles) {
-      const auto bad = [&](std::uint32_t corner) { return !isFinite(part.positions[corner]); };
-      notFinite += std::ranges::any_of(t, bad) ? 1 : 0;
+      const auto isNonFinite = [&](std::uint32_t corner) { return !isFinite(part.positions[corner]); };
+      if (std::ranges::any_of(t, isNonFinite)) ++nonFinite;
     }
     for (const Vec3f& p : part.positions) {
       if (!isFinite(p)) continue;
@@ -234,16 +239,16 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
     }
     bounds.add(listed.box);
   };
-  for (const AssetPart& part : asset.parts) add(part, {Affine{{}, asset.origin}});
+  for (const AssetPart& part : asset.parts) addPart(part, {Affine{{}, asset.origin}});
   for (const InstancedParts& instanced : asset.instanced) {
-    for (const AssetPart& part : instanced.parts) add(part, instanced.assetFromParts);
+    for (const AssetPart& part : instanced.parts) addPart(part, instanced.assetFromParts);
   }
   printText("asset {}: {} triangles; labelling rules of a scene can match these names\n\n", file.string(),
             grouped(triangles));
   printParts(std::move(parts), !asset.instanced.empty());
-  if (notFinite > 0 || asset.dropped.outOfRange > 0) {
+  if (nonFinite > 0 || asset.dropped.outOfRange > 0) {
     warn(fmt::format("{}: scenes leave out {} triangles with NaN or infinite corners and {} with indices out of range",
-                     file.string(), grouped(notFinite), grouped(asset.dropped.outOfRange)));
+                     file.string(), grouped(nonFinite), grouped(asset.dropped.outOfRange)));
   }
   if (bounds.empty()) return;
   printText("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {}\n", bounds.low.x, bounds.low.y, bounds.low.z,

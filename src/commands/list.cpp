@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <sstream>
 #include <vector>
 
 #include "assets/meshes/blender.h"
@@ -60,16 +61,12 @@ Rows columnRows() {
   return rows;
 }
 
-// Prints the keys of an effect, format or method that a pipeline can set, one per line.
+// Prints the keys of an effect, format or method that a pipeline can set, one per line. `entry.keys`: lines.
 template <class Entry>
 void printKeysOf(const Entry& entry) {
   printText("  {}{}\n", entry.name, entry.keys.empty() ? ": none" : "");
-  std::string_view rest = entry.keys;
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    printText("    {}\n", rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
+  std::istringstream lines{std::string(entry.keys)};
+  for (std::string line; std::getline(lines, line);) printText("    {}\n", line);
 }
 
 template <class Entries>
@@ -78,7 +75,7 @@ void printKeys(const Entries& entries) {
   for (const auto& entry : entries) printKeysOf(entry);
 }
 
-// Prints one of the entries, if it has this name; returns whether it does.
+// Prints the entry with this name. Returns false if there is none.
 template <class Entries>
 bool printNamed(const char* kind, const Entries& entries, std::string_view name) {
   for (const auto& entry : entries) {
@@ -120,21 +117,21 @@ Rows inputRows() {
 
 // Prints what the reader of each format reads and leaves out, in Markdown: docs/inputs.md holds this text.
 void printElements() {
+  const auto append = [](std::string_view addition, const char* separator, std::string& text) {
+    if (!addition.empty()) text += fmt::format("{}{}", text.empty() ? "" : separator, addition);
+  };
   for (const FormatSupport& format : inputFormats()) {
-    std::string how(format.how), read, unused, leftOut;
+    std::string how(format.how), readNames, unusedNames, leftOut;
     for (const FormatElements& row : format.elements) {
       using enum FormatElements::Use;
-      const auto append = [](std::string& to, const char* between, std::string_view text) {
-        if (!text.empty()) to += fmt::format("{}{}", to.empty() ? "" : between, text);
-      };
-      if (row.use != LeftOut) append(row.use == Read ? read : unused, " ", row.names);
-      append(row.use == LeftOut ? leftOut : how, "; ", row.note);
+      if (row.use != LeftOut) append(row.names, " ", row.use == Read ? readNames : unusedNames);
+      append(row.note, "; ", row.use == LeftOut ? leftOut : how);
     }
-    if (!format.alsoLeftOut.empty()) leftOut += fmt::format("{}{}", leftOut.empty() ? "" : "; ", format.alsoLeftOut);
+    append(format.alsoLeftOut, "; ", leftOut);
     printText("\n## {} ({})\n\n{}.\n", format.name, format.suffixes, how);
-    if (!(read + unused + leftOut).empty()) printText("\n");
-    if (!read.empty()) printText("- Names: `{}`\n", read);
-    if (!unused.empty()) printText("- *Without effect*: `{}`\n", unused);
+    if (!(readNames + unusedNames + leftOut).empty()) printText("\n");
+    if (!readNames.empty()) printText("- Names: `{}`\n", readNames);
+    if (!unusedNames.empty()) printText("- *Without effect*: `{}`\n", unusedNames);
     if (!leftOut.empty()) printText("- *Left out*: {}\n", leftOut);
   }
 }
@@ -190,15 +187,17 @@ Rows materialRows() {
   return rows;
 }
 
-Rows exampleRows(const char* folder) {
+// Returns the names and paths of the YAML files in a folder of the program.
+Rows fileRows(const char* folder) {
   Rows rows;
   for (const auto& file : yamlFiles(resourceFolder() / folder)) rows.push_back({file.stem().string(), file.string()});
   return rows;
 }
 
-// Returns the scenes. Leaves out scenes without objects, such as `empty`, to which programs add objects.
+// Returns the names and files of the scenes. Leaves out scenes without objects, such as `empty`, to which programs add
+// objects.
 Rows sceneRows() {
-  Rows rows = exampleRows("scenes");
+  Rows rows = fileRows("scenes");
   std::erase_if(rows, [](const auto& row) {
     try {
       const Value root = readYaml(row.back());
@@ -214,15 +213,15 @@ Rows sceneRows() {
 // Prints the devices that compute and draw by OpenGL; opens each for a moment to test it.
 void printDevices() {
   Rows rows;
-  bool any = false;
+  bool anyUsable = false;
   for (const FoundDevice& device : findDevices()) {
-    any = any || device.usable;
+    anyUsable = anyUsable || device.usable;
     rows.push_back({device.name, device.usable
                                      ? device.driver + (device.software ? ", in software on the processor" : "")
                                      : "cannot be used: " + device.driver});
   }
   printText("devices:\n{}", rows.empty() ? "  none\n" : formatTable(rows));
-  if (!any) return;
+  if (!anyUsable) return;
   constexpr const char* kUse = "the depth camera draws with it, and `particle: {backend: gl}` computes with it";
   const std::string named = namedDevice();
   if (!named.empty()) {
@@ -244,9 +243,9 @@ int runList(const std::vector<std::string>& arguments) {
   const Arguments parsed = parseArguments(
       options, arguments, "  scanmill list\n  scanmill list effects\n  scanmill list footprint   # one of them\n");
   if (parsed.help) return 0;
-  const std::string wanted = !parsed.has("input") ? "" : parsed.positional("KIND");
-  if (printNamed("effect", effects(), wanted) || printNamed("format", formats(), wanted) ||
-      printNamed("method", methods(), wanted)) {
+  const std::string kind = !parsed.has("input") ? "" : parsed.positional("KIND");  // empty: all kinds
+  if (printNamed("effect", effects(), kind) || printNamed("format", formats(), kind) ||
+      printNamed("method", methods(), kind)) {
     return 0;
   }
   const std::vector<std::pair<std::string, Rows (*)()>> kinds{
@@ -261,30 +260,30 @@ int runList(const std::vector<std::string>& arguments) {
       {"ontologies", ontologyRows},
       {"materials", materialRows},
       {"scenes", sceneRows},
-      {"pipelines", [] { return exampleRows("pipelines"); }},
+      {"pipelines", [] { return fileRows("pipelines"); }},
   };
   constexpr const char* kDevices = "devices";  // devices are listed only on request, since opening them takes time
   std::vector<std::string> names{kDevices};
   for (const auto& [name, rows] : kinds) names.push_back(name);
   for (const EffectEntry& entry : effects()) names.emplace_back(entry.name);
-  if (!wanted.empty() && std::ranges::find(names, wanted) == names.end()) {
+  if (!kind.empty() && std::ranges::find(names, kind) == names.end()) {
     throw InputError(
-        fmt::format("list: there is no kind, effect, format or method '{}'{}", wanted, suggestion(wanted, names)));
+        fmt::format("list: there is no kind, effect, format or method '{}'{}", kind, suggestion(kind, names)));
   }
   for (const auto& [name, rows] : kinds) {
-    if (wanted.empty() || wanted == name) printText("{}:\n{}", name, formatTable(rows()));
+    if (kind.empty() || kind == name) printText("{}:\n{}", name, formatTable(rows()));
   }
-  if (wanted == kDevices) printDevices();
-  if (wanted == "sensors") {
+  if (kind == kDevices) printDevices();
+  if (kind == "sensors") {
     printText(
         "\n'its own': the file says what the sensor's receiver makes of its hits; `effects: sensor` uses it.\n"
         "A pipeline may change any key beside `preset`, such as columns and rate_hz.\n");
   }
-  if (wanted == "methods") printCapabilities();
-  if (wanted == "methods") printKeys(methods());
-  if (wanted == "effects") printKeys(effects());
-  if (wanted == "formats") printKeys(formats());
-  if (wanted == "inputs") printElements();
+  if (kind == "methods") printCapabilities();
+  if (kind == "methods") printKeys(methods());
+  if (kind == "effects") printKeys(effects());
+  if (kind == "formats") printKeys(formats());
+  if (kind == "inputs") printElements();
   return 0;
 }
 

@@ -33,11 +33,11 @@ constexpr std::size_t kMostScenes = 20;  // greatest number of scenes to load; f
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   constexpr std::size_t kMostRows = 20;
   if (unlabeled.empty()) return printText("unlabelled geometry: none\n");
-  struct Group {
+  struct Group {  // parts with the same file, material and texture
     std::uint64_t triangles = 0;
     std::set<std::string> nodes;
   };
-  std::map<UnlabeledPart, Group> groups;
+  std::map<UnlabeledPart, Group> groups;  // the keys have no node
   for (const auto& [part, triangles] : unlabeled) {
     Group& group = groups[{part.file, part.material, part.texture, {}}];
     group.triangles += triangles;
@@ -50,9 +50,10 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   Rows rows{{"file", "material", "texture", "nodes", "triangles"}};
   for (std::size_t i = 0; i < std::min(sorted.size(), kMostRows); ++i) {
     const auto& [part, group] = sorted[i];
-    const std::string& first = *group.nodes.begin();
+    const std::string& firstNode = *group.nodes.begin();
+    const std::size_t otherNodes = group.nodes.size() - 1;
     rows.push_back({part.file, part.material, part.texture,
-                    group.nodes.size() == 1 ? first : fmt::format("{} and {} more", first, group.nodes.size() - 1),
+                    otherNodes == 0 ? firstNode : fmt::format("{} and {} more", firstNode, otherNodes),
                     grouped(group.triangles)});
   }
   printText("{}", formatTable(rows));
@@ -70,7 +71,8 @@ std::string randomText(const Scene& scene) {
 }
 
 // Loads the scenes of a plan, warns of legal but rarely intended contents (paths through things, objects of odd sizes,
-// rules that match nothing), and prints a table of the scenes and their unlabelled geometry.
+// rules that match nothing), and prints a table of the scenes and their unlabelled geometry. run() comes first; without
+// it there are no scenes.
 class SceneCheck {
  public:
   explicit SceneCheck(ShotSource& source)
@@ -114,7 +116,8 @@ class SceneCheck {
   std::uint64_t mostBytes() const { return mostBytes_; }
 
  private:
-  // Loads the scene of a sequence. The following sequences with the same scene are checked with it.
+  // Loads and checks the scene of the sequence with this index, which is the first of consecutive sequences with the
+  // same scene; their paths are checked too.
   void load(std::size_t first) {
     const Pipeline& pipeline = plan_.pipeline;
     const Sequence& sequence = pipeline.sequences[first];
@@ -137,12 +140,12 @@ class SceneCheck {
       }
     }
     if (method == nullptr) return;
-    // Scenes differ in the texts of the items about a feature: the first scene's counts.
+    // Scenes may differ in the text of the item about a feature: the item of the first scene is printed.
     for (const ModelledItem& item : modelledOf(plan_, sequence, scene, *method)) {
-      const auto isSame = [&](const ModelledItem& known) {
-        return known.topic == item.topic && known.leftOut == item.leftOut && known.sensor == item.sensor;
+      const auto isAboutSame = [&](const ModelledItem& earlier) {
+        return earlier.topic == item.topic && earlier.leftOut == item.leftOut && earlier.sensor == item.sensor;
       };
-      if (std::ranges::none_of(modelled_, isSame)) modelled_.push_back(item);
+      if (std::ranges::none_of(modelled_, isAboutSame)) modelled_.push_back(item);
     }
     plan_.checkMemory(method->memoryBytes(), name);
     mostBytes_ = std::max(mostBytes_, method->memoryBytes());
@@ -198,75 +201,93 @@ std::string shardsOfSplits(const Plan& plan) {
   return text;
 }
 
-// Prints the number of seeds that give at least `frames` frames. Returns how many scenes and frames these seeds give;
-// if the scenes do not depend on seeds, those asked for and the pipeline's own.
-std::pair<double, double> printSeeds(const Pipeline& pipeline, double frames) {
+// Numbers of scenes and frames of a dataset; double, because they may exceed 64 bits.
+struct DatasetSize {
+  double scenes = 0;
+  double frames = 0;
+};
+
+// Prints the number of seeds that give at least `frames` frames. Returns the size of the dataset with these seeds; if
+// the scenes do not depend on seeds, with the pipeline's scenes and `frames` frames.
+DatasetSize printSeeds(const Pipeline& pipeline, double frames) {
   const auto scenes = static_cast<double>(scenesOf(pipeline));
   if (!followsFromSeeds(pipeline)) {
     printText(
         "\nfor {} frames: the scenes are the same for all seeds, so lengthen their trajectories or add trajectories\n",
         grouped(static_cast<std::uint64_t>(frames)));
-    return {scenes, frames};
+    return {.scenes = scenes, .frames = frames};
   }
   std::set<std::filesystem::path> files;
   for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
   const auto fileCount = static_cast<double>(files.size());
-  const double framesOfScene = static_cast<double>(pipeline.frames()) / scenes;
-  const double seeds = std::max(1.0, std::ceil(frames / framesOfScene / fileCount));  // for each file
+  const double framesPerScene = static_cast<double>(pipeline.frames()) / scenes;
+  const double seeds = std::max(1.0, std::ceil(frames / framesPerScene / fileCount));  // for each file
   printText("\nfor {} frames: {}{} of {} frames, `seeds: {}`{}\n", grouped(static_cast<std::uint64_t>(frames)),
             pluralOf(static_cast<std::uint64_t>(seeds), "seed"),
             files.size() > 1 ? fmt::format(" of each of the {} scene files", files.size()) : "",
-            shortNumber(framesOfScene),
+            shortNumber(framesPerScene),
             seeds > 2   ? fmt::format("[1, ..., {:.0f}]", seeds)
             : seeds > 1 ? "[1, 2]"
                         : "[1]",
             pipeline.splitsBySeed ? "; `splits` lists seeds: add the new seeds to it, or give --set splits=null" : "");
-  return {seeds * fileCount, seeds * fileCount * framesOfScene};
+  return {.scenes = seeds * fileCount, .frames = seeds * fileCount * framesPerScene};
 }
 
-void printForecast(const SampleCosts& costs, double frames, double scenes) {
-  const Forecast f = forecast(costs, static_cast<std::uint64_t>(frames), static_cast<std::uint64_t>(scenes));
+void printForecast(const SampleCosts& costs, const DatasetSize& size) {
+  const Forecast f = forecast(costs, static_cast<std::uint64_t>(size.frames), static_cast<std::uint64_t>(size.scenes));
   printText("time: {}\nsize: {}\n", timeText(f), sizeText(f));
 }
 
-// Prints what a dataset of at least `frames` frames needs: seeds, time, size and, if it has too many, the limit of
-// rays.
+// Prints what a dataset of at least `frames` frames needs: seeds, time and size (if `costs` are known) and, if it has
+// too many rays, the limit of rays.
 void printLargerDataset(const Pipeline& pipeline, double frames, const std::optional<SampleCosts>& costs) {
-  const auto [scenesNeeded, framesMade] = printSeeds(pipeline, frames);
-  if (costs) printForecast(*costs, framesMade, scenesNeeded);
-  const double rays = framesMade * pipeline.rays() / static_cast<double>(pipeline.frames());
+  const DatasetSize size = printSeeds(pipeline, frames);
+  if (costs) printForecast(*costs, size);
+  const double rays = size.frames * pipeline.rays() / static_cast<double>(pipeline.frames());
   if (rays <= pipeline.maxRays) return;
   printText("these are {} rays, more than `limits.max_rays` allows ({}): give generate --set limits.max_rays={:.0e}\n",
             shortNumber(rays), shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
 }
 
-// Prints the first lines of the output: frames, shards, time and size.
-void printSize(const Arguments& parsed, const Plan& plan) {
-  const Pipeline& pipeline = plan.pipeline;
-  const std::uint64_t frames = parsed.has("frames") ? countOption(parsed, "frames") : 0;
+// Returns the value of --frames; 0 if it is not given.
+std::uint64_t framesOption(const Arguments& parsed, const Pipeline& pipeline) {
+  if (!parsed.has("frames")) return 0;
+  const std::uint64_t frames = countOption(parsed, "frames");
   constexpr std::uint64_t kMostFrames = 1'000'000'000'000;
-  if (parsed.has("frames") && (frames == 0 || frames > kMostFrames)) {
+  if (frames == 0 || frames > kMostFrames) {
     throw InputError(fmt::format("--frames {}: must be a whole number from 1 to {}", frames, kMostFrames));
   }
-  if (frames > 0 && pipeline.recording != nullptr) {
+  if (pipeline.recording != nullptr) {
     throw InputError("--frames: a recording has a fixed number of frames: leave the option out");
   }
-  std::string why;
-  const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed), &why);
+  return frames;
+}
+
+// Prints the first lines of the output: frames, shards, time and size, and what a dataset of --frames frames needs.
+void printSize(const Arguments& parsed, const Plan& plan) {
+  const Pipeline& pipeline = plan.pipeline;
+  const std::uint64_t frames = framesOption(parsed, pipeline);
+  std::optional<SampleCosts> costs;
+  std::string problem;
+  try {
+    costs = sampleCosts(parsed, plan);
+  } catch (const Error& error) {
+    problem = error.what();
+  }
   printText("{} in {}\n", pluralOf(pipeline.frames(), "frame"), shardsOfSplits(plan));
   if (costs) {
-    printForecast(*costs, static_cast<double>(pipeline.frames()), static_cast<double>(scenesOf(pipeline)));
+    printForecast(*costs, {static_cast<double>(scenesOf(pipeline)), static_cast<double>(pipeline.frames())});
   } else {
     printText(
         "time and size: unknown, since the pipeline's sensors and effects could not scan the small town that forecasts "
         "measure: {}\n",
-        why);
+        problem);
   }
   if (frames > 0) printLargerDataset(pipeline, static_cast<double>(frames), costs);
   printText("\n");
 }
 
-// `sceneBytes`: memory of the method for a scene; 0: it was not measured.
+// Prints the number of rays, and the memory. `sceneBytes`: memory of the method for a scene; 0: it was not measured.
 void printRaysAndMemory(const Plan& plan, std::uint64_t sceneBytes) {
   const Pipeline& pipeline = plan.pipeline;
   const double rays = pipeline.rays();

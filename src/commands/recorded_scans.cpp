@@ -13,22 +13,22 @@
 
 namespace scanmill {
 
-std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what) {
+std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& advice) {
   std::string text = parsed.text(option);
-  if (text.empty()) throw InputError(fmt::format("--{} is missing: {}", option, what));
+  if (text.empty()) throw InputError(fmt::format("--{} is missing: {}", option, advice));
   return text;
 }
 
-void forEachScan(const std::vector<std::string>& given,
+void forEachScan(const std::vector<std::string>& paths,
                  const std::function<void(const Scan&, const std::string&)>& visit) {
   constexpr std::size_t kMostScans = 100;  // greatest number per path; callers keep all of them in memory
-  for (const std::string& path : given) {
+  for (const std::string& path : paths) {
     const ScanStore store(path);
-    const std::size_t stored = store.keys().size();
-    const std::size_t count = std::min(stored, kMostScans);
-    if (count < stored) warn(fmt::format("{}: reads {} of its {} scans, evenly spaced", path, count, stored));
+    const std::size_t scans = store.keys().size();
+    const std::size_t count = std::min(scans, kMostScans);
+    if (count < scans) warn(fmt::format("{}: reads {} of its {} scans, evenly spaced", path, count, scans));
     for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t i = k * stored / count;
+      const std::size_t i = k * scans / count;
       visit(store.decode(i, store.scans(i).front()), store.single() ? path : store.keys()[i]);
     }
   }
@@ -55,12 +55,12 @@ std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const
       "response: {} recorded and {} simulated surfaces; the misfit of their medians is {:.1f} % of the span "
       "of nine tenths of the recorded ones\n",
       grouped(fit.recorded), grouped(fit.simulated), 100 * fit.misfit);
-  constexpr double kPoor = 0.2;  // misfit of a response that does not describe the recording
-  if (fit.misfit > kPoor) {
+  constexpr double kPoorMisfit = 0.2;  // chosen by eye: greater misfits are visible in the curves
+  if (fit.misfit > kPoorMisfit) {
     warn("the response describes the recording poorly: simulate places that are more like the recorded ones");
   }
-  // Returns true if the dataset has an effect with an option; with an empty key, whatever its options.
-  const auto has = [&](std::string_view effect, std::string_view key, std::string_view value = "") {
+  // Returns true if the dataset has the effect with this option and value; an empty key or value stands for any.
+  const auto hasEffect = [&](std::string_view effect, std::string_view key, std::string_view value) {
     return std::ranges::any_of(store.manifest()->modelled, [&](const ModelledItem& item) {
       if (item.topic != fmt::format("effect {}", effect) || item.leftOut) return false;
       const Value options = parseYaml(item.options, "the effects of " + dataset);
@@ -68,18 +68,18 @@ std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const
       return key.empty() || (option != nullptr && (value.empty() || option->text == value));
     });
   };
-  if (has("speckle", "") || has("ring_bias", "gain_sigma")) {
+  if (hasEffect("speckle", "", "") || hasEffect("ring_bias", "gain_sigma", "")) {
     warn(dataset +
          ": has speckle or unequal gains of lasers, so that the noise is found too small: generate it with "
          "{speckle: none} and {ring_bias: none} among `effects`");
   }
-  const bool rough = has("intensity", "diffuse", "oren_nayar");
+  const bool rough = hasEffect("intensity", "diffuse", "oren_nayar");
   const std::string name = std::filesystem::path(dataset).filename().string();
-  return FoundResponse{fit, responseYaml(fit, rough ? "oren_nayar" : "lambertian", name)};
+  return FoundResponse{.fit = fit, .yaml = responseYaml(fit, rough ? "oren_nayar" : "lambertian", name)};
 }
 
-std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what) {
-  const std::filesystem::path out = requiredText(parsed, "out", what);
+std::filesystem::path requiredFile(const Arguments& parsed, const std::string& advice) {
+  const std::filesystem::path out = requiredText(parsed, "out", advice);
   prepareOutputFile(out, parsed);
   return out;
 }

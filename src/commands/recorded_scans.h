@@ -15,18 +15,18 @@
 
 namespace scanmill {
 
-// Calls visit(scan, name) for the scans of the given paths: files, folders of recorded scans, datasets and shards. Each
+// Calls visit(scan, name) for the scans of these paths: files, folders of recorded scans, datasets and shards. Each
 // folder, dataset or shard gives the scans of its first sensor, at most 100, evenly spaced. Throws InputError.
-void forEachScan(const std::vector<std::string>& given,
+void forEachScan(const std::vector<std::string>& paths,
                  const std::function<void(const Scan&, const std::string&)>& visit);
 
-// Returns the text of an option. Throws InputError if it is missing or empty. `what`: instruction for the user, in
+// Returns the text of an option. Throws InputError if it is missing or empty. `advice`: what the user should give, for
 // the message.
-std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what);
+std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& advice);
 
 // Returns the file of the option `out`. Throws InputError if it is missing or must not be written, see
 // prepareOutputFile().
-std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what);
+std::filesystem::path requiredFile(const Arguments& parsed, const std::string& advice);
 
 // Adds the option `simulated` of the commands that find a sensor's response.
 void addSimulatedOption(CommandOptions& options);

@@ -4,7 +4,6 @@
 #include "base/file.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/stop_signal.h"
 #include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
 #include "pipeline/plan/dataset_plan.h"
@@ -30,7 +29,7 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   add("pipeline",
       "the pipeline's file, in whose folder the files that it names are found (default: searched for near the dataset)",
       textValue(), "FILE");
-  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  addThreads(options);
   add("q,quiet", "print no progress");
   addInputLimit(options);
   const Arguments parsed = parseArguments(

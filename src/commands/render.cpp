@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/stop_signal.h"
 
 namespace scanmill {
 
@@ -16,6 +18,7 @@ std::string_view passName(const ChannelRow& row) {
   return row.channel == Channel::Range ? "depth" : row.name;
 }
 
+// Reads --passes: "all", or names with commas between them.
 PassChoice readPassList(const std::string& list) {
   PassChoice choice;
   if (list == "all") {
@@ -27,19 +30,19 @@ PassChoice readPassList(const std::string& list) {
   for (const ChannelRow& row : kChannels) {
     if (row.rendered) names.emplace_back(passName(row));
   }
-  std::size_t first = 0;
-  while (first <= list.size()) {
-    const std::size_t comma = std::min(list.find(',', first), list.size());
-    const std::string asked = list.substr(first, comma - first);
-    bool known = asked == "look";
-    choice.surfaceParameters = choice.surfaceParameters || known;
-    for (const ChannelRow& row : kChannels) {
-      if (!row.rendered || asked != passName(row)) continue;
-      choice.channels |= row.channel;
-      known = true;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t comma = std::min(list.find(',', begin), list.size());
+    const std::string name = list.substr(begin, comma - begin);
+    const auto isNamed = [&](const ChannelRow& row) { return row.rendered && name == passName(row); };
+    const auto row = std::ranges::find_if(kChannels, isNamed);
+    if (name == "look") {
+      choice.surfaceParameters = true;
+    } else if (row != std::end(kChannels)) {
+      choice.channels |= row->channel;
+    } else {
+      throw InputError(fmt::format("--passes: unknown pass '{}'{}", name, suggestion(name, names)));
     }
-    if (!known) throw InputError(fmt::format("--passes: unknown pass '{}'{}", asked, suggestion(asked, names)));
-    first = comma + 1;
+    begin = comma + 1;
   }
   return choice;
 }

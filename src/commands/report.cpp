@@ -7,7 +7,6 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/stop_signal.h"
 #include "dataset/folder_contents.h"
 #include "report/dataset/dataset_report.h"
 #include "study/figure_text.h"
@@ -29,7 +28,7 @@ int runReport(const std::vector<std::string>& arguments) {
   add("overwrite", "replace an existing page");
   add("samples", "how many random samples to show, 0 to 64", cxxopts::value<std::size_t>()->default_value("4"), "N");
   add("seed", "seed that selects the random samples", cxxopts::value<std::uint64_t>()->default_value("0"));
-  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  addThreads(options);
   add("q,quiet", "print one line instead of progress and warnings");
   const Arguments parsed = parseArguments(options, arguments,
                                           "  scanmill report out/quickstart\n"
@@ -37,10 +36,9 @@ int runReport(const std::vector<std::string>& arguments) {
   if (parsed.help) return 0;
   const std::filesystem::path folder = parsed.positional("DATASET");
   requireDataset(folder);
-  const bool named = parsed.has("out");
   std::string name = lastName(folder);  // "small" for a dataset in the folder "out/small"
   if (name.empty() || name == "/") name = "dataset";
-  const std::filesystem::path file = named ? parsed.text("out") : name + "_report.html";
+  const std::filesystem::path file = parsed.has("out") ? parsed.text("out") : name + "_report.html";
   if (file.empty()) throw InputError("-o: the name of the file is empty");
 
   DatasetReportOptions reportOptions{.seed = parsed.options["seed"].as<std::uint64_t>(),
@@ -58,9 +56,9 @@ int runReport(const std::vector<std::string>& arguments) {
   writeFile(file, page);
   if (!reportOptions.quiet) {
     for (const DatasetWarning& w : report.warnings) {
-      const std::string first =
+      const std::string firstPlace =
           w.places.empty() ? "" : " (" + w.places.front() + (w.places.size() > 1 ? ", ...)" : ")");
-      const std::string text = w.text + first;
+      const std::string text = w.text + firstPlace;
       if (w.note) {
         printError("note: {}\n", text);
       } else {

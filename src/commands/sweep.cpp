@@ -16,13 +16,15 @@ namespace {
 
 constexpr std::size_t kMostSets = 1000;
 
-// Returns the text with only characters that are valid in folder names everywhere, shortened to 40 characters.
+// Returns the text with only characters that are valid in folder names everywhere, shortened to 40 characters: others
+// become '-', except at the ends.
 std::string plainName(const std::string& text) {
   constexpr std::size_t kLongest = 40;
   std::string name;
   for (const char c : text) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '+' || c == '-' || c == '_';
-    if (plain) {
+    const bool isValid =
+        std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '+' || c == '-' || c == '_';
+    if (isValid) {
       name += c;
     } else if (!name.empty() && name.back() != '-') {
       name += '-';
@@ -37,9 +39,9 @@ std::string plainName(const std::string& text) {
 std::string shortKey(const std::string& key) {
   const std::size_t dot = key.rfind('.');
   if (dot == std::string::npos) return key;
-  const std::string last = key.substr(dot + 1);
-  const bool index = last.find_first_not_of("0123456789") == std::string::npos;
-  return index ? shortKey(key.substr(0, dot)) + "." + last : last;
+  const std::string lastName = key.substr(dot + 1);
+  const bool isIndex = lastName.find_first_not_of("0123456789") == std::string::npos;
+  return isIndex ? shortKey(key.substr(0, dot)) + "." + lastName : lastName;
 }
 
 struct Sweep {
@@ -67,10 +69,10 @@ Sweep parseSweep(const std::string& text) {
 }  // namespace
 
 std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps) {
-  std::vector<SweepSet> sets{{}};
-  std::set<std::string> keys;
   std::vector<Sweep> parsed;
   for (const std::string& text : sweeps) parsed.push_back(parseSweep(text));
+  std::vector<SweepSet> sets{{}};  // the combinations of the values of the sweeps so far; at first one without values
+  std::set<std::string> keys;
   for (const Sweep& sweep : parsed) {
     if (!keys.insert(sweep.key).second) throw InputError(fmt::format("--sweep {}: the key is given twice", sweep.key));
     if (sets.size() * sweep.values.size() > kMostSets) {
@@ -78,23 +80,22 @@ std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps) {
     }
     const std::string brief = shortKey(sweep.key);
     const bool unique = std::ranges::count_if(parsed, [&](const Sweep& s) { return shortKey(s.key) == brief; }) == 1;
-    std::vector<SweepSet> more;
-    for (const SweepSet& before : sets) {
+    std::vector<SweepSet> extendedSets;
+    for (const SweepSet& set : sets) {
       for (const std::string& value : sweep.values) {
-        SweepSet set = before;
-        if (!set.folder.empty()) set.folder += ',';
-        set.folder += plainName(unique ? brief : sweep.key) + "=" + plainName(value);
-        set.overrides.push_back(sweep.key + "=" + value);
-        more.push_back(std::move(set));
+        SweepSet& extended = extendedSets.emplace_back(set);
+        if (!extended.folder.empty()) extended.folder += ',';
+        extended.folder += plainName(unique ? brief : sweep.key) + "=" + plainName(value);
+        extended.overrides.push_back(sweep.key + "=" + value);
       }
     }
-    sets = std::move(more);
+    sets = std::move(extendedSets);
   }
-  std::set<std::string> taken;
+  std::set<std::string> folders;  // a folder that would have the name of another gets a number
   for (SweepSet& set : sets) {
-    std::string name = set.folder;
-    for (int number = 2; !taken.insert(name).second; ++number) name = fmt::format("{}_{}", set.folder, number);
-    set.folder = name;
+    std::string folder = set.folder;
+    for (int number = 2; !folders.insert(folder).second; ++number) folder = fmt::format("{}_{}", set.folder, number);
+    set.folder = folder;
   }
   return sets;
 }

@@ -23,20 +23,19 @@ bool looksNumeric(const std::string& cell) {
 
 }  // namespace
 
-std::string formatTable(const Rows& given) {
-  if (given.empty()) return {};
-  Rows rows;
-  for (const auto& row : given) {
-    rows.emplace_back();
-    for (const std::string& cell : row) rows.back().push_back(oneLine(cell));
+std::string formatTable(const Rows& cells) {
+  if (cells.empty()) return {};
+  Rows rows = cells;
+  for (std::vector<std::string>& row : rows) {
+    for (std::string& cell : row) cell = oneLine(cell);
   }
   const std::size_t columns = rows.front().size();
   std::vector<std::size_t> width(columns);
-  std::vector<bool> right(columns, rows.size() > 1);
+  std::vector<bool> rightAligned(columns, rows.size() > 1);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     for (std::size_t c = 0; c < columns; ++c) {
       width[c] = std::max(width[c], widthOf(rows[r][c]));
-      if (r > 0 && !looksNumeric(rows[r][c])) right[c] = false;
+      if (r > 0 && !looksNumeric(rows[r][c])) rightAligned[c] = false;
     }
   }
   std::string text;
@@ -44,7 +43,7 @@ std::string formatTable(const Rows& given) {
     std::string line = " ";
     for (std::size_t c = 0; c < columns; ++c) {
       const std::string gap(width[c] - widthOf(row[c]), ' ');
-      line += " " + (right[c] ? gap + row[c] : row[c] + gap) + " ";
+      line += " " + (rightAligned[c] ? gap + row[c] : row[c] + gap) + " ";
     }
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + "\n";

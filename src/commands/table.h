@@ -9,8 +9,8 @@ namespace scanmill {
 using Rows = std::vector<std::vector<std::string>>;
 
 // Formats rows of cells in aligned columns; the first row is the heading. Columns whose cells all look like numbers are
-// right-aligned.
-std::string formatTable(const Rows& rows);
+// right-aligned. All rows have as many cells as the first.
+std::string formatTable(const Rows& cells);
 
 // Returns `part` in per cent of `total`, such as "12.30 %".
 std::string percent(std::uint64_t part, std::uint64_t total);

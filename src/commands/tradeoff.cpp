@@ -9,7 +9,6 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/scenes/shot_source.h"
@@ -41,7 +40,7 @@ void printSettings(const Study& study) {
       continue;
     }
     const Cost& cost = s.measured.cost;
-    const GroupErrors& e = s.measured.errors.all;
+    const GroupErrors& e = s.measured.errors.all;  // of all beams
     const auto beams = static_cast<double>(e.beams);
     rows.push_back({s.setting.name, secondsText(cost.setupSeconds), secondsText(cost.scanSeconds),
                     shortNumber(cost.beamsPerSecond(study.beamsPerShot)),
@@ -73,19 +72,17 @@ void printStudy(const Study& study) {
   }
 }
 
-std::string pictureFile(std::size_t index) {
-  return fmt::format("errors-{}.png", index + 1);
-}
-
-// Writes the report's files, kStudyFile last: if this file exists, the report is complete.
+// Writes the report's files, kStudyFile last: if this file exists, the report is complete. The page contains all
+// charts; those in kStudyFiles are also written as files if they show points, and "pareto" always.
 void writeStudy(const Study& study, const std::filesystem::path& folder) {
   beginReport(folder, kStudyFile);
-  for (std::size_t i = 0; i < study.pictures.size(); ++i) writeFile(folder / pictureFile(i), study.pictures[i].png);
+  for (std::size_t i = 0; i < study.pictures.size(); ++i) {
+    writeFile(folder / fmt::format("errors-{}.png", i + 1), study.pictures[i].png);
+  }
   for (const Chart& chart : studyCharts(study)) {
-    const bool file = std::ranges::find(kStudyFiles, chart.name) != kStudyFiles.end();
-    if (file && (hasPoints(chart) || chart.name == "pareto")) {
-      writeFile(folder / (chart.name + ".svg"), drawSvg(chart));
-    }
+    const bool isListed = std::ranges::find(kStudyFiles, chart.name) != kStudyFiles.end();
+    if (!isListed || !(hasPoints(chart) || chart.name == "pareto")) continue;
+    writeFile(folder / (chart.name + ".svg"), drawSvg(chart));
   }
   writeFile(folder / "index.html", studyReport(study, folder.string()));
   writeFile(folder / kStudyFile, toJson(study));
@@ -111,7 +108,6 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   parsed.positional("PIPELINE");  // report a missing pipeline before all else
   const std::string folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
-  const bool overwrite = parsed.has("overwrite");
   const ResourceLimits limits(parsed);
   StudyOptions studyOptions{.quiet = parsed.has("quiet"), .stop = &stopSignal(), .drawErrors = drawErrors};
   if (parsed.has("budget")) {
@@ -125,7 +121,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)));
   readStudyChoice(plan.pipeline);
   const ShotSource vehicle(plan);  // a vehicle that cannot be used is refused before the folder is made
-  prepareReportFolder(folder, kStudyFile, overwrite);
+  prepareReportFolder(folder, kStudyFile, parsed.has("overwrite"));
   const Study study = runStudy(plan, studyOptions);
   writeStudy(study, folder);
   if (!studyOptions.quiet) printStudy(study);

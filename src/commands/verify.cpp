@@ -13,7 +13,7 @@ namespace scanmill {
 int runVerify(const std::vector<std::string>& arguments) {
   CommandOptions options("verify");
   cxxopts::OptionAdder add = options.add_options();
-  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  addThreads(options);
   add("q,quiet", "print no progress");
   const Arguments parsed = parseArguments(options, arguments, "  scanmill verify out/quickstart\n");
   if (parsed.help) return 0;
