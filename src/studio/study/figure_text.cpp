@@ -13,9 +13,9 @@ namespace scanmill {
 
 namespace {
 
-// Formats a value with the largest unit in which it is at least 1 after rounding (0.9995 becomes 1.00); if there is
+// Returns a value with the largest unit in which it is at least 1 after rounding (0.9995 becomes 1.00); if there is
 // none, with the smallest unit. `units`: pairs of size and name, the largest first.
-std::string scaled(double value, std::initializer_list<std::pair<double, const char*>> units) {
+std::string withUnit(double value, std::initializer_list<std::pair<double, const char*>> units) {
   std::string text;
   for (const auto& [size, unit] : units) {
     text = threeDigits(value / size) + unit;
@@ -28,10 +28,9 @@ std::string scaled(double value, std::initializer_list<std::pair<double, const c
 
 std::string threeDigits(double value) {
   if (!std::isfinite(value)) return std::isnan(value) ? "unknown" : "unlimited";
-  const double size = std::abs(value);
-  if (size == 0) return "0";
-  const int before = static_cast<int>(std::floor(std::log10(size))) + 1;
-  std::string text = fmt::format("{:.{}f}", value, std::clamp(3 - before, 0, 9));
+  if (value == 0) return "0";
+  const int digitsBeforePoint = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;  // negative below 0.1
+  std::string text = fmt::format("{:.{}f}", value, std::clamp(3 - digitsBeforePoint, 0, 9));
   if (text.find('.') == std::string::npos) return text;
   while (text.back() == '0') text.pop_back();
   if (text.back() == '.') text.pop_back();
@@ -41,22 +40,22 @@ std::string threeDigits(double value) {
 std::string metresText(double metres) {
   if (metres == 0) return "0";
   if (metres < 1e-6) return "< 1 \xC2\xB5m";
-  return scaled(metres, {{1e3, " km"}, {1, " m"}, {1e-3, " mm"}, {1e-6, " \xC2\xB5m"}});
+  return withUnit(metres, {{1e3, " km"}, {1, " m"}, {1e-3, " mm"}, {1e-6, " \xC2\xB5m"}});
 }
 
 std::string secondsText(double seconds) {
   if (seconds == 0) return "0 s";
-  return scaled(seconds, {{1, " s"}, {1e-3, " ms"}, {1e-6, " \xC2\xB5s"}});
+  return withUnit(seconds, {{1, " s"}, {1e-3, " ms"}, {1e-6, " \xC2\xB5s"}});
 }
 
-std::string shareText(double value) {
-  if (!std::isfinite(value)) return "unknown";
-  const double fromEnd = std::min(value, 1 - value) * 100;
-  if (fromEnd <= 0) return fmt::format("{:.0f} %", value * 100);
-  if (fromEnd < 1e-5) return value < 0.5 ? "below 0.00001 %" : "above 99.99999 %";
-  // Show two significant digits of the difference from 0 or from 100 %.
-  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(fromEnd))), 1, 6);
-  return fmt::format("{:.{}f} %", value * 100, decimals);
+std::string shareText(double share) {
+  if (!std::isfinite(share)) return "unknown";
+  const double percentFromEnd = std::min(share, 1 - share) * 100;  // from 0 or from 100 %, whichever is nearer
+  if (percentFromEnd <= 0) return fmt::format("{:.0f} %", share * 100);
+  if (percentFromEnd < 1e-5) return share < 0.5 ? "below 0.00001 %" : "above 99.99999 %";
+  // Show two significant digits of the difference.
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(percentFromEnd))), 1, 6);
+  return fmt::format("{:.{}f} %", share * 100, decimals);
 }
 
 std::string factorText(double factor) {

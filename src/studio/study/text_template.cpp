@@ -35,6 +35,7 @@ data dataOf(const Json& json) {
   return data(false);
 }
 
+// Returns the number that a value is; nothing if the value is absent (null) or not a finite number.
 std::optional<double> numberOf(const data* value) {
   if (value == nullptr || !value->is_string()) return std::nullopt;
   const std::string& text = value->string_value();
@@ -44,15 +45,14 @@ std::optional<double> numberOf(const data* value) {
   return number;
 }
 
-const std::map<std::string, std::function<std::string(double)>>& numberFormats() {
-  static const std::map<std::string, std::function<std::string(double)>> formats{
-      {"m", metresText},       {"s", secondsText},
-      {"amount", shortNumber}, {"share", shareText},
-      {"factor", factorText},  {"bytes", shortBytes},
-      {"digits", threeDigits}, {"count", [](double value) { return grouped(static_cast<std::uint64_t>(value)); }}};
-  return formats;
-}
+// Formats numbers by the names of formats that text_template.h lists.
+const std::map<std::string, std::function<std::string(double)>> kNumberFormats{
+    {"m", metresText},       {"s", secondsText},
+    {"amount", shortNumber}, {"share", shareText},
+    {"factor", factorText},  {"bytes", shortBytes},
+    {"digits", threeDigits}, {"count", [](double value) { return grouped(static_cast<std::uint64_t>(value)); }}};
 
+// True if the value is present and counts as not empty; the number 0 counts as empty here.
 bool isAny(const data* value) {
   if (value == nullptr || value->is_false() || value->is_empty_list()) return false;
   return numberOf(value).value_or(1) != 0;
@@ -65,10 +65,13 @@ std::string joined(const data* list) {
   return text;
 }
 
+// The values of a template. Extends the names of the library by formats ("name:format") and ratios ("name/name").
 class FormatContext : public kainjow::mustache::context<std::string> {
  public:
   explicit FormatContext(const data* values) { context::push(values); }
 
+  // Returns the value that stands for a name in the template, formatted if the name has a format; null if the value is
+  // empty.
   const data* get(const std::string& name) const override {
     const std::size_t colon = name.find(':');
     if (colon == std::string::npos) return context::get(name);
@@ -79,29 +82,31 @@ class FormatContext : public kainjow::mustache::context<std::string> {
       const data* value = context::get(path);
       return value == nullptr || !value->is_string() ? nullptr : keepText(keyAsWords(value->string_value()));
     }
-    const std::optional<double> number = figure(path);
+    const std::optional<double> number = numberAt(path);
     if (!number) return nullptr;
     if (format.starts_with("plural=")) {
       return keepText(pluralOf(static_cast<std::uint64_t>(*number), format.substr(format.find('=') + 1)));
     }
     if (format == "unit") {
       const data* unit = context::get("unit");
-      const bool any = unit != nullptr && unit->is_string();
-      return keepText(fmt::format("{:.3g}{}{}", *number, any ? " " : "", any ? unit->string_value() : ""));
+      const std::string suffix = unit != nullptr && unit->is_string() ? " " + unit->string_value() : "";
+      return keepText(fmt::format("{:.3g}{}", *number, suffix));
     }
-    const auto known = numberFormats().find(format);
-    return keepText(known != numberFormats().end() ? known->second(*number)
-                                                   : fmt::format(fmt::runtime("{:" + format + "}"), *number));
+    const auto named = kNumberFormats.find(format);
+    return keepText(named != kNumberFormats.end() ? named->second(*number)
+                                                  : fmt::format(fmt::runtime("{:" + format + "}"), *number));
   }
 
  private:
-  std::optional<double> figure(const std::string& path) const {
+  // Returns the number with this name, or the ratio of two numbers if the path is "numerator/denominator"; a ratio with
+  // the denominator 0 is 0.
+  std::optional<double> numberAt(const std::string& path) const {
     const std::size_t slash = path.find('/');
     if (slash == std::string::npos) return numberOf(context::get(path));
-    const std::optional<double> part = numberOf(context::get(path.substr(0, slash)));
-    const std::optional<double> whole = numberOf(context::get(path.substr(slash + 1)));
-    if (!part || !whole) return std::nullopt;
-    return *whole == 0 ? 0 : *part / *whole;
+    const std::optional<double> numerator = numberOf(context::get(path.substr(0, slash)));
+    const std::optional<double> denominator = numberOf(context::get(path.substr(slash + 1)));
+    if (!numerator || !denominator) return std::nullopt;
+    return *denominator == 0 ? 0 : *numerator / *denominator;
   }
 
   const data* keep(data value) const { return &kept_.emplace_back(std::move(value)); }
@@ -114,19 +119,19 @@ class FormatContext : public kainjow::mustache::context<std::string> {
 
 std::string fillTemplate(const std::string& text, const Json& values, const TextEscape& escape,
                          const TemplateMacros& macros) {
-  data all = dataOf(values);
-  for (const auto& [name, write] : macros) {
-    all.set(name, data(kainjow::mustache::lambda2(
-                      [write = write](const std::string& inner, const kainjow::mustache::renderer& render) {
-                        return render(write(inner), false);
-                      })));
+  data root = dataOf(values);
+  for (const auto& [name, macro] : macros) {
+    root.set(name, data(kainjow::mustache::lambda2(
+                       [macro = macro](const std::string& section, const kainjow::mustache::renderer& render) {
+                         return render(macro(section), false);
+                       })));
   }
-  kainjow::mustache::mustache filled(text);
-  filled.set_custom_escape(escape ? escape : [](const std::string& value) { return value; });
-  FormatContext context(&all);
-  std::string out = filled.render(static_cast<kainjow::mustache::basic_context<std::string>&>(context));
-  if (!filled.is_valid()) throw Error("a template of this program is wrong: " + filled.error_message());
-  return out;
+  kainjow::mustache::mustache mustache(text);
+  mustache.set_custom_escape(escape ? escape : [](const std::string& value) { return value; });
+  FormatContext context(&root);
+  std::string filled = mustache.render(static_cast<kainjow::mustache::basic_context<std::string>&>(context));
+  if (!mustache.is_valid()) throw Error("a template of this program is wrong: " + mustache.error_message());
+  return filled;
 }
 
 }  // namespace scanmill

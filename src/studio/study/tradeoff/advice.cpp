@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/short_text.h"
@@ -58,36 +59,27 @@ double scanSecondsOf(const SettingResult& result) {
   return result.measured.cost.scanSeconds;
 }
 
-// Returns the largest factor by which errors exceed a limit; at most 1 if they keep all, infinite if one is unknown.
-double excess(const GroupErrors& e, const Need& need) {
+// Returns the largest ratio of an error to the need's limit: at most 1 if the errors keep all limits, infinite if a
+// limited error is unknown.
+double largestRatio(const GroupErrors& e, const Need& need) {
   constexpr double kRounding = 1e-9;  // of fractions such as 1 - 0.9999
-  double most = 0;
-  for (const auto& [value, limit] :
+  double largest = 0;
+  for (const auto& [error, limit] :
        {std::pair(e.range.p95, need.p95), std::pair(e.range.p99, need.p99), std::pair(e.missRate(), need.missRate),
         std::pair(1 - e.labels() - kRounding, need.wrongLabels)}) {
-    if (limit < kAny) most = std::max(most, std::isnan(value) ? kAny : value / limit);
+    if (limit < kAny) largest = std::max(largest, std::isnan(error) ? kAny : error / limit);
   }
-  return most;
+  return largest;
 }
 
-bool moreExact(const SettingResult& a, const SettingResult& b) {
-  const auto order = [](const GroupErrors& e) { return std::pair(wrongShare(e), e.range.p99); };
-  return order(errorsOf(a)) < order(errorsOf(b));
-}
-
-// Returns the fastest setting. Among those about as fast, prefers one with default options, then the most exact.
-const SettingResult& fastestOf(const Results& results) {
-  const double least =
-      scanSecondsOf(**std::ranges::min_element(results, {}, [](const auto* r) { return scanSecondsOf(*r); }));
-  const SettingResult* best = nullptr;
-  for (const SettingResult* result : results) {
-    if (scanSecondsOf(*result) > least * (1 + kSameTime)) continue;
-    const bool plain = isDefault(result->setting);
-    if (best == nullptr || (plain != isDefault(best->setting) ? plain : moreExact(*result, *best))) {
-      best = result;
-    }
-  }
-  return *best;
+// Returns the fastest of the results, of which there must be one. Among those about as fast, prefers one with default
+// options, then the one with the fewest wrong beams, then the one with the least range error.
+const SettingResult& fastestOf(Results results) {
+  const double least = scanSecondsOf(*std::ranges::min(results, {}, [](const auto* r) { return scanSecondsOf(*r); }));
+  std::erase_if(results, [&](const auto* r) { return scanSecondsOf(*r) > least * (1 + kSameTime); });
+  return *std::ranges::min(results, {}, [](const SettingResult* r) {
+    return std::tuple(!isDefault(r->setting), wrongShare(errorsOf(*r)), errorsOf(*r).range.p99);
+  });
 }
 
 std::string p99Text(const GroupErrors& errors) {
@@ -95,13 +87,14 @@ std::string p99Text(const GroupErrors& errors) {
   return p99 == 0 ? "exact" : std::isnan(p99) ? "unknown" : "within " + metresText(p99);
 }
 
-// Returns the figures of a setting in words, beside those of ray tracing with defaults (null: not measured).
-std::string figuresOf(const Study& study, const SettingResult& result, const SettingResult* rays) {
+// Returns the speed and the errors of a setting in words. `tracing`: the result of ray tracing with defaults, with
+// which the speed is compared; null if it was not measured.
+std::string figuresOf(const Study& study, const SettingResult& result, const SettingResult* tracing) {
   const GroupErrors& e = errorsOf(result);
   std::string text = fmt::format("{} beams a second", shortNumber(beamsPerSecond(study, result)));
-  if (rays != nullptr && rays != &result && scanSecondsOf(result) > 0) {
+  if (tracing != nullptr && tracing != &result && scanSecondsOf(result) > 0) {
     text += fmt::format(", {} x as fast as ray tracing with defaults",
-                        factorText(scanSecondsOf(*rays) / scanSecondsOf(result)));
+                        factorText(scanSecondsOf(*tracing) / scanSecondsOf(result)));
   }
   text +=
       fmt::format("; 99 % of the ranges {}; {} of the labels agree; {} of the beams are false negatives or positives",
@@ -121,27 +114,29 @@ std::vector<Advice> advise(const Study& study) {
   Results measured;
   for (const std::size_t i : measuredSettings(study)) measured.push_back(&study.settings[i]);
   if (measured.empty()) return {};
-  const std::optional<std::size_t> base = tracingDefault(study);
-  const SettingResult* const rays = base ? &study.settings[*base] : nullptr;
+  const std::optional<std::size_t> tracingIndex = tracingDefault(study);
+  const SettingResult* const tracing = tracingIndex ? &study.settings[*tracingIndex] : nullptr;
   std::vector<Advice> advice;
   for (const Need& need : kNeeds) {
-    const auto exceeds = [&](const SettingResult* r) { return excess(errorsOf(*r), need); };
-    Results good;
-    std::ranges::copy_if(measured, std::back_inserter(good), [&](const auto* r) { return exceeds(r) <= 1; });
-    if (!good.empty()) {
-      const SettingResult& best = fastestOf(good);
-      const auto same = std::ranges::find(advice, best.setting.name, &Advice::setting);
-      if (same != advice.end()) {
-        same->need += std::string("; for ") + need.name;
-      } else {
-        advice.push_back({std::string("For ") + need.name, best.setting.name, figuresOf(study, best, rays)});
-      }
+    const std::string needText = std::string("For ") + need.name;
+    const auto ratioToLimits = [&](const SettingResult* r) { return largestRatio(errorsOf(*r), need); };
+    Results goodEnough;
+    std::ranges::copy_if(measured, std::back_inserter(goodEnough),
+                         [&](const auto* r) { return ratioToLimits(r) <= 1; });
+    if (goodEnough.empty()) {
+      const SettingResult& nearest = **std::ranges::min_element(measured, {}, ratioToLimits);
+      advice.push_back({needText, "",
+                        fmt::format("No setting that was measured keeps {}. The nearest is {}: {}", need.limits,
+                                    nearest.setting.name, figuresOf(study, nearest, tracing))});
       continue;
     }
-    const SettingResult& nearest = **std::ranges::min_element(measured, {}, exceeds);
-    advice.push_back({std::string("For ") + need.name, "",
-                      fmt::format("No setting that was measured keeps {}. The nearest is {}: {}", need.limits,
-                                  nearest.setting.name, figuresOf(study, nearest, rays))});
+    const SettingResult& best = fastestOf(goodEnough);
+    const auto earlier = std::ranges::find(advice, best.setting.name, &Advice::setting);
+    if (earlier != advice.end()) {
+      earlier->need += std::string("; for ") + need.name;
+    } else {
+      advice.push_back({needText, best.setting.name, figuresOf(study, best, tracing)});
+    }
   }
   return advice;
 }

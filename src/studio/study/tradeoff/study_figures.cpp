@@ -75,20 +75,20 @@ std::vector<std::string> methodsOf(const Study& study) {
 }
 
 std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {
-  const auto seconds = [&](std::size_t i) { return study.settings[i].measured.cost.scanSeconds; };
+  const auto secondsOf = [&](std::size_t i) { return study.settings[i].measured.cost.scanSeconds; };
   const auto errorOf = [&](std::size_t i) { return error(study.settings[i].measured.errors.all); };
-  std::vector<std::size_t> order = measuredSettings(study);
-  std::erase_if(order, [&](std::size_t i) { return std::isnan(seconds(i)) || std::isnan(errorOf(i)); });
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return std::pair(seconds(i), errorOf(i)); });
-  std::vector<std::size_t> unbeaten;
-  for (const std::size_t i : order) {
-    if (unbeaten.empty() || errorOf(i) < errorOf(unbeaten.back())) unbeaten.push_back(i);
+  std::vector<std::size_t> byTime = measuredSettings(study);
+  std::erase_if(byTime, [&](std::size_t i) { return std::isnan(secondsOf(i)) || std::isnan(errorOf(i)); });
+  std::ranges::stable_sort(byTime, {}, [&](std::size_t i) { return std::pair(secondsOf(i), errorOf(i)); });
+  std::vector<std::size_t> front;  // each setting has a smaller error than all faster ones
+  for (const std::size_t i : byTime) {
+    if (front.empty() || errorOf(i) < errorOf(front.back())) front.push_back(i);
   }
-  std::vector<std::size_t> front;
-  for (const std::size_t i : std::views::reverse(unbeaten)) {
-    if (front.empty() || seconds(i) * kFrontStep < seconds(front.back())) front.push_back(i);
+  std::vector<std::size_t> fromSlowest;  // the front without settings that are hardly faster than a more exact one
+  for (const std::size_t i : std::views::reverse(front)) {
+    if (fromSlowest.empty() || secondsOf(i) * kFrontStep < secondsOf(fromSlowest.back())) fromSlowest.push_back(i);
   }
-  return {front.rbegin(), front.rend()};
+  return {fromSlowest.rbegin(), fromSlowest.rend()};
 }
 
 }  // namespace scanmill
