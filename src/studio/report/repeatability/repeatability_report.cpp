@@ -1,7 +1,14 @@
 #include "report/repeatability/repeatability_report.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+
 #include "base/append_new.h"
+#include "charts/chart.h"
 #include "report/page/page.h"
+#include "study/repeatability/repeatability.h"
 
 namespace scanmill {
 
@@ -33,6 +40,131 @@ void addTableRows(Json& pose, const Repeatability& result) {
     }
     pose["sources"].push_back(std::move(row));
   }
+}
+
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // charts do not draw points with this value
+constexpr double kRounding = 1e-12;    // fitness (m²) below which values are rounding errors
+constexpr std::size_t kMostPoses = 7;  // maximum number of poses in one chart; each pose is a line
+
+using OfLevels = FitnessSpread LevelFitness::*;
+
+// Returns a series without points. Each view and each level has the same colour in all charts.
+ChartSeries line(std::string name, std::size_t color) {
+  return {.name = std::move(name), .color = color % kChartColors, .mark = ChartMark::LineAndDots};
+}
+
+// Adds a point at the mean, with an error bar of one standard deviation up and down, but not below the smallest value.
+// A mean below kRounding is drawn as 0 without an error bar.
+void add(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
+  const bool any = spread.count > 0;
+  const bool spreads = any && spread.mean >= kRounding;
+  const double low = std::max(spread.mean - spread.deviation, spread.low);
+  series.spans.push_back({spreads ? low : kNothing, spreads ? spread.mean + spread.deviation : kNothing});
+  series.add({x, spreads ? spread.mean
+                 : any   ? 0
+                         : kNothing},
+             fmt::format("{}: {:.4g} +- {:.2g} m² of {} pairs", detail, spread.mean, spread.deviation, spread.count));
+}
+
+ChartAxis logAxis(const std::string& title) {
+  return {.title = title, .scale = AxisScale::Log};
+}
+
+Chart fitnessAxes(const char* name, const std::string& title, const std::string& note) {
+  return {.name = name,
+          .title = title,
+          .note = note,
+          .x = logAxis("distance to the object (m)"),
+          .y = logAxis("fitness: mean squared distance (m²)")};
+}
+
+std::vector<const RepeatedPose*> byDistance(const RepeatedView& view) {
+  std::vector<const RepeatedPose*> poses;
+  for (const RepeatedPose& pose : view.poses) poses.push_back(&pose);
+  std::ranges::stable_sort(poses, {}, &RepeatedPose::distance);
+  return poses;
+}
+
+std::string at(const RepeatedPose& pose) {
+  return fmt::format("{:.3g} m", pose.distance);
+}
+
+// Adds a line of the view's fitness over the distance, between two scans with the same noise level.
+void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view, std::size_t level, OfLevels when,
+             ChartSeries series) {
+  for (const RepeatedPose* pose : byDistance(view)) {
+    add(series, pose->distance, result.at(*pose, level, level).*when, at(*pose));
+  }
+  chart.series.push_back(std::move(series));
+}
+
+Chart fitnessChart(const Repeatability& result, std::size_t method, OfLevels when, const char* name,
+                   const char* title) {
+  Chart chart = fitnessAxes(name, title,
+                            fmt::format("Noise {} on both scans; {} scans of each pose, all ordered pairs. Bars: "
+                                        "standard deviation.",
+                                        result.levels[result.reference], result.scans));
+  for (const RepeatedView& view : result.views) {
+    if (view.method != method) continue;
+    addLine(chart, result, view, result.reference, when, line(view.name, chart.series.size()));
+  }
+  return chart;
+}
+
+Chart pointsChart(const Repeatability& result, std::size_t method) {
+  Chart chart{.name = "points", .title = "Points against distance"};
+  chart.note = fmt::format("Within {:g} m of the object's box; noise {}. Points fall as 1 / distance².", result.margin,
+                           result.levels[result.reference]);
+  chart.x = logAxis("distance to the object (m)");
+  chart.y = logAxis("points of a scan");
+  for (const RepeatedView& view : result.views) {
+    if (view.method != method) continue;
+    ChartSeries series = line(view.name, chart.series.size());
+    for (const RepeatedPose* pose : byDistance(view)) {
+      const PointCount& count = pose->points[result.reference];
+      series.add({pose->distance, count.mean},
+                 fmt::format("{}: {:g} points, {} to {}", at(*pose), count.mean, count.least, count.most));
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
+Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
+  Chart chart{.name = "noise_levels"};
+  chart.title = fmt::format("{}: {} against other noise", view.name, result.levels[result.reference]);
+  chart.note = fmt::format(
+      "Scans with noise {0} moved by ICP onto scans with the noise below, by distance; marks without a line: onto "
+      "others "
+      "with {0}. Bars: standard deviation.",
+      result.levels[result.reference]);
+  chart.x.title = "noise of the target";
+  chart.x.names = result.levels;
+  chart.y = logAxis("fitness after ICP (m²)");
+  const std::vector<const RepeatedPose*> poses = byDistance(view);
+  const std::size_t step = (poses.size() + kMostPoses - 1) / kMostPoses;
+  for (std::size_t p = 0; p < poses.size(); p += step) {
+    ChartSeries others = line(at(*poses[p]), p / step);
+    ChartSeries itself = line("", p / step);
+    itself.mark = ChartMark::Dots;
+    for (std::size_t level = 0; level < result.levels.size(); ++level) {
+      add(level == result.reference ? itself : others, static_cast<double>(level),
+          result.at(*poses[p], result.reference, level).registered,
+          fmt::format("{}, noise {}", at(*poses[p]), result.levels[level]));
+    }
+    chart.series.push_back(std::move(others));
+    chart.series.push_back(std::move(itself));
+  }
+  return chart;
+}
+
+Chart withinChart(const Repeatability& result, const RepeatedView& view) {
+  Chart chart = fitnessAxes("within", fmt::format("{}: both scans with the same noise", view.name),
+                            "After ICP. Bars: standard deviation.");
+  for (std::size_t level = 0; level < result.levels.size(); ++level) {
+    addLine(chart, result, view, level, &LevelFitness::registered, line(result.levels[level], level));
+  }
+  return chart;
 }
 
 }  // namespace
@@ -74,6 +206,28 @@ std::string repeatabilityReport(const Repeatability& result, const std::string& 
   // A single noise level cannot be compared with others.
   if (result.levels.size() < 2) page["views"] = Json::array();
   return fillPage(kRepeatabilityTemplate, std::move(page));
+}
+
+std::vector<Chart> repeatabilityCharts(const Repeatability& result, std::size_t method) {
+  return {fitnessChart(result, method, &LevelFitness::registered, "fitness", "Fitness after ICP against distance"),
+          fitnessChart(result, method, &LevelFitness::unmoved, "fitness_without_icp",
+                       "Fitness without ICP against distance"),
+          pointsChart(result, method)};
+}
+
+std::vector<Chart> repeatabilityViewCharts(const Repeatability& result, const RepeatedView& view) {
+  return {levelsChart(result, view), withinChart(result, view)};
+}
+
+Chart repeatabilityMethods(const Repeatability& result, const std::string& view) {
+  Chart chart = fitnessAxes("methods", fmt::format("{}: methods", view),
+                            fmt::format("After ICP; noise {} on both scans.", result.levels[result.reference]));
+  for (const RepeatedView& own : result.views) {
+    if (own.name != view) continue;
+    addLine(chart, result, own, result.reference, &LevelFitness::registered,
+            line(result.methods[own.method], own.method));
+  }
+  return chart;
 }
 
 }  // namespace scanmill
