@@ -1,6 +1,5 @@
 #include "config/fields.h"
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>

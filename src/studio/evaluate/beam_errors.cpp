@@ -78,6 +78,7 @@ struct GroupSum {
   }
 };
 
+// Returns a group for each band, up to the last with beams, without spreads. `sums`: one per band.
 template <std::size_t N>
 std::vector<ErrorGroup> bands(const std::array<double, N>& edges, const char* unit,
                               const std::array<GroupSum, N - 1>& sums) {
@@ -106,10 +107,10 @@ class BeamErrorSum::Impl {
       if (size == 0 || size == exact.size()) continue;
       throw Error(fmt::format("a list of {} entries is not one of {} beams", size, exact.size()));
     }
-    const bool lit = !shot.intensity.empty() && !intensity.empty();
+    const bool comparesIntensity = !shot.intensity.empty() && !intensity.empty();
     for (std::size_t i = 0; i < exact.size(); ++i) {
       BeamOutcome beam = outcomeOf(shot, tested, i);
-      if (lit && beam.truth && beam.tested) beam.intensity = std::abs(intensity[i] - shot.intensity[i]);
+      if (comparesIntensity && beam.truth && beam.tested) beam.intensity = std::abs(intensity[i] - shot.intensity[i]);
       if (beam.truth && !nearestTo.empty()) beam.nearestTo = nearestTo[i];
       if (beam.tested && !nearestFrom.empty()) beam.nearestFrom = nearestFrom[i];
       all_.add(beam);
@@ -130,9 +131,10 @@ class BeamErrorSum::Impl {
     errors.byRange = bands(kRangeEdges, "m", ranges_);
     errors.byIncidence = bands(kIncidenceEdges, "deg", incidences_);
     for (const auto& [id, sum] : classes_) {
-      const SemanticClass* known = scene_.ontology.find(id);
-      errors.byClass.push_back({known != nullptr ? known->name : fmt::format("class {}", id), 0, 0, sum.counts});
+      const SemanticClass* c = scene_.ontology.find(id);
+      errors.byClass.push_back({c != nullptr ? c->name : fmt::format("class {}", id), 0, 0, sum.counts});
     }
+    // Pairs of a list of errors and the spread to compute from it.
     std::vector<std::pair<const std::vector<float>*, Spread*>> spreads;
     const auto addSpreads = [&](const GroupSum& sum, GroupErrors& group) {
       spreads.insert(spreads.end(), {{&sum.range, &group.range},
@@ -167,7 +169,7 @@ class BeamErrorSum::Impl {
     std::uint64_t beams = 0, found = 0;
   };
 
-  // Returns the outcome without intensity and distances to nearest points.
+  // Returns the outcome of beam `i` without intensity and distances to nearest points.
   static BeamOutcome outcomeOf(const TrueShot& shot, const Hits& tested, std::size_t i) {
     const Hits& exact = shot.truth.hits;
     BeamOutcome beam;
@@ -198,6 +200,7 @@ class BeamErrorSum::Impl {
     instances_[exact.instance[i]].found += beam.sameInstance ? 1 : 0;
   }
 
+  // Returns the instances by size, in bands up to the last with instances. `edges`: of the bands. `side`: the measure.
   std::vector<SizeRecall> recall(std::span<const double> edges, double InstanceSize::*side) const {
     std::vector<SizeRecall> groups;
     for (std::size_t i = 0; i + 1 < edges.size(); ++i) {

@@ -18,6 +18,8 @@ namespace scanmill {
 
 namespace {
 
+constexpr float kUnknownDistance = std::numeric_limits<float>::quiet_NaN();
+
 // Measures how much the process's resident memory grows between begin() and end(). They enclose only the work of the
 // method, not the computation of its errors. Memory that has been returned to the allocator is not counted.
 class ResidentGrowth {
@@ -49,32 +51,31 @@ Affine startFromStep(const Shot& shot, std::size_t step) {
 }
 
 // Distributes values of the points from hitPoints() to their beams. Returns one value per beam; NaN for misses.
-std::vector<float> byBeam(const Hits& hits, const std::vector<float>& ofPoints) {
-  std::vector<float> values(hits.size(), std::numeric_limits<float>::quiet_NaN());
-  auto next = ofPoints.begin();
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (hits.hit(i)) values[i] = *next++;
+std::vector<float> byBeam(const Hits& hits, const std::vector<float>& pointValues) {
+  std::vector<float> beamValues(hits.size(), kUnknownDistance);
+  std::size_t point = 0;
+  for (std::size_t beam = 0; beam < hits.size(); ++beam) {
+    if (hits.hit(beam)) beamValues[beam] = pointValues[point++];
   }
-  return values;
+  return beamValues;
 }
 
-// Traces a shot repeatedly, appends the duration of each scan to `seconds`, and returns the sum of the scans' accounts.
+// Traces a shot repeatedly into `hits`, appends the duration of each scan to `seconds`, and returns the sum of the
+// scans' accounts.
 TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOptions& options, Hits& hits,
                        std::vector<double>& seconds) {
-  TraceAccount account;
   constexpr int kMostRepeats = 30;
-  double spent = 0;
-  const auto isEnough = [&](int repeats) {
-    return repeats >= options.repeats &&
-           (options.repeats == 0 || repeats >= kMostRepeats || spent >= options.leastSeconds);
-  };
-  for (int repeats = 0; !isEnough(repeats); ++repeats) {
+  TraceAccount account;
+  double timedSeconds = 0;
+  for (int scans = 0; options.repeats > 0; ++scans) {
+    const bool isLongEnough = scans >= kMostRepeats || timedSeconds >= options.leastSeconds;
+    if (scans >= options.repeats && isLongEnough) break;
     checkStop(options);
     const WallTimer timer;
-    const TraceAccount own = method.trace(shot, options.channels | Channel::Range, hits);
+    const TraceAccount accountOfScan = method.trace(shot, options.channels | Channel::Range, hits);
     seconds.push_back(timer.seconds());
-    spent += seconds.back();
-    account += own;
+    timedSeconds += seconds.back();
+    account += accountOfScan;
   }
   return account;
 }
@@ -93,12 +94,14 @@ void addTimes(const std::map<std::uint32_t, std::vector<double>>& secondsOfSenso
   }
 }
 
-constexpr float kNoDistance = std::numeric_limits<float>::quiet_NaN();
+// The finite points of a cloud (m), with the functions that nanoflann calls.
+struct FiniteCloud {
+  explicit FiniteCloud(std::span<const Vec3f> cloud) {
+    std::ranges::copy_if(cloud, std::back_inserter(points), isFinite<float>);
+  }
 
-struct Cloud {
-  std::vector<Vec3f> points;  // finite points of the cloud (m)
+  std::vector<Vec3f> points;
 
-  // The functions that nanoflann calls.
   std::size_t kdtree_get_point_count() const { return points.size(); }
   float kdtree_get_pt(std::size_t i, std::size_t axis) const {
     return axis == 0 ? points[i].x : axis == 1 ? points[i].y : points[i].z;
@@ -109,31 +112,22 @@ struct Cloud {
   }
 };
 
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, FiniteCloud>, FiniteCloud, 3>;
 
-Cloud finitePoints(std::span<const Vec3f> points) {
-  Cloud cloud;
-  cloud.points.reserve(points.size());
-  for (const Vec3f& p : points) {
-    if (isFinite(p)) cloud.points.push_back(p);
-  }
-  return cloud;
-}
-
-// Returns for each point of `from` the distance to the nearest finite point of `points`; NaN for points that are not
-// finite, and if there is no finite point. Float is exact enough, since the points are float32 too.
-std::vector<float> distancesByPoint(std::span<const Vec3f> from, std::span<const Vec3f> points) {
-  std::vector<float> distances(from.size(), kNoDistance);
-  const Cloud to = finitePoints(points);
-  if (to.points.empty()) return distances;
-  const Tree tree(3, to);
+// Returns for each point of `from` the distance to the nearest finite point of `to`; NaN for points that are not
+// finite, and if `to` has no finite point. Float is exact enough, since the points are float32 too.
+std::vector<float> distancesByPoint(std::span<const Vec3f> from, std::span<const Vec3f> to) {
+  std::vector<float> distances(from.size(), kUnknownDistance);
+  const FiniteCloud target(to);
+  if (target.points.empty()) return distances;
+  const Tree tree(3, target);
   parallelFor(from.size(), 1024, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       if (!isFinite(from[i])) continue;
       std::uint32_t index = 0;
-      float square = 0;
-      tree.knnSearch(&from[i].x, 1, &index, &square);
-      distances[i] = static_cast<float>(std::sqrt(double{square}));
+      float squaredDistance = 0;
+      tree.knnSearch(&from[i].x, 1, &index, &squaredDistance);
+      distances[i] = static_cast<float>(std::sqrt(double{squaredDistance}));
     }
   });
   return distances;
@@ -164,28 +158,28 @@ std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, doub
   // Fraction of the range by which ranges of neighbouring beams may differ on one surface.
   constexpr double kStep = 0.1;
   const Channels channels = Channel::Range | Channel::Instance | Channels(Channel::Semantic);
-  Hits middle;
+  Hits middle, neighbour;
   method.trace(shot, channels, middle);
   requireOneRay(middle);
   std::vector<std::uint8_t> edges(middle.size(), 0);
-  Hits beside;
   for (int up = -1; up <= 1; ++up) {
     for (int left = -1; left <= 1; ++left) {
       if (up == 0 && left == 0) continue;
-      auto turned = std::make_shared<BeamTable>(*shot.beams);
-      for (Vec3d& d : turned->direction) {
-        const Vec3d across = normalized(cross(Vec3d{0, 0, 1}, d));
-        const Vec3d above = cross(d, across);
-        d = normalized(d + (across * left + above * up) * std::tan(angle));
+      auto beams = std::make_shared<BeamTable>(*shot.beams);
+      for (Vec3d& direction : beams->direction) {
+        const Vec3d leftwards = normalized(cross(Vec3d{0, 0, 1}, direction));
+        const Vec3d upwards = cross(direction, leftwards);
+        direction = normalized(direction + (leftwards * left + upwards * up) * std::tan(angle));
       }
-      Shot other = shot;
-      other.beams = turned;
-      method.trace(other, channels, beside);
+      Shot neighbourShot = shot;
+      neighbourShot.beams = beams;
+      method.trace(neighbourShot, channels, neighbour);
       for (std::size_t i = 0; i < edges.size(); ++i) {
-        const bool differs = middle.hit(i) != beside.hit(i) || middle.instance[i] != beside.instance[i] ||
-                             middle.semantic[i] != beside.semantic[i] ||
-                             (middle.hit(i) && std::abs(middle.range[i] - beside.range[i]) > kStep * middle.range[i]);
-        if (differs) edges[i] = 1;
+        const double step = std::abs(middle.range[i] - neighbour.range[i]);
+        if (middle.hit(i) != neighbour.hit(i) || middle.instance[i] != neighbour.instance[i] ||
+            middle.semantic[i] != neighbour.semantic[i] || (middle.hit(i) && step > kStep * middle.range[i])) {
+          edges[i] = 1;
+        }
       }
     }
   }
@@ -225,17 +219,17 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   BeamErrorSum errors(scene);
   Hits hits;
   ResidentGrowth growth;
-  // Durations by sensor, since the sizes of scans differ between sensors.
-  std::map<std::uint32_t, std::vector<double>> seconds;
-  TraceAccount timedAccount;
-  TraceAccount otherAccount;  // account of the scans that are not timed
+  // Durations (s) by sensor, since the sizes of scans differ between sensors.
+  std::map<std::uint32_t, std::vector<double>> secondsOfSensor;
+  TraceAccount timedAccount, untimedAccount;
 
+  // Memory for the hits is taken before growth.begin(), so that only the method's memory counts.
   checkStop(options);
   hits.reset(shots.front().shot.beams->rings, shots.front().shot.beams->columns, compared);
   growth.begin();
   const WallTimer setup;
   const std::unique_ptr<Method> method = make();
-  otherAccount += method->prepare(shots.front().shot);
+  untimedAccount += method->prepare(shots.front().shot);
   result.cost.setupSeconds = setup.seconds();
   growth.end();
 
@@ -243,35 +237,35 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     checkStop(options);
     hits.reset(truth.shot.beams->rings, truth.shot.beams->columns, timed);
     growth.begin();
-    otherAccount += method->trace(truth.shot, timed, hits);
+    untimedAccount += method->trace(truth.shot, timed, hits);
     growth.end();
     requireOneRay(hits);
-    timedAccount += timeScans(*method, truth.shot, options, hits, seconds[truth.shot.sensor]);
+    timedAccount += timeScans(*method, truth.shot, options, hits, secondsOfSensor[truth.shot.sensor]);
     checkStop(options);
     // All scans of a shot are equal. The last timed scan is used for the errors if it has all channels that are
     // compared.
-    if (timed != compared) otherAccount += method->trace(truth.shot, compared, hits);
-    const bool lit = options.intensity && !truth.intensity.empty();
-    const std::vector<float> intensity = lit ? options.intensity(truth.shot, hits) : std::vector<float>();
+    if (timed != compared) untimedAccount += method->trace(truth.shot, compared, hits);
+    const bool comparesIntensity = options.intensity && !truth.intensity.empty();
+    const std::vector<float> intensity = comparesIntensity ? options.intensity(truth.shot, hits) : std::vector<float>();
     const Hits& exact = truth.truth.hits;
     const CloudDistances distances = cloudDistances(hitPoints(truth.shot, exact), hitPoints(truth.shot, hits));
     errors.add(truth, hits, intensity, byBeam(exact, distances.to), byBeam(hits, distances.from));
   }
 
-  addTimes(seconds, result.cost);
+  addTimes(secondsOfSensor, result.cost);
   std::size_t scans = 0;
-  for (const auto& [sensor, ofSensor] : seconds) scans += ofSensor.size();
+  for (const auto& [sensor, seconds] : secondsOfSensor) scans += seconds.size();
   if (scans > 0) {
-    for (const auto& [stage, untimed] : otherAccount.seconds) result.cost.stages[stage] = 0;
-    for (const auto& [stage, total] : timedAccount.seconds) {
-      result.cost.stages[stage] = total / static_cast<double>(scans);
+    for (const auto& [stage, seconds] : untimedAccount.seconds) result.cost.stages[stage] = 0;
+    for (const auto& [stage, seconds] : timedAccount.seconds) {
+      result.cost.stages[stage] = seconds / static_cast<double>(scans);
     }
   }
   result.cost.memoryBytes = method->memoryBytes();
   result.cost.residentBytes = growth.bytes();
   result.errors = errors.finish();
-  otherAccount += timedAccount;
-  result.warnings = otherAccount.warningTexts();
+  untimedAccount += timedAccount;
+  result.warnings = untimedAccount.warningTexts();
   return result;
 }
 
@@ -279,7 +273,8 @@ std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits) {
   const BeamTable& beams = *shot.beams;
   if (hits.size() != beams.size()) throw Error("hits and beams are not of one sensor");
   requireOneRay(hits);
-  std::vector<Affine> toStart;  // one transform per step; empty: points stay in the sensor's frame of their step
+  // Transforms to the sensor's frame at the start, one per step; empty: points stay in the frame of their step.
+  std::vector<Affine> toStart;
   for (std::size_t step = 0; shot.deskew && step < shot.worldFromSensor.size(); ++step) {
     toStart.push_back(step == 0 ? Affine{} : startFromStep(shot, step));
   }

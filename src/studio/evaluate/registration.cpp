@@ -29,16 +29,15 @@ constexpr std::size_t kLeastPoints = 3;  // minimum number of points from which 
 // Returns the finite points relative to `middle`. Near the origin, the float32 rotations of ICP cause smaller errors.
 PclCloud::Ptr finiteCloud(std::span<const Vec3f> points, const Vec3f& middle) {
   PclCloud::Ptr cloud(new PclCloud);
-  cloud->reserve(points.size());
   for (const Vec3f& p : points) {
-    if (!isFinite(p)) continue;
-    const Vec3f q = p - middle;
-    cloud->push_back({q.x, q.y, q.z});
+    const Vec3f relative = p - middle;
+    if (isFinite(p)) cloud->push_back({relative.x, relative.y, relative.z});
   }
   return cloud;
 }
 
-Vec3f middleOf(std::span<const Vec3f> points) {
+// Returns the mean of the finite points; the origin if there are none.
+Vec3f meanPoint(std::span<const Vec3f> points) {
   Vec3d sum;
   std::size_t count = 0;
   for (const Vec3f& p : points) {
@@ -86,15 +85,11 @@ class NearestPoints : public pcl::search::KdTree<pcl::PointXYZ> {
   Index tree_;
 };
 
-double square(double value) {
-  return value * value;
-}
-
 // A pair of clouds for PCL. Both are relative to the target's mean point. The search tree is used for fitness and ICP.
 class PclPair {
  public:
   PclPair(std::span<const Vec3f> source, std::span<const Vec3f> target)
-      : middle_(middleOf(target)), source_(finiteCloud(source, middle_)), target_(finiteCloud(target, middle_)) {
+      : middle_(meanPoint(target)), source_(finiteCloud(source, middle_)), target_(finiteCloud(target, middle_)) {
     if (source_->empty() || target_->empty()) return;
     icp_.setInputSource(source_);
     icp_.setInputTarget(target_);
@@ -105,11 +100,12 @@ class PclPair {
   // point of the source is within `within` (m) of the target.
   std::optional<double> fitness(double within) {
     if (source_->empty() || target_->empty()) return std::nullopt;
-    const double score = icp_.getFitnessScore(square(within));
+    const double score = icp_.getFitnessScore(within * within);
     if (!(score < std::numeric_limits<double>::max())) return std::nullopt;
     return score;
   }
 
+  // Moves the source onto the target by ICP. Returns false if ICP finds no motion.
   bool align(const IcpOptions& options) {
     if (source_->size() < kLeastPoints || target_->size() < kLeastPoints) return false;
     // Turns off PCL's messages. The expected message, about too few matches, is not needed: see Registered::moved.
@@ -122,6 +118,7 @@ class PclPair {
     return icp_.hasConverged() && icp_.getFinalTransformation().allFinite();
   }
 
+  // Returns the motion that the last align() found, in the frame of the given clouds.
   Affine targetFromSource() {
     const Eigen::Matrix4d m = icp_.getFinalTransformation().cast<double>();
     const auto column = [&](int c) { return Vec3d{m(0, c), m(1, c), m(2, c)}; };
@@ -141,25 +138,27 @@ class PclPair {
 Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, const IcpOptions& options) {
   PclPair pair(source, target);
   const std::optional<double> unmoved = pair.fitness(options.fitnessWithin);
-  if (!pair.align(options)) return {{}, false, unmoved, unmoved};
-  return {pair.targetFromSource(), true, unmoved, pair.fitness(options.fitnessWithin)};
+  if (!pair.align(options)) return {.unmoved = unmoved, .fitness = unmoved};
+  return {.targetFromSource = pair.targetFromSource(),
+          .moved = true,
+          .unmoved = unmoved,
+          .fitness = pair.fitness(options.fitnessWithin)};
 }
 
 FitnessSpread fitnessSpread(std::span<const std::optional<double>> values) {
-  std::vector<double> known;
+  std::vector<double> present;
   for (const std::optional<double>& v : values) {
-    if (v) known.push_back(*v);
+    if (v) present.push_back(*v);
   }
-  FitnessSpread spread;
-  if (known.empty()) return spread;
-  spread.count = known.size();
-  spread.low = std::ranges::min(known);
-  spread.high = std::ranges::max(known);
-  spread.mean = std::accumulate(known.begin(), known.end(), 0.0) / static_cast<double>(known.size());
-  double squares = 0;
-  for (const double v : known) squares += square(v - spread.mean);
-  if (known.size() > 1) spread.deviation = std::sqrt(squares / static_cast<double>(known.size() - 1));
-  return spread;
+  if (present.empty()) return {};
+  const double mean = std::accumulate(present.begin(), present.end(), 0.0) / static_cast<double>(present.size());
+  double squares = 0;  // of the differences from the mean
+  for (const double v : present) squares += (v - mean) * (v - mean);
+  return {.count = present.size(),
+          .mean = mean,
+          .deviation = present.size() > 1 ? std::sqrt(squares / static_cast<double>(present.size() - 1)) : 0,
+          .low = std::ranges::min(present),
+          .high = std::ranges::max(present)};
 }
 
 }  // namespace scanmill

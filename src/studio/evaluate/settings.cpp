@@ -10,29 +10,29 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostSettings = 500;
+constexpr std::size_t kMostSettings = 500;  // more would take days; probably a mistake
 
 }  // namespace
 
 std::vector<Value> expandLists(const Value& options, const std::string& what) {
-  std::vector<Value> all{options};
+  std::vector<Value> combinations{options};
   for (std::size_t e = 0; e < options.entries.size(); ++e) {
     const Value& list = options.entries[e].value;
     if (list.kind != Value::Kind::Sequence) continue;
     if (list.items.empty()) throw InputError(list.where, fmt::format("{}: the list is empty", what));
-    std::vector<Value> more;
-    for (const Value& one : all) {
+    std::vector<Value> expanded;  // each combination once for each item of this list
+    for (const Value& combination : combinations) {
       for (const Value& item : list.items) {
-        more.push_back(one);
-        more.back().entries[e].value = item;
+        expanded.push_back(combination);
+        expanded.back().entries[e].value = item;
       }
     }
-    all = std::move(more);
-    if (all.size() > kMostSettings) {
+    combinations = std::move(expanded);
+    if (combinations.size() > kMostSettings) {
       throw InputError(list.where, fmt::format("{}: these lists expand to more than {} settings", what, kMostSettings));
     }
   }
-  return all;
+  return combinations;
 }
 
 std::string settingName(const std::string& method, const Value& options) {
@@ -47,17 +47,17 @@ std::string Setting::assignment() const {
 
 std::vector<MethodSetting> readSettings(const Value& list, const std::string& what) {
   std::vector<MethodSetting> settings;
-  const Scene nothing;
+  const Scene emptyScene;  // methods are created to check their options
   for (const Value& item : readList(list, what)) {
     const NamedOptions named = readNamed(item, "an item of " + what);
     const MethodEntry& entry = requireMethod(named.name, named.where);
     for (const Value& options : expandLists(named.options, what)) {
       Fields fields(options, "method " + named.name);
       fields.alsoDescribed(entry.keys).finish();
-      entry.make(nothing, fields);
+      entry.make(emptyScene, fields);
       MethodSetting setting{{settingName(named.name, options), named.name, flowText(options)}, {&entry, options}};
-      const auto nameOf = [](const MethodSetting& s) { return s.setting.name; };
-      if (std::ranges::find(settings, setting.setting.name, nameOf) != settings.end()) {
+      const auto isListed = [&](const MethodSetting& s) { return s.setting.name == setting.setting.name; };
+      if (std::ranges::any_of(settings, isListed)) {
         throw InputError(item.where, fmt::format("{}: '{}' is listed twice", what, setting.setting.name));
       }
       settings.push_back(std::move(setting));

@@ -21,9 +21,9 @@ struct Spread {
 
 Spread spreadOf(std::vector<double> values);
 
-// Returns part / all; `ofNone` if `all` is 0.
-inline double shareOf(std::uint64_t part, std::uint64_t all, double ofNone = 0) {
-  return all == 0 ? ofNone : static_cast<double>(part) / static_cast<double>(all);
+// Returns part / total; `ifNone` if the total is 0.
+inline double shareOf(std::uint64_t part, std::uint64_t total, double ifNone = 0) {
+  return total == 0 ? ifNone : static_cast<double>(part) / static_cast<double>(total);
 }
 
 // Returns how well two sets of values can be separated by a threshold: the area under the receiver operating
@@ -58,9 +58,9 @@ template <class T>
 double quantileOf(std::vector<T> values, double share) {
   std::erase_if(values, [](T value) { return std::isnan(value); });
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return static_cast<double>(*at);
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return static_cast<double>(*nth);
 }
 
 // Returns the mean; NaN if there are no values.

@@ -6,6 +6,7 @@
 #include "evaluate/exact/exact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -27,7 +28,7 @@ namespace {
 constexpr double kGrid = 1024;            // spacing of possible world origins (m), on a grid around the scene's centre
 constexpr std::size_t kCachedWorlds = 2;  // two, for a path midway between two origins
 constexpr double kRounding = 0x1p-24;     // relative rounding error of a float32
-constexpr double kAlongAnAxis = 1e-12;    // smaller direction components become zero for Embree, see component()
+constexpr double kAlongAnAxis = 1e-12;    // smaller direction components become zero for Embree, see embreeComponent()
 
 // Two surfaces count as coplanar if their distance along the normal is at most kCoplanar x range + kFloor (m), the same
 // rule as in ray tracing with the sensor at the world's origin. kFloor is the rounding error of float32 corners
@@ -35,7 +36,7 @@ constexpr double kAlongAnAxis = 1e-12;    // smaller direction components become
 const double kFloor = double{coplanarFloor(0)};
 
 // Returns the maximum range (m) of surfaces that may be coplanar with the nearest surface, which is at `range` (m).
-double reachOf(double range) {
+double coplanarReach(double range) {
   return range + (range * double{kReach} + kFloor);
 }
 
@@ -52,6 +53,7 @@ struct TriangleHit {
 class ShearedBeam {
  public:
   ShearedBeam(const Vec3d& origin, const Vec3d& direction) : origin_(origin) {
+    // The new z axis is the one along which the direction is longest.
     const Vec3d size{std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)};
     z_ = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
     x_ = (z_ + 1) % 3;
@@ -63,6 +65,7 @@ class ShearedBeam {
     scale_ = 1 / along;
   }
 
+  // Returns where the beam hits the triangle with these corners.
   TriangleHit intersect(const Vec3d& a, const Vec3d& b, const Vec3d& c) const {
     const Vec3d p = sheared(a);
     const Vec3d q = sheared(b);
@@ -90,7 +93,7 @@ class ShearedBeam {
   }
 
   Vec3d origin_;
-  int x_, y_, z_;
+  int x_, y_, z_;  // indices of the axes that become x, y and z
   double shearX_, shearY_, scale_;
 };
 
@@ -123,22 +126,19 @@ struct ExactContext {
   std::vector<CandidateHit>* found;  // receives all hits within the final `far`, and some beyond it
 };
 
-struct WorldCorners {
-  Vec3d a, b, c;
-};
-
-WorldCorners cornersOf(const PlacedBlock& placed, std::uint32_t triangle) {
+// Returns the corners of a triangle relative to the world's origin (m).
+std::array<Vec3d, 3> cornersOf(const PlacedBlock& placed, std::uint32_t triangle) {
   const TriangleBlock& block = *placed.block;
   const Triangle& t = block.corners[triangle];
   const auto corner = [&](int k) { return placed.originFromMesh * Vec3d(block.vertices[t[k]]); };
   return {corner(0), corner(1), corner(2)};
 }
 
-float roundedDown(double x) {
+float roundDown(double x) {
   return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
 }
 
-float roundedUp(double x) {
+float roundUp(double x) {
   return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
@@ -146,95 +146,102 @@ float roundedUp(double x) {
 // origin, plus the rounding of its direction times the distance to the triangle.
 void boundTriangle(const RTCBoundsFunctionArguments* arguments) {
   const auto& placement = *static_cast<const PlacedGeometry*>(arguments->geometryUserPtr);
-  const WorldCorners t = cornersOf(*placement.placed, arguments->primID);
   Box box;
-  for (const Vec3d& p : {t.a, t.b, t.c}) box.add(p);
-  const double farthest = std::max({length(t.a), length(t.b), length(t.c)});
+  double farthest = 0;  // distance of the corners from the origin (m)
+  for (const Vec3d& corner : cornersOf(*placement.placed, arguments->primID)) {
+    box.add(corner);
+    farthest = std::max(farthest, length(corner));
+  }
   const double slack = 2 * (kRounding + kAlongAnAxis) * (2 * placement.radius + farthest);
   RTCBounds& bounds = *arguments->bounds_o;
-  bounds.lower_x = roundedDown(box.low.x - slack);
-  bounds.lower_y = roundedDown(box.low.y - slack);
-  bounds.lower_z = roundedDown(box.low.z - slack);
-  bounds.upper_x = roundedUp(box.high.x + slack);
-  bounds.upper_y = roundedUp(box.high.y + slack);
-  bounds.upper_z = roundedUp(box.high.z + slack);
+  bounds.lower_x = roundDown(box.low.x - slack);
+  bounds.lower_y = roundDown(box.low.y - slack);
+  bounds.lower_z = roundDown(box.low.z - slack);
+  bounds.upper_x = roundUp(box.high.x + slack);
+  bounds.upper_y = roundUp(box.high.y + slack);
+  bounds.upper_z = roundUp(box.high.z + slack);
 }
 
-// Intersects a ray with a triangle. Embree traces single rays here, so only lane 0 of the packet is used.
+// Intersects a ray with a triangle, adds the hit to ExactContext::found and shortens the ray. Embree traces single rays
+// here, so only lane 0 of the packet is used.
 void intersectTriangle(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   auto& context = *reinterpret_cast<ExactContext*>(arguments->context);
   const PlacedBlock& placed = *static_cast<const PlacedGeometry*>(arguments->geometryUserPtr)->placed;
   const std::uint32_t triangle = arguments->primID;
-  const WorldCorners t = cornersOf(placed, triangle);
-  const TriangleHit hit = context.beam->intersect(t.a, t.b, t.c);
+  const auto [a, b, c] = cornersOf(placed, triangle);
+  const TriangleHit hit = context.beam->intersect(a, b, c);
   if (!(hit.range > 0) || hit.range > context.far) return;
   const TriangleBlock& block = *placed.block;
   if (triangle >= block.firstAlpha && transparentAt(context.world->world, block, triangle, hit.u, hit.v)) return;
   context.found->push_back({hit.range, arguments->geomID, triangle});
-  const double far = reachOf(hit.range);
+  const double far = coplanarReach(hit.range);
   if (far >= context.far) return;
   context.far = far;
-  RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = roundedUp(far);
+  RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = roundUp(far);
 }
 
 // Returns a sort key that decides between coplanar surfaces: the hit with the lowest key wins, as in the filter of the
 // ray-tracing method for a flattened scene.
-auto rank(const World& world, const CandidateHit& f) {
-  const PlacedBlock& placed = world.placed[f.placed];
-  const std::uint32_t id = instanceId(placed.firstInstanceId, placed.block->surfaceOf(f.triangle).instance);
-  return std::tuple(id, f.triangle >= placed.block->firstAlpha, f.placed, f.triangle);
+auto coplanarRank(const World& world, const CandidateHit& hit) {
+  const PlacedBlock& placed = world.placed[hit.placed];
+  const std::uint32_t id = instanceId(placed.firstInstanceId, placed.block->surfaceOf(hit.triangle).instance);
+  const bool hasAlpha = hit.triangle >= placed.block->firstAlpha;
+  return std::tuple(id, hasAlpha, hit.placed, hit.triangle);
 }
 
-double incidenceCosine(const World& world, const CandidateHit& f, const Vec3d& direction) {
-  const PlacedBlock& placed = world.placed[f.placed];
-  return std::abs(dot(normalized(placed.normalFromMesh * placed.block->triangles[f.triangle].normal), direction));
+// Returns the absolute cosine of the angle between the beam's direction and the triangle's normal.
+double incidenceCosine(const World& world, const CandidateHit& hit, const Vec3d& direction) {
+  const PlacedBlock& placed = world.placed[hit.placed];
+  return std::abs(dot(normalized(placed.normalFromMesh * placed.block->triangles[hit.triangle].normal), direction));
 }
 
-// Returns the hit that counts: among the hits that are coplanar with the nearest hit, the one with the lowest rank(),
-// whatever the order of `found`. `found` must not be empty.
-CandidateHit countingHit(const World& world, const std::vector<CandidateHit>& found, const Vec3d& direction) {
+// Returns the hit that the tracer reports: among the hits that are coplanar with the nearest hit, the one with the
+// lowest coplanarRank(), whatever the order of `found`. `found` must not be empty.
+CandidateHit reportedHit(const World& world, const std::vector<CandidateHit>& found, const Vec3d& direction) {
   if (found.size() == 1) return found.front();
-  const CandidateHit nearest = *std::ranges::min_element(found, [&](const CandidateHit& a, const CandidateHit& b) {
-    return a.range != b.range ? a.range < b.range : rank(world, a) < rank(world, b);
-  });
-  const double far = reachOf(nearest.range);
+  const CandidateHit nearest = *std::ranges::min_element(
+      found, {}, [&](const CandidateHit& hit) { return std::tuple(hit.range, coplanarRank(world, hit)); });
+  const double far = coplanarReach(nearest.range);
   const double tolerance = double{kCoplanar} * nearest.range + kFloor;
   const double cosine = incidenceCosine(world, nearest, direction);
-  CandidateHit first = nearest;
-  for (const CandidateHit& f : found) {
-    if (f.range > far || !(rank(world, f) < rank(world, first))) continue;
-    const double apart = (f.range - nearest.range) * std::max(cosine, incidenceCosine(world, f, direction));
-    if (apart <= tolerance) first = f;
+  CandidateHit lowest = nearest;
+  for (const CandidateHit& hit : found) {
+    if (hit.range > far || !(coplanarRank(world, hit) < coplanarRank(world, lowest))) continue;
+    const double distance = (hit.range - nearest.range) * std::max(cosine, incidenceCosine(world, hit, direction));
+    if (distance <= tolerance) lowest = hit;
   }
-  return first;
+  return lowest;
 }
 
 // Returns a component of a ray's direction for Embree. Tiny components become 0, as in ray tracing, since Embree 3.13
 // misses hits of rays with components below 1e-18.
-float component(double direction) {
-  return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
+float embreeComponent(double component) {
+  return static_cast<float>(std::abs(component) < kAlongAnAxis ? 0.0 : component);
 }
 
+// Fills ExactContext::found with the hits of a beam. `context`: its other members must be set.
 void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& context) {
   RTCRayHit ray;
-  ray.ray = {static_cast<float>(origin.x),
-             static_cast<float>(origin.y),
-             static_cast<float>(origin.z),
-             0,
-             component(direction.x),
-             component(direction.y),
-             component(direction.z),
-             0,
-             roundedUp(context.far),
-             ~0u,
-             0,
-             0};
+  ray.ray = {.org_x = static_cast<float>(origin.x),
+             .org_y = static_cast<float>(origin.y),
+             .org_z = static_cast<float>(origin.z),
+             .tnear = 0,
+             .dir_x = embreeComponent(direction.x),
+             .dir_y = embreeComponent(direction.y),
+             .dir_z = embreeComponent(direction.z),
+             .time = 0,
+             .tfar = roundUp(context.far),
+             .mask = ~0u,
+             .id = 0,
+             .flags = 0};
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   intersectOne(context.world->world.embree.get(), context.embree, ray);
 }
 
+// Returns Embree's hierarchy of all placed meshes. `built`: keeps the data that the callbacks read, and must stay
+// alive.
 SceneHandle hierarchyOf(RTCDevice device, const ExactWorld& built) {
   SceneHandle scene(rtcNewScene(device), rtcReleaseScene);
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
@@ -275,12 +282,12 @@ class ExactTracer::Impl {
     out.range.resize(out.hits.size());
     const std::shared_ptr<const ExactWorld> world = worldNear(shot);
     const ShotFrame frame = frameOf(shot, world->world.origin);
-    const std::uint32_t across = (beams.columns + kPacket - 1) / kPacket;
-    parallelFor(std::size_t{across} * beams.rings, 64, [&](std::size_t first, std::size_t last) {
+    const std::uint32_t tilesPerRing = (beams.columns + kPacket - 1) / kPacket;
+    parallelFor(std::size_t{tilesPerRing} * beams.rings, 64, [&](std::size_t first, std::size_t last) {
       std::vector<CandidateHit> found;
       for (std::size_t i = first; i < last; ++i) {
-        const auto ring = static_cast<std::uint32_t>(i / across);
-        const auto column = static_cast<std::uint32_t>(i % across) * kPacket;
+        const auto ring = static_cast<std::uint32_t>(i / tilesPerRing);
+        const auto column = static_cast<std::uint32_t>(i % tilesPerRing) * kPacket;
         traceTile(*world, shot, frame, {ring, column, 1, std::min<std::uint32_t>(kPacket, beams.columns - column)},
                   found, out);
       }
@@ -288,6 +295,7 @@ class ExactTracer::Impl {
   }
 
  private:
+  // Traces the beams of a tile and stores their hits in `out`. `found`: memory that is used again.
   void traceTile(const ExactWorld& world, const Shot& shot, const ShotFrame& frame, const Tile& tile,
                  std::vector<CandidateHit>& found, ExactHits& out) const {
     Rays rays;
@@ -303,16 +311,16 @@ class ExactTracer::Impl {
       ExactContext context;
       context.world = &world;
       context.beam = &beam;
-      context.far = reachOf(shot.beams->maxRange);
+      context.far = coplanarReach(shot.beams->maxRange);
       found.clear();
       context.found = &found;
       findTriangles(origin, direction, context);
       if (found.empty()) continue;
-      const CandidateHit first = countingHit(world.world, found, direction);
-      const PlacedBlock& placed = world.world.placed[first.placed];
-      triangles[i] = {placed.block, &placed, first.triangle};
+      const CandidateHit hit = reportedHit(world.world, found, direction);
+      const PlacedBlock& placed = world.world.placed[hit.placed];
+      triangles[i] = {placed.block, &placed, hit.triangle};
       loadPlane(triangles[i], 0, resolved, i);
-      resolved.traced[i] = first.range;
+      resolved.traced[i] = hit.range;
     }
     useTracedRanges(rays, *shot.beams, resolved);
     store(materials_, tile, rays, resolved, triangles, out.hits);
@@ -325,16 +333,16 @@ class ExactTracer::Impl {
     const auto cell = [](double d) { return std::round(d / kGrid) * kGrid; };
     const Vec3d offset = shot.worldFromSensor.front().translation - anchor_;
     const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
-    double start = 0;
-    for (const Vec3f& o : shot.beams->origin) start = std::max(start, length(Vec3d(o)));
-    double farthest = 0;
-    for (const Pose& pose : shot.worldFromSensor) farthest = std::max(farthest, length(pose.translation - origin));
+    double beamOrigin = 0;  // largest distance of a beam's origin from the sensor (m)
+    for (const Vec3f& o : shot.beams->origin) beamOrigin = std::max(beamOrigin, length(Vec3d(o)));
+    double sensor = 0;  // largest distance of the sensor from the world's origin (m)
+    for (const Pose& pose : shot.worldFromSensor) sensor = std::max(sensor, length(pose.translation - origin));
     double radius = kGrid;
-    while (radius < start + farthest) radius *= 2;
+    while (radius < beamOrigin + sensor) radius *= 2;
 
     const std::scoped_lock lock(mutex_);
     return worlds_.findOrAdd(
-        [&](const auto& known) { return known->world.origin == origin && known->radius >= radius; }, kCachedWorlds,
+        [&](const auto& cached) { return cached->world.origin == origin && cached->radius >= radius; }, kCachedWorlds,
         [&] { return build(origin, radius); });
   }
 
