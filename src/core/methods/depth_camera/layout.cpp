@@ -40,6 +40,7 @@ double squareAngle(double azimuth) {
   return squareAngle(std::cos(azimuth), std::sin(azimuth));
 }
 
+// Returns the azimuth (rad) of a square angle.
 double azimuthOf(double square) {
   const double p = std::fmod(square + 4, 4.0);
   if (p < 1) return std::atan2(p, 1 - p);
@@ -47,14 +48,12 @@ double azimuthOf(double square) {
   return std::atan2(p - 4, p - 3);
 }
 
-Camera facing(double yaw, double pitch, const char* name) {
-  Camera camera;
-  camera.name = name;
-  camera.worldFromCamera = {fromYawPitchRoll(yaw, pitch, 0) * vehicleFromOptical(), {}};
-  return camera;
+// Returns a camera's rotation, sensorFromCamera. `yaw`, `pitch`: of its viewing direction (rad, pitch downwards).
+Quat facing(double yaw, double pitch) {
+  return fromYawPitchRoll(yaw, pitch, 0) * vehicleFromOptical();
 }
 
-// The part of a camera's plane (at depth 1) that covers the camera's beams.
+// The part of a camera's plane (at depth 1) that contains the projections of the camera's beams.
 struct Window {
   Mat3 axes;  // columns: right, down, forward
   double left = INFINITY;
@@ -63,7 +62,7 @@ struct Window {
   double bottom = -INFINITY;
   bool outside = false;  // true if some direction cannot be projected onto the plane
 
-  explicit Window(const Quat& rotation) : axes(toMatrix(rotation)) {}
+  explicit Window(const Quat& sensorFromCamera) : axes(toMatrix(sensorFromCamera)) {}
 
   void add(const Vec3d& direction) {
     const double depth = dot(axes.z, direction);
@@ -79,7 +78,8 @@ struct Window {
     bottom = std::max(bottom, y);
   }
   bool empty() const { return !(left <= right); }
-  bool holds() const {
+  // Returns true if one image can show all directions.
+  bool fitsAnImage() const {
     return !outside && std::atan(right) - std::atan(left) < kWidestField &&
            std::atan(bottom) - std::atan(top) < kWidestField;
   }
@@ -89,7 +89,7 @@ struct Window {
 struct Spread {
   std::array<double, kBins> low;   // least slope z / sqrt(x^2 + y^2) per bin; low > high in a bin without beams
   std::array<double, kBins> high;  // largest slope per bin of squareAngle()
-  double first = 0;                // rad, the azimuths are from first to first + width
+  double firstAzimuth = 0;         // rad, the azimuths are from firstAzimuth to firstAzimuth + width
   double width = 2 * kPi;
   double lowest = INFINITY;  // least slope of all beams
   double highest = -INFINITY;
@@ -98,8 +98,9 @@ struct Spread {
     low.fill(INFINITY);
     high.fill(-INFINITY);
     for (const Vec3d& d : directions) {
-      const double flat = std::sqrt(d.x * d.x + d.y * d.y);
-      const double slope = std::clamp(d.z / std::max(flat, 1e-12), -kSteepest, kSteepest);
+      constexpr double kNotZero = 1e-12;  // in place of zero for vertical beams
+      const double horizontal = std::sqrt(d.x * d.x + d.y * d.y);
+      const double slope = std::clamp(d.z / std::max(horizontal, kNotZero), -kSteepest, kSteepest);
       const auto bin =
           std::min(static_cast<std::size_t>(squareAngle(d.x, d.y) * (kBins / 4.0)), std::size_t{kBins - 1});
       low[bin] = std::min(low[bin], slope);
@@ -110,123 +111,135 @@ struct Spread {
     findSector();
   }
 
+  // Returns the azimuth (rad) at which a bin begins.
   static double edge(int bin) { return azimuthOf(bin * (4.0 / kBins)); }
 
   // Returns representative directions whose projections bound the projections of all beams: each bin is split at the
   // slopes -steep and steep, and the directions are the corners of its parts.
   std::vector<Vec3d> corners(double steep) const {
-    std::vector<Vec3d> made;
-    const double steeper = steep * (1 + 1e-9);
+    std::vector<Vec3d> directions;
+    const double steeper = steep * (1 + 1e-9);  // so that these directions certainly count as steep
     for (int bin = 0; bin < kBins; ++bin) {
       const auto b = static_cast<std::size_t>(bin);
-      const std::pair<double, double> parts[] = {{low[b], std::min(high[b], -steeper)},
-                                                 {std::max(low[b], -steep), std::min(high[b], steep)},
-                                                 {std::max(low[b], steeper), high[b]}};
-      for (const auto& [from, to] : parts) {
-        if (from > to) continue;
+      const std::pair<double, double> slopeRanges[] = {{low[b], std::min(high[b], -steeper)},
+                                                       {std::max(low[b], -steep), std::min(high[b], steep)},
+                                                       {std::max(low[b], steeper), high[b]}};
+      for (const auto& [least, most] : slopeRanges) {
+        if (least > most) continue;
         for (const double azimuth : {edge(bin), edge(bin + 1)}) {
-          for (const double slope : {from, to}) {
-            made.push_back(normalized(Vec3d{std::cos(azimuth), std::sin(azimuth), slope}));
+          for (const double slope : {least, most}) {
+            directions.push_back(normalized(Vec3d{std::cos(azimuth), std::sin(azimuth), slope}));
           }
         }
       }
     }
-    return made;
+    return directions;
   }
 
  private:
-  // Sets the sector of azimuths that has beams: the circle without its longest sequence of empty bins.
+  // Sets the sector of azimuths that has beams: the circle without its longest sequence of empty bins. The loop goes
+  // round the circle twice, so that it finds a sequence across the first bin too.
   void findSector() {
     int longest = 0;
-    int end = 0;
-    int run = 0;
+    int endOfLongest = 0;
+    int emptyBins = 0;  // number of empty bins up to bin i
     for (int i = 0; i < 2 * kBins; ++i) {
       const auto b = static_cast<std::size_t>(i % kBins);
-      run = low[b] > high[b] ? run + 1 : 0;
-      if (run > longest && run < kBins) {
-        longest = run;
-        end = i + 1;
+      emptyBins = low[b] > high[b] ? emptyBins + 1 : 0;
+      if (emptyBins > longest && emptyBins < kBins) {
+        longest = emptyBins;
+        endOfLongest = i + 1;
       }
     }
     if (longest == 0) return;
-    const double begin = edge(end % kBins);
-    double wide = edge((end - longest + kBins) % kBins) - begin;
-    while (wide <= 0) wide += 2 * kPi;
-    if (wide >= kFullRevolution) return;
-    first = begin;
-    width = wide;
+    const double sectorBegin = edge(endOfLongest % kBins);
+    double sectorWidth = edge((endOfLongest - longest + kBins) % kBins) - sectorBegin;
+    while (sectorWidth <= 0) sectorWidth += 2 * kPi;
+    if (sectorWidth >= kFullRevolution) return;
+    firstAzimuth = sectorBegin;
+    width = sectorWidth;
   }
 };
 
-// A choice of cameras. Each direction belongs to one of the cameras.
+// A choice of cameras: `sides` side cameras, a camera that looks up and one that looks down. Each direction belongs to
+// one of the cameras.
 class Candidate {
  public:
   // Beams with a slope of more than `steep` upwards or downwards belong to the camera that looks up or down. `pitch`:
   // angle by which the side cameras look down (rad).
   Candidate(const Spread& spread, int sides, double steep, double pitch) : sides_(sides), steep_(steep) {
     const double sector = spread.width / sides;
-    const double first =
-        spread.width < 2 * kPi ? spread.first : -sector / 2;  // in a full circle camera 0 looks forward
-    origin_ = squareAngle(first);
+    // In a full circle camera 0 looks forward.
+    const double firstAzimuth = spread.width < 2 * kPi ? spread.firstAzimuth : -sector / 2;
+    origin_ = squareAngle(firstAzimuth);
     for (int i = 0; i < sides; ++i) {
-      cameras_.push_back(facing(first + (i + 0.5) * sector, pitch, ""));
-      cameras_.back().name = fmt::format("side{}", i);
-      if (i > 0) bounds_.push_back(fromOrigin(squareAngle(first + i * sector)));
+      addCamera(fmt::format("side{}", i), firstAzimuth + (i + 0.5) * sector, pitch);
+      if (i > 0) bounds_.push_back(fromOrigin(squareAngle(firstAzimuth + i * sector)));
     }
-    cameras_.push_back(facing(0, -kPi / 2, "up"));
-    cameras_.push_back(facing(0, kPi / 2, "down"));
+    addCamera("up", 0, -kPi / 2);
+    addCamera("down", 0, kPi / 2);
   }
 
   // Returns the window of each camera around its directions. `directions`: either all beams, or Spread::corners().
   std::vector<Window> windows(std::span<const Vec3d> directions) const {
-    std::vector<Window> made;
-    for (const Camera& camera : cameras_) made.emplace_back(camera.worldFromCamera.rotation);
-    for (const Vec3d& d : directions) made[cameraOf(d)].add(d);
-    return made;
+    std::vector<Window> windows;
+    for (const Camera& camera : cameras_) windows.emplace_back(camera.worldFromCamera.rotation);
+    for (const Vec3d& d : directions) windows[cameraOf(d)].add(d);
+    return windows;
   }
 
+  // Returns the number of pixels plus kImageCost for each image; infinite if an image would be too wide. `focal`: px.
   static double cost(const std::vector<Window>& windows, double focal) {
-    double sum = 0;
+    constexpr double kMargins = 3;  // px, mean of a margin on both sides, and rounding up
+    double cost = 0;
     for (const Window& w : windows) {
       if (w.empty() && !w.outside) continue;
-      if (!w.holds()) return INFINITY;
-      sum += kImageCost + ((w.right - w.left) * focal + 3) * ((w.bottom - w.top) * focal + 3);
+      if (!w.fitsAnImage()) return INFINITY;
+      cost += kImageCost + ((w.right - w.left) * focal + kMargins) * ((w.bottom - w.top) * focal + kMargins);
     }
-    return sum;
+    return cost;
   }
 
   const std::vector<Camera>& cameras() const { return cameras_; }
 
  private:
+  void addCamera(std::string name, double yaw, double pitch) {
+    cameras_.emplace_back().name = std::move(name);
+    cameras_.back().worldFromCamera.rotation = facing(yaw, pitch);
+  }
+
+  // Returns a square angle relative to origin_, from 0 to 4.
   double fromOrigin(double square) const { return square < origin_ ? square - origin_ + 4 : square - origin_; }
 
+  // Returns the index of the camera that a direction belongs to.
   std::size_t cameraOf(const Vec3d& d) const {
     if (std::abs(d.z) > steep_ * std::sqrt(d.x * d.x + d.y * d.y)) {
       return static_cast<std::size_t>(d.z > 0 ? sides_ : sides_ + 1);
     }
-    const double at = fromOrigin(squareAngle(d.x, d.y));
+    const double angle = fromOrigin(squareAngle(d.x, d.y));
     std::size_t side = 0;
-    while (side < bounds_.size() && at >= bounds_[side]) ++side;
+    while (side < bounds_.size() && angle >= bounds_[side]) ++side;
     return side;
   }
 
   int sides_;
   double steep_;
-  double origin_ = 0;
+  double origin_ = 0;           // square angle of the first side camera's first azimuth
   std::vector<double> bounds_;  // values of fromOrigin() at the borders between neighbouring side cameras
   std::vector<Camera> cameras_;
 };
 
-std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t resolution) {
-  const double focal = resolution / 2.0;
-  const Spread spread(directions);
+// Returns the candidate whose images cost least. `focal`: px.
+Candidate cheapestCandidate(const Spread& spread, double focal) {
   const double steepest = std::max(std::abs(spread.lowest), std::abs(spread.highest));
   const double pitchToMiddle = -(std::atan(spread.lowest) + std::atan(spread.highest)) / 2;
   std::optional<Candidate> best;
   double bestCost = INFINITY;
-  for (const double limit : {90.0, 35.0, 45.0, 55.0, 65.0}) {
-    const double steep = limit < 90 ? std::tan(radians(limit)) : 2 * kSteepest;
-    if (limit < 90 && steepest <= steep) continue;  // no beam is steeper, so the result is the same as for 90
+  // Elevations (deg) from which on beams belong to the cameras that look up or down; 90: there are no such cameras.
+  for (const double steepElevation : {90.0, 35.0, 45.0, 55.0, 65.0}) {
+    const bool hasSidesOnly = steepElevation == 90;
+    const double steep = hasSidesOnly ? 2 * kSteepest : std::tan(radians(steepElevation));
+    if (!hasSidesOnly && steepest <= steep) continue;  // no beam is steeper, so the result is the same as for 90
     const std::vector<Vec3d> corners = spread.corners(steep);
     const auto consider = [&](const Candidate& candidate) {
       const double cost = Candidate::cost(candidate.windows(corners), focal);
@@ -235,16 +248,21 @@ std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t 
         best = candidate;
       }
     };
-    if (limit == 90) consider(Candidate(spread, 1, steep, pitchToMiddle));
+    if (hasSidesOnly) consider(Candidate(spread, 1, steep, pitchToMiddle));
     for (int sides = 1; sides <= kMostSides; ++sides) consider(Candidate(spread, sides, steep, 0));
   }
-  const Candidate& chosen = best ? *best : Candidate(spread, 4, 1, 0);  // a cube covers all directions
-  const std::vector<Window> windows = chosen.windows(directions);
+  return best ? *best : Candidate(spread, 4, 1, 0);  // a cube covers all directions
+}
+
+std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t resolution) {
+  const double focal = resolution / 2.0;  // px, as of four images of 90 degrees
+  const Candidate candidate = cheapestCandidate(Spread(directions), focal);
+  const std::vector<Window> windows = candidate.windows(directions);
   std::vector<Camera> cameras;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const Window& w = windows[i];
     if (w.empty()) continue;
-    Camera camera = chosen.cameras()[i];
+    Camera camera = candidate.cameras()[i];
     const double left = std::floor(w.left * focal) - 1;  // px; with a margin of one pixel on each side
     const double top = std::floor(w.top * focal) - 1;
     camera.width = static_cast<std::uint32_t>(std::ceil(w.right * focal) + 1 - left);
@@ -257,55 +275,53 @@ std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t 
   return cameras;
 }
 
-struct Facing {
+struct NamedFacing {
   double yawDeg;
-  double pitchDeg;
+  double pitchDeg;  // downwards
   const char* name;
 };
 
 // Assigns each direction to the camera with the nearest axis among the cameras that see the direction. Returns the
 // cameras that have at least one direction.
 std::vector<Camera> layOutFixed(std::span<const Vec3d> directions, std::uint32_t resolution, double fieldDeg,
-                                std::span<const Facing> facings) {
+                                std::span<const NamedFacing> facings) {
   std::vector<Camera> cameras;
   std::vector<Mat3> axes;
-  for (const Facing& f : facings) {
-    Camera camera = squareCamera(resolution, resolution, radians(fieldDeg));
-    const Camera turned = facing(radians(f.yawDeg), radians(f.pitchDeg), f.name);
-    camera.name = turned.name;
-    camera.worldFromCamera = turned.worldFromCamera;
-    axes.push_back(toMatrix(turned.worldFromCamera.rotation));
-    cameras.push_back(std::move(camera));
+  for (const NamedFacing& f : facings) {
+    Camera& camera = cameras.emplace_back(squareCamera(resolution, resolution, radians(fieldDeg)));
+    camera.name = f.name;
+    camera.worldFromCamera.rotation = facing(radians(f.yawDeg), radians(f.pitchDeg));
+    axes.push_back(toMatrix(camera.worldFromCamera.rotation));
   }
-  const double reach = std::tan(radians(fieldDeg / 2)) * (1 + 1e-9);
-  std::vector<bool> used(cameras.size());
+  const double edge = std::tan(radians(fieldDeg / 2)) * (1 + 1e-9);  // at depth 1, with a margin for rounding
+  std::vector<bool> isUsed(cameras.size());
   for (const Vec3d& d : directions) {
-    double nearest = 0;
-    std::size_t seenBy = cameras.size();
+    double largestDepth = 0;  // the camera with the nearest axis is the one with the largest depth
+    std::optional<std::size_t> nearest;
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       const double depth = dot(axes[i].z, d);
-      const bool inside = std::abs(dot(axes[i].x, d)) <= reach * depth && std::abs(dot(axes[i].y, d)) <= reach * depth;
-      if (inside && depth > nearest) {
-        nearest = depth;
-        seenBy = i;
+      const bool inside = std::abs(dot(axes[i].x, d)) <= edge * depth && std::abs(dot(axes[i].y, d)) <= edge * depth;
+      if (inside && depth > largestDepth) {
+        largestDepth = depth;
+        nearest = i;
       }
     }
-    if (seenBy < used.size()) used[seenBy] = true;
+    if (nearest) isUsed[*nearest] = true;
   }
-  std::vector<Camera> wanted;
+  std::vector<Camera> usedCameras;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    if (used[i]) wanted.push_back(std::move(cameras[i]));
+    if (isUsed[i]) usedCameras.push_back(std::move(cameras[i]));
   }
-  return wanted;
+  return usedCameras;
 }
 
 }  // namespace
 
 std::vector<Camera> layOutCameras(std::span<const Vec3d> directions, const LayoutOptions& options) {
   if (directions.empty()) return {};
-  constexpr Facing kThree[] = {{0, 0, "front"}, {120, 0, "left"}, {240, 0, "right"}};
-  constexpr Facing kFaces[] = {{0, 0, "front"},   {90, 0, "left"}, {180, 0, "back"},
-                               {270, 0, "right"}, {0, -90, "up"},  {0, 90, "down"}};
+  constexpr NamedFacing kThree[] = {{0, 0, "front"}, {120, 0, "left"}, {240, 0, "right"}};
+  constexpr NamedFacing kFaces[] = {{0, 0, "front"},   {90, 0, "left"}, {180, 0, "back"},
+                                    {270, 0, "right"}, {0, -90, "up"},  {0, 90, "down"}};
   switch (options.layout) {
     case CameraLayout::Three120:
       return layOutFixed(directions, options.resolution, 120, kThree);

@@ -11,25 +11,27 @@ namespace {
 
 constexpr double kStepLength = 0.05;         // m, largest mean length of the sensor's path in a step
 constexpr double kStepAngle = radians(1.0);  // rad, largest mean rotation of the sensor in a step
-constexpr std::size_t kFewPoses = 64;
-constexpr double kNearestSample = 0.1;  // m along a beam; nearer points need not be visible
+constexpr std::size_t kFewPoses = 64;        // up to this number, each pose is rendered
+constexpr double kNearestSample = 0.1;       // m along a beam; nearer points need not be visible
 
+// Returns the angle (rad) of the rotation from a to b.
 double angleBetween(const Quat& a, const Quat& b) {
   const Quat between = Quat{a.w, -a.x, -a.y, -a.z} * b;
   return 2 * std::atan2(std::sqrt(between.x * between.x + between.y * between.y + between.z * between.z),
                         std::abs(between.w));
 }
 
+// Returns the number of renders of a revolution if the options do not set it: see stepsOf().
 std::uint64_t rendersFor(const std::vector<Pose>& poses) {
   if (poses.size() <= kFewPoses) return poses.size();
-  double moved = 0;
-  double turned = 0;
+  double pathLength = 0;  // m
+  double rotation = 0;    // rad
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    moved += length(poses[i].translation - poses[i - 1].translation);
-    turned += angleBetween(poses[i - 1].rotation, poses[i].rotation);
+    pathLength += length(poses[i].translation - poses[i - 1].translation);
+    rotation += angleBetween(poses[i - 1].rotation, poses[i].rotation);
   }
-  const double wanted = std::ceil(std::max({moved / kStepLength, turned / kStepAngle, 1.0}));
-  return static_cast<std::uint64_t>(std::min(wanted, static_cast<double>(poses.size())));
+  const double renders = std::ceil(std::max({pathLength / kStepLength, rotation / kStepAngle, 1.0}));
+  return static_cast<std::uint64_t>(std::min(renders, static_cast<double>(poses.size())));
 }
 
 }  // namespace
@@ -45,47 +47,51 @@ std::vector<PassStep> stepsOf(const Shot& shot, std::uint32_t renders) {
   for (std::uint64_t step = 0; step < count; ++step) {
     const std::uint64_t first = step * poses / count;
     const std::uint64_t end = (step + 1) * poses / count;
-    steps.push_back({firstColumn(first), firstColumn(end), shot.worldFromSensor[(first + end - 1) / 2], {}});
+    steps.push_back({.firstColumn = firstColumn(first),
+                     .endColumn = firstColumn(end),
+                     .worldFromRig = shot.worldFromSensor[(first + end - 1) / 2],
+                     .images = {}});
   }
   return steps;
 }
 
 RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, const Pose& worldFromRig) {
+  constexpr std::size_t kGrain = 16384;  // beams per task
   const BeamTable& table = *shot.beams;
-  struct Place {
-    bool same;
+  struct ColumnPose {  // rigFromSensor of a column
+    bool isIdentity;
     Mat3 rotation;
     Vec3d translation;
   };
-  std::vector<Place> places;
+  std::vector<ColumnPose> poses;
   const Mat3 rigFromWorld = transposed(toMatrix(worldFromRig.rotation));
-  bool moved = !table.origin.empty();
+  bool hasOrigins = !table.origin.empty();
   for (std::uint32_t column = first; column < end; ++column) {
     const Pose& pose = shot.worldFromSensor[shot.stepOf(column)];
-    const bool same = pose == worldFromRig;
     // Subtract before rotating: far from the world's origin this keeps a precision of micrometres.
-    places.push_back(
-        {same, rigFromWorld * toMatrix(pose.rotation), rigFromWorld * (pose.translation - worldFromRig.translation)});
-    moved = moved || !same;
+    poses.push_back({.isIdentity = pose == worldFromRig,
+                     .rotation = rigFromWorld * toMatrix(pose.rotation),
+                     .translation = rigFromWorld * (pose.translation - worldFromRig.translation)});
+    hasOrigins = hasOrigins || !poses.back().isIdentity;
   }
   const std::size_t width = end - first;
-  RigBeams beams;
-  beams.direction.resize(width * table.rings);
-  beams.origin.resize(moved ? width * table.rings : 0);
-  beams.beam.resize(width * table.rings);
-  beams.minRange = table.minRange;
-  beams.maxRange = table.maxRange;
-  parallelFor(table.rings, 16384 / width + 1, [&](std::size_t firstRing, std::size_t endRing) {
+  const std::size_t count = width * table.rings;
+  RigBeams beams{.origin = std::vector<Vec3d>(hasOrigins ? count : 0),
+                 .direction = std::vector<Vec3d>(count),
+                 .beam = std::vector<std::uint32_t>(count),
+                 .minRange = table.minRange,
+                 .maxRange = table.maxRange};
+  parallelFor(table.rings, kGrain / width + 1, [&](std::size_t firstRing, std::size_t endRing) {
     for (std::size_t ring = firstRing; ring < endRing; ++ring) {
       for (std::size_t c = 0; c < width; ++c) {
-        const std::size_t to = ring * width + c;
+        const std::size_t i = ring * width + c;
         const std::size_t beam = ring * table.columns + first + c;
-        const Place& place = places[c];
-        beams.beam[to] = static_cast<std::uint32_t>(beam);
-        beams.direction[to] = place.same ? table.direction[beam] : place.rotation * table.direction[beam];
-        if (!moved) continue;
+        const ColumnPose& pose = poses[c];
+        beams.beam[i] = static_cast<std::uint32_t>(beam);
+        beams.direction[i] = pose.isIdentity ? table.direction[beam] : pose.rotation * table.direction[beam];
+        if (!hasOrigins) continue;
         const Vec3d origin = table.originOf(beam);
-        beams.origin[to] = place.same ? origin : place.rotation * origin + place.translation;
+        beams.origin[i] = pose.isIdentity ? origin : pose.rotation * origin + pose.translation;
       }
     }
   });
