@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <string>
 #include <tuple>
@@ -17,17 +18,17 @@
 
 #include "assets/meshes/blender.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/recently_used.h"
 #include "base/stage_clock.h"
 #include "config/fields.h"
-#include "methods/depth_camera/revolution.h"
 
 namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kSensorsInMemory = 16;
-constexpr double kSlack = 1e-3;  // fraction of the sensor's range, and metres, by which images reach beyond it
+constexpr std::size_t kSensorsInMemory = 16;  // most beam tables whose views are cached
+constexpr double kReachMargin = 1e-3;  // fraction of the sensor's range, and metres, by which images reach beyond it
 // Measured with VTK on llvmpipe, as differences between processes: with nothing to render a process takes 128 MiB,
 // against 44 MiB with ray tracing. The other two values are from the street of 1.28 million placed triangles, with 3
 // and with 4 images of 2048 x 2048.
@@ -76,6 +77,7 @@ DepthCameraOptions readDepthCameraOptions(Fields& fields) {
   return options;
 }
 
+// Returns the path of Blender's program, or the reason why there is none.
 std::string whereBlenderIs() {
   try {
     return blenderProgram().string();
@@ -101,6 +103,110 @@ class TimedSource : public PixelSource {
   PixelSource& source_;
   double seconds_ = 0;
 };
+
+constexpr double kStepLength = 0.05;         // m, largest mean length of the sensor's path in a step
+constexpr double kStepAngle = radians(1.0);  // rad, largest mean rotation of the sensor in a step
+constexpr std::size_t kFewPoses = 64;        // up to this number, each pose is rendered
+constexpr double kNearestSample = 0.1;       // m along a beam; nearer points need not be visible
+
+// Returns the angle (rad) of the rotation from a to b.
+double angleBetween(const Quat& a, const Quat& b) {
+  const Quat between = Quat{a.w, -a.x, -a.y, -a.z} * b;
+  return 2 * std::atan2(std::sqrt(between.x * between.x + between.y * between.y + between.z * between.z),
+                        std::abs(between.w));
+}
+
+// Returns the number of renders of a revolution if the options do not set it: see stepsOf().
+std::uint64_t rendersFor(const std::vector<Pose>& poses) {
+  if (poses.size() <= kFewPoses) return poses.size();
+  double pathLength = 0;  // m
+  double rotation = 0;    // rad
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    pathLength += length(poses[i].translation - poses[i - 1].translation);
+    rotation += angleBetween(poses[i - 1].rotation, poses[i].rotation);
+  }
+  const double renders = std::ceil(std::max({pathLength / kStepLength, rotation / kStepAngle, 1.0}));
+  return static_cast<std::uint64_t>(std::min(renders, static_cast<double>(poses.size())));
+}
+
+// Splits a revolution into `renders` steps, still without images, of about equally many poses, but at most one step per
+// pose. Each step is rendered from its middle pose. If `renders` is 0, there is one step per pose for up to 64 poses;
+// for more poses, one step for every 5 cm or every degree of motion during the revolution, whichever gives more steps.
+std::vector<PassStep> stepsOf(const Shot& shot, std::uint32_t renders) {
+  const std::uint64_t poses = shot.worldFromSensor.size();
+  const std::uint64_t columns = shot.beams->columns;
+  const std::uint64_t count = std::min(renders == 0 ? rendersFor(shot.worldFromSensor) : renders, poses);
+  const auto firstColumn = [&](std::uint64_t pose) {  // first column of this pose; exact with one ray per beam
+    return static_cast<std::uint32_t>((pose * columns + poses - 1) / poses);
+  };
+  std::vector<PassStep> steps;
+  for (std::uint64_t step = 0; step < count; ++step) {
+    const std::uint64_t first = step * poses / count;
+    const std::uint64_t end = (step + 1) * poses / count;
+    steps.push_back({.firstColumn = firstColumn(first),
+                     .endColumn = firstColumn(end),
+                     .worldFromRig = shot.worldFromSensor[(first + end - 1) / 2],
+                     .images = {}});
+  }
+  return steps;
+}
+
+// Returns the beams of the columns from `first` to before `end`, relative to the rig, ring by ring.
+RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, const Pose& worldFromRig) {
+  constexpr std::size_t kGrain = 16384;  // beams per task
+  const BeamTable& table = *shot.beams;
+  struct ColumnPose {  // rigFromSensor of a column
+    bool isIdentity;
+    Mat3 rotation;
+    Vec3d translation;
+  };
+  std::vector<ColumnPose> poses;
+  const Mat3 rigFromWorld = transposed(toMatrix(worldFromRig.rotation));
+  bool hasOrigins = !table.origin.empty();
+  for (std::uint32_t column = first; column < end; ++column) {
+    const Pose& pose = shot.worldFromSensor[shot.stepOf(column)];
+    // Subtract before rotating: far from the world's origin this keeps a precision of micrometres.
+    poses.push_back({.isIdentity = pose == worldFromRig,
+                     .rotation = rigFromWorld * toMatrix(pose.rotation),
+                     .translation = rigFromWorld * (pose.translation - worldFromRig.translation)});
+    hasOrigins = hasOrigins || !poses.back().isIdentity;
+  }
+  const std::size_t width = end - first;
+  const std::size_t count = width * table.rings;
+  RigBeams beams{.origin = std::vector<Vec3d>(hasOrigins ? count : 0),
+                 .direction = std::vector<Vec3d>(count),
+                 .beam = std::vector<std::uint32_t>(count),
+                 .minRange = table.minRange,
+                 .maxRange = table.maxRange};
+  parallelFor(table.rings, kGrain / width + 1, [&](std::size_t firstRing, std::size_t endRing) {
+    for (std::size_t ring = firstRing; ring < endRing; ++ring) {
+      for (std::size_t c = 0; c < width; ++c) {
+        const std::size_t i = ring * width + c;
+        const std::size_t beam = ring * table.columns + first + c;
+        const ColumnPose& pose = poses[c];
+        beams.beam[i] = static_cast<std::uint32_t>(beam);
+        beams.direction[i] = pose.isIdentity ? table.direction[beam] : pose.rotation * table.direction[beam];
+        if (!hasOrigins) continue;
+        const Vec3d origin = table.originOf(beam);
+        beams.origin[i] = pose.isIdentity ? origin : pose.rotation * origin + pose.translation;
+      }
+    }
+  });
+  return beams;
+}
+
+// Returns directions that the rig's cameras must cover to see everything that the beams can hit: the directions of the
+// beams and, if beams do not start at the rig's origin, the directions of the nearest points that these beams can hit.
+std::vector<Vec3d> viewDirections(const RigBeams& beams) {
+  std::vector<Vec3d> directions = beams.direction;
+  if (beams.origin.empty()) return directions;
+  const double nearest = std::max(beams.minRange, kNearestSample);
+  directions.reserve(2 * directions.size());
+  for (std::size_t i = 0; i < beams.direction.size(); ++i) {
+    directions.push_back(normalized(beams.origin[i] + beams.direction[i] * nearest));
+  }
+  return directions;
+}
 
 // The beams of a step of a revolution and, for rendering, its cameras. If the sensor stands still, they depend only on
 // the beam table.
@@ -132,7 +238,7 @@ class DepthCameraMethod : public DepthCamera {
     StageClock clock(kStages);
     for (const PassStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
       const std::shared_ptr<const StepView> view = viewOf(shot, step);
-      drawn(shot, *view, step.worldFromRig, passesFor(channels, options_.sample), clock, [&](PixelSource& source) {
+      renderStep(shot, *view, step.worldFromRig, passes(channels), clock, [&](PixelSource& source) {
         unseen += samplePixels(source, step.worldFromRig, view->beams, sampleOptions(*shot.beams), hits);
       });
     }
@@ -146,8 +252,8 @@ class DepthCameraMethod : public DepthCamera {
     StageClock clock(kStages);
     for (PassStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
       const std::shared_ptr<const StepView> view = viewOf(shot, step);
-      drawn(shot, *view, step.worldFromRig, choice, clock,
-            [&](PixelSource& source) { step.images = readAll(source, choice); });
+      renderStep(shot, *view, step.worldFromRig, choice, clock,
+                 [&](PixelSource& source) { step.images = readAll(source, choice); });
       take(std::move(step));
     }
     return account(clock, shot, 0);
@@ -172,20 +278,21 @@ class DepthCameraMethod : public DepthCamera {
   std::vector<ModelledItem> modelled() const override {
     std::vector<ModelledItem> items;
     if (makeRenderer_) {
-      items.push_back({"images", fmt::format("layout {}, resolution {}, drawn by {}; moving sensors: {} per revolution",
-                                             options_.layoutName, options_.layout.resolution, options_.renderer,
-                                             options_.rendersPerRevolution > 0
-                                                 ? fmt::format("{} renders", options_.rendersPerRevolution)
-                                                 : std::string("one render for every 5 cm or degree of motion"))});
+      const std::string renders = options_.rendersPerRevolution > 0
+                                      ? fmt::format("{} renders", options_.rendersPerRevolution)
+                                      : "one render for every 5 cm or degree of motion";
+      items.push_back(
+          {"images", fmt::format("layout {}, resolution {}, drawn by {}; moving sensors: {} per revolution",
+                                 options_.layoutName, options_.layout.resolution, options_.renderer, renders)});
       if (options_.renderer == "blender") items.push_back({"Blender", whereBlenderIs()});
     } else {
       items.push_back({"images", "passes from files"});
     }
-    items.push_back(
-        {"geometry",
-         fmt::format("one hit per ray, sampling {}, depth {}{}", options_.samplingName, options_.depthName,
-                     options_.sample.sampling == Sampling::Plane ? ": exact on flat surfaces, edges to within a pixel"
-                                                                 : ": to within a pixel")});
+    const char* const accuracy = options_.sample.sampling == Sampling::Plane
+                                     ? ": exact on flat surfaces, edges to within a pixel"
+                                     : ": to within a pixel";
+    items.push_back({"geometry", fmt::format("one hit per ray, sampling {}, depth {}{}", options_.samplingName,
+                                             options_.depthName, accuracy)});
     items.push_back({fmt::format("surfaces nearer to a camera's plane than {:g} m", options_.sample.nearest),
                      "beams pass through them", true});
     if (scene_ != nullptr) {
@@ -213,27 +320,22 @@ class DepthCameraMethod : public DepthCamera {
   }
 
  private:
+  // Returns the view of a step. The view of a sensor that stands still is made once for each beam table.
   std::shared_ptr<const StepView> viewOf(const Shot& shot, const PassStep& step) const {
-    const bool allColumns = step.endColumn - step.firstColumn == shot.beams->columns;
-    if (shot.worldFromSensor.size() == 1 && allColumns && step.worldFromRig == shot.worldFromSensor[0]) {
-      return stillView(shot, step);
-    }
-    return makeView(shot, step);
+    const bool hasAllColumns = step.endColumn - step.firstColumn == shot.beams->columns;
+    const bool standsStill = shot.worldFromSensor.size() == 1 && step.worldFromRig == shot.worldFromSensor[0];
+    if (!standsStill || !hasAllColumns) return makeView(shot, step);
+    const std::scoped_lock lock(viewsMutex_);
+    return stillViews_.findOrAdd([&](const auto& view) { return view->table == shot.beams; }, kSensorsInMemory,
+                                 [&] { return makeView(shot, step); });
   }
 
   std::shared_ptr<const StepView> makeView(const Shot& shot, const PassStep& step) const {
-    auto made = std::make_shared<StepView>();
-    made->table = shot.beams;
-    made->beams = rigBeams(shot, step.firstColumn, step.endColumn, step.worldFromRig);
-    if (makeRenderer_) made->cameras = layOutCameras(viewDirections(made->beams), options_.layout);
-    return made;
-  }
-
-  // Returns the view of a sensor that stands still, which is made once for each beam table.
-  std::shared_ptr<const StepView> stillView(const Shot& shot, const PassStep& step) const {
-    const std::scoped_lock lock(sensorsMutex_);
-    return sensors_.findOrAdd([&](const auto& view) { return view->table == shot.beams; }, kSensorsInMemory,
-                              [&] { return makeView(shot, step); });
+    auto view = std::make_shared<StepView>();
+    view->table = shot.beams;
+    view->beams = rigBeams(shot, step.firstColumn, step.endColumn, step.worldFromRig);
+    if (makeRenderer_) view->cameras = layOutCameras(viewDirections(view->beams), options_.layout);
+    return view;
   }
 
   SampleOptions sampleOptions(const BeamTable& table) const {
@@ -242,12 +344,13 @@ class DepthCameraMethod : public DepthCamera {
     return sample;
   }
 
+  // Returns the limits of images for beams with these origins (m, rig axes; none: all at the rig's origin).
   DrawLimits limits(const BeamTable& table, const std::vector<Vec3d>& origins) const {
-    double offset = 0;
-    for (const Vec3d& origin : origins) offset = std::max(offset, dot(origin, origin));
-    const double reach = (table.maxRange + std::sqrt(offset)) * (1 + kSlack) + kSlack;
+    double farthestOrigin2 = 0;  // m^2
+    for (const Vec3d& origin : origins) farthestOrigin2 = std::max(farthestOrigin2, dot(origin, origin));
+    const double reach = (table.maxRange + std::sqrt(farthestOrigin2)) * (1 + kReachMargin) + kReachMargin;
     const double farthest = options_.farthest > 0 ? options_.farthest : std::max(reach, 2 * options_.sample.nearest);
-    return {options_.sample.nearest, farthest, reach};
+    return {.nearest = options_.sample.nearest, .farthest = farthest, .reach = reach};
   }
 
   void requireRenderer() const {
@@ -263,36 +366,38 @@ class DepthCameraMethod : public DepthCamera {
   // Renders a step and calls `use` with its pixels. Only one thread at a time does this; the time that a thread waits
   // for the renderer is not added to `clock`.
   template <class Use>
-  void drawn(const Shot& shot, const StepView& view, const Pose& rig, PassChoice choice, StageClock& clock,
-             const Use& use) const {
+  void renderStep(const Shot& shot, const StepView& view, const Pose& worldFromRig, PassChoice choice,
+                  StageClock& clock, const Use& use) const {
     if (view.cameras.empty()) {  // no camera of the layout sees any of the beams
-      ImageSource nothing({});
-      use(nothing);
+      ImageSource noImages({});
+      use(noImages);
       return;
     }
     std::vector<Camera> cameras = view.cameras;
-    for (Camera& camera : cameras) camera.worldFromCamera = rig * camera.worldFromCamera;
-    const DrawLimits bounds = limits(*shot.beams, view.beams.origin);
+    for (Camera& camera : cameras) camera.worldFromCamera = worldFromRig * camera.worldFromCamera;
     const std::scoped_lock lock(rendererMutex_);
-    const WallTimer drawing;
-    const std::unique_ptr<PixelSource> source = renderer().draw(cameras, bounds, choice);
-    clock.add("render", drawing.seconds());
-    const WallTimer sampling;
-    TimedSource timed(*source);
-    use(timed);
-    clock.add("read_back", timed.seconds());
-    clock.add("sample", sampling.seconds() - timed.seconds());
+    const WallTimer renderTimer;
+    const std::unique_ptr<PixelSource> source =
+        renderer().draw(cameras, limits(*shot.beams, view.beams.origin), choice);
+    clock.add("render", renderTimer.seconds());
+    const WallTimer useTimer;
+    TimedSource timedSource(*source);
+    use(timedSource);
+    clock.add("read_back", timedSource.seconds());
+    clock.add("sample", useTimer.seconds() - timedSource.seconds());
   }
 
   // Returns the account of a shot. `unseen`: number of the shot's beams that are in no image.
   TraceAccount account(const StageClock& clock, const Shot& shot, std::uint64_t unseen) const {
     TraceAccount account{clock.seconds(), {}};
     if (unseen == 0) return account;
-    account.warn(
-        {shot.sensorName, 0, unseen,
-         fmt::format("{} of {} beams of '{}' are outside all images{} and count as misses: {}", unseen,
-                     shot.beams->size(), shot.sensorName, makeRenderer_ ? " of layout " + options_.layoutName : "",
-                     makeRenderer_ ? "take `layout: auto`" : "draw images that cover them")});
+    account.warn({.sensor = shot.sensorName,
+                  .kind = 0,
+                  .count = unseen,
+                  .text = fmt::format("{} of {} beams of '{}' are outside all images{} and count as misses: {}", unseen,
+                                      shot.beams->size(), shot.sensorName,
+                                      makeRenderer_ ? " of layout " + options_.layoutName : "",
+                                      makeRenderer_ ? "take `layout: auto`" : "draw images that cover them")});
     return account;
   }
 
@@ -301,8 +406,8 @@ class DepthCameraMethod : public DepthCamera {
   RendererMaker makeRenderer_;
   mutable std::mutex rendererMutex_;
   mutable std::unique_ptr<PassRenderer> renderer_;
-  mutable std::mutex sensorsMutex_;
-  mutable RecentlyUsed<std::shared_ptr<const StepView>> sensors_;  // views of sensors that stand still
+  mutable std::mutex viewsMutex_;
+  mutable RecentlyUsed<std::shared_ptr<const StepView>> stillViews_;  // views of sensors that stand still
 };
 
 }  // namespace

@@ -16,24 +16,25 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBatch = std::size_t{1} << 18;
-constexpr std::size_t kSampleGrain = 16 * kBlock;
-constexpr int kRounds = 3;
+constexpr std::size_t kBatch = std::size_t{1} << 18;  // beams whose pixels are fetched together
+constexpr std::size_t kSampleGrain = 16 * kBlock;     // beams per task
+constexpr int kRounds = 3;              // most pixels that are fetched for a beam that does not start in the camera
 constexpr double kSameOrigin = 1e-6;    // m; a beam whose origin is this near to the camera is treated as starting in
                                         // the camera
 constexpr double kFirstGuess = 20;      // m along a beam that does not start in the camera: first guess of its hit
 constexpr double kFarAway = 1e6;        // m along the beam: second guess, if the first pixel shows no surface
+constexpr double kLeastRange = 1e-30;   // m; excludes a range of 0 if the sensor has no minimum range
 constexpr double kLimitSlack = 1.2e-7;  // a range may be beyond a limit by this fraction: float32 rounding
 
 // Beams that are sampled together, and the pixels that they fall into in this round.
 struct Batch {
-  std::size_t base = 0;  // index of the first of `count` consecutive beams; used only if `index` is empty
+  std::size_t firstBeam = 0;  // index of the first of `count` consecutive beams; used only if `beams` is empty
   std::size_t count = 0;
-  std::vector<std::uint32_t> index;  // indices of the beams in RigBeams
+  std::vector<std::uint32_t> beams;  // indices of the beams in RigBeams
   std::vector<double> u, v;          // px, position of each beam's pixel in its image
-  std::vector<std::uint8_t> view;
+  std::vector<std::uint8_t> view;    // index of the image; kNoView: none
 
-  std::size_t beam(std::size_t i) const { return index.empty() ? base + i : index[i]; }
+  std::size_t beam(std::size_t i) const { return beams.empty() ? firstBeam + i : beams[i]; }
   void resize(std::size_t n) {
     count = n;
     u.resize(n);
@@ -62,11 +63,12 @@ class Sampler {
     }
   }
 
+  // Samples all beams. Returns the number of beams that are in no image. Called once.
   std::uint64_t run() {
-    for (std::size_t base = 0; base < beams_.direction.size(); base += kBatch) {
+    for (std::size_t firstBeam = 0; firstBeam < beams_.direction.size(); firstBeam += kBatch) {
       Batch batch;
-      batch.base = base;
-      batch.resize(std::min(kBatch, beams_.direction.size() - base));
+      batch.firstBeam = firstBeam;
+      batch.resize(std::min(kBatch, beams_.direction.size() - firstBeam));
       findFirstPixels(batch);
       for (int round = 1; batch.count > 0; ++round) {
         fetch(batch);
@@ -87,32 +89,31 @@ class Sampler {
 
   // Returns true if a camera or a beam's origin is not at the origin of the rig.
   bool originsDiffer() const {
-    const bool apart = std::any_of(views_.begin(), views_.end(),
-                                   [](const CameraView& view) { return length(view.position) > kSameOrigin; });
-    return apart || std::any_of(beams_.origin.begin(), beams_.origin.end(),
-                                [](const Vec3d& o) { return dot(o, o) > kSameOrigin * kSameOrigin; });
+    const auto isApart = [](const Vec3d& position) { return dot(position, position) > kSameOrigin * kSameOrigin; };
+    return std::ranges::any_of(views_, isApart, &CameraView::position) || std::ranges::any_of(beams_.origin, isApart);
   }
 
+  // Loads the batch's beams [first, first + count) into a block.
   void load(const Batch& batch, std::size_t first, std::size_t count, BeamBlock& block) const {
     block.count = count;
-    const auto loadAll = [&](auto beam) {
+    const auto loadAll = [&](auto beamOf) {  // beamOf(i): index of the block's beam i
       for (std::size_t i = 0; i < count; ++i) {
-        const Vec3d& d = beams_.direction[beam(i)];
+        const Vec3d& d = beams_.direction[beamOf(i)];
         block.dx[i] = d.x;
         block.dy[i] = d.y;
         block.dz[i] = d.z;
       }
       for (std::size_t i = 0; i < count; ++i) {
-        const Vec3d o = beams_.origin.empty() ? Vec3d{} : beams_.origin[beam(i)];
+        const Vec3d o = beams_.origin.empty() ? Vec3d{} : beams_.origin[beamOf(i)];
         block.ox[i] = o.x;
         block.oy[i] = o.y;
         block.oz[i] = o.z;
       }
     };
-    if (batch.index.empty()) {
-      loadAll([at = batch.base + first](std::size_t i) { return at + i; });
+    if (batch.beams.empty()) {
+      loadAll([firstBeam = batch.firstBeam + first](std::size_t i) { return firstBeam + i; });
     } else {
-      loadAll([at = &batch.index[first]](std::size_t i) { return at[i]; });
+      loadAll([beams = &batch.beams[first]](std::size_t i) { return beams[i]; });
     }
   }
 
@@ -125,7 +126,7 @@ class Sampler {
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
         load(batch, first, count, block);
-        project(views_, block.dx, block.dy, block.dz, count, ProjectedAs::Directions, batch.at(first));
+        project(views_, block.dx, block.dy, block.dz, count, Projected::Directions, batch.at(first));
         if (rounds_ > 1) usePixelsOfGuess(batch, first, block);
         for (std::size_t i = first; i < first + count; ++i) unseen += batch.view[i] == kNoView ? 1 : 0;
       }
@@ -142,7 +143,7 @@ class Sampler {
       y[i] = block.oy[i] + block.dy[i] * kFirstGuess;
       z[i] = block.oz[i] + block.dz[i] * kFirstGuess;
     }
-    project(views_, x, y, z, block.count, ProjectedAs::Points, {u, v, view});
+    project(views_, x, y, z, block.count, Projected::Points, {u, v, view});
     for (std::size_t i = 0; i < block.count; ++i) {
       if (view[i] == kNoView) continue;
       batch.u[first + i] = u[i];
@@ -157,7 +158,7 @@ class Sampler {
     addresses_.resize(batch.count);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
-        addresses_[i] = batch.view[i] == kNoView ? kNoPixel : views_[batch.view[i]].at(batch.u[i], batch.v[i]);
+        addresses_[i] = batch.view[i] == kNoView ? kNoPixel : views_[batch.view[i]].addressAt(batch.u[i], batch.v[i]);
       }
     });
     source_.fetch(addresses_, choice_, planes_);
@@ -169,114 +170,119 @@ class Sampler {
     });
   }
 
+  // Computes the hits from the batch's fetched pixels, and stores those that need no further round. `round`: 1 is the
+  // first.
   void resolve(Batch& batch, int round) {
     needsRound_.assign(batch.count, 0);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
-      ImageHits found;
+      ImageHits hits;
       for (std::size_t first = begin; first < end; first += kBlock) {
-        const std::size_t count = std::min(kBlock, end - first);
-        load(batch, first, count, block);
-        for (std::size_t i = 0; i < count;) {  // one turn for each run of successive beams in the same image
-          const std::uint8_t view = batch.view[first + i];
-          std::size_t next = i + 1;
-          while (next < count && batch.view[first + next] == view) ++next;
-          if (view == kNoView) {
-            std::fill(found.range + i, found.range + next, INFINITY);
-            std::fill(found.along + i, found.along + next, 0.0);
-          } else {
-            const BlockPixels pixels{&batch.u[first], &batch.v[first], &planes_, first};
-            measure(options_, views_[view], rigFromWorld_, pixels, i, next, block, found);
-          }
-          i = next;
-        }
-        std::fill_n(found.needsRound, count, false);
-        if (round < rounds_) findNextPixels(batch, first, round == 1, block, found);
-        store(batch, first, count, found);
+        load(batch, first, std::min(kBlock, end - first), block);
+        measureBlock(batch, first, block, hits);
+        std::fill_n(hits.needsRound, block.count, false);
+        if (round < rounds_) findNextPixels(batch, first, round == 1, block, hits);
+        store(batch, first, block.count, hits);
       }
     });
   }
 
+  // Fills `hits`, except `needsRound`, for the batch's beams from `first` on, which are those of the block.
+  void measureBlock(const Batch& batch, std::size_t first, const BeamBlock& block, ImageHits& hits) const {
+    const BlockPixels pixels{&batch.u[first], &batch.v[first], &planes_, first};
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < block.count; i = next) {  // once for each run of successive beams in the same image
+      const std::uint8_t view = batch.view[first + i];
+      for (next = i + 1; next < block.count && batch.view[first + next] == view; ++next) continue;
+      if (view == kNoView) {
+        std::fill(hits.range + i, hits.range + next, INFINITY);
+        std::fill(hits.cosine + i, hits.cosine + next, 0.0);
+      } else {
+        measure(options_, views_[view], rigFromWorld_, pixels, i, next, block, hits);
+      }
+    }
+  }
+
   // Sets the pixel of the next round to the pixel of the hit point, if that differs from the pixel of this round. If
   // the first round shows no surface, the next pixel is the pixel of a point far away on the beam.
-  void findNextPixels(Batch& batch, std::size_t first, bool isFirst, const BeamBlock& block, ImageHits& found) {
+  void findNextPixels(Batch& batch, std::size_t first, bool isFirstRound, const BeamBlock& block, ImageHits& hits) {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];
     for (std::size_t i = 0; i < block.count; ++i) {
-      const double range = found.range[i] < kFarAway ? found.range[i] : kFarAway;
+      const double range = hits.range[i] < kFarAway ? hits.range[i] : kFarAway;
       x[i] = block.ox[i] + block.dx[i] * range;
       y[i] = block.oy[i] + block.dy[i] * range;
       z[i] = block.oz[i] + block.dz[i] * range;
     }
-    project(views_, x, y, z, block.count, ProjectedAs::Points, {u, v, view});
+    project(views_, x, y, z, block.count, Projected::Points, {u, v, view});
     for (std::size_t i = 0; i < block.count; ++i) {
-      const std::size_t at = first + i;
-      const bool otherPixel = view[i] != batch.view[at] || std::floor(u[i]) != std::floor(batch.u[at]) ||
-                              std::floor(v[i]) != std::floor(batch.v[at]);
-      if (!otherPixel || view[i] == kNoView || !(isFirst || found.range[i] < INFINITY)) continue;
-      found.needsRound[i] = true;
-      batch.u[at] = u[i];
-      batch.v[at] = v[i];
-      batch.view[at] = view[i];
-      needsRound_[at] = 1;
+      const std::size_t beam = first + i;  // index in the batch
+      const bool isSamePixel = view[i] == batch.view[beam] && std::floor(u[i]) == std::floor(batch.u[beam]) &&
+                               std::floor(v[i]) == std::floor(batch.v[beam]);
+      if (isSamePixel || view[i] == kNoView || !(isFirstRound || hits.range[i] < INFINITY)) continue;
+      hits.needsRound[i] = true;
+      batch.u[beam] = u[i];
+      batch.v[beam] = v[i];
+      batch.view[beam] = view[i];
+      needsRound_[beam] = 1;
     }
   }
 
   // Returns the beams of the batch whose pixels need another round of the search.
   Batch nextRound(const Batch& batch) {
     Batch next;
-    const auto count = static_cast<std::size_t>(std::count(needsRound_.begin(), needsRound_.begin() + batch.count, 1));
-    next.resize(count);
-    next.index.resize(count);
-    for (std::size_t i = 0, to = 0; i < batch.count; ++i) {
+    for (std::size_t i = 0; i < batch.count; ++i) {
       if (needsRound_[i] == 0) continue;
-      next.index[to] = static_cast<std::uint32_t>(batch.beam(i));
-      next.u[to] = batch.u[i];
-      next.v[to] = batch.v[i];
-      next.view[to] = batch.view[i];
-      ++to;
+      next.beams.push_back(static_cast<std::uint32_t>(batch.beam(i)));
+      next.u.push_back(batch.u[i]);
+      next.v.push_back(batch.v[i]);
+      next.view.push_back(batch.view[i]);
     }
+    next.count = next.beams.size();
     return next;
   }
 
-  void store(const Batch& batch, std::size_t first, std::size_t count, const ImageHits& found) const {
-    const double nearest = beams_.minRange > 0 ? beams_.minRange * (1 - kLimitSlack) : 1e-30;
+  // Stores the hits of the batch's beams [first, first + count) that need no further round.
+  void store(const Batch& batch, std::size_t first, std::size_t count, const ImageHits& hits) const {
+    const double nearest = beams_.minRange > 0 ? beams_.minRange * (1 - kLimitSlack) : kLeastRange;
     const double farthest = beams_.maxRange * (1 + kLimitSlack);
-    bool hit[kBlock];
-    std::uint32_t to[kBlock];
-    std::size_t from[kBlock];
-    std::size_t done = 0;
+    // The stored beams: index in the block, index in hits_, and whether they hit.
+    std::size_t inBlock[kBlock];
+    std::uint32_t inHits[kBlock];
+    bool isHit[kBlock];
+    std::size_t stored = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      if (found.needsRound[i]) continue;
-      from[done] = i;
-      to[done] = beams_.beam[batch.beam(first + i)];
-      hit[done] = found.range[i] >= nearest && found.range[i] <= farthest;
-      hits_.range[to[done]] = hit[done] ? static_cast<float>(found.range[i]) : kMiss;
-      ++done;
+      if (hits.needsRound[i]) continue;
+      inBlock[stored] = i;
+      inHits[stored] = beams_.beam[batch.beam(first + i)];
+      isHit[stored] = hits.range[i] >= nearest && hits.range[i] <= farthest;
+      ++stored;
     }
-    const auto put = [&](auto& column, const auto& plane) {
-      if (column.empty() || plane.empty()) return;
-      for (std::size_t k = 0; k < done; ++k) {
-        column[to[k]] = hit[k] ? plane[first + from[k]] : typename std::decay_t<decltype(plane)>::value_type{};
-      }
+    // Sets a column of hits_ to valueOf(index in the block), and to zero for misses.
+    const auto fill = [&]<class T>(std::vector<T>& column, const auto& valueOf) {
+      for (std::size_t k = 0; k < stored; ++k) column[inHits[k]] = isHit[k] ? valueOf(inBlock[k]) : T{};
     };
+    const auto copyPlane = [&]<class T>(std::vector<T>& column, const std::vector<T>& plane) {
+      if (!column.empty() && !plane.empty()) fill(column, [&](std::size_t i) { return plane[first + i]; });
+    };
+    for (std::size_t k = 0; k < stored; ++k) {
+      hits_.range[inHits[k]] = isHit[k] ? static_cast<float>(hits.range[inBlock[k]]) : kMiss;
+    }
     forEachPass([&](const ChannelRow& row, auto plane, auto column) {
-      if (row.channel != Channel::Range && row.channel != Channel::Normal) put(hits_.*column, planes_.*plane);
+      if (row.channel != Channel::Range && row.channel != Channel::Normal) copyPlane(hits_.*column, planes_.*plane);
     });
-    put(hits_.roughness, planes_.roughness);
-    put(hits_.metallic, planes_.metallic);
-    put(hits_.retroreflectance, planes_.retroreflectance);
+    copyPlane(hits_.roughness, planes_.roughness);
+    copyPlane(hits_.metallic, planes_.metallic);
+    copyPlane(hits_.retroreflectance, planes_.retroreflectance);
     if (hits_.channels.has(Channel::Normal)) {
-      for (std::size_t k = 0; k < done; ++k) {
-        const Vec3f& n = planes_.normal[first + from[k]];
-        hits_.normal[to[k]] = !hit[k] ? Vec3f{} : found.along[from[k]] > 0 ? -n : n;
-      }
+      fill(hits_.normal, [&](std::size_t i) {
+        const Vec3f& normal = planes_.normal[first + i];
+        return hits.cosine[i] > 0 ? -normal : normal;
+      });
     }
     static_assert(kChannels.size() == 8, "fill the new channel here if no plane of the images has it");
     if (hits_.channels.has(Channel::Incidence)) {
-      for (std::size_t k = 0; k < done; ++k) {
-        hits_.incidence[to[k]] = hit[k] ? static_cast<float>(std::min(std::abs(found.along[from[k]]), 1.0)) : 0.0f;
-      }
+      fill(hits_.incidence, [&](std::size_t i) { return static_cast<float>(std::min(std::abs(hits.cosine[i]), 1.0)); });
     }
   }
 
@@ -287,11 +293,11 @@ class Sampler {
   PassChoice choice_;
   std::vector<CameraView> views_;
   Mat3 rigFromWorld_;
-  std::vector<PixelAddress> addresses_;  // of the batch's pixels
-  PassPlanes planes_;                    // values of the batch's pixels
-  int rounds_;
-  std::vector<std::uint8_t> needsRound_;
-  std::atomic<std::uint64_t> unseen_{0};
+  std::vector<PixelAddress> addresses_;   // of the batch's pixels
+  PassPlanes planes_;                     // values of the batch's pixels
+  int rounds_;                            // 1 if all beams start in all cameras
+  std::vector<std::uint8_t> needsRound_;  // by beam of the batch: 1 if its next pixel differs
+  std::atomic<std::uint64_t> unseen_{0};  // number of beams that are in no image
 };
 
 }  // namespace

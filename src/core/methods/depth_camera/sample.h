@@ -45,7 +45,7 @@ struct RigBeams {
   double maxRange = 0;
 };
 
-// Fills `hits` for the given beams: every channel in hits.channels and, if the source has them, the surface parameters
+// Fills `hits` for the beams: every channel in hits.channels and, if the source has them, the surface parameters
 // (roughness, metallic, retroreflectance). The caller must have called Hits::reset(). A beam is a miss if it is in no
 // image, or if its pixel shows no surface within the range limits. If beams do not start in the camera, a beam's pixel
 // is the pixel of its hit point, which is found in at most three rounds. `worldFromRig`: pose of the rig that the

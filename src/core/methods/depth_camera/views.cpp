@@ -32,71 +32,76 @@ double asHalf(double value) {
   return std::clamp(std::nearbyint(value / step) * step, -kLargest, kLargest);
 }
 
+// Returns a depth (m) as a z-buffer of `bits` bits of fixed point between the near and the far plane stores it.
 double asUnorm(double depth, int bits, double nearest, double farthest) {
   const double steps = std::ldexp(1.0, bits) - 1;
   const double clamped = std::clamp(depth, nearest, farthest);
-  const double window = (1 / nearest - 1 / clamped) / (1 / nearest - 1 / farthest);
-  const double stored = std::nearbyint(window * steps) / steps;
-  return 1 / (1 / nearest - stored * (1 / nearest - 1 / farthest));
+  const double fraction = (1 / nearest - 1 / clamped) / (1 / nearest - 1 / farthest);  // 0 to 1
+  const double rounded = std::nearbyint(fraction * steps) / steps;
+  return 1 / (1 / nearest - rounded * (1 / nearest - 1 / farthest));
 }
 
 // Rounds the hit points as LiDAR-GEIL's images of coordinates do.
-void roundToHalf(std::size_t begin, std::size_t end, ImageHits& found) {
+void roundToHalf(std::size_t begin, std::size_t end, ImageHits& hits) {
   const auto rounded = [](double coordinate) {
     return double{storedDepth(static_cast<float>(coordinate), DepthFormat::Half500, 0, 0)};
   };
   for (std::size_t i = begin; i < end; ++i) {
-    const double z = rounded(found.depth[i]);
-    found.a[i] = rounded(found.a[i] * found.depth[i]) / z;
-    found.b[i] = rounded(found.b[i] * found.depth[i]) / z;
-    found.depth[i] = z;
+    const double z = rounded(hits.depth[i]);
+    hits.a[i] = rounded(hits.a[i] * hits.depth[i]) / z;
+    hits.b[i] = rounded(hits.b[i] * hits.depth[i]) / z;
+    hits.depth[i] = z;
   }
 }
 
-void findHitPoints(const CameraView& view, std::size_t begin, std::size_t end, ImageHits& found) {
+// Computes the pixels' points in rig axes.
+void findHitPoints(const CameraView& view, std::size_t begin, std::size_t end, ImageHits& hits) {
   for (std::size_t i = begin; i < end; ++i) {
-    const double a = found.a[i];
-    const double b = found.b[i];
-    const double z = found.depth[i];
-    found.px[i] = (view.right.x * a + view.down.x * b + view.forward.x) * z + view.position.x;
-    found.py[i] = (view.right.y * a + view.down.y * b + view.forward.y) * z + view.position.y;
-    found.pz[i] = (view.right.z * a + view.down.z * b + view.forward.z) * z + view.position.z;
+    const double a = hits.a[i];
+    const double b = hits.b[i];
+    const double z = hits.depth[i];
+    hits.px[i] = (view.right.x * a + view.down.x * b + view.forward.x) * z + view.position.x;
+    hits.py[i] = (view.right.y * a + view.down.y * b + view.forward.y) * z + view.position.y;
+    hits.pz[i] = (view.right.z * a + view.down.z * b + view.forward.z) * z + view.position.z;
   }
 }
 
-void usePointRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& found) {
+// Sets the ranges to the distances of the pixels' points.
+void usePointRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& hits) {
   for (std::size_t i = begin; i < end; ++i) {
-    const double x = found.px[i] - block.ox[i];
-    const double y = found.py[i] - block.oy[i];
-    const double z = found.pz[i] - block.oz[i];
-    found.range[i] = std::sqrt(x * x + y * y + z * z);
-    found.along[i] = 0;
+    const double x = hits.px[i] - block.ox[i];
+    const double y = hits.py[i] - block.oy[i];
+    const double z = hits.pz[i] - block.oz[i];
+    hits.range[i] = std::sqrt(x * x + y * y + z * z);
+    hits.cosine[i] = 0;
   }
 }
 
+// Rotates the pixels' normals (world axes) into rig axes.
 void rotateNormals(const Vec3f* normal, const Mat3& rigFromWorld, std::size_t begin, std::size_t end,
-                   const BeamBlock& block, ImageHits& found) {
+                   const BeamBlock& block, ImageHits& hits) {
   const Mat3& m = rigFromWorld;
   for (std::size_t i = begin; i < end; ++i) {
     const auto x = double{normal[i].x};
     const auto y = double{normal[i].y};
     const auto z = double{normal[i].z};
-    found.nx[i] = m.x.x * x + m.y.x * y + m.z.x * z;
-    found.ny[i] = m.x.y * x + m.y.y * y + m.z.y * z;
-    found.nz[i] = m.x.z * x + m.y.z * y + m.z.z * z;
-    found.along[i] = found.nx[i] * block.dx[i] + found.ny[i] * block.dy[i] + found.nz[i] * block.dz[i];
+    hits.nx[i] = m.x.x * x + m.y.x * y + m.z.x * z;
+    hits.ny[i] = m.x.y * x + m.y.y * y + m.z.y * z;
+    hits.nz[i] = m.x.z * x + m.y.z * y + m.z.z * z;
+    hits.cosine[i] = hits.nx[i] * block.dx[i] + hits.ny[i] * block.dy[i] + hits.nz[i] * block.dz[i];
   }
 }
 
-void usePlaneRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& found) {
+// Replaces the ranges by those to the tangent planes at the pixels' points, where these are reliable.
+void usePlaneRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& hits) {
   for (std::size_t i = begin; i < end; ++i) {
-    const double height = found.nx[i] * (found.px[i] - block.ox[i]) + found.ny[i] * (found.py[i] - block.oy[i]) +
-                          found.nz[i] * (found.pz[i] - block.oz[i]);
-    const double range = height / found.along[i];
-    const double nearest = found.range[i];
+    const double height = hits.nx[i] * (hits.px[i] - block.ox[i]) + hits.ny[i] * (hits.py[i] - block.oy[i]) +
+                          hits.nz[i] * (hits.pz[i] - block.oz[i]);
+    const double range = height / hits.cosine[i];
+    const double pointRange = hits.range[i];
     // Also false if the beam does not hit the plane in front of the sensor: `range` is NaN, infinite or negative.
-    const bool inBound = (range <= nearest * kPlaneErrorBound) & (range * kPlaneErrorBound >= nearest);
-    found.range[i] = inBound ? range : nearest;
+    const bool isReliable = (range <= pointRange * kPlaneErrorBound) & (range * kPlaneErrorBound >= pointRange);
+    hits.range[i] = isReliable ? range : pointRange;
   }
 }
 
@@ -105,76 +110,73 @@ void usePlaneRanges(std::size_t begin, std::size_t end, const BeamBlock& block, 
 std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig) {
   std::vector<CameraView> views;
   const Mat3 rigFromWorld = transposed(toMatrix(worldFromRig.rotation));
-  PixelAddress first = 0;
+  PixelAddress firstPixel = 0;
   for (const Camera& camera : cameras) {
     const Mat3 axes = rigFromWorld * toMatrix(camera.worldFromCamera.rotation);
-    CameraView view;
-    view.right = axes.x;
-    view.down = axes.y;
-    view.forward = axes.z;
     // Subtract before rotating: far from the world's origin this keeps a precision of micrometres.
-    view.position = rigFromWorld * (camera.worldFromCamera.translation - worldFromRig.translation);
-    view.fx = camera.fx;
-    view.fy = camera.fy;
-    view.cx = camera.cx;
-    view.cy = camera.cy;
-    view.width = camera.width;
-    view.height = camera.height;
-    view.lastU = std::nextafter(view.width, 0.0);
-    view.lastV = std::nextafter(view.height, 0.0);
-    view.rowLength = camera.width;
-    view.first = first;
-    views.push_back(view);
-    first += static_cast<PixelAddress>(camera.pixels());
+    const Vec3d position = rigFromWorld * (camera.worldFromCamera.translation - worldFromRig.translation);
+    views.push_back({.right = axes.x,
+                     .down = axes.y,
+                     .forward = axes.z,
+                     .position = position,
+                     .fx = camera.fx,
+                     .fy = camera.fy,
+                     .cx = camera.cx,
+                     .cy = camera.cy,
+                     .width = static_cast<double>(camera.width),
+                     .height = static_cast<double>(camera.height),
+                     .lastU = std::nextafter(static_cast<double>(camera.width), 0.0),
+                     .lastV = std::nextafter(static_cast<double>(camera.height), 0.0),
+                     .rowLength = camera.width,
+                     .firstPixel = firstPixel});
+    firstPixel += static_cast<PixelAddress>(camera.pixels());
   }
   if (views.size() >= kNoView) throw InputError(fmt::format("a shot has {} images, which are too many", views.size()));
   return views;
 }
 
 void project(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
-             ProjectedAs what, ImagePositions positions) {
-  alignas(64) double u[kBlock], v[kBlock], depth[kBlock], seenBy[kBlock];
+             Projected kind, ImagePositions positions) {
+  // The best image of each point so far: position (px), depth (m) and the image's index, as a double.
+  alignas(64) double bestU[kBlock], bestV[kBlock], bestDepth[kBlock], bestView[kBlock];
   for (std::size_t i = 0; i < count; ++i) {
-    u[i] = v[i] = depth[i] = 0;
-    seenBy[i] = kNoViewYet;
+    bestU[i] = bestV[i] = bestDepth[i] = 0;
+    bestView[i] = kNoViewYet;
   }
-  double number = 0;
-  for (const CameraView& view : views) {
-    const Vec3d from = what == ProjectedAs::Points ? view.position : Vec3d{};
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    // Copies, so that g++ vectorises the loop over points.
+    const CameraView view = views[k];
+    const auto index = static_cast<double>(k);
+    const Vec3d origin = kind == Projected::Points ? view.position : Vec3d{};
     const Vec3d right = view.right * view.fx;
     const Vec3d down = view.down * view.fy;
     const Vec3d forward = view.forward;
-    const double cx = view.cx;
-    const double cy = view.cy;
-    const double width = view.width + kEdge;
-    const double height = view.height + kEdge;
-    const double lastU = view.lastU;
-    const double lastV = view.lastV;
+    const double widest = view.width + kEdge;
+    const double highest = view.height + kEdge;
     for (std::size_t i = 0; i < count; ++i) {
-      const double px = x[i] - from.x;
-      const double py = y[i] - from.y;
-      const double pz = z[i] - from.z;
-      const double ahead = forward.x * px + forward.y * py + forward.z * pz;
-      const double scale = 1 / ahead;
-      double a = (right.x * px + right.y * py + right.z * pz) * scale + cx;
-      double b = (down.x * px + down.y * py + down.z * pz) * scale + cy;
-      const bool better =
-          (ahead > kInFront) & (ahead > depth[i]) & (a >= -kEdge) & (a <= width) & (b >= -kEdge) & (b <= height);
-      a = a > 0 ? a : 0;
-      a = a < lastU ? a : lastU;
-      b = b > 0 ? b : 0;
-      b = b < lastV ? b : lastV;
-      u[i] = better ? a : u[i];
-      v[i] = better ? b : v[i];
-      depth[i] = better ? ahead : depth[i];
-      seenBy[i] = better ? number : seenBy[i];
+      const double px = x[i] - origin.x;
+      const double py = y[i] - origin.y;
+      const double pz = z[i] - origin.z;
+      const double depth = forward.x * px + forward.y * py + forward.z * pz;
+      const double scale = 1 / depth;
+      double u = (right.x * px + right.y * py + right.z * pz) * scale + view.cx;
+      double v = (down.x * px + down.y * py + down.z * pz) * scale + view.cy;
+      const bool isBetter =
+          (depth > kInFront) & (depth > bestDepth[i]) & (u >= -kEdge) & (u <= widest) & (v >= -kEdge) & (v <= highest);
+      u = u > 0 ? u : 0;
+      u = u < view.lastU ? u : view.lastU;
+      v = v > 0 ? v : 0;
+      v = v < view.lastV ? v : view.lastV;
+      bestU[i] = isBetter ? u : bestU[i];
+      bestV[i] = isBetter ? v : bestV[i];
+      bestDepth[i] = isBetter ? depth : bestDepth[i];
+      bestView[i] = isBetter ? index : bestView[i];
     }
-    number += 1;
   }
-  std::copy_n(u, count, positions.u);
-  std::copy_n(v, count, positions.v);
+  std::copy_n(bestU, count, positions.u);
+  std::copy_n(bestV, count, positions.v);
   for (std::size_t i = 0; i < count; ++i) {
-    const int view = static_cast<int>(seenBy[i]);
+    const int view = static_cast<int>(bestView[i]);
     positions.view[i] = static_cast<std::uint8_t>(view < int{kNoView} ? view : int{kNoView});
   }
 }
@@ -196,23 +198,23 @@ float storedDepth(float depth, DepthFormat format, double nearest, double farthe
 }
 
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
-             std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& found) {
+             std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& hits) {
   const double* u = pixels.u;
   const double* v = pixels.v;
   const float* depth = &pixels.planes->depth[pixels.first];
   const double perFx = 1 / view.fx;
   const double perFy = 1 / view.fy;
   for (std::size_t i = begin; i < end; ++i) {
-    found.a[i] = (std::floor(u[i]) + 0.5 - view.cx) * perFx;
-    found.b[i] = (std::floor(v[i]) + 0.5 - view.cy) * perFy;
-    found.depth[i] = double{depth[i]};
+    hits.a[i] = (std::floor(u[i]) + 0.5 - view.cx) * perFx;
+    hits.b[i] = (std::floor(v[i]) + 0.5 - view.cy) * perFy;
+    hits.depth[i] = double{depth[i]};
   }
-  if (options.depth == DepthFormat::Half500) roundToHalf(begin, end, found);
-  findHitPoints(view, begin, end, found);
-  usePointRanges(begin, end, block, found);
+  if (options.depth == DepthFormat::Half500) roundToHalf(begin, end, hits);
+  findHitPoints(view, begin, end, hits);
+  usePointRanges(begin, end, block, hits);
   if (pixels.planes->normal.empty()) return;
-  rotateNormals(&pixels.planes->normal[pixels.first], rigFromWorld, begin, end, block, found);
-  if (options.sampling == Sampling::Plane) usePlaneRanges(begin, end, block, found);
+  rotateNormals(&pixels.planes->normal[pixels.first], rigFromWorld, begin, end, block, hits);
+  if (options.sampling == Sampling::Plane) usePlaneRanges(begin, end, block, hits);
 }
 
 }  // namespace scanmill

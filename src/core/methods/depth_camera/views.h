@@ -18,19 +18,15 @@ namespace scanmill {
 struct CameraView {
   Vec3d right, down, forward;  // unit vectors of the camera's axes
   Vec3d position;              // m, position of the camera
-  double fx = 0;               // px, focal lengths fx and fy, and principal point (cx, cy)
-  double fy = 0;
-  double cx = 0;
-  double cy = 0;
-  double width = 0;
-  double height = 0;
-  double lastU = 0;             // px, the largest double below `width`
-  double lastV = 0;             // px, the largest double below `height`
-  std::uint32_t rowLength = 0;  // number of pixels in a row
-  PixelAddress first = 0;       // address of the image's first pixel
+  double fx, fy, cx, cy;       // px, focal lengths and principal point
+  double width, height;        // px
+  double lastU, lastV;         // px, the largest doubles below `width` and `height`
+  std::uint32_t rowLength;     // number of pixels in a row
+  PixelAddress firstPixel;     // address of the image's first pixel
 
-  PixelAddress at(double u, double v) const {
-    return first + static_cast<PixelAddress>(static_cast<std::int32_t>(v)) * rowLength +
+  // Returns the address of the pixel at (u, v) (px), which must be inside of the image.
+  PixelAddress addressAt(double u, double v) const {
+    return firstPixel + static_cast<PixelAddress>(static_cast<std::int32_t>(v)) * rowLength +
            static_cast<PixelAddress>(static_cast<std::int32_t>(u));
   }
 };
@@ -48,28 +44,29 @@ struct BeamBlock {
   alignas(64) double dx[kBlock], dy[kBlock], dz[kBlock];
 };
 
-// Positions in images: u and v (px) in the image with the index `view`.
+// Where the projections of points are stored: u and v (px) in the image with the index `view`.
 struct ImagePositions {
   double* u;
   double* v;
-  std::uint8_t* view;  // kNoView: no image contains the point
+  std::uint8_t* view;  // kNoView: no image contains the point; u and v are then 0
 };
 
-enum class ProjectedAs { Points, Directions };
+enum class Projected { Points, Directions };
 
-// Finds for each of at most kBlock points or directions the image in which its depth is largest, among the images that
-// contain it.
+// Projects `count` points (m, rig axes) or directions into the images, at most kBlock. Of the images that contain a
+// point, the one in which its depth is largest is used.
 void project(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
-             ProjectedAs what, ImagePositions positions);
+             Projected kind, ImagePositions positions);
 
 // Hits of a block of beams.
 struct ImageHits {
-  alignas(64) double a[kBlock], b[kBlock], depth[kBlock];  // coordinates in the plane at depth 1, and depth (m)
-  alignas(64) double px[kBlock], py[kBlock], pz[kBlock];   // m, hit point in rig axes
-  alignas(64) double nx[kBlock], ny[kBlock], nz[kBlock];   // normal in rig axes
-  alignas(64) double range[kBlock];                        // m, range of the hit; NaN or infinite if nothing is hit
-  alignas(64) double along[kBlock];                        // dot product of normal and beam direction
-  bool needsRound[kBlock];                                 // true if the next round must sample another pixel
+  alignas(64) double a[kBlock], b[kBlock],
+      depth[kBlock];  // pixel's point: x / depth, y / depth (camera axes); depth (m)
+  alignas(64) double px[kBlock], py[kBlock], pz[kBlock];  // m, hit point in rig axes
+  alignas(64) double nx[kBlock], ny[kBlock], nz[kBlock];  // normal in rig axes
+  alignas(64) double range[kBlock];                       // m, range of the hit; NaN or infinite if nothing is hit
+  alignas(64) double cosine[kBlock];                      // dot product of normal and beam direction
+  bool needsRound[kBlock];                                // true if the next round must sample another pixel
 };
 
 // Pixels of the beams of a block: their positions in the image, and their values.
@@ -80,9 +77,9 @@ struct BlockPixels {
   std::size_t first;         // index in `planes` of the block's first pixel
 };
 
-// Fills `found`, except `needsRound`, for the beams from `begin` to before `end` of a block, all of which fall into one
+// Fills `hits`, except `needsRound`, for the beams from `begin` to before `end` of a block, all of which fall into one
 // image.
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
-             std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& found);
+             std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& hits);
 
 }  // namespace scanmill

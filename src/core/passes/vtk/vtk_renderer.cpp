@@ -6,10 +6,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <new>
 #include <semaphore>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "base/error.h"
@@ -19,11 +23,267 @@
 #include "passes/resolver.h"
 #include "passes/vtk/vtk_geometry.h"
 #include "passes/vtk/vtk_interface.h"
-#include "passes/vtk/vtk_view.h"
 
 namespace scanmill {
 
 namespace {
+
+// A chunk that may be visible.
+struct Candidate {
+  int distance;  // distance from the camera in logarithmic steps: 4 log2(1 + distance in m)
+  std::uint32_t chunk;
+  std::uint32_t frame;
+
+  bool operator<(const Candidate& o) const {
+    return std::tie(distance, chunk, frame) < std::tie(o.distance, o.chunk, o.frame);
+  }
+};
+
+// A half-space. A point p is inside if normal . p + offset >= 0.
+struct HalfSpace {
+  Vec3d normal;
+  double offset;
+};
+
+enum class Side { Outside, Across, Inside };
+
+// Returns whether the box from `low` to `high` is outside of one of the half-spaces, inside of all, or neither.
+Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3f& high) {
+  const Vec3d center = (Vec3d(low) + Vec3d(high)) * 0.5;
+  const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
+  Side side = Side::Inside;
+  for (const HalfSpace& space : spaces) {
+    const double middle = dot(space.normal, center) + space.offset;
+    const double reach =
+        std::abs(space.normal.x) * half.x + std::abs(space.normal.y) * half.y + std::abs(space.normal.z) * half.z;
+    const double slack = 1e-6 * (std::abs(middle) + reach);  // tolerance for the rounding of boxes that touch the plane
+    if (middle + reach < -slack) return Side::Outside;
+    if (middle - reach < slack) side = Side::Across;
+  }
+  return side;
+}
+
+// Returns the distance of a point from a box.
+double distanceTo(const Vec3f& low, const Vec3f& high, const Vec3d& point) {
+  const auto gap = [](double least, double most, double p) { return std::max({least - p, p - most, 0.0}); };
+  return length(Vec3d{gap(low.x, high.x, point.x), gap(low.y, high.y, point.y), gap(low.z, high.z, point.z)});
+}
+
+// See Candidate::distance.
+int distanceStep(double distance) {
+  return static_cast<int>(4 * std::log2(1 + distance));
+}
+
+// A transform of mesh points to the camera's axes (m). `rows.x` is the first row of its matrix, and so on.
+struct CameraFromMesh {
+  Mat3 rows;
+  Vec3d translation;
+
+  // Returns the half-space of mesh points p that have x * px + y * py + z * pz >= 0 in the camera's axes.
+  HalfSpace combine(double x, double y, double z) const {
+    return {rows.x * x + rows.y * y + rows.z * z, x * translation.x + y * translation.y + z * translation.z};
+  }
+};
+
+// Returns the half-spaces of mesh points that bound the camera's view: left, right, upper, lower, near and far.
+std::array<HalfSpace, 6> viewVolume(const CameraFromMesh& map, const Camera& camera, const DrawLimits& limits) {
+  return {map.combine(camera.fx, 0, camera.cx),
+          map.combine(-camera.fx, 0, camera.width - camera.cx),
+          map.combine(0, camera.fy, camera.cy),
+          map.combine(0, -camera.fy, camera.height - camera.cy),
+          HalfSpace{map.rows.z, map.translation.z - limits.nearest},
+          HalfSpace{-map.rows.z, limits.farthest - map.translation.z}};
+}
+
+// Returns the placement of a mesh whose points the map takes to clip coordinates x, y and depth.
+VtkPlacement placementOf(const CameraFromMesh& map, const Camera& camera) {
+  const HalfSpace clip[3] = {map.combine(2 * camera.fx / camera.width, 0, 2 * camera.cx / camera.width - 1),
+                             map.combine(0, 2 * camera.fy / camera.height, 2 * camera.cy / camera.height - 1),
+                             map.combine(0, 0, 1)};
+  VtkPlacement placement{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    const auto& [normal, offset] = clip[row];
+    const std::array<double, 4> values{normal.x, normal.y, normal.z, offset};
+    for (std::size_t k = 0; k < 4; ++k) placement.rows[row][k] = static_cast<float>(values[k]);
+  }
+  return placement;
+}
+
+// Returns a lower bound of the distance (m) from the camera to a box in mesh axes: the distance to an enclosing box
+// that is aligned with the camera's axes.
+double leastDistance(const CameraFromMesh& map, const Vec3f& low, const Vec3f& high) {
+  constexpr double kRoundUp = 1 + 1e-9;  // so that rounding leaves out no box
+  const Vec3d middle = (Vec3d(low) + Vec3d(high)) * 0.5;
+  const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
+  const auto gap = [&](const Vec3d& row, double translation) {
+    const double reach = std::abs(row.x) * half.x + std::abs(row.y) * half.y + std::abs(row.z) * half.z;
+    return std::max(std::abs(dot(row, middle) + translation) - reach * kRoundUp, 0.0);
+  };
+  return length(Vec3d{gap(map.rows.x, map.translation.x), gap(map.rows.y, map.translation.y),
+                      gap(map.rows.z, map.translation.z)});
+}
+
+// A camera's view of a scene, drawn as an image whose pixels are the numbers of triangles. The scene and the geometry
+// must outlive the view.
+class DrawnView {
+ public:
+  DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
+
+  // Returns the image to draw, which has pointers into this view.
+  VtkImage image() const;
+  // Returns the triangle that a pixel (its index in the image) shows if the image's value at the pixel is `number`;
+  // none if `number` is 0 or the triangle is beyond the far limit. The depth is the depth of the triangle's plane at
+  // the pixel's centre, computed in double and clamped to the depths of the triangle's corners.
+  VisibleTriangle triangleAt(std::uint32_t pixel, std::uint32_t number) const;
+
+ private:
+  // A visible instance of the scene, and the transform from the camera's frame to its mesh's frame.
+  struct Frame {
+    std::uint32_t instance;
+    Mat3 meshFromCamera;
+    Vec3d cameraInMesh;
+    Vec3d depthAxis;  // depth = depthAxis . p + depthOffset, for points p in mesh axes
+    double depthOffset;
+    VtkPlacement placement;  // without the number
+  };
+  // A chunk that is drawn for one instance: its triangles have consecutive numbers in the image.
+  struct DrawnChunk {
+    std::uint32_t firstTriangle;  // index within `batch`
+    std::uint32_t frame;          // index into frames_
+    const ViewBatch* batch;
+  };
+
+  void addFrame(std::uint32_t instance, std::vector<Candidate>& solid, std::vector<Candidate>& cut);
+  void addDraws(std::vector<Candidate>& candidates, const ViewBatch& batch, std::vector<VtkDraw>& draws);
+
+  const Scene& scene_;
+  const ViewGeometry& geometry_;
+  Camera camera_;
+  DrawLimits limits_;
+  Mat3 cameraFromWorld_;
+  std::vector<Frame> frames_;
+  std::vector<VtkPlacement> placements_;  // by drawn chunk
+  std::vector<VtkDraw> solid_;
+  std::vector<VtkDraw> cut_;
+  std::vector<DrawnChunk> drawnChunks_;
+  std::vector<std::uint32_t> firstNumbers_;  // by drawn chunk: number of its first triangle in the image, ascending
+  std::uint64_t nextNumber_ = 1;
+};
+
+DrawnView::DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits)
+    : scene_(scene),
+      geometry_(geometry),
+      camera_(camera),
+      limits_(limits),
+      cameraFromWorld_(transposed(toMatrix(camera.worldFromCamera.rotation))) {
+  std::vector<Candidate> solid;
+  std::vector<Candidate> cut;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) addFrame(i, solid, cut);
+  addDraws(solid, geometry.solid, solid_);
+  addDraws(cut, geometry.cut, cut_);
+}
+
+// Adds an instance to frames_, and its chunks to the candidates, if it may be visible. Everything is computed in double
+// precision, from the instance's position relative to the camera, so that the results are the same far from the world's
+// origin.
+void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
+  const Instance& instance = scene_.instances[index];
+  const ViewMesh& mesh = geometry_.meshes[instance.mesh];
+  const Affine& worldFromMesh = instance.worldFromMesh;
+  const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
+  const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
+  // Maps points relative to mesh.origin, as the bounds of meshes and chunks are.
+  const CameraFromMesh map{transposed(linear), cameraFromWorld_ * offset + linear * mesh.origin};
+  const std::array<HalfSpace, 6> volume = viewVolume(map, camera_, limits_);
+  const Side side = sideOf(volume, mesh.low, mesh.high);
+  const auto isOutOfReach = [&](const Vec3f& low, const Vec3f& high) {
+    return leastDistance(map, low, high) > limits_.reach;
+  };
+  if (side == Side::Outside || isOutOfReach(mesh.low, mesh.high)) return;
+
+  const Mat3 meshFromWorld = inverse(worldFromMesh.linear);
+  const Vec3d cameraInMesh = -(meshFromWorld * offset);
+  const double scale = std::cbrt(std::abs(determinant(worldFromMesh.linear)));  // m in the world per m in the mesh
+  const auto frame = static_cast<std::uint32_t>(frames_.size());
+  const auto addVisible = [&](const ViewBatch& batch, const ChunkRange& range, std::vector<Candidate>& candidates) {
+    for (std::uint32_t c = range.first; c < range.end; ++c) {
+      const ViewChunk& chunk = batch.chunks[c];
+      if (side == Side::Across && sideOf(volume, chunk.low, chunk.high) == Side::Outside) continue;
+      if (isOutOfReach(chunk.low, chunk.high)) continue;
+      const double distance = scale * distanceTo(chunk.low, chunk.high, cameraInMesh - mesh.origin);
+      candidates.push_back({distanceStep(distance), c, frame});
+    }
+  };
+  addVisible(geometry_.solid, mesh.solid, solid);
+  addVisible(geometry_.cut, mesh.cut, cut);
+
+  frames_.push_back({.instance = index,
+                     .meshFromCamera = meshFromWorld * transposed(cameraFromWorld_),
+                     .cameraInMesh = cameraInMesh,
+                     .depthAxis = map.rows.z,
+                     .depthOffset = map.translation.z - dot(map.rows.z, mesh.origin),
+                     .placement = placementOf(map, camera_)});
+}
+
+// Appends draw calls of the visible chunks, all of one batch. Near chunks are drawn first, so that they hide farther
+// ones. Instances of the same chunk at the same distance step are drawn by one call.
+void DrawnView::addDraws(std::vector<Candidate>& candidates, const ViewBatch& batch, std::vector<VtkDraw>& draws) {
+  std::sort(candidates.begin(), candidates.end());
+  const Candidate* previous = nullptr;
+  for (const Candidate& candidate : candidates) {
+    const ViewChunk& chunk = batch.chunks[candidate.chunk];
+    if (previous != nullptr && previous->chunk == candidate.chunk && previous->distance == candidate.distance) {
+      ++draws.back().placements;
+    } else {
+      draws.push_back({chunk.firstTriangle, chunk.triangles, static_cast<std::uint32_t>(placements_.size()), 1});
+    }
+    previous = &candidate;
+    VtkPlacement placement = frames_[candidate.frame].placement;
+    // The shader adds a triangle's index in the batch to firstNumber, and the chunk's first triangle must get
+    // nextNumber_. The difference may wrap around.
+    placement.firstNumber = static_cast<std::uint32_t>(nextNumber_) - chunk.firstTriangle;
+    placements_.push_back(placement);
+    drawnChunks_.push_back({chunk.firstTriangle, candidate.frame, &batch});
+    firstNumbers_.push_back(static_cast<std::uint32_t>(nextNumber_));
+    nextNumber_ += chunk.triangles;
+  }
+  if (nextNumber_ > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(
+        fmt::format("the camera '{}' has {} triangles in view, more than can be told apart: take a smaller "
+                    "range, or ray tracing",
+                    camera_.name, nextNumber_));
+  }
+}
+
+VtkImage DrawnView::image() const {
+  return {camera_.width, camera_.height, static_cast<float>(limits_.nearest), placements_, solid_, cut_};
+}
+
+VisibleTriangle DrawnView::triangleAt(std::uint32_t pixel, std::uint32_t number) const {
+  if (number == 0) return {};
+  const auto nextChunk = std::ranges::upper_bound(firstNumbers_, number);
+  const auto index = static_cast<std::size_t>(nextChunk - firstNumbers_.begin() - 1);
+  const DrawnChunk& chunk = drawnChunks_[index];
+  const Frame& frame = frames_[chunk.frame];
+  const Mesh& mesh = scene_.meshes[scene_.instances[frame.instance].mesh];
+  const std::uint32_t triangle = chunk.batch->original[chunk.firstTriangle + (number - firstNumbers_[index])];
+
+  const Triangle& corners = mesh.triangles[triangle];
+  const Vec3d a(mesh.positions[corners[0]]);
+  const Vec3d b(mesh.positions[corners[1]]);
+  const Vec3d c(mesh.positions[corners[2]]);
+  const Vec3d normal = cross(b - a, c - a);
+  const Vec3d ray = camera_.ray(pixel % camera_.width + 0.5, pixel / camera_.width + 0.5);
+  const double depth = dot(normal, a - frame.cameraInMesh) / dot(normal, frame.meshFromCamera * ray);
+  // If a triangle is seen edge-on, the line of sight may intersect its plane outside of the triangle, or not at all.
+  // Clamp the depth to the depths of the corners.
+  const auto depthOf = [&](const Vec3d& p) { return dot(frame.depthAxis, p) + frame.depthOffset; };
+  const auto [least, most] = std::minmax({depthOf(a), depthOf(b), depthOf(c)});
+  const double nearest = std::max(least, limits_.nearest);
+  const double clamped = depth >= nearest ? std::min(depth, std::max(most, nearest)) : nearest;  // `nearest` if NaN
+  if (clamped > limits_.farthest) return {};
+  return {static_cast<float>(clamped), frame.instance + 1, triangle};
+}
 
 // Calls `work`, which uses the plug-in, and rethrows its exceptions as Error with a message about this renderer.
 template <class Work>
@@ -65,24 +325,18 @@ struct Device {
   ViewGeometry geometry;  // geometry without the vertices, which are on the device
 };
 
-// Locks the renderer until its images are destroyed. This is a semaphore and not a mutex, because the images may be
+// Locks the renderer until its images are destroyed. The lock is a semaphore and not a mutex, because the images may be
 // destroyed by another thread than the one that locked.
-class RendererLock {
- public:
-  explicit RendererLock(std::binary_semaphore& free) : free_(free) { free_.acquire(); }
-  ~RendererLock() { free_.release(); }
-  RendererLock(const RendererLock&) = delete;
-  RendererLock& operator=(const RendererLock&) = delete;
-
- private:
-  std::binary_semaphore& free_;
+struct Unlock {
+  void operator()(std::binary_semaphore* isFree) const { isFree->release(); }
 };
+using RendererLock = std::unique_ptr<std::binary_semaphore, Unlock>;
 
 class VtkSource : public PixelSource {
  public:
-  VtkSource(std::binary_semaphore& free, Device& device, const Scene& scene, std::vector<Camera> cameras,
+  VtkSource(RendererLock lock, Device& device, const Scene& scene, std::vector<Camera> cameras,
             const DrawLimits& limits)
-      : lock_(free), device_(device), cameras_(std::move(cameras)), firsts_(firstPixels(cameras_)) {
+      : lock_(std::move(lock)), device_(device), cameras_(std::move(cameras)), firsts_(firstPixels(cameras_)) {
     views_.reserve(cameras_.size());
     for (std::uint32_t k = 0; k < cameras_.size(); ++k) {
       views_.emplace_back(scene, device_.geometry, cameras_[k], limits);
@@ -141,7 +395,8 @@ class VtkRenderer : public PassRenderer {
           fmt::format("the camera '{}' has {} x {} pixels: an image is at most {} pixels wide and high here",
                       camera.name, camera.width, camera.height, largestSide));
     }
-    return std::make_unique<VtkSource>(isFree_, device_, scene_, cameras, limits);
+    isFree_.acquire();
+    return std::make_unique<VtkSource>(RendererLock(&isFree_), device_, scene_, cameras, limits);
   }
 
   std::string device() const override { return device_.plugin->name(); }
