@@ -6,7 +6,6 @@
 #include <charconv>
 #include <ctime>
 #include <filesystem>
-#include <optional>
 #include <set>
 #include <thread>
 
@@ -25,7 +24,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStartSeconds = 0.1;  // time for reading the pipeline and finishing the dataset (s)
+constexpr double kStartSeconds = 0.1;  // s, for reading the pipeline and finishing the dataset
 constexpr double kLowMount = 0.5;      // m above the vehicle's origin; lower sensors count as mounted on the ground
 // Beams and rays of a frame of the small town; larger frames are thinned to these.
 constexpr double kMostBeams = 5e5;
@@ -36,17 +35,22 @@ constexpr double kMostRays = 3e6;
 // of an AMD EPYC; tests/benchmarks/forecast.cpp). Those of set-up are small, since the small town is the first scene of
 // the process.
 struct SceneFactors {
-  double setup;
-  double frame;
-  double bytes;
-  double timeSpread;
-  double byteSpread;
+  double setup = 0;
+  double frame = 0;
+  double bytes = 0;
+  double timeSpread = 1;
+  double byteSpread = 1;
 };
+// Spreads for assets are wide, since the contents of their files are unknown before they are loaded.
+constexpr SceneFactors kAssets{.setup = 0.3, .frame = 0.42, .bytes = 0.8, .timeSpread = 2.5, .byteSpread = 2};
+constexpr SceneFactors kTowns{.setup = 0.4, .frame = 1, .bytes = 0.97, .timeSpread = 1.5, .byteSpread = 1.2};
+constexpr double kSetupPerMetre = 0.0028;  // added to kTowns.setup for each metre of the town's length
 
-double numberOr(const Value& map, std::string_view key, double otherwise) {
+// Returns the number of a key; `fallback` without the key, or if its value is no number.
+double numberOr(const Value& map, std::string_view key, double fallback) {
   const Value* const value = map.find(key);
-  if (value == nullptr || value->kind != Value::Kind::Scalar) return otherwise;
-  double number = otherwise;
+  if (value == nullptr || value->kind != Value::Kind::Scalar) return fallback;
+  double number = fallback;
   std::from_chars(value->text.data(), value->text.data() + value->text.size(), number);
   return number;
 }
@@ -59,75 +63,79 @@ const Value* townIn(const Value& objects) {
   return nullptr;
 }
 
-SceneFactors factorsOf(const std::filesystem::path& file) {
-  const Value root = readYaml(file);
+SceneFactors factorsOf(const std::filesystem::path& sceneFile) {
+  const Value root = readYaml(sceneFile);
   const Value* const town = townIn(root.valueOf("objects"));
-  // The spreads for asset files are wide, since the contents of the files are unknown before they are loaded.
-  if (town == nullptr) return {0.3, 0.42, 0.8, 2.5, 2};
-  constexpr double kUsualLength = 300;  // length of a town whose file states none (m)
-  const double setup = 0.4 + 0.28 * numberOr(*town, "length", kUsualLength) / 100;
-  return {setup, 1, 0.97, 1.5, 1.2};
+  if (town == nullptr) return kAssets;
+  constexpr double kUsualLength = 300;  // m, of a town whose file states none
+  SceneFactors factors = kTowns;
+  factors.setup += kSetupPerMetre * numberOr(*town, "length", kUsualLength);
+  return factors;
 }
 
-// Adds changes that leave `share` of the columns of each sensor that states a number of columns.
-void takeFewerColumns(const Pipeline& pipeline, double share, std::vector<std::string>& changes) {
+// Adds arguments of --set that leave the fraction `share` of the columns of each sensor that states a number of
+// columns.
+void addFewerColumns(const Pipeline& pipeline, double share, std::vector<std::string>& overrides) {
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     const Value& sensor = pipeline.sensors[s].description;
     if (sensor.find("columns") == nullptr || sensor.find("raster") != nullptr) continue;
     const auto columns = static_cast<std::uint64_t>(static_cast<double>(pipeline.sensors[s].size.columns) * share);
-    changes.push_back(
+    overrides.push_back(
         fmt::format("sensors.{}.columns={}", s, std::max<std::uint64_t>({columns, 1, pipeline.motion.steps})));
   }
 }
 
+// Whose classes the small town has: those of its own ontology, or those that the pipeline names.
+enum class TownClasses { Own, Pipeline };
+
 // Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml, and with fewer columns if a
-// frame has more than kMostBeams or kMostRays. `townsClasses`: true: with the classes of that scene, and without the
-// ego vehicle, which may have others; false: with the pipeline's classes.
-Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsClasses) {
-  Value town;
-  town.kind = Value::Kind::Scalar;
-  town.text = (resourceFolder() / "scenes" / "hamlet.yaml").string();
+// frame has more than kMostBeams or kMostRays. With TownClasses::Own it has no ego vehicle, which may have other
+// classes.
+Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownClasses classes) {
+  Value townFile;
+  townFile.kind = Value::Kind::Scalar;
+  townFile.text = (resourceFolder() / "scenes" / "hamlet.yaml").string();
   // If the method cannot trace moving objects, the pipeline's scenes have none, so the small town must have none
   // either.
   const MethodEntry* const method = pipeline.method.entry;
-  const bool moving = (method == nullptr || method->can.moving) &&
-                      std::ranges::any_of(pipeline.sequences, [](const Sequence& sequence) { return sequence.moving; });
+  const bool moving =
+      (method == nullptr || method->can.moving) && std::ranges::any_of(pipeline.sequences, &Sequence::moving);
   // If all mounts are on the ground, the poses of the pipeline's drives must contain the sensors' height.
-  const bool low = std::ranges::all_of(
+  const bool lowMounts = std::ranges::all_of(
       pipeline.sensors, [](const MountedSensor& sensor) { return sensor.vehicleFromSensor.translation.z < kLowMount; });
-  std::vector<std::string> changes{
-      fmt::format("scenes=[{{scene: {}, seeds: [1], moving: {}}}]", flowText(town), moving),
+  std::vector<std::string> overrides{
+      fmt::format("scenes=[{{scene: {}, seeds: [1], moving: {}}}]", flowText(townFile), moving),
       fmt::format("trajectories=[{{name: forecast, along: lane, speed: 8, every_m: 10, frames: {}{}}}]", threadCount(),
-                  low ? ", ground: {height: 1.8}" : ""),
+                  lowMounts ? ", ground: {height: 1.8}" : ""),
       "splits=null"};
-  if (townsClasses) changes.insert(changes.end(), {"labels=null", "vehicle=null"});
+  if (classes == TownClasses::Own) overrides.insert(overrides.end(), {"labels=null", "vehicle=null"});
   const double share = std::min(kMostBeams / static_cast<double>(pipeline.beamsPerFrame()),
                                 kMostRays / static_cast<double>(pipeline.raysPerFrame()));
-  if (share < 1) takeFewerColumns(pipeline, share, changes);
-  return reread(changes);
+  if (share < 1) addFewerColumns(pipeline, share, overrides);
+  return reread(overrides);
 }
 
 // Makes samples of the plan's first sequence, one for each thread, and stores in `costs` the measured times and sizes
 // of the scene and of a frame. The samples are made twice, and the second time is measured, since the first frames of a
 // program take longer: they map memory, and build what hierarchies lack.
 void measure(const Plan& plan, SampleCosts& costs) {
-  const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
+  const std::size_t sampleCount = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
   ShotSource source(plan);
   SampleMaker maker(source, {}, false, [](const Sequence&) {});
-  const WallTimer setup;
-  const std::clock_t before = std::clock();  // processor time, summed over all threads
+  const WallTimer setupTimer;
+  const std::clock_t startTicks = std::clock();  // processor time, summed over all threads
   maker.scenes().enter(0);
-  costs.slowestSceneSeconds = setup.seconds();
-  costs.sceneSeconds = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
-  std::vector<double> bytes(samples);
+  costs.slowestSceneSeconds = setupTimer.seconds();
+  costs.sceneSeconds = static_cast<double>(std::clock() - startTicks) / CLOCKS_PER_SEC;
+  std::vector<double> bytes(sampleCount);
   const auto makeAll = [&] {
-    parallelFor(samples, 1, [&](std::size_t first, std::size_t last) {
+    parallelFor(sampleCount, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
-        const MadeSample made = maker.make({0, static_cast<std::uint32_t>(i), i});
+        const MadeSample sample = maker.make({0, static_cast<std::uint32_t>(i), i});
         Sha256 hash;  // a shard's hash is part of the cost of writing
-        for (const Member& member : made.sample.members) hash.add(member.bytes);
+        for (const Member& member : sample.sample.members) hash.add(member.bytes);
         hash.hex();
-        bytes[i] = static_cast<double>(bytesInShard(made.sample));
+        bytes[i] = static_cast<double>(bytesInShard(sample.sample));
       }
     });
   };
@@ -135,46 +143,45 @@ void measure(const Plan& plan, SampleCosts& costs) {
   const WallTimer timer;
   makeAll();
   costs.frameSeconds = timer.seconds();  // of one frame for each thread
-  for (const double b : bytes) costs.frameBytes += b / static_cast<double>(samples);
+  for (const double sampleBytes : bytes) costs.frameBytes += sampleBytes / static_cast<double>(sampleCount);
 }
 
 // Measures the costs of the small town, and scales those of a frame to all of the pipeline's beams.
-void measureInSmallTown(const Pipeline& pipeline, const Reread& reread, bool townsClasses, SampleCosts& costs) {
-  const Plan small = makePlan(inSmallTown(pipeline, reread, townsClasses));
+void measureInSmallTown(const Pipeline& pipeline, const Reread& reread, TownClasses classes, SampleCosts& costs) {
+  const Plan small = makePlan(smallTownPipeline(pipeline, reread, classes));
   measure(small, costs);
-  const double more =
+  const double beamRatio =
       static_cast<double>(pipeline.beamsPerFrame()) / static_cast<double>(small.pipeline.beamsPerFrame());
-  costs.frameSeconds *= more;
-  costs.frameBytes *= more;
+  costs.frameSeconds *= beamRatio;
+  costs.frameBytes *= beamRatio;
 }
 
 // Scales the costs of the small town to the pipeline's scenes, by the factors of these scenes.
 void scale(const Pipeline& pipeline, SampleCosts& costs) {
-  SceneFactors mean{0, 0, 0, 1, 1};
-  std::optional<std::pair<std::filesystem::path, SceneFactors>> known;
-  double slowest = 0;
+  SceneFactors mean;  // weighted by frames; `setup` is the sum over scenes, and spreads are the largest
+  double slowestSetup = 0;
+  SceneFactors factors;  // of the sequence's scene file
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
     const Sequence& sequence = pipeline.sequences[i];
-    if (!known || known->first != sequence.sceneFile) known = {sequence.sceneFile, factorsOf(sequence.sceneFile)};
-    const SceneFactors& own = known->second;
+    if (i == 0 || pipeline.sequences[i - 1].sceneFile != sequence.sceneFile) factors = factorsOf(sequence.sceneFile);
     const double share = static_cast<double>(sequence.frames) / static_cast<double>(pipeline.frames());
-    mean.frame += share * own.frame;
-    mean.bytes += share * own.bytes;
-    mean.timeSpread = std::max(mean.timeSpread, own.timeSpread);
-    mean.byteSpread = std::max(mean.byteSpread, own.byteSpread);
+    mean.frame += share * factors.frame;
+    mean.bytes += share * factors.bytes;
+    mean.timeSpread = std::max(mean.timeSpread, factors.timeSpread);
+    mean.byteSpread = std::max(mean.byteSpread, factors.byteSpread);
     if (i > 0 && sequence.sameScene(pipeline.sequences[i - 1])) continue;
-    mean.setup += own.setup;
-    slowest = std::max(slowest, own.setup);
+    mean.setup += factors.setup;
+    slowestSetup = std::max(slowestSetup, factors.setup);
   }
   costs.sceneSeconds *= mean.setup / static_cast<double>(scenesOf(pipeline));
-  costs.slowestSceneSeconds *= slowest;
+  costs.slowestSceneSeconds *= slowestSetup;
   costs.frameSeconds *= mean.frame;
   costs.frameBytes *= mean.bytes;
   costs.timeSpread = mean.timeSpread;
   costs.byteSpread = mean.byteSpread;
   // The time of methods other than ray tracing depends more on a scene's size and on where its triangles are.
-  constexpr double kOtherMethods = 2.5;
-  if (pipeline.methodName() != "ray_tracing") costs.timeSpread = std::max(costs.timeSpread, kOtherMethods);
+  constexpr double kOtherMethodsSpread = 2.5;
+  if (pipeline.methodName() != "ray_tracing") costs.timeSpread = std::max(costs.timeSpread, kOtherMethodsSpread);
 }
 
 }  // namespace
@@ -185,15 +192,15 @@ SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread) {
   costs.cores = std::min(costs.threads, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   if (plan.pipeline.recording != nullptr) {
     measure(plan, costs);
-    costs.timeSpread = 1.5;
-    costs.byteSpread = 1.2;
+    costs.timeSpread = kTowns.timeSpread;
+    costs.byteSpread = kTowns.byteSpread;
     return costs;
   }
   try {
-    measureInSmallTown(plan.pipeline, reread, false, costs);
+    measureInSmallTown(plan.pipeline, reread, TownClasses::Pipeline, costs);
   } catch (const InputError&) {
-    // The town may not fit the pipeline's classes, which hardly change the costs.
-    measureInSmallTown(plan.pipeline, reread, true, costs);
+    // The town may not fit the classes that the pipeline names, which hardly change the costs.
+    measureInSmallTown(plan.pipeline, reread, TownClasses::Own, costs);
   }
   scale(plan.pipeline, costs);
   return costs;
@@ -220,18 +227,20 @@ std::uint64_t scenesOf(const Pipeline& pipeline) {
 }
 
 Forecast forecast(const SampleCosts& costs, std::uint64_t frames, std::uint64_t scenes) {
-  const double threads = costs.threads;
   // The frames of a scene cannot start before the scene is set up. If there are several scenes, each thread sets up
   // one.
   const double setup =
       std::max(static_cast<double>(scenes) * costs.sceneSeconds / costs.cores, costs.slowestSceneSeconds);
-  const double rounds = std::max(static_cast<double>(frames) / threads, 1.0);
-  const double seconds = kStartSeconds + setup + rounds * costs.frameSeconds;
+  const double framesPerThread = std::max(static_cast<double>(frames) / costs.threads, 1.0);
+  const double seconds = kStartSeconds + setup + framesPerThread * costs.frameSeconds;
   const double bytes = static_cast<double>(frames) * costs.frameBytes;
-  return {frames,
-          costs.threads,
-          {seconds / costs.timeSpread, seconds, seconds * costs.timeSpread},
-          {bytes / costs.byteSpread, bytes, bytes * costs.byteSpread}};
+  const auto within = [](double expected, double spread) {
+    return Estimate{expected / spread, expected, expected * spread};
+  };
+  return {.frames = frames,
+          .threads = costs.threads,
+          .seconds = within(seconds, costs.timeSpread),
+          .bytes = within(bytes, costs.byteSpread)};
 }
 
 }  // namespace scanmill

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -36,21 +37,22 @@ FolderUse useOf(const GenerateOptions& options) {
 // A shard that is being written.
 struct OpenShard {
   OpenShard(const std::filesystem::path& folder, const ShardJob& job, DatasetPart newPart,
-            std::unique_ptr<FolderLock> held)
-      : claim(std::move(held)),
+            std::unique_ptr<FolderLock> shardLock)
+      : claim(std::move(shardLock)),
         writer(folder, job.file, job.split),
         part(std::move(newPart)),
-        made(job.samples.size()) {}
+        samples(job.samples.size()) {}
 
   // This process's lock on the shard; null if the folder is not shared with other processes.
   std::unique_ptr<FolderLock> claim;
   ShardWriter writer;
   DatasetPart part;
   // The samples by their position in the shard; null: the sample is not made yet, or is written already.
-  std::vector<std::unique_ptr<MadeSample>> made;
+  std::vector<std::unique_ptr<MadeSample>> samples;
   std::shared_ptr<const SceneFacts> scene;  // the scene of the sample that was written last
 };
 
+// Makes the shards of one generate() call. open(), make(), write() and close() are called as ShardWork says.
 class DatasetRun {
  public:
   DatasetRun(ShotSource& source, const GenerateOptions& options)
@@ -73,15 +75,15 @@ class DatasetRun {
   // Makes the shards that this process has to make, waits for shards that other processes make, and writes the manifest
   // if the dataset is then complete.
   GenerateSummary run() {
-    if (folder_.isComplete()) return endedByOthers();
+    if (folder_.isComplete()) return summaryOfComplete();
     checkFiles();
     std::vector<std::size_t> pending = chosenJobs();
     while (!pending.empty()) {
       workOnShards(pending.size(), plan_.framesInFlight(), options_.stop,
-                   {[&](std::size_t i) { return open(pending[i]); },
-                    [&](std::size_t i, std::size_t sample) { make(pending[i], sample); },
-                    [&](std::size_t i, std::size_t sample) { write(pending[i], sample); },
-                    [&](std::size_t i) { close(pending[i]); }});
+                   {.open = [&](std::size_t i) { return open(pending[i]); },
+                    .make = [&](std::size_t i, std::size_t sample) { make(pending[i], sample); },
+                    .take = [&](std::size_t i, std::size_t sample) { write(pending[i], sample); },
+                    .close = [&](std::size_t i) { close(pending[i]); }});
       checkStop();
       pending = std::exchange(madeByOthers_, {});
       if (!pending.empty()) waitForOthers(pending.size());
@@ -90,6 +92,7 @@ class DatasetRun {
   }
 
  private:
+  // Returns the indices of the shards that this process may have to make, and announces their samples.
   std::vector<std::size_t> chosenJobs() {
     std::vector<std::size_t> chosen(options_.shards.listed.begin(), options_.shards.listed.end());
     if (options_.shards.kind != ShardChoice::Kind::Listed) {
@@ -105,18 +108,19 @@ class DatasetRun {
     return chosen;
   }
 
+  // Returns the number of samples to make: 0 if the shard is complete, or if another process is making it.
   std::size_t open(std::size_t job) {
-    const ShardJob& own = jobs_[job];
+    const ShardJob& shard = jobs_[job];
     // Kind::Any checks sizes only: checking bytes would make each process read the shards of all others.
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
-    std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;
-    if (const std::optional<DatasetPart> complete = folder_.findRecord(own.file, check)) {
-      for (const SampleAddress& sample : own.samples) maker_.scenes().release(sample.sequence);
+    std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(shard.file) : nullptr;
+    if (const std::optional<DatasetPart> complete = folder_.findRecord(shard.file, check)) {
+      for (const SampleAddress& sample : shard.samples) maker_.scenes().release(sample.sequence);
       const std::scoped_lock lock(mutex_);
       count(complete->manifest);
       ++summary_.resumedShards;
-      progress_.advance(own.samples.size(), static_cast<double>(own.samples.size()) * raysPerSample_);
+      progress_.advance(shard.samples.size(), static_cast<double>(shard.samples.size()) * raysPerSample_);
       return 0;
     }
     if (shared() && claim == nullptr) {
@@ -125,24 +129,25 @@ class DatasetRun {
       return 0;
     }
     folder_.requireSameFolder();  // throws if the output folder was replaced by another folder meanwhile
-    DatasetPart newPart{planned_.hash, {}, base_};
-    newPart.manifest.sequences.clear();
-    for (const SampleAddress& sample : own.samples) {
-      newPart.numbers.push_back(sample.number);
+    DatasetPart part{planned_.hash, {}, base_};
+    part.manifest.sequences.clear();
+    for (const SampleAddress& sample : shard.samples) {
+      part.numbers.push_back(sample.number);
       const SequenceRecord& sequence = base_.sequences[sample.sequence];
-      std::vector<SequenceRecord>& sequences = newPart.manifest.sequences;
+      std::vector<SequenceRecord>& sequences = part.manifest.sequences;
       if (sequences.empty() || sequences.back() != sequence) sequences.push_back(sequence);
     }
-    open_[job] = std::make_unique<OpenShard>(folder_.staging(), own, std::move(newPart), std::move(claim));
-    return own.samples.size();
+    open_[job] = std::make_unique<OpenShard>(folder_.staging(), shard, std::move(part), std::move(claim));
+    return shard.samples.size();
   }
 
   void make(std::size_t job, std::size_t i) {
-    open_[job]->made[i] = std::make_unique<MadeSample>(maker_.make(jobs_[job].samples[i]));
+    open_[job]->samples[i] = std::make_unique<MadeSample>(maker_.make(jobs_[job].samples[i]));
   }
 
+  // Appends a sample to its shard, and what is new in its scene to the shard's manifest.
   void write(std::size_t job, std::size_t i) {
-    const std::unique_ptr<MadeSample> made = std::move(open_[job]->made[i]);
+    const std::unique_ptr<MadeSample> made = std::move(open_[job]->samples[i]);
     {
       const StageTimer timer(clock_, "write");
       open_[job]->writer.add(made->sample);
@@ -163,9 +168,9 @@ class DatasetRun {
   void close(std::size_t job) {
     const StageTimer timer(clock_, "write");
     const std::unique_ptr<OpenShard> shard = std::move(open_[job]);
-    ShardPart made = shard->writer.finish();
-    shard->part.manifest.shards = {std::move(made.shard)};
-    shard->part.manifest.samples = std::move(made.samples);
+    ShardPart written = shard->writer.finish();
+    shard->part.manifest.shards = {std::move(written.shard)};
+    shard->part.manifest.samples = std::move(written.samples);
     folder_.storeRecord(shard->part);  // writes the records to the disk, to be read again at the end, since all records
                                        // might not fit into memory
     const std::scoped_lock lock(mutex_);
@@ -177,13 +182,13 @@ class DatasetRun {
   // Throws InputError if complete shards were made from files that have changed since.
   void checkFiles() {
     if (options_.anyFiles) return;
-    std::vector<FileRecord> known;
+    std::vector<FileRecord> files;
     for (const ShardJob& job : jobs_) {
       if (const auto complete = folder_.findRecord(job.file, DatasetFolder::Check::Size)) {
-        addFiles(complete->manifest.files, known);
+        addFiles(complete->manifest.files, files);
       }
     }
-    requireUnchangedFiles(known, pipeline_.file.parent_path(), options_.folder);
+    requireUnchangedFiles(files, pipeline_.file.parent_path(), options_.folder);
   }
 
   // Throws InputError if a scene was read from other bytes of a file than the pipeline or a scene before.
@@ -212,29 +217,29 @@ class DatasetRun {
     }
   }
 
-  void showStage(const std::string& doing) {
+  void showStage(const std::string& stage) {
     const std::scoped_lock lock(mutex_);
-    progress_.say(doing);
+    progress_.say(stage);
   }
 
   // Returns the summary of a dataset that other processes completed before this process made a shard.
-  GenerateSummary endedByOthers() {
-    std::optional<Manifest> made = wholeDatasetOf(planned_, options_.folder);
-    if (!made) {
+  GenerateSummary summaryOfComplete() {
+    std::optional<Manifest> manifest = wholeDatasetOf(planned_, options_.folder);
+    if (!manifest) {
       throw InputError(
           {options_.folder.string()},
           "has a complete dataset of another pipeline (another `--set` makes another pipeline), of changed files that "
           "the pipeline names, or of another version of this program: choose another output folder with -o");
     }
-    if (!options_.anyFiles) requireUnchangedFiles(made->files, pipeline_.file.parent_path(), options_.folder);
-    summary_.manifest = std::move(*made);
+    if (!options_.anyFiles) requireUnchangedFiles(manifest->files, pipeline_.file.parent_path(), options_.folder);
+    summary_.manifest = std::move(*manifest);
     summary_.complete = true;
     return std::move(summary_);
   }
 
+  // Returns the records of all shards, which must be complete.
   std::vector<DatasetPart> allParts() const {
     std::vector<DatasetPart> parts;
-    parts.reserve(jobs_.size());
     for (const ShardJob& job : jobs_) {
       std::optional<DatasetPart> part = folder_.findRecord(job.file, DatasetFolder::Check::Size);
       if (!part) {
@@ -246,32 +251,35 @@ class DatasetRun {
     return parts;
   }
 
+  // Warns of sensors without a scan or a point in a sequence. The manifest has all samples, in the order of sequences.
   void warnOfBlindSensors() {
     auto sample = summary_.manifest.samples.begin();
     for (const Sequence& sequence : pipeline_.sequences) {
-      std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> seen;  // by sensor: number of scans and of points
-      for (const MountedSensor& sensor : pipeline_.sensors) seen[sensor.name] = {0, 0};
+      std::map<std::string, std::uint64_t> scans, points;  // by sensor
       for (std::uint32_t frame = 0; frame < sequence.frames; ++frame, ++sample) {
         for (const ScanRecord& scan : sample->scans) {
-          ++seen[scan.sensor].first;
-          seen[scan.sensor].second += scan.points;
+          ++scans[scan.sensor];
+          points[scan.sensor] += scan.points;
         }
       }
-      for (const auto& [sensor, counts] : seen) {
-        const auto& [scans, points] = counts;
-        if (points > 0) continue;
-        summary_.warnings.push_back(fmt::format("sequence {}: the sensor '{}' {} in {} frames: {}", sequence.key(),
-                                                sensor, scans == 0 ? "has no scan" : "hits nothing", sequence.frames,
-                                                scans == 0 ? "do they take less time than one of its revolutions?"
-                                                           : "is the trajectory inside the scene?"));
+      std::set<std::string> names;
+      for (const MountedSensor& sensor : pipeline_.sensors) names.insert(sensor.name);
+      for (const std::string& sensor : names) {
+        if (points[sensor] > 0) continue;
+        const bool hasScan = scans[sensor] > 0;
+        summary_.warnings.push_back(fmt::format(
+            "sequence {}: the sensor '{}' {} in {} frames: {}", sequence.key(), sensor,
+            hasScan ? "hits nothing" : "has no scan", sequence.frames,
+            hasScan ? "is the trajectory inside the scene?" : "do they take less time than one of its revolutions?"));
       }
     }
   }
 
+  // Warns if a recording, which has one ray per beam, is scanned with effects that trace several.
   void warnOfOneRay() {
-    const auto needsMore = [](const Effects* e) { return raysPerBeam(*e) > 1 || lightPaths(*e) != nullptr; };
+    const auto tracesSeveral = [](const Effects* e) { return raysPerBeam(*e) > 1 || lightPaths(*e) != nullptr; };
     for (std::size_t s = 0; pipeline_.recording != nullptr && s < pipeline_.sensors.size(); ++s) {
-      if (std::ranges::none_of(pipeline_.effectCases(s), needsMore)) continue;
+      if (std::ranges::none_of(pipeline_.effectCases(s), tracesSeveral)) continue;
       return summary_.warnings.push_back(
           "the recording has one ray per beam, so the scans are made without the effects footprint and light_paths: "
           "leave these out, or trace the scene again");
@@ -292,6 +300,7 @@ class DatasetRun {
     for (const ShardRecord& shard : part.shards) summary_.bytes += shard.bytes;
   }
 
+  // Completes the recording, and the dataset if no other process still makes shards of it.
   GenerateSummary finish() {
     summary_.warnings = maker_.scenes().warnings();
     warnOfOneRay();
@@ -333,8 +342,10 @@ class DatasetRun {
 // --overwrite for one of them could then remove files of the other.
 void checkSeparateFolders(const Plan& plan, const GenerateOptions& options) {
   std::vector<std::filesystem::path> folders;
-  const auto add = [&](const std::filesystem::path& folder) {
-    if (folder.empty()) return;
+  const std::shared_ptr<const Recording>& recording = plan.pipeline.recording;
+  for (const std::filesystem::path& folder :
+       {options.folder, options.keepHits, recording == nullptr ? std::filesystem::path() : recording->folder}) {
+    if (folder.empty()) continue;
     for (const std::filesystem::path& other : folders) {
       if (!isWithin(folder, other) && !isWithin(other, folder)) continue;
       throw InputError(
@@ -342,10 +353,7 @@ void checkSeparateFolders(const Plan& plan, const GenerateOptions& options) {
           "the dataset and each recording need separate folders: give folders that are not within one another");
     }
     folders.push_back(folder);
-  };
-  add(options.folder);
-  add(options.keepHits);
-  if (plan.pipeline.recording != nullptr) add(plan.pipeline.recording->folder);
+  }
 }
 
 }  // namespace
@@ -357,15 +365,15 @@ void checkFolder(const GenerateOptions& options) {
 std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder) {
   std::error_code failure;
   if (isUnfinished(folder) || !std::filesystem::exists(folder / kManifestName, failure)) return {};
-  Manifest made = readManifest(folder);
-  if (made.planSha256 != plan.hash) return {};
+  Manifest manifest = readManifest(folder);
+  if (manifest.planSha256 != plan.hash) return {};
   DatasetFolder::tidy(folder);
-  for (const ShardRecord& shard : made.shards) {
+  for (const ShardRecord& shard : manifest.shards) {
     if (std::filesystem::file_size(folder / shard.file, failure) == shard.bytes) continue;
     throw InputError({folder.string()}, fmt::format("{} is missing or damaged: `scanmill regenerate {}` makes it again",
                                                     shard.file, folder.string()));
   }
-  return made;
+  return manifest;
 }
 
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {

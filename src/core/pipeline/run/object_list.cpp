@@ -9,33 +9,34 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kGridsInMemory = 16;  // maximum number of cached grids; there is one per sensor, or one per
-                                            // revolution of a sensor with a rosette pattern
-constexpr int kCells = 6;                   // number of samples along each edge of a box's face; see truncationOf()
+constexpr std::size_t kMostGrids = 16;  // in the cache, which needs one per sensor or, for a sensor with a rosette
+                                        // pattern, one per revolution
+constexpr int kCells = 6;               // samples along each edge of a box's face; see truncationOf()
 
 // A shot's view of one object: the number of its points, the number of beams whose axis hits it, and the least range of
 // these beams (m).
-struct Seen {
+struct ThingHits {
   std::uint64_t points = 0;
   std::uint32_t beams = 0;
   float nearest = kMiss;
 };
 
-std::unordered_map<std::uint32_t, Seen> seenThings(const Hits& hits, const Returns& returns,
-                                                   std::uint32_t raysPerBeam) {
-  std::unordered_map<std::uint32_t, Seen> seen;
+// Returns what a shot sees of each thing that it hits, by instance id.
+std::unordered_map<std::uint32_t, ThingHits> hitsByThing(const Hits& hits, const Returns& returns,
+                                                         std::uint32_t raysPerBeam) {
+  std::unordered_map<std::uint32_t, ThingHits> things;
   for (std::size_t beam = 0; beam < hits.size(); ++beam) {
     const std::size_t axis = beam * raysPerBeam;
     if (!hits.hit(axis) || hits.instance[axis] == 0) continue;
-    Seen& own = seen[hits.instance[axis]];
-    ++own.beams;
-    own.nearest = std::min(own.nearest, hits.range[axis]);
+    ThingHits& thing = things[hits.instance[axis]];
+    ++thing.beams;
+    thing.nearest = std::min(thing.nearest, hits.range[axis]);
   }
   for (std::size_t row = 0; row < returns.size(); ++row) {
-    const std::uint32_t thing = returns.returned(row) ? returns.instanceOf(row, hits) : 0;
-    if (thing != 0) ++seen[thing].points;
+    const std::uint32_t id = returns.returned(row) ? returns.instanceOf(row, hits) : 0;
+    if (id != 0) ++things[id].points;
   }
-  return seen;
+  return things;
 }
 
 // Returns the distance (m) from a box to a point in the box's frame; 0 inside of the box. `size`: edge lengths of the
@@ -49,30 +50,30 @@ double distanceTo(const Vec3d& size, const Vec3d& point) {
 // faces that the sensor sees; 0 if the sensor is inside of the box. `maxRange`: in m.
 double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRange, const BeamGrid& grid) {
   const Vec3d sensor = inverse(sensorFromBox).translation;
-  double all = 0;
-  double outside = 0;
+  double totalAngle = 0;
+  double outsideAngle = 0;
   for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
-    const double side = sensor.*axis > 0 ? 1 : -1;
-    // Distance of the sensor outside of the plane of the box's face on the sensor's side (m); the sensor does not see
-    // the face if it is not positive.
-    const double height = std::abs(sensor.*axis) - size.*axis / 2;
-    if (!(height > 0)) continue;
+    const double sign = sensor.*axis > 0 ? 1 : -1;
+    // Distance of the sensor from the plane of the box's face on its side (m); the sensor sees the face only if the
+    // distance is positive.
+    const double faceDistance = std::abs(sensor.*axis) - size.*axis / 2;
+    if (!(faceDistance > 0)) continue;
     const auto second = axis == &Vec3d::x ? &Vec3d::y : &Vec3d::x;
     const auto third = axis == &Vec3d::z ? &Vec3d::y : &Vec3d::z;
-    const double cell = size.*second * size.*third / (kCells * kCells);
+    const double cellArea = size.*second * size.*third / (kCells * kCells);
     for (int i = 0; i < kCells * kCells; ++i) {
       Vec3d point;
-      point.*axis = side * size.*axis / 2;
+      point.*axis = sign * size.*axis / 2;
       point.*second = ((i % kCells + 0.5) / kCells - 0.5) * size.*second;
       point.*third = ((i / kCells + 0.5) / kCells - 0.5) * size.*third;
-      const Vec3d seen = sensorFromBox * point;
-      const double distance = length(seen);
-      const double angle = cell * height / (distance * distance * distance);
-      all += angle;
-      if (distance > maxRange || !grid.looksInto(seen * (1 / distance))) outside += angle;
+      const Vec3d inSensor = sensorFromBox * point;
+      const double distance = length(inSensor);
+      const double angle = cellArea * faceDistance / (distance * distance * distance);
+      totalAngle += angle;
+      if (distance > maxRange || !grid.looksInto(inSensor * (1 / distance))) outsideAngle += angle;
     }
   }
-  return all > 0 ? outside / all : 0;
+  return totalAngle > 0 ? outsideAngle / totalAngle : 0;
 }
 
 std::unique_ptr<const Worlds> ownWorlds(const Scene& scene, const Method& method) {
@@ -94,14 +95,14 @@ std::uint64_t SceneObjects::memoryBytes() const {
 }
 
 std::shared_ptr<const BeamGrid> SceneObjects::gridOf(const std::shared_ptr<const BeamTable>& beams) const {
-  const auto isOwn = [&](const Grid& grid) { return grid.beams == beams; };
+  const auto isOfBeams = [&](const Grid& grid) { return grid.beams == beams; };
   {
     const std::scoped_lock lock(mutex_);
-    if (const Grid* const known = grids_.find(isOwn)) return known->grid;
+    if (const Grid* const cached = grids_.find(isOfBeams)) return cached->grid;
   }
-  const Grid made{beams, std::make_shared<const BeamGrid>(*beams)};
+  const Grid grid{beams, std::make_shared<const BeamGrid>(*beams)};
   const std::scoped_lock lock(mutex_);  // another thread may have added the same grid meanwhile
-  return grids_.findOrAdd(isOwn, kGridsInMemory, [&] { return made; }).grid;
+  return grids_.findOrAdd(isOfBeams, kMostGrids, [&] { return grid; }).grid;
 }
 
 ObjectList::ObjectList(const SceneObjects& objects, std::string key, double time)
@@ -113,41 +114,43 @@ ObjectList::ObjectList(const SceneObjects& objects, std::string key, double time
 void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns) {
   const std::shared_ptr<const BeamGrid> grid = objects_.gridOf(shot.beams);
   const double reach = shot.beams->maxRange + grid->farthestOrigin();
-  const std::unordered_map<std::uint32_t, Seen> seen = seenThings(hits, returns, raysPerBeam);
+  const std::unordered_map<std::uint32_t, ThingHits> hitThings = hitsByThing(hits, returns, raysPerBeam);
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    const auto own = seen.find(objects_.boxes().things()[i].id);
+    const auto thingHits = hitThings.find(objects_.boxes().things()[i].id);
     const Vec3d sensor = inverse(boxes_[i].worldFromBox) * shot.worldFromSensor.front().translation;
-    if (own == seen.end() && distanceTo(boxes_[i].size, sensor) > reach) continue;
-    const Unobstructed::View alone = objects_.unobstructed().viewOf(i, shot, *grid);
+    if (thingHits == hitThings.end() && distanceTo(boxes_[i].size, sensor) > reach) continue;
+    const Unobstructed::View unoccluded = objects_.unobstructed().viewOf(i, shot, *grid);
     ObjectView view;
     view.sensor = shot.sensorName;
-    const std::uint32_t column = alone.middle % shot.beams->columns;
+    // The box is seen at the time when the middle one of the beams that would hit the thing fires.
+    const std::uint32_t column = unoccluded.middle % shot.beams->columns;
     view.time = shot.duration > 0 ? shot.time + shot.beams->columnTime(column) : shot.time;
     const OrientedBox box = objects_.boxes().at(i, view.time);
-    const Pose firing = inverse(shot.worldFromSensor[shot.stepOf(column)]) * box.worldFromBox;
-    view.sensorFromBox = shot.deskew ? inverse(shot.worldFromSensor.front()) * box.worldFromBox : firing;
-    view.beamsAlone = alone.beams;
-    view.truncation = truncationOf(firing, box.size, shot.beams->maxRange, *grid);
-    if (own != seen.end()) {
-      view.points = own->second.points;
-      view.beams = own->second.beams;
-      if (own->second.nearest < kMiss) view.nearestRange = own->second.nearest;
+    const Pose firingFromBox = inverse(shot.worldFromSensor[shot.stepOf(column)]) * box.worldFromBox;
+    view.sensorFromBox = shot.deskew ? inverse(shot.worldFromSensor.front()) * box.worldFromBox : firingFromBox;
+    view.beamsAlone = unoccluded.beams;
+    view.truncation = truncationOf(firingFromBox, box.size, shot.beams->maxRange, *grid);
+    if (thingHits != hitThings.end()) {
+      view.points = thingHits->second.points;
+      view.beams = thingHits->second.beams;
+      if (thingHits->second.nearest < kMiss) view.nearestRange = thingHits->second.nearest;
     }
     views_[i].push_back(std::move(view));
   }
 }
 
 SampleObjects ObjectList::finish() const {
-  SampleObjects reached{key_, time_, {}};
+  SampleObjects listed{key_, time_, {}};
   for (std::size_t i = 0; i < views_.size(); ++i) {
     if (views_[i].empty()) continue;
-    const Thing& own = objects_.boxes().things()[i];
-    std::vector<std::string> parts = own.parts;
+    const Thing& thing = objects_.boxes().things()[i];
+    std::vector<std::string> parts = thing.parts;
     std::erase(parts, "");
-    reached.objects.push_back({own.id, own.semantic, own.name, std::move(parts), own.moves, boxes_[i].worldFromBox,
-                               boxes_[i].size, own.headingKnown, objects_.boxes().velocity(i, time_), views_[i]});
+    listed.objects.push_back({thing.id, thing.semantic, thing.name, std::move(parts), thing.moves,
+                              boxes_[i].worldFromBox, boxes_[i].size, thing.headingKnown,
+                              objects_.boxes().velocity(i, time_), views_[i]});
   }
-  return reached;
+  return listed;
 }
 
 }  // namespace scanmill

@@ -20,22 +20,23 @@ class Progress {
 
   void setTotal(std::uint64_t total) { total_ = total; }  // for a total that was unknown at the start of the work
   void advance(std::uint64_t count, double work);
-  // Shows a text about the current activity while the count does not advance: on a terminal in place of the bar,
+  // Shows the current stage of the work while the count does not advance: on a terminal in place of the bar,
   // otherwise as a line at most every few seconds.
-  void say(const std::string& doing);
+  void say(const std::string& stage);
   double seconds() const { return timer_.seconds(); }
 
  private:
-  void show(bool last);
+  // Shows the count and the estimated time left, or, at the end of the work, the time that it took.
+  void show(bool isEnd);
 
   std::string what_, unit_, workUnit_;
   std::uint64_t total_ = 0;
   std::uint64_t done_ = 0;
   double work_ = 0;
   bool quiet_ = false;
-  bool terminal_ = false;
-  bool shown_ = false;
-  bool said_ = false;
+  bool isTerminal_ = false;
+  bool barShown_ = false;    // on a terminal
+  bool stageShown_ = false;  // as a line
   WallTimer timer_;
   double lastShown_ = 0;  // time of the last output (s since the start)
 };

@@ -25,10 +25,13 @@ void Recorder::enter(std::size_t sequence, const Scene& scene, const Method& met
   if (!records()) return;
   const std::scoped_lock lock(mutex_);
   if (entered_.contains(sequence)) return;
-  const Sequence& own = plan_.pipeline.sequences[sequence];
+  const Sequence& recorded = plan_.pipeline.sequences[sequence];
   Entered& entered = entered_[sequence];
-  entered.record = {own.scene, own.sceneSeed, own.trajectoryName, own.frames, 0, {}};
-  for (const Value& item : own.without) entered.record.without.push_back(flowText(item));
+  entered.record = {.scene = recorded.scene,
+                    .seed = recorded.sceneSeed,
+                    .trajectory = recorded.trajectoryName,
+                    .frames = recorded.frames};
+  for (const Value& item : recorded.without) entered.record.without.push_back(flowText(item));
   entered.materials = scene.materials;
   for (Material& material : entered.materials) material.texture.reset();
   entered.modelled = method.modelled();
@@ -81,15 +84,14 @@ Recording Recorder::describe() const {
     const BeamTable& beams = *plan_.sensors[s].beams;
     recording.sensors.push_back({sensor.name, beams.rings, beams.columns, beamsHash(beams), sensor.vehicleFromSensor});
   }
-  const std::vector<Sequence>& all = plan_.pipeline.sequences;
-  std::vector<std::size_t> scenes;  // for each scene, the index of its first sequence
-  for (const auto& [number, entered] : entered_) {
-    const auto known =
-        std::ranges::find_if(scenes, [&, own = number](std::size_t first) { return all[own].sameScene(all[first]); });
+  std::vector<const Sequence*> scenes;  // the first sequence of each scene
+  for (const auto& [index, entered] : entered_) {
+    const Sequence& sequence = plan_.pipeline.sequences[index];
+    const auto scene = std::ranges::find_if(scenes, [&](const Sequence* first) { return sequence.sameScene(*first); });
     recording.sequences.push_back(entered.record);
-    recording.sequences.back().materials = static_cast<std::uint32_t>(known - scenes.begin());
-    if (known == scenes.end()) {
-      scenes.push_back(number);
+    recording.sequences.back().materials = static_cast<std::uint32_t>(scene - scenes.begin());
+    if (scene == scenes.end()) {
+      scenes.push_back(&sequence);
       recording.materials.push_back(entered.materials);
     }
     addItems(entered.modelled, recording.modelled);

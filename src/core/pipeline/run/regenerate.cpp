@@ -34,26 +34,26 @@ constexpr const char* kScratch = "again";  // name of the scratch folder within 
 
 // Locks a dataset and creates a scratch folder within the dataset's hidden folder. The destructor removes the scratch
 // folder with all its files.
-class Scratch {
+class RegenerationFolder {
  public:
-  explicit Scratch(const fs::path& dataset)
+  explicit RegenerationFolder(const fs::path& dataset)
       : hidden_(dataset / kHiddenName),
-        made_(makeFolders(dataset, hidden_)),
+        hiddenIsNew_(makeFolders(dataset, hidden_)),
         lock_(std::make_unique<FolderLock>(dataset, hidden_ / "lock")) {}
-  ~Scratch() {
+  ~RegenerationFolder() {
     std::error_code ignored;
     fs::remove_all(folder(), ignored);
     lock_.reset();
-    if (made_) fs::remove(hidden_, ignored);
+    if (hiddenIsNew_) fs::remove(hidden_, ignored);
   }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
+  RegenerationFolder(const RegenerationFolder&) = delete;
+  RegenerationFolder& operator=(const RegenerationFolder&) = delete;
 
   fs::path folder() const { return hidden_ / kScratch; }
 
  private:
   fs::path hidden_;
-  bool made_;
+  bool hiddenIsNew_;
   std::unique_ptr<FolderLock> lock_;
 };
 
@@ -78,16 +78,16 @@ std::vector<std::uint64_t> damagedShards(const fs::path& folder, const Manifest&
                    hashOf(file) != manifest.shards[i].sha256;
     }
   });
-  std::vector<std::uint64_t> numbers;
+  std::vector<std::uint64_t> damagedIndices;
   for (std::size_t i = 0; i < damaged.size(); ++i) {
-    if (damaged[i] != 0) numbers.push_back(i);
+    if (damaged[i] != 0) damagedIndices.push_back(i);
   }
-  return numbers;
+  return damagedIndices;
 }
 
 void regenerateShards(const fs::path& folder, Manifest manifest, const Plan& plan,
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop) {
-  const Scratch scratch(folder);
+  const RegenerationFolder scratch(folder);
   fs::remove_all(scratch.folder());  // a process that was killed may have left files behind
   try {
     generate(plan,
@@ -96,26 +96,28 @@ void regenerateShards(const fs::path& folder, Manifest manifest, const Plan& pla
     if (stop != nullptr && *stop) throw Error("stopped: nothing was replaced");
     throw;
   }
-  const auto made = [&](std::uint64_t shard) { return scratch.folder() / kHiddenName / manifest.shards[shard].file; };
+  const auto madeFile = [&](std::uint64_t shard) {
+    return scratch.folder() / kHiddenName / manifest.shards[shard].file;
+  };
   std::map<std::string, std::string> descriptions;  // texts of the files beside the shards, by name
   for (const std::uint64_t shard : shards) {
-    const ShardRecord& stated = manifest.shards[shard];
+    const ShardRecord& record = manifest.shards[shard];
     // The file is read back from the disk to compute its hash, so that only sound files are moved into the dataset.
-    if (sha256OfFile(made(shard)) != stated.sha256) failDifferent(stated.file, manifest);
-    if (stated.samplesSha256.empty()) continue;
-    const std::string record = made(shard).string() + kRecordSuffix;
-    DatasetPart part = parsePart(readFile(record), record);
+    if (sha256OfFile(madeFile(shard)) != record.sha256) failDifferent(record.file, manifest);
+    if (record.samplesSha256.empty()) continue;
+    const std::string partFile = madeFile(shard).string() + kRecordSuffix;
+    DatasetPart part = parsePart(readFile(partFile), partFile);
     for (std::size_t i = 0; i < part.numbers.size(); ++i) {
       part.manifest.samples[i].shard = static_cast<std::uint32_t>(shard);
       manifest.samples.at(part.numbers[i]) = std::move(part.manifest.samples[i]);
     }
-    const std::string file = samplesFileOf(stated.file);
+    const std::string file = samplesFileOf(record.file);
     descriptions[file] = samplesJson(manifest, static_cast<std::uint32_t>(shard), part.numbers);
-    if (sha256(descriptions[file]) != stated.samplesSha256) failDifferent(file, manifest);
+    if (sha256(descriptions[file]) != record.samplesSha256) failDifferent(file, manifest);
   }
   for (const std::uint64_t shard : shards) {
     const fs::path target = folder / manifest.shards[shard].file;
-    moveFile(folder, made(shard), target);
+    moveFile(folder, madeFile(shard), target);
     syncFolder(target.parent_path());
   }
   for (const auto& [file, text] : descriptions) writeFile(folder, folder / file, text);

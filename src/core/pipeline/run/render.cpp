@@ -1,6 +1,7 @@
 #include "pipeline/run/render.h"
 
 #include <memory>
+#include <utility>
 
 #include "base/append_new.h"
 #include "base/error.h"
@@ -20,7 +21,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
   StageClock clock({"setup"});
   TraceAccount account;  // times and warnings of the method in the current scene
   Recorder recorder(plan, RecordingKind::Passes);
-  bool open = false;
+  bool isOpen = false;  // the recorder is opened after the first scene is set up, since it may remove an old recording
   std::unique_ptr<Scene> scene;
   std::unique_ptr<Method> method;
   Progress progress("render", pipeline.frames(), "frames", "pixels", options.quiet);
@@ -35,8 +36,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
       method = source.method(*scene);
       for (const Shot& shot : source.frame(s, 0).shots) account += method->prepare(shot);
     }
-    if (!open) recorder.open(options.folder, options.overwrite);
-    open = true;
+    if (!std::exchange(isOpen, true)) recorder.open(options.folder, options.overwrite);
     recorder.enter(s, *scene, *method);
     for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) {
       if (options.stop != nullptr && *options.stop) {

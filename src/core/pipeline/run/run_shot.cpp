@@ -8,26 +8,26 @@ namespace scanmill {
 
 ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
                   std::size_t sensor) {
-  const SensorSetting& own = settings.sensors[sensor];
+  const SensorSetting& setting = settings.sensors[sensor];
   ScanLayout layout = plan.pipeline.output.layout;
   layout.columns = plan.columns();
-  return {method,
-          plan.channels,
-          {*own.effects, scene.materials, layout},
-          plan.sensors[sensor].footprint.get(),
-          own.vehicle.get(),
-          own.paths,
-          InstanceMotions::areNeeded(scene, layout) ? &scene : nullptr};
+  return {.method = method,
+          .channels = plan.channels,
+          .receiver = {*setting.effects, scene.materials, layout},
+          .footprint = plan.sensors[sensor].footprint.get(),
+          .vehicle = setting.vehicle.get(),
+          .paths = setting.paths,
+          .moving = InstanceMotions::areNeeded(scene, layout) ? &scene : nullptr};
 }
 
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
   Shot rays = shot;
   if (setup.footprint != nullptr) rays.beams = setup.footprint->rays;
   const BlockedRays* vehicle = setup.vehicle;
-  BlockedRays ofRevolution;
+  BlockedRays revolutionVehicle;
   if (vehicle != nullptr && vehicle->ofRevolution) {
-    ofRevolution = vehicle->ofRevolution(*rays.beams);
-    vehicle = &ofRevolution;
+    revolutionVehicle = vehicle->ofRevolution(*rays.beams);
+    vehicle = &revolutionVehicle;
   }
   if (vehicle != nullptr) rays.blockedBeyond = vehicle->range;
   TraceAccount account = setup.method.trace(rays, setup.channels, hits);

@@ -36,23 +36,23 @@ std::uint64_t unresolvedBeams(const Hits& hits) {
 
 // Counts the points of each class and the different instances of a scan.
 void countPoints(const Scan& scan, ScanRecord& record) {
-  std::vector<std::uint64_t> perClass;
+  std::vector<std::uint64_t> pointsPerClass;
   std::vector<std::uint32_t> instances;  // consecutive points mostly have the same instance, which is listed once
-  const bool labels = !scan[kLabel].empty();
-  const bool things = !scan[kInstance].empty();
+  const bool hasLabels = !scan[kLabel].empty();
+  const bool hasInstances = !scan[kInstance].empty();
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (scan.organised && !isFinite(scan.position[i])) continue;
     ++record.points;
-    if (labels) {
+    if (hasLabels) {
       const std::size_t label = scan[kLabel][i];
-      if (label >= perClass.size()) perClass.resize(label + 1);
-      ++perClass[label];
+      if (label >= pointsPerClass.size()) pointsPerClass.resize(label + 1);
+      ++pointsPerClass[label];
     }
-    const std::uint32_t thing = things ? scan[kInstance][i] : 0;
+    const std::uint32_t thing = hasInstances ? scan[kInstance][i] : 0;
     if (thing != 0 && (instances.empty() || instances.back() != thing)) instances.push_back(thing);
   }
-  for (std::size_t c = 0; c < perClass.size(); ++c) {
-    if (perClass[c] > 0) record.pointsPerClass[static_cast<std::uint16_t>(c)] = perClass[c];
+  for (std::size_t c = 0; c < pointsPerClass.size(); ++c) {
+    if (pointsPerClass[c] > 0) record.pointsPerClass[static_cast<std::uint16_t>(c)] = pointsPerClass[c];
   }
   std::ranges::sort(instances);
   record.instances = static_cast<std::uint32_t>(std::unique(instances.begin(), instances.end()) - instances.begin());
@@ -94,17 +94,18 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
     manifest.formats.push_back({std::string(f.entry->name), std::string(f.entry->suffix), f.format->maxError()});
   }
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    manifest.sensors.push_back({pipeline.sensors[s].name, *plan.sensors[s].beams, {}});
+    auto& sensor = manifest.sensors.emplace_back();
+    sensor.name = pipeline.sensors[s].name;
+    sensor.beams = *plan.sensors[s].beams;
+    // The manifest stores only the compact description, from which fillBeams() computes these tables.
+    sensor.beams.direction = {};
+    sensor.beams.origin = {};
+    sensor.beams.time = {};
     if (pipeline.drawn == nullptr || !pipeline.drawn->drawsMounts()) {
-      manifest.sensors.back().vehicleFromSensor = pipeline.sensors[s].vehicleFromSensor;
+      sensor.vehicleFromSensor = pipeline.sensors[s].vehicleFromSensor;
     }
     const double fullScale = intensityFullScale(*pipeline.sensors[s].effects);
-    if (fullScale > 0) manifest.sensors.back().intensityFullScale = fullScale;
-    BeamTable& beams = manifest.sensors.back().beams;
-    // The manifest stores only the compact description, from which fillBeams() computes these tables.
-    beams.direction = {};
-    beams.origin = {};
-    beams.time = {};
+    if (fullScale > 0) sensor.intensityFullScale = fullScale;
   }
   const std::filesystem::path folder = pipeline.file.parent_path();
   for (const Sequence& s : pipeline.sequences) {
@@ -138,26 +139,28 @@ std::unique_ptr<ShotBuffers> SampleMaker::takeBuffers() {
 MadeSample SampleMaker::make(const SampleAddress& address) {
   const Pipeline& pipeline = plan_.pipeline;
   const Sequence& sequence = pipeline.sequences[address.sequence];
-  const std::shared_ptr<const ReadyScene> ready = scenes_.enter(address.sequence);
+  const std::shared_ptr<const ReadyScene> loaded = scenes_.enter(address.sequence);
   // Open the recording only after the scene and the method are set up: --overwrite removes an old recording, which must
   // not happen if the new one cannot be made.
   std::call_once(opened_, [&] { recorder_.open(keepHits_, overwrite_); });
-  recorder_.enter(address.sequence, ready->scene, *ready->method);
-  MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
+  recorder_.enter(address.sequence, loaded->scene, *loaded->method);
+  MadeSample made{.sample = {}, .scene = loaded->facts};
+  made.sample.key = sequence.key(address.frame);
+  made.sample.split = sequence.split;
   const Frame frame = source_.frame(address.sequence, address.frame, Revolutions::All);
   const FrameSettings& settings = *frame.settings;
-  made.sample.draws = allDraws(ready->scene, settings);
+  made.sample.draws = allDraws(loaded->scene, settings);
   if (frame.shots.front().time != frame.time) made.sample.time = frame.time;
   TraceAccount account;
   std::optional<ObjectList> objects;
   std::unique_ptr<ShotBuffers> buffers = takeBuffers();
   for (const Shot& shot : frame.shots) {
-    const ShotSetup setup = setupOf(plan_, settings, ready->scene, *ready->method, shot.sensor);
+    const ShotSetup setup = setupOf(plan_, settings, loaded->scene, *loaded->method, shot.sensor);
     account += runShot(setup, shot, *buffers, clock_);
     // The list has one view of an object for each sensor: that of its first revolution in the sample.
-    if (ready->objects != nullptr && shot.revolution == 0) {
+    if (loaded->objects != nullptr && shot.revolution == 0) {
       const StageTimer timer(clock_, "objects");
-      if (!objects) objects.emplace(*ready->objects, made.sample.key, frame.time);
+      if (!objects) objects.emplace(*loaded->objects, made.sample.key, frame.time);
       objects->add(shot, pipeline.raysPerBeam(shot.sensor), buffers->hits, buffers->returns);
     }
     if (recorder_.records()) recorder_.writeHits(shot, buffers->hits);
@@ -167,13 +170,13 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
       scans.back().vehicleFromSensor = settings.sensors[shot.sensor].vehicleFromSensor;
     }
     addFormats(buffers->scan, made.sample);
-    if (ready->voxels != nullptr) addVoxels(*ready->voxels, shot, *buffers, made.sample);
+    if (loaded->voxels != nullptr) addVoxels(*loaded->voxels, shot, *buffers, made.sample);
   }
   if (objects) {
     const SampleObjects listed = objects->finish();
     made.sample.objects = listed.counts();
     std::vector<Member>& members = made.sample.members;
-    members.insert(members.begin(), {std::string(kObjectsSuffix), objectsJson(listed, ready->scene.ontology)});
+    members.insert(members.begin(), {std::string(kObjectsSuffix), objectsJson(listed, loaded->scene.ontology)});
   }
   {
     const std::scoped_lock lock(idleMutex_);
@@ -209,11 +212,11 @@ void SampleMaker::addVoxels(const SceneVoxels& voxels, const Shot& shot, const S
 
 StageSeconds SampleMaker::stageSeconds() const {
   StageSeconds stages = clock_.seconds();
-  const StageSeconds ofMethod = scenes_.methodSeconds();
-  if (!ofMethod.empty()) stages.erase("trace");  // the method's own stages are listed instead of their sum
-  for (const StageSeconds& own :
-       {ofMethod, recorder_.stageSeconds(), StageSeconds{{"setup", scenes_.setupSeconds()}}}) {
-    for (const auto& [stage, seconds] : own) stages[stage] = seconds;
+  const StageSeconds methodStages = scenes_.methodSeconds();
+  if (!methodStages.empty()) stages.erase("trace");  // the method's own stages are listed instead of their sum
+  for (const StageSeconds& otherStages :
+       {methodStages, recorder_.stageSeconds(), StageSeconds{{"setup", scenes_.setupSeconds()}}}) {
+    for (const auto& [stage, seconds] : otherStages) stages[stage] = seconds;
   }
   return stages;
 }

@@ -41,10 +41,10 @@ SceneStore::SceneStore(ShotSource& source, std::function<void(const Sequence&)> 
       loading_(std::move(loading)),
       reported_(plan_.pipeline.sequences.size()),
       clock_({"setup"}) {
-  const std::vector<Sequence>& all = plan_.pipeline.sequences;
-  for (const Sequence& sequence : all) {
-    const auto first = std::ranges::find_if(all, [&](const auto& other) { return other.sameScene(sequence); });
-    sceneOf_.push_back(static_cast<std::size_t>(first - all.begin()));
+  const std::vector<Sequence>& sequences = plan_.pipeline.sequences;
+  for (const Sequence& sequence : sequences) {
+    const auto first = std::ranges::find_if(sequences, [&](const auto& other) { return other.sameScene(sequence); });
+    sceneOf_.push_back(static_cast<std::size_t>(first - sequences.begin()));
   }
 }
 
@@ -52,15 +52,16 @@ SceneStore::~SceneStore() = default;
 
 // True if one more scene fits into memory in addition to the scenes in use.
 bool SceneStore::fitsOneMore() const {
-  const auto used = std::ranges::count_if(slots_, [](const auto& s) { return s.second.use_count() > 1; });
-  if (used == 0) return true;
+  const auto usedScenes = std::ranges::count_if(slots_, [](const auto& s) { return s.second.use_count() > 1; });
+  if (usedScenes == 0) return true;
   // No size is known: the first scene is still being loaded.
   if (largest_ == 0) return kSmallShare * residentBytes() < memoryLimitBytes();
-  return plan_.bytesInMemory(static_cast<std::uint64_t>(used + 1) * largest_) <= memoryLimitBytes();
+  return plan_.bytesInMemory(static_cast<std::uint64_t>(usedScenes + 1) * largest_) <= memoryLimitBytes();
 }
 
+// Returns the slot of a scene, new and empty if the scene is not loaded. Waits until one more scene fits into memory.
 std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
-  std::list<std::shared_ptr<Slot>> gone;  // removed scenes; the destructors run after the lock is released
+  std::list<std::shared_ptr<Slot>> unloaded;  // removed scenes; the destructors run after the lock is released
   std::unique_lock lock(mutex_);
   while (!slots_.contains(scene) && !fitsOneMore()) {
     lock.unlock();
@@ -71,16 +72,16 @@ std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
     // Unload unused scenes, starting with the least recently used one, until the new scene fits. Unload at least one if
     // memory is scarce.
     for (;;) {
-      auto oldest = slots_.end();
+      auto leastRecent = slots_.end();
       for (auto slot = slots_.begin(); slot != slots_.end(); ++slot) {
         if (slot->second.use_count() > 1) continue;
-        if (oldest == slots_.end() || slot->second->lastUse < oldest->second->lastUse) oldest = slot;
+        if (leastRecent == slots_.end() || slot->second->lastUse < leastRecent->second->lastUse) leastRecent = slot;
       }
-      const bool scarce = gone.empty() && memoryIsScarce();
+      const bool scarce = unloaded.empty() && memoryIsScarce();
       const bool fits = plan_.bytesInMemory((slots_.size() + 1) * largest_) <= memoryLimitBytes();
-      if (oldest == slots_.end() || (!scarce && fits)) break;
-      gone.push_back(std::move(oldest->second));
-      slots_.erase(oldest);
+      if (leastRecent == slots_.end() || (!scarce && fits)) break;
+      unloaded.push_back(std::move(leastRecent->second));
+      slots_.erase(leastRecent);
     }
     slots_[scene] = std::make_shared<Slot>();
   }
@@ -95,14 +96,14 @@ void SceneStore::announce(std::size_t sequence) {
 
 void SceneStore::release(std::size_t sequence) {
   // Keeps the scene until the lock is released, since its destructor must run without the lock.
-  std::shared_ptr<Slot> last;
+  std::shared_ptr<Slot> unloaded;
   const std::scoped_lock lock(mutex_);
   const auto frames = announcedFrames_.find(sceneOf_[sequence]);
   if (frames == announcedFrames_.end() || --frames->second > 0) return;
   announcedFrames_.erase(frames);
   const auto slot = slots_.find(sceneOf_[sequence]);
   if (slot == slots_.end()) return;
-  last = std::move(slot->second);
+  unloaded = std::move(slot->second);
   slots_.erase(slot);
 }
 
@@ -115,13 +116,14 @@ std::shared_ptr<const ReadyScene> SceneStore::enter(std::size_t sequence) {
   return {slot, &slot->ready};
 }
 
+// Loads the scene of a sequence into its slot, with its method and its warnings. Stores an exception in Slot::failure.
 void SceneStore::load(std::size_t sequence, Slot& slot) {
   const TaskOrder::Task task(slot.loaded, slot.loaded);
   const StageTimer timer(clock_, "setup");
   try {
     const Pipeline& pipeline = plan_.pipeline;
-    const Sequence& own = pipeline.sequences[sequence];
-    loading_(own);
+    const Sequence& loaded = pipeline.sequences[sequence];
+    loading_(loaded);
     ReadyScene& ready = slot.ready;
     returnFreedMemoryIfScarce();
     std::vector<FileRecord> files;
@@ -136,19 +138,19 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     const std::uint64_t bytes = ready.method->memoryBytes() +
                                 (ready.objects == nullptr ? 0 : ready.objects->memoryBytes()) +
                                 (ready.voxels == nullptr ? 0 : ready.voxels->memoryBytes());
-    plan_.checkMemory(bytes, "the scene of " + own.key());
+    plan_.checkMemory(bytes, "the scene of " + loaded.key());
     ready.facts = std::make_shared<const SceneFacts>(
-        SceneFacts{modelledOf(plan_, own, ready.scene, *ready.method), ready.scene.ontology, std::move(files)});
+        SceneFacts{modelledOf(plan_, loaded, ready.scene, *ready.method), ready.scene.ontology, std::move(files)});
     TraceAccount account;
     for (const Shot& shot : source_.frame(sequence, 0).shots) account += ready.method->prepare(shot);
     if (pipeline.recording == nullptr) ready.probe.emplace(ready.scene, ready.method.get(), pipeline.method.entry);
     returnFreedMemoryIfScarce();
     std::vector<std::string> lines;
-    for (const auto& more :
+    for (const auto& warnings :
          {damageWarnings(ready.scene), sizeWarnings(ready.scene), ruleWarnings(ready.scene),
-          unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene), withoutWarnings(ready.scene),
+          unlabeledWarnings(ready.scene), seedWarnings(pipeline, loaded, ready.scene), withoutWarnings(ready.scene),
           vehicleWarnings(pipeline, source_.blockedShares()), driveWarnings(pipeline), sensorWarnings(plan_)}) {
-      appendNew(more, lines);
+      appendNew(warnings, lines);
     }
     const std::scoped_lock lock(mutex_);
     largest_ = std::max(largest_, bytes);
@@ -181,11 +183,11 @@ void SceneStore::account(std::size_t sequence, const TraceAccount& account) {
 std::vector<std::string> SceneStore::warnings() const {
   const std::scoped_lock lock(mutex_);
   std::vector<std::string> lines;
-  std::set<std::string> known;
+  std::set<std::string> distinctLines;
   for (const SceneWarnings& reported : reported_) {
-    for (const auto& more : {reported.ofScene, reported.ofPath, reported.account.warningTexts()}) {
-      std::ranges::copy_if(more, std::back_inserter(lines),
-                           [&](const std::string& line) { return known.insert(line).second; });
+    for (const auto& warnings : {reported.ofScene, reported.ofPath, reported.account.warningTexts()}) {
+      std::ranges::copy_if(warnings, std::back_inserter(lines),
+                           [&](const std::string& line) { return distinctLines.insert(line).second; });
     }
   }
   return lines;

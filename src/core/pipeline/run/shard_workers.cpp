@@ -18,15 +18,16 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kAhead = 2;  // maximum number of samples per worker that are being made or wait to be taken
+constexpr std::size_t kMostInFlight = 2;  // samples per worker that are being made or wait to be taken
 
+// A shard that is being made, perhaps by several threads.
 struct SharedShard {
-  std::size_t shard = 0;
-  std::size_t samples = 0;
-  std::size_t started = 0;
-  std::size_t taken = 0;
-  std::set<std::size_t> made;  // samples that are made but not taken yet
-  bool beingTaken = false;     // true while a thread takes samples of this shard
+  std::size_t index = 0;
+  std::size_t samples = 0;          // number of samples to make
+  std::size_t started = 0;          // number of samples that threads have started to make
+  std::size_t taken = 0;            // number of samples that are taken
+  std::set<std::size_t> made = {};  // samples that are made but not taken yet
+  bool beingTaken = false;          // true while a thread takes samples of this shard
 };
 
 class ShardWorkers {
@@ -55,19 +56,20 @@ class ShardWorkers {
  private:
   using Lock = std::unique_lock<std::mutex>;
 
+  // Works until no sample is left to start, or until the work ends early. The mutex is locked except during callbacks.
   void worker() {
     Lock lock(mutex_);
     try {
-      std::shared_ptr<SharedShard> own;
+      std::shared_ptr<SharedShard> ownShard;
       while (!ended()) {
-        if (own != nullptr && own->started == own->samples) own = nullptr;
-        if (own == nullptr && next_ < shards_) {
-          own = open(lock);
+        if (ownShard != nullptr && ownShard->started == ownShard->samples) ownShard = nullptr;
+        if (ownShard == nullptr && next_ < shards_) {
+          ownShard = open(lock);
           continue;
         }
-        const std::shared_ptr<SharedShard> shard = own != nullptr ? own : mostLeft();
+        const std::shared_ptr<SharedShard> shard = ownShard != nullptr ? ownShard : mostUnstarted();
         if (shard == nullptr) return;
-        if (inFlight_ < kAhead * workers_) {
+        if (inFlight_ < kMostInFlight * workers_) {
           makeNext(*shard, lock);
         } else {
           changed_.wait(lock);
@@ -82,40 +84,40 @@ class ShardWorkers {
 
   bool ended() const { return failure_ != nullptr || (stop_ != nullptr && *stop_); }
 
+  // Opens the next shard; returns null if it has no sample to make.
   std::shared_ptr<SharedShard> open(Lock& lock) {
     const std::size_t shard = next_++;
     lock.unlock();
     const std::size_t samples = work_.open(shard);
     lock.lock();
     if (samples == 0) return nullptr;
-    return open_.emplace_back(std::make_shared<SharedShard>(SharedShard{shard, samples, 0, 0, {}, false}));
+    return open_.emplace_back(std::make_shared<SharedShard>(SharedShard{.index = shard, .samples = samples}));
   }
 
   // Returns the open shard with the most samples that no thread has started; null if all samples are started.
-  std::shared_ptr<SharedShard> mostLeft() const {
-    std::shared_ptr<SharedShard> most;
-    for (const auto& shard : open_) {
-      const std::size_t left = shard->samples - shard->started;
-      if (left > 0 && (most == nullptr || left > most->samples - most->started)) most = shard;
-    }
-    return most;
+  std::shared_ptr<SharedShard> mostUnstarted() const {
+    const auto unstarted = [](const std::shared_ptr<SharedShard>& shard) { return shard->samples - shard->started; };
+    const auto most = std::ranges::max_element(open_, {}, unstarted);
+    return most == open_.end() || unstarted(*most) == 0 ? nullptr : *most;
   }
 
+  // Makes the next sample of a shard, and takes all samples that are then next in order.
   void makeNext(SharedShard& shard, Lock& lock) {
     const std::size_t sample = shard.started++;
     ++inFlight_;
     lock.unlock();
-    work_.make(shard.shard, sample);
+    work_.make(shard.index, sample);
     lock.lock();
     shard.made.insert(sample);
     if (!shard.beingTaken) takeMade(shard, lock);
   }
 
+  // Takes the made samples that are next in order, and closes the shard after its last sample.
   void takeMade(SharedShard& shard, Lock& lock) {
     shard.beingTaken = true;
     while (shard.made.erase(shard.taken) > 0) {
       lock.unlock();
-      work_.take(shard.shard, shard.taken);
+      work_.take(shard.index, shard.taken);
       lock.lock();
       ++shard.taken;
       --inFlight_;
@@ -125,7 +127,7 @@ class ShardWorkers {
     if (shard.taken < shard.samples) return;
     open_.remove_if([&](const auto& other) { return other.get() == &shard; });
     lock.unlock();
-    work_.close(shard.shard);
+    work_.close(shard.index);
     lock.lock();
   }
 

@@ -14,71 +14,73 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBeams = 1024;  // number of beams that a thread processes at a time
+constexpr std::size_t kBeamsAtOnce = 1024;  // that a thread processes at a time
 
 // Bits of a voxel's mark: a beam ends in the voxel, a beam passes through the voxel.
 constexpr std::uint8_t kEnds = 1;
 constexpr std::uint8_t kPasses = 2;
 
-// Sets the bit `what` of a voxel's mark. Several threads may mark the same voxel at a time; bits are never cleared.
-void mark(std::uint8_t& voxel, std::uint8_t what) {
-  const std::atomic_ref<std::uint8_t> marks(voxel);
-  if ((marks.load(std::memory_order_relaxed) & what) == 0) marks.fetch_or(what, std::memory_order_relaxed);
+// Sets a bit of a voxel's mark. Several threads may mark the same voxel at a time; bits are never cleared.
+void setBit(std::uint8_t& mark, std::uint8_t bit) {
+  const std::atomic_ref<std::uint8_t> shared(mark);
+  if ((shared.load(std::memory_order_relaxed) & bit) == 0) shared.fetch_or(bit, std::memory_order_relaxed);
 }
 
 // Marks the voxels that a ray of the given length (m) passes through, and the voxel in which the ray ends (Amanatides
 // and Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987). `origin` (m) and `direction` (unit
 // vector) are in the grid's frame.
-void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, double length,
-          std::vector<std::uint8_t>& marks) {
-  if (const auto end = grid.at(origin + direction * length)) mark(marks[*end], kEnds);
+void markRay(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, double length,
+             std::vector<std::uint8_t>& marks) {
+  if (const auto end = grid.at(origin + direction * length)) setBit(marks[*end], kEnds);
   const Vec3d o = grid.inVoxels(origin);
-  const std::array<double, 3> from{o.x, o.y, o.z};
-  const std::array<double, 3> step{direction.x / grid.size, direction.y / grid.size, direction.z / grid.size};
-  double enters = 0;  // distance along the ray at which it enters the grid (m)
-  double leaves = length;
+  const std::array<double, 3> start{o.x, o.y, o.z};  // in units of voxels
+  const std::array<double, 3> perMetre{direction.x / grid.size, direction.y / grid.size, direction.z / grid.size};
+  double enter = 0;  // m, distance along the ray at which it enters the grid
+  double leave = length;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double side = grid.counts[axis];
-    if (step[axis] == 0) {
-      if (!(from[axis] >= 0 && from[axis] < side)) return;
+    const double count = grid.counts[axis];
+    if (perMetre[axis] == 0) {
+      if (!(start[axis] >= 0 && start[axis] < count)) return;
       continue;
     }
-    const double low = -from[axis] / step[axis];
-    const double high = (side - from[axis]) / step[axis];
-    enters = std::max(enters, std::min(low, high));
-    leaves = std::min(leaves, std::max(low, high));
+    const double toLow = -start[axis] / perMetre[axis];
+    const double toHigh = (count - start[axis]) / perMetre[axis];
+    enter = std::max(enter, std::min(toLow, toHigh));
+    leave = std::min(leave, std::max(toLow, toHigh));
   }
-  if (!(enters < leaves)) return;
-  std::array<std::int64_t, 3> at{};
-  std::array<std::int64_t, 3> towards{};
-  std::array<std::int64_t, 3> stride{std::int64_t{grid.counts[1]} * grid.counts[2], grid.counts[2], 1};
-  std::array<double, 3> next{};  // distance along the ray to the next face (m), for each axis
-  std::array<double, 3> apart{};
-  std::int64_t voxel = 0;
+  if (!(enter < leave)) return;
+  const std::array<std::int64_t, 3> stride{std::int64_t{grid.counts[1]} * grid.counts[2], grid.counts[2], 1};
+  std::array<std::int64_t, 3> cell{};    // indices of the current voxel
+  std::array<std::int64_t, 3> step{};    // 1 or -1, of the index along each axis
+  std::array<double, 3> nextFace{};      // m, distance along the ray to the next face of each axis
+  std::array<double, 3> betweenFaces{};  // m, distance along the ray between faces of each axis
+  std::int64_t voxel = 0;                // index of the current voxel in the grid
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto last = std::int64_t{grid.counts[axis]} - 1;
-    at[axis] =
-        std::clamp(static_cast<std::int64_t>(std::floor(from[axis] + step[axis] * enters)), std::int64_t{0}, last);
-    voxel += at[axis] * stride[axis];
-    towards[axis] = step[axis] < 0 ? -1 : 1;
-    const double face = static_cast<double>(at[axis] + (step[axis] < 0 ? 0 : 1));
-    next[axis] = step[axis] == 0 ? std::numeric_limits<double>::infinity() : (face - from[axis]) / step[axis];
-    apart[axis] = std::abs(1 / step[axis]);
+    cell[axis] =
+        std::clamp(static_cast<std::int64_t>(std::floor(start[axis] + perMetre[axis] * enter)), std::int64_t{0}, last);
+    voxel += cell[axis] * stride[axis];
+    step[axis] = perMetre[axis] < 0 ? -1 : 1;
+    const double face = static_cast<double>(cell[axis] + (perMetre[axis] < 0 ? 0 : 1));
+    nextFace[axis] =
+        perMetre[axis] == 0 ? std::numeric_limits<double>::infinity() : (face - start[axis]) / perMetre[axis];
+    betweenFaces[axis] = std::abs(1 / perMetre[axis]);
   }
   for (;;) {
-    const std::size_t axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-    if (next[axis] > length) return;
-    mark(marks[static_cast<std::size_t>(voxel)], kPasses);
-    at[axis] += towards[axis];
-    if (at[axis] < 0 || at[axis] >= grid.counts[axis]) return;
-    voxel += towards[axis] * stride[axis];
-    next[axis] += apart[axis];
+    const std::size_t nearest01 = nextFace[0] < nextFace[1] ? 0 : 1;
+    const std::size_t axis = nextFace[nearest01] < nextFace[2] ? nearest01 : 2;
+    if (nextFace[axis] > length) return;
+    setBit(marks[static_cast<std::size_t>(voxel)], kPasses);
+    cell[axis] += step[axis];
+    if (cell[axis] < 0 || cell[axis] >= grid.counts[axis]) return;
+    voxel += step[axis] * stride[axis];
+    nextFace[axis] += betweenFaces[axis];
   }
 }
 
 // Returns the length of each beam's axis (m): the distance to its hit, or the maximum range. The length is 0 if the
 // beam is unresolved, or if it has no hit because the ego vehicle blocks it.
-std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits) {
+std::vector<double> beamLengths(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits) {
   std::vector<double> lengths(hits.size());
   for (std::size_t beam = 0; beam < hits.size(); ++beam) {
     const std::size_t axis = beam * raysPerBeam;
@@ -116,7 +118,7 @@ std::vector<Affine> gridFromSteps(const Shot& shot) {
 
 // Returns for each voxel 1 if it contains a point, otherwise 0. The points of a moving sensor are in the sensor's frame
 // at the time of their column, unless they are deskewed.
-std::vector<std::uint8_t> inputOf(const VoxelGrid& grid, const Shot& shot, const Scan& scan) {
+std::vector<std::uint8_t> voxelsWithPoints(const VoxelGrid& grid, const Shot& shot, const Scan& scan) {
   const std::vector<Affine> gridFromStep = gridFromSteps(shot);
   const bool skewed = gridFromStep.size() > 1 && !shot.deskew;
   std::vector<std::uint8_t> input(grid.voxels());
@@ -133,18 +135,18 @@ std::vector<std::uint8_t> inputOf(const VoxelGrid& grid, const Shot& shot, const
 }
 
 // Returns the mark of each voxel (kEnds, kPasses), set by the axes of all beams.
-std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::uint32_t raysPerBeam,
-                                  const Hits& hits) {
+std::vector<std::uint8_t> beamMarks(const VoxelGrid& grid, const Shot& shot, std::uint32_t raysPerBeam,
+                                    const Hits& hits) {
   const BeamTable& beams = *shot.beams;
   const std::vector<Affine> gridFromStep = gridFromSteps(shot);
-  const std::vector<double> lengths = lengthsOf(shot, raysPerBeam, hits);
+  const std::vector<double> lengths = beamLengths(shot, raysPerBeam, hits);
   std::vector<std::uint8_t> marks(grid.voxels());
-  parallelFor(lengths.size(), kBeams, [&](std::size_t first, std::size_t last) {
+  parallelFor(lengths.size(), kBeamsAtOnce, [&](std::size_t first, std::size_t last) {
     for (std::size_t beam = first; beam < last; ++beam) {
       if (!(lengths[beam] > 0)) continue;
       const Affine& gridFromSensor = gridFromStep[shot.stepOf(static_cast<std::uint32_t>(beam % beams.columns))];
       const Vec3d origin = beams.originOf(beam);
-      walk(grid, gridFromSensor * origin, gridFromSensor.linear * beams.direction[beam], lengths[beam], marks);
+      markRay(grid, gridFromSensor * origin, gridFromSensor.linear * beams.direction[beam], lengths[beam], marks);
     }
   });
   return marks;
@@ -153,36 +155,36 @@ std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::
 // Calls visit(index) for each voxel of the grid that shares a face with `voxel`.
 template <class Visit>
 void forEachNeighbor(const VoxelGrid& grid, std::size_t voxel, const Visit& visit) {
-  std::size_t rest = voxel;
+  std::size_t remainder = voxel;
   std::size_t stride = 1;
   for (const std::size_t axis : {2u, 1u, 0u}) {
-    const std::size_t at = rest % grid.counts[axis];
-    if (at > 0) visit(voxel - stride);
-    if (at + 1 < grid.counts[axis]) visit(voxel + stride);
-    rest /= grid.counts[axis];
+    const std::size_t index = remainder % grid.counts[axis];
+    if (index > 0) visit(voxel - stride);
+    if (index + 1 < grid.counts[axis]) visit(voxel + stride);
+    remainder /= grid.counts[axis];
     stride *= grid.counts[axis];
   }
 }
 
 // Returns for each voxel 1 if it is open, otherwise 0. An empty voxel is open if a chain of empty voxels that share
 // faces connects it to a voxel that a beam passes through. `solid`: not 0 for voxels with surfaces. `marks`: as
-// marksOf() returns them.
-std::vector<std::uint8_t> openOf(const VoxelGrid& grid, const std::vector<std::uint8_t>& solid,
-                                 const std::vector<std::uint8_t>& marks) {
+// beamMarks() returns them.
+std::vector<std::uint8_t> openVoxels(const VoxelGrid& grid, const std::vector<std::uint8_t>& solid,
+                                     const std::vector<std::uint8_t>& marks) {
   std::vector<std::uint8_t> open(solid.size());
-  std::vector<std::uint32_t> onward;
+  std::vector<std::uint32_t> frontier;
   const auto reach = [&](std::size_t voxel) {
     if (solid[voxel] != 0 || open[voxel] != 0) return;
     open[voxel] = 1;
-    onward.push_back(static_cast<std::uint32_t>(voxel));
+    frontier.push_back(static_cast<std::uint32_t>(voxel));
   };
   for (std::size_t voxel = 0; voxel < solid.size(); ++voxel) {
     if ((marks[voxel] & kPasses) == 0) continue;
     reach(voxel);
-    while (!onward.empty()) {
-      const std::size_t from = onward.back();
-      onward.pop_back();
-      forEachNeighbor(grid, from, reach);
+    while (!frontier.empty()) {
+      const std::size_t current = frontier.back();
+      frontier.pop_back();
+      forEachNeighbor(grid, current, reach);
     }
   }
   return open;
@@ -193,19 +195,19 @@ std::vector<std::uint8_t> openOf(const VoxelGrid& grid, const std::vector<std::u
 ScanVoxels viewVoxels(const VoxelGrid& grid, VoxelLabels labels, const Shot& shot, std::uint32_t raysPerBeam,
                       const Hits& hits, const Scan& scan) {
   const std::size_t count = grid.voxels();
-  ScanVoxels voxels{grid, std::move(labels.label), inputOf(grid, shot, scan), std::vector<std::uint8_t>(count),
+  ScanVoxels voxels{grid, std::move(labels.label), voxelsWithPoints(grid, shot, scan), std::vector<std::uint8_t>(count),
                     std::vector<std::uint8_t>(count)};
-  const std::vector<std::uint8_t> marks = marksOf(grid, shot, raysPerBeam, hits);
+  const std::vector<std::uint8_t> marks = beamMarks(grid, shot, raysPerBeam, hits);
   std::vector<std::uint8_t> solid(count);
   for (std::size_t i = 0; i < count; ++i) solid[i] = voxels.label[i] != 0 ? 1 : 0;
   for (const std::uint32_t voxel : labels.unlabeled) solid[voxel] = 1;
-  const std::vector<std::uint8_t> open = openOf(grid, solid, marks);
+  const std::vector<std::uint8_t> open = openVoxels(grid, solid, marks);
   for (std::size_t i = 0; i < count; ++i) {
     voxels.unseen[i] = marks[i] == 0 ? 1 : 0;
-    bool known = marks[i] != 0 || open[i] != 0;
-    if (!known && solid[i] != 0)
-      forEachNeighbor(grid, i, [&](std::size_t other) { known = known || open[other] != 0; });
-    voxels.invalid[i] = known ? 0 : 1;
+    bool visible = marks[i] != 0 || open[i] != 0;  // for some sensor
+    if (!visible && solid[i] != 0)
+      forEachNeighbor(grid, i, [&](std::size_t neighbor) { visible = visible || open[neighbor] != 0; });
+    voxels.invalid[i] = visible ? 0 : 1;
   }
   for (const std::uint32_t voxel : labels.unlabeled) voxels.invalid[voxel] = 1;
   return voxels;
