@@ -11,9 +11,10 @@ namespace scanmill {
 
 namespace {
 
-// Returns stored numbers as values of a column, with labels and instances that mean none as adoptColumns() says.
+// Converts stored numbers to values of a column. Labels and instances that mean none are replaced as adoptColumns()
+// says.
 template <class Key, class Stored>
-std::vector<typename Key::Value> numbersFor(Key key, const std::vector<Stored>& stored, const Location& where) {
+std::vector<typename Key::Value> columnValues(Key key, const std::vector<Stored>& stored, const Location& where) {
   using Value = typename Key::Value;
   std::vector<Value> values;
   values.reserve(stored.size());
@@ -23,18 +24,16 @@ std::vector<typename Key::Value> numbersFor(Key key, const std::vector<Stored>& 
     constexpr int kIgnored = -100;  // a label that the losses of PyTorch ignore by default
     return isLabel ? number == static_cast<Stored>(-1) || number == static_cast<Stored>(kIgnored) : number < Stored{};
   };
-  const bool countedFrom1 = !isLabel && std::any_of(stored.begin(), stored.end(), isNone);
-  const bool hasZero = isLabel && std::find(stored.begin(), stored.end(), Stored{}) != stored.end();
+  const bool countFrom1 = !isLabel && std::ranges::any_of(stored, isNone);
+  const bool hasZero = isLabel && std::ranges::find(stored, Stored{}) != stored.end();
   const Value none = hasZero ? std::numeric_limits<Value>::max() : Value{};
   for (const Stored number : stored) {
-    if (isNone(number)) {
-      values.push_back(none);
-      continue;
+    Value value = none;
+    if (!isNone(number)) value = columnValue<Value>(number, key.row.name, values.size(), where);
+    if (!isNone(number) && countFrom1) {
+      value = columnValue<Value>(static_cast<double>(value) + 1, key.row.name, values.size(), where);
     }
-    values.push_back(columnValue<Value>(number, key.row.name, values.size(), where));
-    if (countedFrom1)
-      values.back() =
-          columnValue<Value>(static_cast<double>(values.back()) + 1, key.row.name, values.size() - 1, where);
+    values.push_back(value);
   }
   return values;
 }
@@ -77,10 +76,10 @@ const FormatSupport& cloudColumns() {
 
 std::string columnMeant(std::string_view name) {
   constexpr std::string_view kPrefix = "scalar_";  // of CloudCompare
-  std::string own = lowerCase(name);
-  if (own.starts_with(kPrefix)) own.erase(0, kPrefix.size());
-  const FormatElements* const row = cloudColumns().find(own);
-  if (row == nullptr || row->use != FormatElements::Use::Read) return own;
+  std::string plainName = lowerCase(name);
+  if (plainName.starts_with(kPrefix)) plainName.erase(0, kPrefix.size());
+  const FormatElements* const row = cloudColumns().find(plainName);
+  if (row == nullptr || row->use != FormatElements::Use::Read) return plainName;
   return std::string(row->names.substr(0, row->names.find(' ')));
 }
 
@@ -94,11 +93,10 @@ void adoptColumns(Cloud& cloud, const Location& where) {
       visitTable(scan, [&](auto key, auto& values) {
         if (key.row.name != meant) return;
         // Scanners that do not measure intensities fill their column with 0.
-        const bool blank = key.index == kIntensity.index &&
-                           std::all_of(values.begin(), values.end(), [](auto value) { return value == 0; });
-        if (scan.has(key) && !blank) return;
+        const bool isZero = key.index == kIntensity.index && std::ranges::count(values, 0) == std::ssize(values);
+        if (scan.has(key) && !isZero) return;
         try {
-          std::visit([&](const auto& stored) { values = numbersFor(key, stored, hasOwnName ? where : Location{}); },
+          std::visit([&](const auto& stored) { values = columnValues(key, stored, hasOwnName ? where : Location{}); },
                      column.values);
           scan.columnsIfEmpty.add(key.index);
           adopted = true;
@@ -113,8 +111,8 @@ void adoptColumns(Cloud& cloud, const Location& where) {
 }
 
 void setPositions(const std::vector<Vec3d>& exact, Cloud& cloud) {
-  const auto known = std::find_if(exact.begin(), exact.end(), [](const Vec3d& p) { return isFinite(p); });
-  cloud.origin = known == exact.end() ? Vec3d{} : cloudOrigin(*known);
+  const auto finite = std::ranges::find_if(exact, [](const Vec3d& p) { return isFinite(p); });
+  cloud.origin = finite == exact.end() ? Vec3d{} : cloudOrigin(*finite);
   cloud.scan.position.clear();
   cloud.scan.position.reserve(exact.size());
   for (const Vec3d& p : exact) cloud.scan.position.push_back(static_cast<Vec3f>(p - cloud.origin));

@@ -25,8 +25,8 @@ Vec3d cloudOrigin(const Vec3d& position) {
 
 namespace {
 
-// Kinds of clouds that are known, and not read.
-bool isOtherCloud(const std::string& suffix) {
+// True for kinds of clouds that readCloud() refuses with advice.
+bool isUnreadCloud(const std::string& suffix) {
   return suffix == ".e57" || suffix == ".pts" || suffix == ".ptx";
 }
 
@@ -37,8 +37,8 @@ bool listsPoints(const std::filesystem::path& file) {
   for (const char* word : {"ncols", "nrows", "rows:", "cols:"}) {
     if (head.find(word) != std::string::npos) return false;
   }
-  std::replace_if(
-      head.begin(), head.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
+  std::ranges::replace_if(
+      head, [](char c) { return c == ',' || c == ';'; }, ' ');
   std::istringstream lines(head);
   for (std::string line; std::getline(lines, line);) {
     std::istringstream cells(line);
@@ -52,7 +52,7 @@ bool listsPoints(const std::filesystem::path& file) {
 
 bool isCloud(const std::filesystem::path& file) {
   const std::string suffix = lowerExtension(file);
-  if (suffix == ".las" || suffix == ".laz" || suffix == ".xyz" || isOtherCloud(suffix)) return true;
+  if (suffix == ".las" || suffix == ".laz" || suffix == ".xyz" || isUnreadCloud(suffix)) return true;
   if (suffix == ".asc") return listsPoints(file);
   if (suffix != ".ply") return !suffix.empty() && formatBySuffix(suffix.substr(1)) != nullptr;
   std::error_code error;
@@ -64,7 +64,7 @@ bool isCloud(const std::filesystem::path& file) {
 
 bool isScan(const std::filesystem::path& file) {
   const std::string suffix = lowerExtension(file);
-  return numbersOfRecord(file) > 0 || suffix == ".npz" || (!isOtherCloud(suffix) && isCloud(file));
+  return numbersOfRecord(file) > 0 || suffix == ".npz" || (!isUnreadCloud(suffix) && isCloud(file));
 }
 
 std::string scanSuffixes() {
@@ -78,7 +78,7 @@ Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
   const std::string suffix = lowerExtension(file);
   const std::string name = file.string();
   if (suffix == ".ply") return readPly(file);
-  if (isOtherCloud(suffix)) {
+  if (isUnreadCloud(suffix)) {
     throw InputError({name}, fmt::format("is a cloud of the kind {}, which is not read: convert it, by `pdal translate "
                                          "a{} a.las` or by CloudCompare into LAS, PLY or PCD",
                                          suffix, suffix));

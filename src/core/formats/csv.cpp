@@ -65,7 +65,8 @@ class CsvReader {
 
   bool isComment() const { return line_.starts_with('#') || line_.starts_with("//"); }
 
-  // Reads the first line of names, which may look like a comment, or else the first point.
+  // Reads up to the line that names the columns, which may look like a comment, or up to the first point. Returns false
+  // if the file has no such line.
   bool readHeader() {
     while (!rest_.empty()) {
       nextLine();
@@ -75,10 +76,8 @@ class CsvReader {
       const std::size_t separator = line_.find_first_of(",;\t");
       separator_ = separator == std::string_view::npos ? ' ' : line_[separator];
       splitCells(line_, separator_, cells_);
-      const bool namesAxes = std::all_of(kAxes.begin(), kAxes.end(), [&](const auto& axis) {
-        return std::any_of(cells_.begin(), cells_.end(),
-                           [&](std::string_view cell) { return columnMeant(cell) == axis.first; });
-      });
+      const bool namesAxes = std::ranges::all_of(
+          kAxes, [&](const auto& axis) { return std::ranges::find(cells_, axis.first, columnMeant) != cells_.end(); });
       if (comment && !namesAxes) continue;
       readNames(namesAxes);
       return true;
@@ -86,8 +85,10 @@ class CsvReader {
     return false;
   }
 
+  // Sets columns_ from the cells of the line. If the cells are three numbers, they are the first point. `namesAxes`:
+  // true if cells are called x, y and z.
   void readNames(bool namesAxes) {
-    if (cells_.size() == 3 && std::all_of(cells_.begin(), cells_.end(), isNumber)) {
+    if (cells_.size() == 3 && std::ranges::all_of(cells_, isNumber)) {
       for (const auto& [name, member] : kAxes) columns_.push_back(cellReader(std::string(name)));
       addPoint();
       return;
@@ -120,8 +121,9 @@ class CsvReader {
     return std::isdigit(static_cast<unsigned char>(name.front())) == 0 ? name : "_" + name;
   }
 
-  // Returns the function that stores the cells of the column with this name. A name that is not in the table of columns
-  // becomes a foreign column.
+  // Returns the function that stores the cells of the column with this name: a coordinate, a column of the table or,
+  // for other names, a foreign column. Texts in a foreign column become NaN, and are counted as left out unless point
+  // clouds have such a column.
   ReadCell cellReader(const std::string& name) {
     for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
       if (name != kAxes[axis].first) continue;
@@ -130,30 +132,30 @@ class CsvReader {
         if (!exact_) readNumber(word, cloud_.scan.position.back().*kFloatAxes[axis], kAxes[axis].first, where);
       };
     }
-    ReadCell read;
+    ReadCell readTableCell;  // empty: not in the table
     visitTable(cloud_.scan, [&]<class Value>(auto key, std::vector<Value>& values) {
       if (key.row.name != name) return;
       if (key.index == kLabel.index || key.index == kInstance.index) {
         // adoptColumns() takes the numbers below 0 for none.
-        read = [readForeign = foreignReader(name), name](std::string_view word, const Location& where) {
-          Value checked = 0;
-          if (!word.starts_with('-')) readNumber(word, checked, name, where);
+        readTableCell = [readForeign = foreignReader(name), name](std::string_view word, const Location& where) {
+          Value ignored = 0;  // the number must fit the column's type
+          if (!word.starts_with('-')) readNumber(word, ignored, name, where);
           readForeign(word, where);
         };
         return;
       }
       cloud_.scan.columnsIfEmpty.add(key.index);
-      read = [&values, key](std::string_view word, const Location& where) {
+      readTableCell = [&values, key](std::string_view word, const Location& where) {
         readNumber(word, values.emplace_back(), key.row.name, where);
       };
     });
-    if (read) return read;
+    if (readTableCell) return readTableCell;
     if (cloudColumns().find(columnMeant(name)) != nullptr) return foreignReader(name);
-    return [this, numbers = foreignReader(name), texts = fmt::format("texts in the column '{}'", name)](
+    return [this, readForeign = foreignReader(name), texts = fmt::format("texts in the column '{}'", name)](
                std::string_view word, const Location& where) {
       const bool isText = !isNumber(word);
       if (isText) cloud_.leftOut.add(texts);
-      numbers(isText ? "nan" : word, where);
+      readForeign(isText ? "nan" : word, where);
     };
   }
 
@@ -166,6 +168,7 @@ class CsvReader {
     };
   }
 
+  // Adds a point with the values of cells_.
   void addPoint() {
     cloud_.scan.position.emplace_back();
     if (exact_) exactPositions_.emplace_back();
@@ -176,13 +179,14 @@ class CsvReader {
       {{"x", &Vec3d::x}, {"y", &Vec3d::y}, {"z", &Vec3d::z}}};
   static constexpr std::array<float Vec3f::*, 3> kFloatAxes{&Vec3f::x, &Vec3f::y, &Vec3f::z};
 
-  std::string_view rest_, line_;
-  Location where_;
-  bool exact_;
+  std::string_view rest_;  // of the file, behind line_
+  std::string_view line_;  // the current line
+  Location where_;         // of the current line
+  bool exact_;             // see readers.h
   char separator_ = ',';
-  std::vector<std::string_view> cells_;
-  std::vector<ReadCell> columns_;
-  std::vector<Vec3d> exactPositions_;  // m, positions before the origin is subtracted; empty unless exact_
+  std::vector<std::string_view> cells_;  // of the current line
+  std::vector<ReadCell> columns_;        // by cell
+  std::vector<Vec3d> exactPositions_;    // m, positions before the origin is subtracted; empty unless exact_
   Cloud cloud_;
 };
 

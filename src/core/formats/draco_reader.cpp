@@ -28,6 +28,7 @@ class HeaderCheck {
  public:
   HeaderCheck(std::string_view bytes, const std::string& what) : bytes_(bytes), where_{what, 0, 0} {}
 
+  // Throws InputError for a damaged header and for more points or bytes per point than the limits above allow.
   void run() {
     if (!bytes_.starts_with("DRACO")) fail("not a Draco file");
     skip(7);  // the magic number and the version, which the decoder checks
@@ -44,8 +45,8 @@ class HeaderCheck {
       skipMetadata(0);
     }
     const auto points = number<std::int32_t>();
-    const std::uint64_t most = std::max<std::uint64_t>(kPointsWithoutBytes, bytes_.size() * kPointsPerByte);
-    if (points < 0 || static_cast<std::uint64_t>(points) > most) {
+    const std::uint64_t mostPoints = std::max<std::uint64_t>(kPointsWithoutBytes, bytes_.size() * kPointsPerByte);
+    if (points < 0 || static_cast<std::uint64_t>(points) > mostPoints) {
       fail(fmt::format("{} points cannot be in {} bytes", points, bytes_.size()));
     }
     checkAttributes(method);
@@ -69,16 +70,18 @@ class HeaderCheck {
 
   std::uint8_t byte() { return number<std::uint8_t>(); }
 
+  // Reads a number as appendVarint() writes it.
   std::uint64_t varint() {
     std::uint64_t value = 0;
     for (unsigned shift = 0; shift < 64; shift += 7) {
-      const std::uint8_t next = byte();
-      value |= std::uint64_t{next & 127u} << shift;
-      if (next < 128) return value;
+      const std::uint8_t group = byte();
+      value |= std::uint64_t{group & 127u} << shift;
+      if (group < 128) return value;
     }
     fail("damaged header");
   }
 
+  // Skips one block of metadata: entries of a name and a value, then named blocks within it.
   void skipMetadata(int depth) {
     if (depth > kDeepestMetadata) fail("metadata nested too deeply");
     const std::uint64_t entries = varint();
@@ -86,13 +89,14 @@ class HeaderCheck {
       skip(byte());
       skip(varint());
     }
-    const std::uint64_t inner = varint();
-    for (std::uint64_t i = 0; i < inner; ++i) {
+    const std::uint64_t innerBlocks = varint();
+    for (std::uint64_t i = 0; i < innerBlocks; ++i) {
       skip(byte());
       skipMetadata(depth + 1);
     }
   }
 
+  // Adds up the bytes per point of the attributes' descriptors: kind, type, components, whether normalised, id.
   void checkAttributes(std::uint8_t method) {
     const std::uint8_t groups = byte();
     std::uint64_t pointBytes = 0;
@@ -122,11 +126,11 @@ class CloudReader {
   CloudReader(const draco::PointCloud& cloud, const std::string& what) : cloud_(cloud), where_{what, 0, 0} {}
 
   Cloud read() {
-    Scan& scan = read_.scan;
+    Scan& scan = result_.scan;
     scan.rings = entry("rings");
     scan.columns = entry("columns");
     const draco::PointAttribute* position = cloud_.GetNamedAttribute(draco::GeometryAttribute::POSITION);
-    if (cloud_.num_points() == 0 && position == nullptr) return std::move(read_);
+    if (cloud_.num_points() == 0 && position == nullptr) return std::move(result_);
     if (!position || position->num_components() != 3) throw InputError(where_, "there are no positions x, y, z");
     scan.position.resize(cloud_.num_points());
     if (scan.size() > 0) readAttribute(*position, "position", &scan.position[0].x);
@@ -138,17 +142,19 @@ class CloudReader {
       readAttribute(*attribute, key.row.name, values.data());
     });
     readForeign(*position);
-    adoptColumns(read_, where_);
-    return std::move(read_);
+    adoptColumns(result_, where_);
+    return std::move(result_);
   }
 
  private:
+  // Returns a number of the geometry's metadata; 0 if it is absent.
   std::uint32_t entry(const char* name) const {
     std::int32_t value = 0;
     if (!cloud_.GetMetadata() || !cloud_.GetMetadata()->GetEntryInt(name, &value)) return 0;
     return static_cast<std::uint32_t>(value);
   }
 
+  // Returns the attribute with this name; null if there is none.
   const draco::PointAttribute* find(std::string_view name) const {
     const int id = cloud_.GetAttributeIdByMetadataEntry("name", std::string(name));
     if (id < 0) return nullptr;
@@ -174,13 +180,13 @@ class CloudReader {
       const std::string name = nameOf(i);
       if (name.empty() || attribute.num_components() != 1) {
         const std::string kind = draco::GeometryAttribute::TypeToString(attribute.attribute_type());
-        read_.leftOut.add(
+        result_.leftOut.add(
             fmt::format("attributes '{}' of {} values", name.empty() ? kind : name, attribute.num_components()));
       } else if (columnIndex(name) >= kColumnCount) {
         visitStored(attribute, name, [&]<class Stored>(Stored) {
           std::vector<Stored> values(cloud_.num_points());
           convert<Stored>(attribute, name, values.data());
-          read_.scan.foreign.push_back({name, std::move(values)});
+          result_.scan.foreign.push_back({name, std::move(values)});
         });
       }
     }
@@ -206,6 +212,7 @@ class CloudReader {
     visitNumberType(isFloat ? 'F' : isSigned ? 'I' : 'U', size, visit);
   }
 
+  // Writes the attribute's values, which are stored as `Stored`, as readAttribute() does.
   template <class Stored, class T>
   void convert(const draco::PointAttribute& attribute, std::string_view name, T* to) const {
     const auto components = static_cast<std::size_t>(attribute.num_components());
@@ -227,7 +234,7 @@ class CloudReader {
 
   const draco::PointCloud& cloud_;
   Location where_;
-  Cloud read_;
+  Cloud result_;
 };
 
 }  // namespace

@@ -14,20 +14,20 @@ namespace {
 
 using Counts = std::vector<std::uint32_t>;
 
-constexpr int kMaxRawBits = 18;  // largest number of bits of a symbol that is coded by its own probability
-constexpr std::uint8_t kTagged = 0;
+constexpr int kMaxRawBits = 18;      // largest number of bits of a symbol that is coded by its own probability
+constexpr std::uint8_t kTagged = 0;  // Draco's numbers of the two ways in which symbols are coded
 constexpr std::uint8_t kRaw = 1;
 constexpr int kTagPrecisionBits = 12;
 
 struct Histogram {
-  Counts counts;  // number of occurrences of each symbol, up to the largest symbol
-  std::uint64_t total = 0;
-  std::uint32_t unique = 0;
-  double bits = 0;  // Shannon's bound for all coded symbols, without the table
+  Counts counts;             // number of occurrences of each symbol, up to the largest symbol
+  std::uint64_t total = 0;   // number of coded symbols
+  std::uint32_t unique = 0;  // number of different symbols
+  double bits = 0;           // Shannon's bound for all coded symbols, without the table
 };
 
-// Counts the symbols. Long sequences of one symbol (labels, columns) are common. Four tables are filled in turn, so
-// that an increment need not wait for the previous increment of the same counter.
+// Counts symbols from 0 to `largest`. Long sequences of one symbol (labels, columns) are common. Four tables are filled
+// in turn, so that an increment need not wait for the previous increment of the same counter.
 template <class Symbol>
 Histogram histogram(const Symbol* symbols, std::size_t count, std::uint32_t largest) {
   constexpr std::size_t kTables = 4;
@@ -48,13 +48,14 @@ Histogram histogram(const Symbol* symbols, std::size_t count, std::uint32_t larg
     for (std::size_t s = 0; s < size; ++s) counts[s] += counts[table * size + s];
   }
   counts.resize(size);
-  Histogram result{std::move(counts), count, 0, 0};
+  Histogram result{.counts = std::move(counts), .total = count};
   double sum = 0;
   for (const std::uint32_t n : result.counts) {
     if (n == 0) continue;
     ++result.unique;
     if (n > 1) sum += n * std::log2(static_cast<double>(n));
   }
+  // Shannon: the sum of n log2(count / n) over the symbols, with n occurrences each.
   result.bits = static_cast<double>(count) * std::log2(static_cast<double>(std::max<std::size_t>(count, 1))) - sum;
   return result;
 }
@@ -99,6 +100,7 @@ std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) 
   return result;
 }
 
+// Appends the probabilities of all symbols, each in one to three bytes, which begin with the number of further bytes.
 void appendTable(const std::vector<std::uint32_t>& probability, std::string& out) {
   appendVarint(probability.size(), out);
   for (std::size_t s = 0; s < probability.size(); ++s) {
@@ -106,15 +108,15 @@ void appendTable(const std::vector<std::uint32_t>& probability, std::string& out
     if (p == 0) {
       // The two low bits are 3; the six high bits count further symbols that do not occur. The last symbol of the table
       // always occurs.
-      std::size_t more = 0;
-      while (more < 63 && probability[s + more + 1] == 0) ++more;
-      out.push_back(static_cast<char>((more << 2) | 3));
-      s += more;
+      std::size_t further = 0;
+      while (further < 63 && probability[s + further + 1] == 0) ++further;
+      out.push_back(static_cast<char>((further << 2) | 3));
+      s += further;
       continue;
     }
-    const int extra = p >= (1u << 14) ? 2 : p >= (1u << 6) ? 1 : 0;
-    out.push_back(static_cast<char>((p << 2) | static_cast<std::uint32_t>(extra)));
-    for (int byte = 1; byte <= extra; ++byte) out.push_back(static_cast<char>(p >> (8 * byte - 2)));
+    const int furtherBytes = p >= (1u << 14) ? 2 : p >= (1u << 6) ? 1 : 0;
+    out.push_back(static_cast<char>((p << 2) | static_cast<std::uint32_t>(furtherBytes)));
+    for (int byte = 1; byte <= furtherBytes; ++byte) out.push_back(static_cast<char>(p >> (8 * byte - 2)));
   }
 }
 
@@ -124,17 +126,18 @@ void appendTable(const std::vector<std::uint32_t>& probability, std::string& out
 // `bits` + 8 bits. The division is a multiplication by the reciprocal, exact for states below 2^31, and uses the state
 // before its low bytes are written. Thus only two multiplications separate successive states, while Draco's coder has a
 // division and unpredictable branches.
-struct Step {
+struct SymbolStep {
   std::uint32_t reciprocal;  // 2^(shift - bits) / p, rounded up
   std::uint32_t limit;       // least state from which 8 more bits are written
   std::uint32_t complement;  // 2^precision - p
   std::uint32_t start;       // sum of the probabilities of all earlier symbols
-  std::uint16_t bits;
-  std::uint16_t shift;
+  std::uint16_t bits;        // number of bits that are written below `limit`
+  std::uint16_t shift;       // of the product of state and reciprocal
 };
 
-std::vector<Step> steps(const std::vector<std::uint32_t>& probability, int precisionBits) {
-  std::vector<Step> result(probability.size());
+// Returns the step of each symbol; those of symbols that do not occur are not set.
+std::vector<SymbolStep> symbolSteps(const std::vector<std::uint32_t>& probability, int precisionBits) {
+  std::vector<SymbolStep> result(probability.size());
   std::uint32_t start = 0;
   for (std::size_t s = 0; s < probability.size(); ++s) {
     const std::uint32_t p = probability[s];
@@ -142,50 +145,53 @@ std::vector<Step> steps(const std::vector<std::uint32_t>& probability, int preci
     const auto division = 31 + static_cast<unsigned>(std::bit_width(p - 1));
     unsigned bits = 0;
     while ((4u << precisionBits >> bits) >= p << 10) bits += 8;
-    result[s] = {static_cast<std::uint32_t>(((std::uint64_t{1} << division) + p - 1) / p),
-                 p << 10 << bits,
-                 (1u << precisionBits) - p,
-                 start,
-                 static_cast<std::uint16_t>(bits),
-                 static_cast<std::uint16_t>(division + bits)};
+    result[s] = {.reciprocal = static_cast<std::uint32_t>(((std::uint64_t{1} << division) + p - 1) / p),
+                 .limit = p << 10 << bits,
+                 .complement = (1u << precisionBits) - p,
+                 .start = start,
+                 .bits = static_cast<std::uint16_t>(bits),
+                 .shift = static_cast<std::uint16_t>(division + bits)};
     start += p;
   }
   return result;
 }
 
-// Appends the table and the symbols, the last symbol first, since a rANS decoder returns them in the reverse order.
+// Codes h.total symbols by rANS and appends the table of probabilities, the size of the code (bytes) and the code. The
+// last symbol is coded first, since a decoder returns the symbols in the reverse order. `h`: histogram of the symbols.
 template <class Symbol>
 void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, std::string& out) {
   const std::vector<std::uint32_t> probability = probabilities(h, precisionBits);
   appendTable(probability, out);
-  const std::uint32_t base = 4u << precisionBits;
-  std::uint32_t state = base;
+  const std::uint32_t leastState = 4u << precisionBits;
+  std::uint32_t state = leastState;
   thread_local RawVector<char> scratch;
   scratch.resize(3 * h.total + 8);
   char* const begin = scratch.data();
-  char* to = begin;
+  char* end = begin;   // of the code so far
   if (h.unique > 1) {  // a single symbol has probability 1 and takes no bits
-    const std::vector<Step> table = steps(probability, precisionBits);
+    const std::vector<SymbolStep> steps = symbolSteps(probability, precisionBits);
     for (std::size_t i = h.total; i-- > 0;) {
-      const Step& step = table[symbols[i]];
-      std::memcpy(to, &state, sizeof(state));
-      const unsigned more = state >= step.limit ? 8 : 0;
-      const auto quotient = static_cast<std::uint32_t>((std::uint64_t{state} * step.reciprocal) >> (step.shift + more));
-      const unsigned bits = step.bits + more;
-      to += bits / 8;
+      const SymbolStep& step = steps[symbols[i]];
+      std::memcpy(end, &state, sizeof(state));  // only the low bytes stay: the next bytes overwrite the others
+      const unsigned furtherBits = state >= step.limit ? 8 : 0;
+      const auto quotient =
+          static_cast<std::uint32_t>((std::uint64_t{state} * step.reciprocal) >> (step.shift + furtherBits));
+      const unsigned bits = step.bits + furtherBits;
+      end += bits / 8;
       state = (state >> bits) + step.start + quotient * step.complement;
     }
   }
-  // Appends the last state, with its length in the two high bits.
-  const std::uint32_t last = state - base;
-  const int bytes = last < (1u << 6) ? 1 : last < (1u << 14) ? 2 : last < (1u << 22) ? 3 : 4;
-  const std::uint32_t tail = last | (static_cast<std::uint32_t>(bytes - 1) << (8 * bytes - 2));
-  std::memcpy(to, &tail, sizeof(tail));
-  to += bytes;
-  appendVarint(static_cast<std::uint64_t>(to - begin), out);
-  out.append(begin, to);
+  // Appends the last state, in as many bytes as its two high bits say.
+  const std::uint32_t offset = state - leastState;
+  const int bytes = offset < (1u << 6) ? 1 : offset < (1u << 14) ? 2 : offset < (1u << 22) ? 3 : 4;
+  const std::uint32_t tail = offset | (static_cast<std::uint32_t>(bytes - 1) << (8 * bytes - 2));
+  std::memcpy(end, &tail, sizeof(tail));
+  end += bytes;
+  appendVarint(static_cast<std::uint64_t>(end - begin), out);
+  out.append(begin, end);
 }
 
+// Returns the number of bits of a symbol without leading zeros; 1 for 0.
 std::uint8_t bitLength(std::uint32_t value) {
   return static_cast<std::uint8_t>(std::bit_width(value | 1u));
 }
@@ -199,15 +205,15 @@ std::span<const std::uint8_t> bitLengths(std::span<const std::uint32_t> symbols)
   scratch.resize(entries);
   std::uint8_t* const lengths = scratch.data();
   for (std::size_t i = 0; i < entries; ++i) {
-    std::uint32_t any = 0;
-    for (std::size_t c = 0; c < kComponents; ++c) any |= symbols[i * kComponents + c];
-    lengths[i] = bitLength(any);
+    std::uint32_t unionOfBits = 0;
+    for (std::size_t c = 0; c < kComponents; ++c) unionOfBits |= symbols[i * kComponents + c];
+    lengths[i] = bitLength(unionOfBits);
   }
   return {lengths, entries};
 }
 
 // Appends the length of every entry by rANS, then the components of each entry. Each component takes as many bits as
-// the entry's length.
+// the entry's length. `h`: histogram of the lengths.
 void appendTagged(std::span<const std::uint32_t> symbols, int components, std::span<const std::uint8_t> lengths,
                   const Histogram& h, std::string& out) {
   out.push_back(static_cast<char>(kTagged));
@@ -215,26 +221,26 @@ void appendTagged(std::span<const std::uint32_t> symbols, int components, std::s
   thread_local RawVector<char> scratch;
   scratch.resize(4 * symbols.size() + 8);
   char* const begin = scratch.data();
-  char* to = begin;
+  char* end = begin;
   std::uint64_t pending = 0;
   unsigned pendingBits = 0;
   for (std::size_t i = 0; i < symbols.size(); ++i) {
     pending |= std::uint64_t{symbols[i]} << pendingBits;
     pendingBits += lengths[i / static_cast<std::size_t>(components)];
-    std::memcpy(to, &pending, sizeof(pending));
-    to += pendingBits / 8;
+    std::memcpy(end, &pending, sizeof(pending));
+    end += pendingBits / 8;
     pending >>= pendingBits & ~7u;
     pendingBits &= 7u;
   }
-  if (pendingBits > 0) *to++ = static_cast<char>(pending);
-  out.append(begin, to);
+  if (pendingBits > 0) *end++ = static_cast<char>(pending);
+  out.append(begin, end);
 }
 
 // Returns the bit length that Draco stores before raw symbols: the length of the number of different symbols, adjusted
 // by the compression level. The precision of the probabilities follows from it.
 int symbolBits(std::uint32_t unique, int level) {
-  const int more = level < 4 ? -2 : level < 6 ? -1 : level > 9 ? 2 : level > 7 ? 1 : 0;
-  return std::clamp(static_cast<int>(std::bit_width(unique)) + more, 1, kMaxRawBits);
+  const int adjustment = level < 4 ? -2 : level < 6 ? -1 : level > 9 ? 2 : level > 7 ? 1 : 0;
+  return std::clamp(static_cast<int>(std::bit_width(unique)) + adjustment, 1, kMaxRawBits);
 }
 
 }  // namespace

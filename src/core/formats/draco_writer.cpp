@@ -34,19 +34,19 @@ std::uint32_t zigzag(std::int32_t value) {
 }
 
 struct Symbols {
-  std::span<std::uint32_t> values;  // valid until the thread's next call of correct()
-  std::int32_t low = 0;
+  std::span<std::uint32_t> values;  // valid until the thread's next call of toSymbols()
+  std::int32_t low = 0;             // the least and the greatest of the coded values
   std::int32_t high = 0;
   bool predicted = true;  // true: `values` are differences to the previous point; false: the values themselves
 };
 
-// Returns the differences to the previous point, wrapped around the range of the values ("wrap transform" of the
-// specification). If the range is too large for that, returns the values themselves.
+// Returns the symbols of a column with at least one value: the differences to the previous point, wrapped around the
+// range of the values ("wrap transform" of the specification). If the range is too large for that, returns the values
+// themselves.
 template <class T>
-Symbols correct(std::span<const T> values, std::size_t components) {
+Symbols toSymbols(std::span<const T> values, std::size_t components) {
   thread_local RawVector<std::uint32_t> scratch;
   scratch.resize(values.size());
-  Symbols result{scratch, 0, 0, true};
   const auto at = [&](std::size_t i) { return static_cast<std::int32_t>(values[i]); };
   std::int32_t low = at(0);
   std::int32_t high = at(0);
@@ -54,8 +54,7 @@ Symbols correct(std::span<const T> values, std::size_t components) {
     low = std::min(low, at(i));
     high = std::max(high, at(i));
   }
-  result.low = low;
-  result.high = high;
+  Symbols result{.values = scratch, .low = low, .high = high};
   const std::int64_t span = std::int64_t{high} - low + 1;
   if (span > std::numeric_limits<std::int32_t>::max()) {
     result.predicted = false;
@@ -156,16 +155,18 @@ void DracoWriter::describe(std::string_view name, int dataType, std::size_t comp
 
 template <class T>
 void DracoWriter::addNarrowed(std::string_view name, std::span<const T> values) {
-  T any = 0;
-  for (const T value : values) any |= value;
-  const int type = any < (1u << 8) ? draco::DT_UINT8 : any < (1u << 16) ? draco::DT_UINT16 : draco::DT_UINT32;
+  T unionOfBits = 0;
+  for (const T value : values) unionOfBits |= value;
+  const int type = unionOfBits < (1u << 8)    ? draco::DT_UINT8
+                   : unionOfBits < (1u << 16) ? draco::DT_UINT16
+                                              : draco::DT_UINT32;
   describe(name, type, 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_INTEGER);
   addSymbols(values, 1);
 }
 
 template <class T>
 void DracoWriter::addSymbols(std::span<const T> values, int components) {
-  const Symbols symbols = correct(values, static_cast<std::size_t>(components));
+  const Symbols symbols = toSymbols(values, static_cast<std::size_t>(components));
   if (symbols.predicted) {
     values_.push_back(draco::PREDICTION_DIFFERENCE);
     values_.push_back(draco::PREDICTION_TRANSFORM_WRAP);
@@ -183,9 +184,9 @@ void DracoWriter::addSymbols(std::span<const T> values, int components) {
 
 void DracoWriter::addGrid(const QuantisedColumn& column) {
   addSymbols(column.indices, static_cast<int>(column.low.size()));
-  std::uint32_t any = 0;
-  for (const std::int32_t index : column.indices) any |= static_cast<std::uint32_t>(index);
-  const int bits = std::max(kLeastBits, static_cast<int>(std::bit_width(any)));
+  std::uint32_t unionOfBits = 0;
+  for (const std::int32_t index : column.indices) unionOfBits |= static_cast<std::uint32_t>(index);
+  const int bits = std::max(kLeastBits, static_cast<int>(std::bit_width(unionOfBits)));
   for (const float low : column.low) putNumber(low, grids_);
   putNumber(std::ldexp(column.step, bits), grids_);
   grids_.push_back(static_cast<char>(bits));
@@ -201,13 +202,13 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
   Grid grid;
   const double diagonal = std::sqrt(static_cast<double>(low.size()));  // diagonal of a cube of side 1
   const double axisBound = bound / diagonal;
-  const double widest = 2 * axisBound * (1 - 1e-9);  // largest step, minus a margin for rounding the index in double
+  const double largestStep = 2 * axisBound * (1 - 1e-9);  // with a margin for rounding the index in double
   // The step and all coordinates of grid points are whole multiples of `unit`, at most 2^24 times `unit`, and therefore
   // exact in float32.
-  const double reach = std::max(extent, magnitude) + 2 * widest;
+  const double reach = std::max(extent, magnitude) + 2 * largestStep;
   const double unit =
-      std::exp2(std::max(std::ceil(std::log2(reach / kFloatWhole)), std::floor(std::log2(widest)) - 20));
-  const double step = std::floor(widest / unit) * unit;
+      std::exp2(std::max(std::ceil(std::log2(reach / kFloatWhole)), std::floor(std::log2(largestStep)) - 20));
+  const double step = std::floor(largestStep / unit) * unit;
   if (step > 0) {
     grid.step = static_cast<float>(step);
     for (const float l : low) grid.low.push_back(static_cast<float>(std::floor(l / unit) * unit));
@@ -229,20 +230,21 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
 
 int mostIndexBits(double reach, std::size_t components, double bound) {
   constexpr int kMostBits = 30;
-  const double widest = 2 * bound / std::sqrt(static_cast<double>(components)) * (1 - 1e-9);
+  const double largestStep = 2 * bound / std::sqrt(static_cast<double>(components)) * (1 - 1e-9);
   // chooseGrid() rounds the step down to a multiple of a power of two; `unit` is an upper bound of that power.
-  const double unit = std::max(2 * (2 * reach + 2 * widest) / kFloatWhole, widest * 0x1p-20);
-  if (unit > widest / 2) return kMostBits;
-  const double largest = (2 * reach + unit) / (widest - unit) + 1;
-  return std::clamp(static_cast<int>(std::ceil(std::log2(largest + 1))), 1, kMostBits);
+  const double unit = std::max(2 * (2 * reach + 2 * largestStep) / kFloatWhole, largestStep * 0x1p-20);
+  if (unit > largestStep / 2) return kMostBits;
+  const double largestIndex = (2 * reach + unit) / (largestStep - unit) + 1;
+  return std::clamp(static_cast<int>(std::ceil(std::log2(largestIndex + 1))), 1, kMostBits);
 }
 
 void quantise(std::span<const float> values, const Grid& grid, std::int32_t* indices) {
-  const double perStep = 1 / double{grid.step};
+  const double stepsPerUnit = 1 / double{grid.step};
   const auto index = [&](float value, float low) {
-    return static_cast<std::int32_t>((double{value} - double{low}) * perStep + 0.5);
+    return static_cast<std::int32_t>((double{value} - double{low}) * stepsPerUnit + 0.5);
   };
-  if (grid.low.size() == 3) {
+  const std::size_t components = grid.low.size();
+  if (components == 3) {
     const float x = grid.low[0];
     const float y = grid.low[1];
     const float z = grid.low[2];
@@ -252,7 +254,6 @@ void quantise(std::span<const float> values, const Grid& grid, std::int32_t* ind
       indices[i + 2] = index(values[i + 2], z);
     }
   } else {
-    const std::size_t components = grid.low.size();
     for (std::size_t i = 0; i < values.size(); ++i) indices[i] = index(values[i], grid.low[i % components]);
   }
 }

@@ -76,6 +76,7 @@ class DracoWriter {
   [[nodiscard]] std::string finish() const;
 
  private:
+  // Adds the metadata, the descriptor and the encoder of an attribute. Its values must follow.
   void describe(std::string_view name, int dataType, std::size_t components, int encoder);
   template <class T>
   void addNarrowed(std::string_view name, std::span<const T> values);
@@ -84,9 +85,9 @@ class DracoWriter {
   void addGrid(const QuantisedColumn& column);
 
   std::uint32_t points_;
-  int level_;
-  std::uint32_t attributes_ = 0;
-  std::uint32_t entries_ = 0;
+  int level_;                     // see appendSymbols()
+  std::uint32_t attributes_ = 0;  // number of attributes so far
+  std::uint32_t entries_ = 0;     // number of entries of the geometry's metadata, whose bytes follow
   std::string entryBytes_;
   std::string names_;        // metadata of the attributes
   std::string descriptors_;  // types and components of the attributes

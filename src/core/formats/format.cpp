@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "formats/readers.h"
@@ -35,10 +36,8 @@ const FormatEntry& requireFormat(std::string_view name, const Location& where) {
 }
 
 const FormatEntry* formatBySuffix(std::string_view suffix) {
-  for (const FormatEntry& entry : formats()) {
-    if (entry.suffix == suffix) return &entry;
-  }
-  return nullptr;
+  const auto entry = std::ranges::find(formats(), suffix, &FormatEntry::suffix);
+  return entry == formats().end() ? nullptr : &*entry;
 }
 
 }  // namespace scanmill

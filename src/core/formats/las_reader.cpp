@@ -46,6 +46,7 @@ class LasReader {
     for (std::uint32_t k = 0; k < names.size(); ++k) cloud_.classNames[k] = names[k];
   }
 
+  // Checks the header, then reads the records of the coordinate system and of the extra bytes, then the points.
   Cloud read(CloudUnit unit) {
     if (bytes_.size() < kLeastHeader || !bytes_.starts_with("LASF")) fail("is no LAS file");
     const auto minor = at<std::uint8_t>(kMinor);
@@ -64,7 +65,7 @@ class LasReader {
     if (bytes_.size() < at<std::uint16_t>(kHeaderSize)) fail("is truncated: it ends within its header");
     std::uint64_t points = at<std::uint32_t>(kLegacyPoints);
     if (minor == 4 && at<std::uint16_t>(kHeaderSize) >= kPoints + 8) points = at<std::uint64_t>(kPoints);
-    const std::uint64_t first = at<std::uint32_t>(kPointsAt);
+    const std::uint64_t first = at<std::uint32_t>(kPointsAt);  // offset of the first point (bytes)
     if (first > bytes_.size() || points > (bytes_.size() - first) / recordBytes_) {
       fail(fmt::format("is truncated: it announces {} points of {} bytes and has {} bytes for them", points,
                        recordBytes_, bytes_.size() - std::min<std::uint64_t>(first, bytes_.size())));
@@ -130,6 +131,8 @@ class LasReader {
     return end;
   }
 
+  // Keeps the data of a record that is used, and notes records that are left out. `begin`: offset of the record
+  // (bytes).
   void readRecord(std::uint64_t begin, std::string_view data) {
     const std::string_view user = textAt(bytes_, begin + 2, 16);
     const auto id = at<std::uint16_t>(begin + 18);
@@ -155,24 +158,26 @@ class LasReader {
     return field.substr(0, field.find('\0'));
   }
 
-  // Reads the coordinate system at the first point. `why` becomes the reason if it cannot be read.
-  CoordinateSystem readSystem(bool byWkt, const Vec3d& point, std::string& why) const {
+  // Returns the coordinate system at a point, from the well-known text or the keys of GeoTIFF; one without a definition
+  // if it cannot be read. Sets `description` for messages to the text, or to the reason if it cannot be read.
+  CoordinateSystem readSystem(bool byWkt, const Vec3d& point, std::string& description) const {
     try {
-      if (!byWkt) return coordinateSystem({geoKeys_, geoNumbers_, geoTexts_}, point.x, point.y);
-      why = quotedForMessage(textAt(wkt_, 0, 60));
-      return coordinateSystem(textAt(wkt_, 0, wkt_.size()), point.x, point.y);
+      description = byWkt ? quotedForMessage(textAt(wkt_, 0, 60)) : "keys of GeoTIFF";
+      return byWkt ? coordinateSystem(textAt(wkt_, 0, wkt_.size()), point.x, point.y)
+                   : coordinateSystem({geoKeys_, geoNumbers_, geoTexts_}, point.x, point.y);
     } catch (const Error& e) {
-      why = e.what();
+      description = e.what();
       return {};
     }
   }
 
-  // Takes the units of the file's coordinate system. Throws InputError if its coordinates are no lengths.
+  // Sets metres_ and Cloud::system by the coordinate system at the first point, and warns of what may surprise. Throws
+  // InputError if the coordinates are no lengths. `first`: offset of the first point (bytes).
   void applyUnit(std::uint64_t first, std::uint64_t points) {
     if (wkt_.empty() && geoKeys_.empty()) return;
     const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
-    std::string why = "keys of GeoTIFF";
-    const CoordinateSystem system = readSystem(byWkt, points == 0 ? Vec3d{} : positionAt(first), why);
+    std::string description;
+    const CoordinateSystem system = readSystem(byWkt, points == 0 ? Vec3d{} : positionAt(first), description);
     constexpr const char* kReproject =
         "reproject it, by `pdal translate a.las b.las reprojection --filters.reprojection.out_srs=EPSG:32632` with the "
         "zone of the place";
@@ -186,7 +191,7 @@ class LasReader {
       warn(fmt::format(
           "{}: its coordinate system cannot be read ({}), and counts as in units of {:.10g} m: give the key "
           "`unit` if it is not",
-          where_.file, why, system.perUnit));
+          where_.file, description, system.perUnit));
     } else if (system.perUnit != 1 || vertical != 1) {
       warn(
           fmt::format("{}: its coordinates, in units of {:.10g} m ({}), and {}, in units of {:.10g} m, become "
@@ -219,6 +224,7 @@ class LasReader {
   bool isModern() const { return format_ >= 6; }                  // formats of LAS 1.4
   bool hasFlags() const { return at<std::uint8_t>(kMinor) > 0; }  // LAS 1.0 has classes of 8 bits and no flags
 
+  // Reads the points and their columns; the first one is at the offset `first` (bytes).
   void readPoints(std::uint64_t first, std::uint64_t points) {
     const std::vector<std::uint64_t> records = recordsOf(first, points);
     if (!records.empty()) cloud_.origin = cloudOrigin(positionAt(records.front()));
@@ -230,15 +236,15 @@ class LasReader {
       intensities.push_back(at<std::uint16_t>(record + 12));
       const auto classified = at<std::uint8_t>(record + (isModern() ? 16 : 15));
       labels.push_back(isModern() || !hasFlags() ? classified : classified & 0x1F);
-      const auto returns = at<std::uint8_t>(record + 14);
-      scan[kReturn].push_back(returns & (isModern() ? 0x0F : 0x07));
-      scan[kReturns].push_back(isModern() ? returns >> 4 : returns >> 3 & 0x07);
+      const auto returnBits = at<std::uint8_t>(record + 14);
+      scan[kReturn].push_back(returnBits & (isModern() ? 0x0F : 0x07));
+      scan[kReturns].push_back(isModern() ? returnBits >> 4 : returnBits >> 3 & 0x07);
     }
     scan.columnsIfEmpty = ColumnSet(kReturn, kReturns);
-    keep<double>(records, "gps_time", kGpsTimeAt[format_]);
+    addForeign<double>(records, "gps_time", kGpsTimeAt[format_]);
     std::size_t offset = kColorsAt[format_];
     for (const char* name : {"red", "green", "blue"}) {
-      keep<std::uint16_t>(records, name, offset);
+      addForeign<std::uint16_t>(records, name, offset);
       offset += offset == 0 ? 0 : 2;
     }
     readExtraBytes(records);
@@ -260,7 +266,7 @@ class LasReader {
   // Takes the classes of the points; if all are 0, those of a column among the extra bytes.
   void chooseLabels(std::vector<std::uint16_t> labels) {
     Scan& scan = cloud_.scan;
-    const bool classified = std::any_of(labels.begin(), labels.end(), [](std::uint16_t label) { return label != 0; });
+    const bool classified = std::ranges::any_of(labels, [](std::uint16_t label) { return label != 0; });
     if (classified) scan[kLabel] = labels;
     adoptColumns(cloud_, {});  // without a place, columns that do not fit are counted as left out
     if (!classified && scan.has(kLabel)) {
@@ -271,6 +277,7 @@ class LasReader {
     }
   }
 
+  // Adds the extra bytes that described_ describes as foreign columns.
   void readExtraBytes(const std::vector<std::uint64_t>& records) {
     constexpr std::size_t kDescription = 192;
     std::uint64_t firstByte = kLeastRecord[format_];
@@ -286,19 +293,20 @@ class LasReader {
         cloud_.leftOut.add(fmt::format("extra bytes '{}' of several values", name));
       } else {
         visitNumberType(kExtraKinds[type - 1], kExtraBytes[type - 1],
-                        [&]<class T>(T) { keepExtra<T>(records, name, firstByte, options); });
+                        [&]<class T>(T) { addExtra<T>(records, name, firstByte, options); });
       }
       firstByte += size;
     }
     cloud_.leftOut.add("bytes of each point that nothing describes", recordBytes_ - firstByte);
   }
 
-  // Keeps the extra bytes at `firstByte` of each record, whose description begins described_.
+  // Adds the extra bytes at `firstByte` of each record as a foreign column. Their description is at the start of
+  // described_; `options` are its bits, which say whether it has a value for none, a scale and an offset.
   template <class T>
-  void keepExtra(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t firstByte,
-                 std::size_t options) {
+  void addExtra(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t firstByte,
+                std::size_t options) {
     constexpr std::size_t kHasNone = 1, kHasScale = 8, kHasOffset = 16;
-    keep<T>(records, name, firstByte);
+    addForeign<T>(records, name, firstByte);
     auto& values = std::get<std::vector<T>>(cloud_.scan.foreign.back().values);
     if ((options & kHasNone) != 0 && columnIndex(columnMeant(name)) < kColumnCount) {
       const T none =
@@ -308,14 +316,14 @@ class LasReader {
     if ((options & (kHasScale | kHasOffset)) == 0) return;
     const double scale = (options & kHasScale) != 0 ? numberAt<double>(described_, 112) : 1;
     const double offset = (options & kHasOffset) != 0 ? numberAt<double>(described_, 136) : 0;
-    std::vector<double> scaled(values.size());
-    std::transform(values.begin(), values.end(), scaled.begin(),
-                   [&](T value) { return static_cast<double>(value) * scale + offset; });
+    std::vector<double> scaled;
+    for (const T value : values) scaled.push_back(static_cast<double>(value) * scale + offset);
     cloud_.scan.foreign.back().values = std::move(scaled);
   }
 
+  // Adds the numbers at `offset` in each record as a foreign column. 0: the records have no such number.
   template <class T>
-  void keep(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t offset) {
+  void addForeign(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t offset) {
     if (offset == 0) return;
     std::vector<T> values;
     values.reserve(records.size());

@@ -22,6 +22,8 @@ std::uint32_t hashAt(const unsigned char* p) {
   return bytes * 2654435761u >> (32 - kTableBits);
 }
 
+// Each of these two functions writes to `out` and returns the end of what it has written: putLiterals() bytes as they
+// are, putMatch() a reference to `length` bytes that begin `back` bytes before.
 char* putLiterals(const unsigned char* from, const unsigned char* end, char* out) {
   while (from < end) {
     const std::size_t count = std::min<std::size_t>(kMostLiterals, static_cast<std::size_t>(end - from));
@@ -53,17 +55,17 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
   const unsigned char* p = begin;
   while (end - p >= kLeastMatch) {
     std::uint32_t& slot = latest[hashAt(p)];
-    const auto here = static_cast<std::size_t>(p - begin);
-    const std::size_t earlier = slot;
-    slot = static_cast<std::uint32_t>(here + 1);
-    if (earlier == 0 || here + 1 - earlier > kMostDistance || std::memcmp(begin + earlier - 1, p, kLeastMatch) != 0) {
+    const auto position1 = static_cast<std::size_t>(p - begin) + 1;  // 1 + position of p, as in `latest`
+    const std::size_t earlier1 = slot;
+    slot = static_cast<std::uint32_t>(position1);
+    const std::size_t back = position1 - earlier1;  // bytes from the earlier position to p
+    if (earlier1 == 0 || back > kMostDistance || std::memcmp(p - back, p, kLeastMatch) != 0) {
       ++p;
       continue;
     }
-    const std::size_t back = here + 1 - earlier;
-    const auto most = std::min(kMostMatch, static_cast<std::size_t>(end - p));
+    const auto mostLength = std::min(kMostMatch, static_cast<std::size_t>(end - p));
     std::size_t length{kLeastMatch};
-    while (length < most && *(p + length - back) == p[length]) ++length;
+    while (length < mostLength && *(p + length - back) == p[length]) ++length;
     out = putLiterals(literals, p, out);
     out = putMatch(back, length, out);
     p += length;

@@ -22,8 +22,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kAlignment = 64;  // the elements begin at a multiple of this (bytes)
-constexpr std::size_t kBeforeHeader = 10;
+constexpr std::size_t kAlignment = 64;     // the elements begin at a multiple of this (bytes)
+constexpr std::size_t kBeforeHeader = 10;  // bytes: magic number, version and length of the header
 
 // Returns the size (bytes) of an element of a NumPy type such as "<f4": the number after byte order and kind, times
 // four for text ('U').
@@ -35,6 +35,7 @@ std::size_t elementSize(std::string_view descr) {
   return descr[1] == 'U' ? 4 * size : size;
 }
 
+// A callback of libarchive that appends what it writes to the string `bytes`.
 la_ssize_t append(archive*, void* bytes, const void* piece, std::size_t size) {
   static_cast<std::string*>(bytes)->append(static_cast<const char*>(piece), size);
   return static_cast<la_ssize_t>(size);
@@ -49,13 +50,14 @@ std::string_view valueIn(std::string_view header, std::string_view key) {
   return at == std::string_view::npos ? std::string_view() : header.substr(at + quoted.size());
 }
 
+// Returns the array of a .npy file with this name and these bytes. `what`: name of the archive in messages.
 NpyArray parseNpy(const std::string& name, const std::string& file, const std::string& what) {
-  const auto fail = [&](const std::string& why) { throw InputError({what + ": " + name}, why); };
+  const auto fail = [&](const std::string& reason) { throw InputError({what + ": " + name}, reason); };
   if (file.size() < kBeforeHeader || !file.starts_with("\x93NUMPY\1")) fail("is no array in NumPy's format 1.0");
   const auto byte = [&](std::size_t at) { return static_cast<std::size_t>(static_cast<unsigned char>(file[at])); };
-  const std::size_t length = byte(8) | byte(9) << 8;
-  if (kBeforeHeader + length > file.size()) fail("ends within its header");
-  const std::string_view header = std::string_view(file).substr(kBeforeHeader, length);
+  const std::size_t headerBytes = byte(8) | byte(9) << 8;
+  if (kBeforeHeader + headerBytes > file.size()) fail("ends within its header");
+  const std::string_view header = std::string_view(file).substr(kBeforeHeader, headerBytes);
   NpyArray array;
   array.name = name.substr(0, name.size() - std::string_view(".npy").size());
   const std::string_view type = valueIn(header, "descr");
@@ -69,22 +71,22 @@ NpyArray parseNpy(const std::string& name, const std::string& file, const std::s
   for (const std::string_view size : sizes) {  // "(3,)" has an empty one
     if (!size.empty() && !parseNumber(size, array.shape.emplace_back())) fail("its header states no shape");
   }
-  array.bytes = file.substr(kBeforeHeader + length);
+  array.bytes = file.substr(kBeforeHeader + headerBytes);
   const bool isNumber = array.type.size() == 3 &&
                         std::string_view("fui").find(array.type[1]) != std::string_view::npos && array.type[2] >= '1' &&
                         array.type[2] <= '8';
   if (!isNumber) return array;  // callers that need numbers refuse it
-  std::size_t expected = elementSize(array.type);
-  if (expected > 1 && array.type[0] != '<') {
+  std::size_t expectedBytes = elementSize(array.type);
+  if (expectedBytes > 1 && array.type[0] != '<') {
     fail(fmt::format("is of the type {}, big-endian: save it as <f4", array.type));
   }
   for (const std::size_t size : array.shape) {
-    if (size != 0 && expected > kMostBytes / size) fail("states a shape of more than 4 GiB");
-    expected *= size;
+    if (size != 0 && expectedBytes > kMostBytes / size) fail("states a shape of more than 4 GiB");
+    expectedBytes *= size;
   }
-  if (array.bytes.size() != expected) {
+  if (array.bytes.size() != expectedBytes) {
     fail(fmt::format("has {} bytes where its shape ({}) of {} has {}", array.bytes.size(), fmt::join(array.shape, ", "),
-                     array.type, expected));
+                     array.type, expectedBytes));
   }
   return array;
 }
@@ -92,21 +94,21 @@ NpyArray parseNpy(const std::string& name, const std::string& file, const std::s
 }  // namespace
 
 std::string npyOf(std::string_view descr, const std::vector<std::size_t>& shape, std::string_view bytes) {
-  std::size_t expected = elementSize(descr);
+  std::size_t expectedBytes = elementSize(descr);
   std::string dimensions;
   for (const std::size_t length : shape) {
-    expected *= length;
+    expectedBytes *= length;
     dimensions += fmt::format("{}, ", length);
   }
-  if (bytes.size() != expected) {
-    throw Error(
-        fmt::format("{} bytes for an array {} of shape ({}), which has {}", bytes.size(), descr, dimensions, expected));
+  if (bytes.size() != expectedBytes) {
+    throw Error(fmt::format("{} bytes for an array {} of shape ({}), which has {}", bytes.size(), descr, dimensions,
+                            expectedBytes));
   }
   // Python writes "(3,)" for one dimension, "(3, 4)" for more.
   if (!dimensions.empty()) dimensions.resize(dimensions.size() - (shape.size() == 1 ? 1 : 2));
   std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", descr, dimensions);
-  const std::size_t used = kBeforeHeader + header.size() + 1;
-  header.append((kAlignment - used % kAlignment) % kAlignment, ' ');
+  const std::size_t unpaddedBytes = kBeforeHeader + header.size() + 1;  // with the line feed
+  header.append((kAlignment - unpaddedBytes % kAlignment) % kAlignment, ' ');
   header += '\n';
   if (header.size() > 65535) throw Error(fmt::format("an array of {} dimensions has no NPY 1.0", shape.size()));
   std::string file("\x93NUMPY\x01\x00", 8);

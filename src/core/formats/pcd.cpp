@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/raw_vector.h"
+#include "formats/little_endian.h"
 #include "formats/lzf.h"
 #include "formats/readers.h"
 #include "formats/text_rows.h"
@@ -25,6 +26,7 @@ namespace scanmill {
 namespace {
 
 enum class Encoding { Compressed, Binary, Ascii };
+const std::vector<std::string> kEncodingNames{"binary_compressed", "binary", "ascii"};  // in the same order
 
 constexpr double kMostLzfGrowth = 33.0 / 32;  // LZF adds one byte to every 32 bytes that it cannot shrink
 
@@ -33,6 +35,7 @@ constexpr std::size_t storedSize(std::string_view name) {
   return name == kLabel.row.name ? sizeof(std::uint32_t) : sizeof(T);
 }
 
+// Return the size of a point (bytes) in a scan with these columns.
 std::size_t rowSize(ColumnSet columns) {
   std::size_t size = sizeof(Vec3f);
   forEachColumn(
@@ -57,6 +60,7 @@ constexpr char kPcdType = std::is_floating_point_v<T> ? 'F'
                           : std::is_signed_v<T>       ? 'I'
                                                       : 'U';
 
+// Returns the header of a file. `data`: the encoding as the header names it.
 std::string header(const Scan& scan, std::string_view data) {
   std::string fields = "x y z";
   std::string sizes = "4 4 4";
@@ -75,6 +79,7 @@ std::string header(const Scan& scan, std::string_view data) {
       scan.width(), scan.height(), scan.size(), data);
 }
 
+// Writes values `stride` bytes apart, the first one at `to`.
 template <class T>
 void scatter(const T* values, std::size_t count, char* to, std::size_t stride) {
   if (stride == sizeof(T)) {
@@ -123,34 +128,31 @@ void appendBinary(const Scan& scan, std::string& out) {
 
 // Appends the sizes after and before compression, then the columns in succession, compressed together by LZF.
 void appendCompressed(const Scan& scan, std::string& out) {
-  const std::size_t size = scan.size();
-  const std::size_t raw = rowSize(scan) * size;
-  const std::size_t room = mostLzfBytes(raw);
-  if (room > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(fmt::format("{} points are more than a compressed PCD holds: use encoding binary", size));
+  const std::size_t points = scan.size();
+  const std::size_t bytes = rowSize(scan) * points;
+  const std::size_t mostPackedBytes = mostLzfBytes(bytes);
+  if (mostPackedBytes > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(fmt::format("{} points are more than a compressed PCD holds: use encoding binary", points));
   }
-  thread_local RawVector<char> planesScratch;
-  thread_local RawVector<char> packedScratch;
-  planesScratch.resize(raw);
-  char* const planes = planesScratch.data();
-  char* to = planes;
+  thread_local RawVector<char> columns, packed;
+  columns.resize(bytes);
+  packed.resize(mostPackedBytes);
+  char* to = columns.data();
   for (const auto axis : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
-    for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t i = 0; i < points; ++i) {
       std::memcpy(to + i * sizeof(float), &(scan.position[i].*axis), sizeof(float));
     }
-    to += sizeof(float) * size;
+    to += sizeof(float) * points;
   }
   visitColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& values) {
-    scatterColumn(name, values.data(), size, to, storedSize<T>(name));
-    to += storedSize<T>(name) * size;
+    scatterColumn(name, values.data(), points, to, storedSize<T>(name));
+    to += storedSize<T>(name) * points;
   });
-  packedScratch.resize(room);
-  char* const packed = packedScratch.data();
-  const std::size_t packedSize = compressLzf(planes, raw, packed);
-  const std::uint32_t sizes[2] = {static_cast<std::uint32_t>(packedSize), static_cast<std::uint32_t>(raw)};
-  out.reserve(out.size() + sizeof(sizes) + packedSize);
-  out.append(reinterpret_cast<const char*>(sizes), sizeof(sizes));
-  out.append(packed, packedSize);
+  const std::size_t packedBytes = compressLzf(columns.data(), bytes, packed.data());
+  out.reserve(out.size() + 2 * sizeof(std::uint32_t) + packedBytes);
+  putNumber(static_cast<std::uint32_t>(packedBytes), out);
+  putNumber(static_cast<std::uint32_t>(bytes), out);
+  out.append(packed.data(), packedBytes);
 }
 
 class Pcd : public Format {
@@ -171,18 +173,12 @@ class Pcd : public Format {
 
   std::string encode(const Scan& scan) const override {
     requireConsistent(scan);
-    std::string out;
-    if (encoding_ == Encoding::Ascii) {
-      out = header(scan, "ascii");
-      appendRows(scan, ' ', out);
-    } else if (encoding_ == Encoding::Binary || scan.size() == 0) {
-      // LZF cannot encode an empty block: a scan without points is written without compression.
-      out = header(scan, "binary");
-      appendBinary(scan, out);
-    } else {
-      out = header(scan, "binary_compressed");
-      appendCompressed(scan, out);
-    }
+    // LZF cannot encode an empty block: a scan without points is written without compression.
+    const Encoding used = encoding_ == Encoding::Compressed && scan.size() == 0 ? Encoding::Binary : encoding_;
+    std::string out = header(scan, kEncodingNames[static_cast<std::size_t>(used)]);
+    if (used == Encoding::Ascii) appendRows(scan, ' ', out);
+    if (used == Encoding::Binary) appendBinary(scan, out);
+    if (used == Encoding::Compressed) appendCompressed(scan, out);
     return out;
   }
 
@@ -197,12 +193,9 @@ class Pcd : public Format {
 }  // namespace
 
 std::unique_ptr<Format> makePcd(Fields& options) {
-  const std::string encoding =
-      options.choice("encoding", {"binary_compressed", "binary", "ascii"}, "binary_compressed");
+  const std::string name = options.choice("encoding", kEncodingNames, "binary_compressed");
   options.finish();
-  return std::make_unique<Pcd>(encoding == "binary"  ? Encoding::Binary
-                               : encoding == "ascii" ? Encoding::Ascii
-                                                     : Encoding::Compressed);
+  return std::make_unique<Pcd>(static_cast<Encoding>(std::ranges::find(kEncodingNames, name) - kEncodingNames.begin()));
 }
 
 }  // namespace scanmill

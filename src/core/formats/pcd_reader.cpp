@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -23,10 +24,10 @@ using Words = std::vector<std::string_view>;
 
 struct PcdField {
   std::string_view name;
-  std::uint64_t size = 0;   // bytes per element
-  char type = 0;            // 'F' (float), 'U' (unsigned) or 'I' (signed)
-  std::uint64_t count = 1;  // elements per point
-  std::uint64_t offset = 0;
+  std::uint64_t size = 0;    // bytes per element
+  char type = 0;             // 'F' (float), 'U' (unsigned) or 'I' (signed)
+  std::uint64_t count = 1;   // elements per point
+  std::uint64_t offset = 0;  // bytes from the start of a row
 };
 
 struct PcdHeader {
@@ -34,9 +35,9 @@ struct PcdHeader {
   std::uint64_t width = 0;
   std::uint64_t height = 1;
   std::uint64_t points = 0;
-  std::uint64_t rowBytes = 0;
-  std::string_view data;
-  std::string_view body;
+  std::uint64_t rowBytes = 0;                          // bytes per point
+  std::string_view data;                               // how the points are encoded: the word behind DATA
+  std::string_view body;                               // bytes behind the header
   int bodyLine = 0;                                    // line where the body starts
   std::optional<std::array<std::uint64_t, 2>> sensor;  // rings and columns, if a comment states them
   bool organised = false;
@@ -57,10 +58,10 @@ constexpr std::uint64_t kMostElements = 65536;
 // Largest factor by which LZF expands data: its longest back reference turns 3 bytes into 264.
 constexpr std::uint64_t kLzfGain = 88;
 
-std::uint64_t readCount(std::string_view word, std::string_view what, std::uint64_t most, const Location& where) {
+std::uint64_t readCount(std::string_view word, std::string_view key, std::uint64_t most, const Location& where) {
   std::uint64_t value = 0;
   if (!parseNumber(word, value) || value > most) {
-    throw InputError(where, fmt::format("{} must be an integer of 0 to {}, not '{}'", what, most, word.substr(0, 40)));
+    throw InputError(where, fmt::format("{} must be an integer of 0 to {}, not '{}'", key, most, word.substr(0, 40)));
   }
   return value;
 }
@@ -92,6 +93,7 @@ class HeaderReader {
     header_.organised = words[2] == "organised";
   }
 
+  // Reads a line of the header, which begins with its key, into header_ and points_.
   void readLine(const Words& words) {
     if (words.empty()) return;
     const std::string_view key = words[0];
@@ -108,39 +110,41 @@ class HeaderReader {
     if (key == "COUNT") {
       return perField(words, [&](PcdField& field, auto word) { field.count = count(word, kMostElements); });
     }
-    std::uint64_t* const number = key == "WIDTH"    ? &header_.width
-                                  : key == "HEIGHT" ? &header_.height
-                                  : key == "POINTS" ? &points_.emplace()
-                                                    : nullptr;
-    if ((number == nullptr && key != "DATA") || words.size() != 2) {
-      throw InputError(where_, fmt::format("not a line of a PCD header: '{}'", key.substr(0, 40)));
-    }
-    if (number == nullptr) {
+    if (words.size() == 2 && key == "WIDTH") {
+      header_.width = count(words[1], UINT32_MAX);
+    } else if (words.size() == 2 && key == "HEIGHT") {
+      header_.height = count(words[1], UINT32_MAX);
+    } else if (words.size() == 2 && key == "POINTS") {
+      points_ = count(words[1], UINT32_MAX);
+    } else if (words.size() == 2 && key == "DATA") {
       header_.data = words[1];
     } else {
-      *number = count(words[1], UINT32_MAX);
+      throw InputError(where_, fmt::format("not a line of a PCD header: '{}'", key.substr(0, 40)));
     }
   }
 
+  // Sets worldFromFile from the translation and the quaternion (w first) of a line VIEWPOINT tx ty tz qw qx qy qz.
+  // Seven zeros state no pose.
   void readViewpoint(const Words& words) {
     std::array<double, 7> numbers{};
     if (words.size() != 8) throw InputError(where_, "VIEWPOINT must have seven values: tx ty tz qw qx qy qz");
     for (std::size_t i = 0; i < 7; ++i) readNumber(words[i + 1], numbers[i], "VIEWPOINT", where_);
     const auto [tx, ty, tz, w, x, y, z] = numbers;
-    const double size = std::sqrt(w * w + x * x + y * y + z * z);
-    if (size == 0 && tx == 0 && ty == 0 && tz == 0) return;
+    const double norm = std::sqrt(w * w + x * x + y * y + z * z);
+    if (norm == 0 && tx == 0 && ty == 0 && tz == 0) return;
     if (!isFinite(Vec3d{tx, ty, tz})) {
       throw InputError(where_, fmt::format("VIEWPOINT has the translation {} {} {}: it must be finite", tx, ty, tz));
     }
     constexpr double kRounding = 0.01;  // largest deviation of the length that rounded numbers may have
-    if (!(std::fabs(size - 1) <= kRounding)) {
+    if (!(std::fabs(norm - 1) <= kRounding)) {
       throw InputError(where_, fmt::format("VIEWPOINT has the quaternion {} {} {} {} (w x y z), of the length {:.4g}, "
                                            "where a rotation has the length 1: write 0 0 0 1 0 0 0 for no pose",
-                                           w, x, y, z, size));
+                                           w, x, y, z, norm));
     }
-    header_.worldFromFile = {{w / size, x / size, y / size, z / size}, {tx, ty, tz}};
+    header_.worldFromFile = {{w / norm, x / norm, y / norm, z / norm}, {tx, ty, tz}};
   }
 
+  // Calls set(field, word) for each field and its word on a line that has one word per field behind the key.
   template <class Set>
   void perField(const Words& words, Set&& set) {
     if (header_.fields.empty() || words.size() - 1 != header_.fields.size()) {
@@ -150,16 +154,16 @@ class HeaderReader {
     for (std::size_t i = 0; i < header_.fields.size(); ++i) set(header_.fields[i], words[i + 1]);
   }
 
+  // Checks the complete header, and sets the number of points and the sizes of rows.
   void check() {
     const Location where{where_.file, 0, 0};
     PcdHeader& h = header_;
     if (h.fields.empty()) throw InputError(where, "the header names no fields");
     for (PcdField& field : h.fields) {
-      const bool integer = field.type == 'U' || field.type == 'I';
-      const bool known = field.type == 'F'
-                             ? field.size == 4 || field.size == 8
-                             : integer && (field.size == 1 || field.size == 2 || field.size == 4 || field.size == 8);
-      if (!known) {
+      const bool isFloat = field.type == 'F' && (field.size == 4 || field.size == 8);
+      const bool isInteger =
+          (field.type == 'U' || field.type == 'I') && field.size <= 8 && std::has_single_bit(field.size);
+      if (!isFloat && !isInteger) {
         throw InputError(where, fmt::format("field {} has type {} and size {}: PCD knows F 4 8 and U, I 1 2 4 8",
                                             field.name, field.type == 0 ? '?' : field.type, field.size));
       }
@@ -207,8 +211,8 @@ class BodyReader {
     if (!exact_ || header_.data != "ascii") return;
     // Digits of a text may be more than its header's type holds.
     for (PcdField& field : header_.fields) {
-      const bool isPlace = field.type == 'F' && (field.name == "x" || field.name == "y" || field.name == "z");
-      if (isPlace) field.size = sizeof(double);
+      const bool isCoordinate = field.type == 'F' && (field.name == "x" || field.name == "y" || field.name == "z");
+      if (isCoordinate) field.size = sizeof(double);
     }
     header_.setOffsets();
   }
@@ -228,6 +232,7 @@ class BodyReader {
   }
 
  private:
+  // Reads the points, and sets rest_.
   Scan readBody() {
     if (header_.data == "ascii") return readAscii();
     if (header_.data == "binary") {
@@ -237,21 +242,23 @@ class BodyReader {
                                      header_.rowBytes, header_.points * header_.rowBytes, header_.body.size()));
       }
       rest_ = header_.body.substr(header_.points * header_.rowBytes);
-      return readTable(header_.body.data(), false);
+      return readTable(header_.body.data(), TableOrder::RowByRow);
     }
     if (header_.data == "binary_compressed") return readCompressed();
     throw InputError(where_,
                      fmt::format("unknown DATA '{}': ascii, binary or binary_compressed", header_.data.substr(0, 40)));
   }
 
+  // Returns the field with this name; null if there is none. Throws InputError if the field has several values per
+  // point.
   const PcdField* find(std::string_view name) const {
-    const auto found = std::find_if(header_.fields.begin(), header_.fields.end(),
-                                    [&](const PcdField& field) { return field.name == name; });
-    if (found == header_.fields.end()) return nullptr;
-    if (found->count != 1) throw InputError(where_, fmt::format("field {} has {} values a point", name, found->count));
-    return &*found;
+    const auto field = std::ranges::find(header_.fields, name, &PcdField::name);
+    if (field == header_.fields.end()) return nullptr;
+    if (field->count != 1) throw InputError(where_, fmt::format("field {} has {} values a point", name, field->count));
+    return &*field;
   }
 
+  // Returns the field that becomes a column of the table; null if there is none.
   const PcdField* findColumn(std::string_view name) const {
     const PcdField* const field = find(name);
     return field == nullptr || isForeign(*field) ? nullptr : field;
@@ -261,9 +268,9 @@ class BodyReader {
   // point, and is not padding, which PCL calls "_". Labels and instances that may be below 0 are foreign until
   // adoptColumns().
   static bool isForeign(const PcdField& field) {
-    const bool adopted = field.type != 'U' && (field.name == kLabel.row.name || field.name == kInstance.row.name);
+    const bool mayBeNegative = field.type != 'U' && (field.name == kLabel.row.name || field.name == kInstance.row.name);
     return field.count == 1 && field.name != "_" && field.name != "x" && field.name != "y" && field.name != "z" &&
-           (adopted || columnIndex(field.name) == kColumnCount);
+           (mayBeNegative || columnIndex(field.name) == kColumnCount);
   }
 
   ForeignColumn::Values newValues(const PcdField& field) const {
@@ -281,13 +288,14 @@ class BodyReader {
                                          name, fmt::join(names, ", ")));
   }
 
+  // Returns a scan without points, which has the header's rings and columns and the names of its columns.
   Scan newScan() const {
     require("x"), require("y"), require("z");
     Scan scan;
     scan.organised = header_.sensor ? header_.organised : header_.height > 1;
-    std::array<std::uint64_t, 2> size{0, 0};  // rings and columns; 0: unknown
-    if (scan.organised) size = {header_.height, header_.width};
-    const auto [rings, columns] = header_.sensor.value_or(size);
+    std::array<std::uint64_t, 2> ringsAndColumns{0, 0};  // 0: unknown
+    if (scan.organised) ringsAndColumns = {header_.height, header_.width};
+    const auto [rings, columns] = header_.sensor.value_or(ringsAndColumns);
     scan.rings = static_cast<std::uint32_t>(rings);
     scan.columns = static_cast<std::uint32_t>(columns);
     if (scan.organised && scan.rings > 0) scan.planes = static_cast<std::uint32_t>(header_.height / scan.rings);
@@ -301,38 +309,44 @@ class BodyReader {
   }
 
   Scan readCompressed() {
-    std::uint32_t sizes[2] = {0, 0};
-    if (header_.body.size() < sizeof(sizes)) {
+    constexpr std::size_t kSizesBytes = 8;  // of the block's two sizes, with and without compression
+    if (header_.body.size() < kSizesBytes) {
       if (header_.points == 0) return newScan();
       throw InputError(where_, "truncated: the compressed sizes are missing");
     }
-    std::memcpy(sizes, header_.body.data(), sizeof(sizes));
-    const std::string_view packed = header_.body.substr(sizeof(sizes));
-    if (sizes[1] != header_.points * header_.rowBytes) {
+    const auto packedBytes = numberAt<std::uint32_t>(header_.body, 0);
+    const auto tableBytes = numberAt<std::uint32_t>(header_.body, 4);
+    const std::string_view packed = header_.body.substr(kSizesBytes);
+    if (tableBytes != header_.points * header_.rowBytes) {
       throw InputError(where_, fmt::format("{} points of {} bytes are not the {} bytes of the compressed block",
-                                           header_.points, header_.rowBytes, sizes[1]));
+                                           header_.points, header_.rowBytes, tableBytes));
     }
-    if (sizes[0] > packed.size()) {
+    if (packedBytes > packed.size()) {
       throw InputError(
-          where_, fmt::format("truncated: {} compressed bytes are announced, {} are left", sizes[0], packed.size()));
+          where_, fmt::format("truncated: {} compressed bytes are announced, {} are left", packedBytes, packed.size()));
     }
-    rest_ = packed.substr(sizes[0]);
+    rest_ = packed.substr(packedBytes);
     if (header_.points == 0) return newScan();
-    if (sizes[1] > sizes[0] * kLzfGain) throw InputError(where_, "the compressed block is too short for its points");
-    const auto planes = std::make_unique_for_overwrite<char[]>(sizes[1]);
-    if (lzf_decompress(packed.data(), sizes[0], planes.get(), sizes[1]) != sizes[1]) {
+    if (tableBytes > packedBytes * kLzfGain) {
+      throw InputError(where_, "the compressed block is too short for its points");
+    }
+    const auto table = std::make_unique_for_overwrite<char[]>(tableBytes);
+    if (lzf_decompress(packed.data(), packedBytes, table.get(), tableBytes) != tableBytes) {
       throw InputError(where_, "the compressed block is damaged");
     }
-    return readTable(planes.get(), true);
+    return readTable(table.get(), TableOrder::FieldByField);
   }
 
-  // Reads a table of all points: row by row or, if `planar`, field by field.
-  Scan readTable(const char* table, bool planar) {
+  enum class TableOrder { RowByRow, FieldByField };
+
+  // Reads the values of all points, which lie row by row or field by field.
+  Scan readTable(const char* table, TableOrder order) {
     Scan scan = newScan();
     const std::size_t points = header_.points;
+    const bool byField = order == TableOrder::FieldByField;
     const auto fill = [&](const PcdField& field, auto* to, std::size_t stride) {
-      const char* first = table + field.offset * (planar ? points : 1);
-      readField(field, first, planar ? field.size : header_.rowBytes, to, stride, points, where_);
+      const char* first = table + field.offset * (byField ? points : 1);
+      readField(field, first, byField ? field.size : header_.rowBytes, to, stride, points, where_);
     };
     const auto fillPositions = [&](auto& positions) {
       positions.resize(points);
@@ -374,9 +388,11 @@ class BodyReader {
       }
     }
     rest_ = rest;
-    return readTable(table.data(), false);
+    return readTable(table.data(), TableOrder::RowByRow);
   }
 
+  // Appends the number that a word spells to the table, in the field's type. Elements of fields that become no column
+  // are appended as 0.
   static void appendWord(const PcdField& field, std::string_view word, const Location& where, std::string& table) {
     if (word.empty()) throw InputError(where, fmt::format("there is no value of field {}", field.name));
     visitNumberType(field.type, field.size, [&](auto value) {

@@ -23,8 +23,8 @@ PlyType typeOf(std::string_view name, const Location& where) {
       {"short", {'I', 2}}, {"ushort", {'U', 2}},  {"int16", {'I', 2}},  {"uint16", {'U', 2}},
       {"int", {'I', 4}},   {"uint", {'U', 4}},    {"int32", {'I', 4}},  {"uint32", {'U', 4}},
       {"float", {'F', 4}}, {"float32", {'F', 4}}, {"double", {'F', 8}}, {"float64", {'F', 8}}};
-  for (const auto& [known, type] : kTypes) {
-    if (known == name) return type;
+  for (const auto& [typeName, type] : kTypes) {
+    if (typeName == name) return type;
   }
   throw InputError(where, fmt::format("unknown PLY type '{}'", name));
 }
@@ -36,6 +36,7 @@ PlyHeader::Format formatOf(std::string_view name, const Location& where) {
   throw InputError(where, fmt::format("unknown PLY format '{}'", name));
 }
 
+// Adds a line between the first line, `ply`, and end_header to the header. `line`: the words of the line.
 void readLine(PlyHeader& header, const std::vector<std::string_view>& line, std::uint64_t fileSize,
               const Location& where) {
   if (line.empty() || line[0] == "comment" || line[0] == "obj_info") return;

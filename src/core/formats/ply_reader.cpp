@@ -26,17 +26,17 @@ class PlyReader {
       : where_{file.string()}, header_(readPlyHeader(file)), bytes_(readFile(file)), body_(file, header_, bytes_) {}
 
   Cloud read() {
-    const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
-                                     [](const PlyElement& e) { return e.name == "vertex"; });
+    const auto vertex = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
     if (vertex == header_.elements.end()) fail("has no element vertex: it holds no points");
-    for (const PlyProperty& p : vertex->properties) {
-      const auto is = [&](const PlyColumn& c) { return c.property.name == p.name; };
-      if (std::any_of(columns_.begin(), columns_.end(), is)) fail(fmt::format("has two properties '{}'", p.name));
-      columns_.push_back({p, {}});
-      if (p.isList()) cloud_.leftOut.add(fmt::format("lists at vertices '{}'", p.name));
+    for (const PlyProperty& property : vertex->properties) {
+      const auto isSameName = [&](const PlyColumn& column) { return column.property.name == property.name; };
+      if (std::ranges::any_of(columns_, isSameName)) fail(fmt::format("has two properties '{}'", property.name));
+      columns_.push_back({property, {}});
+      if (property.isList()) cloud_.leftOut.add(fmt::format("lists at vertices '{}'", property.name));
     }
-    for (const PlyElement& e : header_.elements) {
-      if (e.name != "vertex") cloud_.leftOut.addKeyword(plyCloudFormat(), e.count == 0 ? "face" : e.name);
+    for (const PlyElement& element : header_.elements) {
+      if (element.name == "vertex") continue;
+      cloud_.leftOut.addKeyword(plyCloudFormat(), element.count == 0 ? "face" : element.name);
     }
     readRows(vertex);
     build(vertex->count);
@@ -47,16 +47,17 @@ class PlyReader {
   using Element = std::vector<PlyElement>::const_iterator;
   [[noreturn]] void fail(const std::string& what) const { throw InputError(where_, what); }
 
+  // Skips the elements before `vertex`, and reads its rows into columns_.
   void readRows(Element vertex) {
-    for (auto e = header_.elements.cbegin(); e != vertex; ++e) {
-      for (std::uint64_t i = 0; i < e->count; ++i) {
-        body_.beginRow(*e, i);
+    for (auto element = header_.elements.cbegin(); element != vertex; ++element) {
+      for (std::uint64_t row = 0; row < element->count; ++row) {
+        body_.beginRow(*element, row);
         if (header_.format == PlyHeader::Format::Ascii) continue;
-        for (const PlyProperty& p : e->properties) body_.skip(p);
+        for (const PlyProperty& property : element->properties) body_.skip(property);
       }
     }
-    for (std::uint64_t i = 0; i < vertex->count; ++i) {
-      body_.beginRow(*vertex, i);
+    for (std::uint64_t row = 0; row < vertex->count; ++row) {
+      body_.beginRow(*vertex, row);
       for (auto& [property, values] : columns_) {
         property.isList() ? body_.skip(property) : values.push_back(body_.number(property));
       }
@@ -66,14 +67,15 @@ class PlyReader {
     if (isLast) cloud_.leftOut.addRest(body_.rest());
   }
 
+  // Returns the column that means the coordinate with this name.
   const PlyColumn& require(const char* name) const {
-    const auto found = std::find_if(columns_.begin(), columns_.end(), [&](const PlyColumn& c) {
-      return columnMeant(c.property.name) == name && !c.property.isList();
-    });
-    if (found == columns_.end()) fail(fmt::format("has no property {}", name));
-    return *found;
+    const auto column = std::ranges::find_if(
+        columns_, [&](const PlyColumn& c) { return columnMeant(c.property.name) == name && !c.property.isList(); });
+    if (column == columns_.end()) fail(fmt::format("has no property {}", name));
+    return *column;
   }
 
+  // Makes the cloud of `count` points from columns_. Columns that stay foreign get the names that clouds use for them.
   void build(std::uint64_t count) {
     const PlyColumn& x = require("x");
     const PlyColumn& y = require("y");
@@ -89,9 +91,9 @@ class PlyReader {
     adoptColumns(cloud_, where_);
     for (ForeignColumn& column : foreign) {
       std::string name = columnMeant(column.name);
-      const bool taken = columnIndex(name) < kColumnCount ||
-                         std::any_of(foreign.begin(), foreign.end(), [&](const auto& f) { return f.name == name; });
-      column.name = taken ? lowerCase(column.name) : std::move(name);
+      const bool isTaken =
+          columnIndex(name) < kColumnCount || std::ranges::find(foreign, name, &ForeignColumn::name) != foreign.end();
+      column.name = isTaken ? lowerCase(column.name) : std::move(name);
     }
   }
 

@@ -29,7 +29,7 @@ std::vector<T> valuesOf(std::string_view bytes) {
   return values;
 }
 
-// Returns the azimuth of each point (rad); misses have that of the point before them.
+// Returns the azimuth of each point (rad); a miss has the azimuth of the point before it.
 std::vector<double> azimuthsOf(const std::vector<Vec3f>& points) {
   std::vector<double> azimuths;
   for (const Vec3f& p : points) {
@@ -43,16 +43,16 @@ std::vector<double> azimuthsOf(const std::vector<Vec3f>& points) {
 // where the azimuth crosses straight ahead after at least half a turn, so that points slightly out of order near this
 // azimuth begin no further rings.
 std::vector<std::size_t> ringStarts(const std::vector<double>& azimuths) {
-  double sum = 0;  // rad, of all steps
+  double sum = 0;  // rad, of the steps from point to point
   for (std::size_t i = 1; i < azimuths.size(); ++i) sum += wrapped(azimuths[i] - azimuths[i - 1]);
-  const double direction = sum < 0 ? -1 : 1;
+  const double direction = sum < 0 ? -1 : 1;  // 1: counter-clockwise
   std::vector<std::size_t> starts{0};
-  double turned = 0;  // rad, since the start of the ring
+  double turned = 0;  // rad since the start of the ring
   for (std::size_t i = 1; i < azimuths.size(); ++i) {
     turned += direction * wrapped(azimuths[i] - azimuths[i - 1]);
-    const bool passes =
+    const bool crossesZero =
         direction * azimuths[i - 1] < 0 && direction * azimuths[i] >= 0 && std::fabs(azimuths[i]) < kPi / 2;
-    if (!passes || turned <= kPi) continue;
+    if (!crossesZero || turned <= kPi) continue;
     starts.push_back(i);
     turned = 0;
   }
@@ -81,19 +81,20 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   if (count < kFewest || count > kMost) return {};
   starts.push_back(points.size());
   std::vector<std::uint16_t> rings;
-  std::size_t falling = 0;
-  double previous = 0;  // rad, median elevation of the ring above
+  std::size_t descending = 0;  // number of rings below the ring before
+  double previous = 0;         // rad, median elevation of the ring above
   for (std::size_t ring = 0; ring < count; ++ring) {
     rings.resize(starts[ring + 1], static_cast<std::uint16_t>(ring));
     const std::optional<double> elevation = medianElevation(points, starts[ring], starts[ring + 1]);
     if (!elevation) return {};
-    if (ring > 0 && *elevation < previous) ++falling;
+    if (ring > 0 && *elevation < previous) ++descending;
     previous = *elevation;
   }
-  if (static_cast<double>(falling) < kOrdered * static_cast<double>(count - 1)) return {};
+  if (static_cast<double>(descending) < kOrdered * static_cast<double>(count - 1)) return {};
   return rings;
 }
 
+// Throws InputError unless there are as many labels as points.
 void requireOneEach(std::size_t labels, const Scan& scan, const std::string& what) {
   if (labels != scan.size()) {
     throw InputError({what}, fmt::format("has {} labels; its scan has {} points", labels, scan.size()));
@@ -121,53 +122,50 @@ std::size_t numbersOfRecord(const std::filesystem::path& file) {
 }
 
 Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::string& what) {
-  const std::size_t size = numbers * sizeof(float);
-  const std::string record = numbers == 4 ? "x, y, z, intensity" : "x, y, z, intensity, ring";
-  if (bytes.size() % size != 0) {
+  constexpr double kMostInvalid = 0.05;  // fraction of intensities below 0 from which the file is no list of records
+  const bool hasRing = numbers == 5;
+  const std::string record = hasRing ? "x, y, z, intensity, ring" : "x, y, z, intensity";
+  if (bytes.size() % (numbers * sizeof(float)) != 0) {
     throw InputError({what}, fmt::format("has {} bytes, which are no whole records of {} float32 ({})", bytes.size(),
                                          numbers, record));
   }
-  const auto advice = [&] {
-    return fmt::format(
-        ": these are no records of {} float32 ({}); {}convert others, such as 6, by numpy.fromfile(a, "
-        "'f4').reshape(-1, 6)[:, :4].tofile(b)",
-        numbers, record, numbers == 4 ? "if they have 5 (x, y, z, intensity, ring), name the file .pcd.bin; " : "");
-  };
+  const std::string advice = fmt::format(
+      ": these are no records of {} float32 ({}); {}convert others, such as 6, by numpy.fromfile(a, "
+      "'f4').reshape(-1, 6)[:, :4].tofile(b)",
+      numbers, record, hasRing ? "" : "if they have 5 (x, y, z, intensity, ring), name the file .pcd.bin; ");
   const std::vector<float> values = valuesOf<float>(bytes);
   Scan scan;
-  std::uint32_t rings = 0;
-  std::size_t dark = 0;
+  std::size_t invalidIntensities = 0;
   std::size_t misses = 0;
-  for (std::size_t at = 0; at < values.size(); at += numbers) {
-    const Vec3f p{values[at], values[at + 1], values[at + 2]};
-    const bool miss = !isFinite(p);
-    const auto near = [](float c) { return std::fabs(c) <= kFarthest; };
-    if (!miss && (!near(p.x) || !near(p.y) || !near(p.z))) {
-      throw InputError({what}, fmt::format("point {} lies at {}, {}, {}{}", at / numbers, p.x, p.y, p.z, advice()));
+  for (std::size_t first = 0; first < values.size(); first += numbers) {
+    const Vec3f p{values[first], values[first + 1], values[first + 2]};
+    const bool isMiss = !isFinite(p);
+    if (!isMiss && std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}) > kFarthest) {
+      throw InputError({what}, fmt::format("point {} lies at {}, {}, {}{}", first / numbers, p.x, p.y, p.z, advice));
     }
     constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-    scan.position.push_back(miss ? Vec3f{kNaN, kNaN, kNaN} : p);
-    scan[kIntensity].push_back(miss ? 0 : values[at + 3]);
-    misses += miss ? 1u : 0u;
-    dark += miss || values[at + 3] >= 0 ? 0u : 1u;
-    if (numbers < 5) continue;
-    const float ring = miss ? 0 : values[at + 4];
+    const float intensity = isMiss ? 0 : values[first + 3];
+    scan.position.push_back(isMiss ? Vec3f{kNaN, kNaN, kNaN} : p);
+    scan[kIntensity].push_back(intensity);
+    misses += isMiss ? 1u : 0u;
+    invalidIntensities += intensity >= 0 ? 0u : 1u;  // also NaN
+    if (!hasRing) continue;
+    const float ring = isMiss ? 0 : values[first + 4];
     if (!(ring >= 0 && ring <= 65535) || ring != std::floor(ring)) {
-      throw InputError({what}, fmt::format("the ring of point {} is {}: no whole number from 0", at / numbers, ring));
+      throw InputError({what},
+                       fmt::format("the ring of point {} is {}: no whole number from 0", first / numbers, ring));
     }
     scan[kRing].push_back(static_cast<std::uint16_t>(ring));
   }
   if (misses > 0 && misses == scan.size()) {
-    throw InputError({what}, fmt::format("no coordinate of a point is finite{}", advice()));
+    throw InputError({what}, fmt::format("no coordinate of a point is finite{}", advice));
   }
-  constexpr double kFewDark = 0.05;
-  if (static_cast<double>(dark) > kFewDark * static_cast<double>(scan.size())) {
-    throw InputError({what},
-                     fmt::format("{} of {} intensities are below 0 or no numbers{}", dark, scan.size(), advice()));
+  if (static_cast<double>(invalidIntensities) > kMostInvalid * static_cast<double>(scan.size())) {
+    throw InputError({what}, fmt::format("{} of {} intensities are below 0 or no numbers{}", invalidIntensities,
+                                         scan.size(), advice));
   }
-  if (numbers < 5) scan[kRing] = ringsByOrder(scan.position);
-  for (const std::uint16_t ring : scan[kRing]) rings = std::max(rings, ring + 1u);
-  scan.rings = rings;
+  if (!hasRing) scan[kRing] = ringsByOrder(scan.position);
+  if (!scan[kRing].empty()) scan.rings = std::ranges::max(scan[kRing]) + 1u;
   return scan;
 }
 
@@ -189,13 +187,13 @@ void addLidarsegLabels(std::string_view bytes, const std::string& what, Scan& sc
 void addPanopticLabels(std::string_view bytes, const std::string& what, Scan& scan) {
   constexpr std::uint32_t kClassStep = 1000;
   const std::vector<NpyArray> arrays = readNpzArrays(bytes, what);
-  const auto data = std::find_if(arrays.begin(), arrays.end(), [](const NpyArray& a) { return a.name == "data"; });
+  const auto data = std::ranges::find(arrays, "data", &NpyArray::name);
   if (data == arrays.end() || data->type != "<u2") throw InputError({what}, "has no array `data` of uint16");
   const auto values = valuesOf<std::uint16_t>(data->bytes);
   requireOneEach(values.size(), scan, what);
-  const bool classes = scan[kLabel].empty();
+  const bool addLabels = scan[kLabel].empty();
   for (const std::uint16_t value : values) {
-    if (classes) scan[kLabel].push_back(static_cast<std::uint16_t>(value / kClassStep));
+    if (addLabels) scan[kLabel].push_back(static_cast<std::uint16_t>(value / kClassStep));
     scan[kInstance].push_back(value % kClassStep == 0 ? 0u : std::uint32_t{value});
   }
 }

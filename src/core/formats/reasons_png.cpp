@@ -23,6 +23,7 @@ std::array<std::uint8_t, 3 * (kMostReason + 1)> palette() {
   return colors;
 }
 
+// Returns libpng's description of an image of reasons.
 png_image described(std::uint32_t rings, std::uint32_t columns) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
@@ -53,8 +54,8 @@ std::string encodeReasons(const std::vector<std::uint8_t>& reasonOfBeam, std::ui
 ReasonsImage decodeReasons(std::string_view bytes, const std::string& what) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
-  const auto refuse = [&](std::string_view why) {
-    throw InputError({what}, fmt::format("is no image of reasons: {}", why));
+  const auto refuse = [&](std::string_view reason) {
+    throw InputError({what}, fmt::format("is no image of reasons: {}", reason));
   };
   if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) refuse(image.message);
   if (image.width > 65536 || image.height > 65536) {
@@ -66,13 +67,13 @@ ReasonsImage decodeReasons(std::string_view bytes, const std::string& what) {
   if (png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr) == 0) refuse(image.message);
   std::map<std::array<std::uint8_t, 3>, std::uint8_t> values;
   for (const ReasonEntry& row : reasons()) values.emplace(row.color, static_cast<std::uint8_t>(row.reason));
-  ReasonsImage read{image.height, image.width, std::vector<std::uint8_t>(pixels.size() / 3)};
-  for (std::size_t i = 0; i < read.reasonOfBeam.size(); ++i) {
+  ReasonsImage result{.rings = image.height, .columns = image.width, .reasonOfBeam = {}};
+  for (std::size_t i = 0; i < pixels.size() / 3; ++i) {
     const auto value = values.find({pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]});
     if (value == values.end()) refuse(fmt::format("pixel {} has a colour that stands for no reason", i));
-    read.reasonOfBeam[i] = value->second;
+    result.reasonOfBeam.push_back(value->second);
   }
-  return read;
+  return result;
 }
 
 std::uint64_t mostReasonsBytes(std::uint32_t rings, std::uint32_t columns) {

@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBuffer = 1 << 16;
+constexpr std::size_t kBuffer = 1 << 16;  // bytes of text that are written at once
 
 // Largest number of characters of a number of this type, including the separator after the number.
 template <class T>
@@ -23,6 +23,7 @@ std::size_t longestRowOf(const Scan& scan) {
   return length;
 }
 
+// Writes a number and the separator to `to`, and returns the end of what it has written.
 template <class T>
 char* append(char* to, T value, char separator) {
   // A NaN's sign means nothing, and readers do not expect "-nan".
@@ -43,12 +44,12 @@ std::size_t longestRow(ColumnSet columns) {
 }
 
 void appendRows(const Scan& scan, char separator, std::string& out) {
-  const std::size_t longest = longestRowOf(scan);
-  const std::size_t room = std::max(kBuffer, longest);
-  const auto buffer = std::make_unique_for_overwrite<char[]>(room);
+  const std::size_t rowBytes = longestRowOf(scan);
+  const std::size_t bufferBytes = std::max(kBuffer, rowBytes);
+  const auto buffer = std::make_unique_for_overwrite<char[]>(bufferBytes);
   char* to = buffer.get();
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (to + longest > buffer.get() + room) {
+    if (to + rowBytes > buffer.get() + bufferBytes) {
       out.append(buffer.get(), to);
       to = buffer.get();
     }
