@@ -9,13 +9,15 @@ namespace scanmill {
 
 namespace {
 
+// Returns the shortest time (s) of several calls of work().
 double shortestSeconds(int repeats, const auto& work) {
   double shortest = secondsOf(work);
   for (int i = 1; i < repeats; ++i) shortest = std::min(shortest, secondsOf(work));
   return shortest;
 }
 
-// Returns the largest distance (m) between corresponding points. Formats preserve the order of points.
+// Returns the largest distance (m) between corresponding points. Formats preserve the order of points. Throws Error if
+// points or misses were lost.
 double largestError(const Scan& scan, const Scan& decoded) {
   if (scan.size() != decoded.size()) {
     throw Error(fmt::format("{} of {} points were decoded", decoded.size(), scan.size()));
@@ -35,12 +37,11 @@ double largestError(const Scan& scan, const Scan& decoded) {
 }  // namespace
 
 EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats) {
-  EncodingResult result;
-  result.name = encoding.name;
-  result.format = encoding.choice.entry->name;
-  result.options = encoding.options;
   const Format& format = *encoding.choice.format;
-  result.statedError = format.maxError();
+  EncodingResult result{.name = encoding.name,
+                        .format = std::string(encoding.choice.entry->name),
+                        .options = encoding.options,
+                        .statedError = format.maxError()};
   try {
     double encodeSeconds = 0, decodeSeconds = 0, bytes = 0, points = 0;
     for (const Scan& scan : scans) {

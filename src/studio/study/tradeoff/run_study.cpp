@@ -49,6 +49,7 @@ class StudyRun {
         budget_(options.budgetSeconds > 0 ? options.budgetSeconds : choice_.budgetSeconds),
         progress_("tradeoff", choice_.settings.size(), "settings", "beams", options.quiet) {}
 
+  // Each step reads what the steps before it have set.
   Study run() {
     progress_.say("reading the scene");
     scene_ = source_.load(choice_.sequence);
@@ -73,15 +74,15 @@ class StudyRun {
   }
 
  private:
+  // Sets the members of the study that no measurement is needed for.
   void describe() {
     const Pipeline& pipeline = plan_.pipeline;
     study_.programVersion = kVersion;
     study_.date = today();
     study_.machine.processor = processorName();
     study_.machine.threads = threadCount();
-    const bool graphics =
-        std::ranges::any_of(choice_.settings, [](const MethodSetting& s) { return s.choice.entry->can.openGl; });
-    if (graphics) study_.machine.renderer = graphicsName();
+    const auto usesOpenGl = [](const MethodSetting& s) { return s.choice.entry->can.openGl; };
+    if (std::ranges::any_of(choice_.settings, usesOpenGl)) study_.machine.renderer = graphicsName();
     study_.pipelineName = pipeline.name;
     study_.pipelineText = pipeline.text;
     study_.pipelineFile = pipeline.file.string();
@@ -96,61 +97,65 @@ class StudyRun {
     }
     study_.ontology = scene_.ontology;
     for (const MethodEntry& entry : methods()) {
-      bool can = !moves_ || entry.can.moving;
+      bool isUsable = !moves_ || entry.can.moving;
       for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-        can = can && (pipeline.lightPaths(s) == nullptr || entry.can.transmission);
+        isUsable = isUsable && (pipeline.lightPaths(s) == nullptr || entry.can.transmission);
       }
-      if (!can) study_.refused.emplace_back(entry.name);
+      if (!isUsable) study_.refused.emplace_back(entry.name);
     }
   }
 
-  // Returns how long the measurements of one frame and the set-ups of all settings probably take, from one frame with
-  // each method's first setting.
-  struct Expected {
+  struct ExpectedTime {
     double setUpSeconds = 0, frameSeconds = 0;
   };
-  Expected expectedTime() {
+
+  // Returns how long the set-up of a setting and the tracing of the shots take; zeros if the setting cannot run.
+  ExpectedTime timeOf(const MethodSetting& setting, const std::vector<Shot>& shots) {
+    progress_.say(fmt::format("a first look at {}", setting.setting.method));
+    try {
+      std::unique_ptr<Method> method;
+      Hits hits;
+      const auto traceAll = [&] {
+        for (const Shot& shot : shots) method->trace(shot, measureOptions_.channels, hits);
+      };
+      const double setUpSeconds = secondsOf([&] {
+        method = makeMethod(setting.choice, scene_);
+        method->prepare(shots.front());
+        traceAll();
+      });
+      return {setUpSeconds, secondsOf(traceAll)};
+    } catch (const Error&) {
+      return {};  // the error is reported when the method's settings are measured
+    }
+  }
+
+  // Returns how long the set-ups of all settings and the measurements of one frame probably take. Each method's first
+  // setting stands for all of its settings.
+  ExpectedTime expectedTime() {
     const std::vector<Shot> shots = source_.frame(choice_.sequence, sequence_.spreadFrames(1).front()).shots;
-    std::map<std::string, Expected> byMethod;  // `frameSeconds`: of one scan by each sensor
-    Hits hits;
-    Expected sum;
+    std::map<std::string, ExpectedTime> timeOfMethod;
+    ExpectedTime sum;
     for (const MethodSetting& s : choice_.settings) {
-      const auto [known, isNew] = byMethod.try_emplace(s.setting.method);
-      Expected& own = known->second;
-      if (isNew) {
-        progress_.say(fmt::format("a first look at {}", s.setting.method));
-        try {
-          std::unique_ptr<Method> method;
-          const auto traceAll = [&] {
-            for (const Shot& shot : shots) method->trace(shot, measureOptions_.channels, hits);
-          };
-          own.setUpSeconds = secondsOf([&] {
-            method = makeMethod(s.choice, scene_);
-            method->prepare(shots.front());
-            traceAll();
-          });
-          own.frameSeconds = secondsOf(traceAll);
-        } catch (const Error&) {
-          // The error is reported when the method's settings are measured.
-        }
-      }
-      sum.setUpSeconds += own.setUpSeconds;
-      sum.frameSeconds += own.frameSeconds * (choice_.repeats + 1);
+      if (!timeOfMethod.contains(s.setting.method)) timeOfMethod[s.setting.method] = timeOf(s, shots);
+      sum.setUpSeconds += timeOfMethod[s.setting.method].setUpSeconds;
+      sum.frameSeconds += timeOfMethod[s.setting.method].frameSeconds * (choice_.repeats + 1);
     }
     return sum;
   }
 
-  // Selects the frames to measure: as many as the time budget probably allows, but at most `most`.
-  void traceTruth(std::uint32_t most) {
+  // Selects the frames to measure and traces their exact hits. Takes as many frames as the time budget probably allows,
+  // but at most `mostFrames`.
+  void traceTruth(std::uint32_t mostFrames) {
     // Fraction of the budget to plan for, since other settings may take longer than the first ones.
-    constexpr double kShare = 0.6;
+    constexpr double kPlannedShare = 0.6;
     // Approximate time per frame for exact hits, edges and distances between clouds (s).
     constexpr double kTruthSeconds = 1.5;
-    const Expected expected = expectedTime();
-    const double available = kShare * budget_ - timer_.seconds() - expected.setUpSeconds;
-    const double perFrame = expected.frameSeconds + kTruthSeconds +
-                            measureOptions_.leastSeconds * static_cast<double>(choice_.settings.size());
-    const auto count = static_cast<std::uint32_t>(std::clamp(available / perFrame, 1.0, static_cast<double>(most)));
+    const ExpectedTime expected = expectedTime();
+    const double availableSeconds = kPlannedShare * budget_ - timer_.seconds() - expected.setUpSeconds;
+    const double secondsPerFrame = expected.frameSeconds + kTruthSeconds +
+                                   measureOptions_.leastSeconds * static_cast<double>(choice_.settings.size());
+    const auto count = static_cast<std::uint32_t>(
+        std::clamp(availableSeconds / secondsPerFrame, 1.0, static_cast<double>(mostFrames)));
     progress_.say("tracing the truth");
     std::vector<Shot> shots;
     for (const std::uint32_t frame : sequence_.spreadFrames(count)) {
@@ -170,6 +175,7 @@ class StudyRun {
     study_.beamsPerShot = beams / truth_.size();
   }
 
+  // Measures the settings in their order until the budget is used up; lists the others in `leftOut`.
   void measureSettings() {
     for (const MethodSetting& s : choice_.settings) {
       checkStopped();
@@ -192,13 +198,14 @@ class StudyRun {
     }
   }
 
+  // Measures the stages after tracing on one thread: effects, the pipeline's formats, and the encodings of the study.
   void measureEncodings() {
-    const ThreadLimit one(1);
+    constexpr std::size_t kEncodedScans = 4;
+    const ThreadLimit oneThread(1);
     progress_.say("encodings");
     const auto tracer = makeReference(scene_);
     std::vector<Scan> scans;
-    double effects = 0;
-    constexpr std::size_t kEncodedScans = 4;
+    double effectsSeconds = 0;
     Hits hits;
     Returns returns;
     Scan scan;
@@ -208,11 +215,11 @@ class StudyRun {
       const ShotSetup setup = setupOf(plan_, source_.settings(), scene_, *tracer, t.shot.sensor);
       // The first call is not timed: it allocates the buffers that later calls reuse.
       senseShot(setup, t.shot, hits, returns, scan);
-      effects += secondsOf([&] { senseShot(setup, t.shot, hits, returns, scan); });
+      effectsSeconds += secondsOf([&] { senseShot(setup, t.shot, hits, returns, scan); });
       scans.push_back(scan);
     }
     const auto count = static_cast<double>(scans.size());
-    study_.commonStages["effects"] = effects / count;
+    study_.commonStages["effects"] = effectsSeconds / count;
     for (const ChosenFormat& format : plan_.pipeline.output.formats) {
       const WallTimer timer;
       for (const Scan& s : scans) format.format->encode(s);
@@ -237,21 +244,22 @@ class StudyRun {
   // Draws pictures of the errors of two settings of each method: of the first setting with noticeable errors, and of
   // the setting with the largest 99th percentile of the range error. Methods without noticeable errors get no picture.
   void drawPictures() {
+    constexpr double kNoticeableError = 1e-3, kNoticeableMissRate = 1e-4;  // m; fraction of the beams
     if (!options_.drawErrors) return;
-    std::set<std::string> wanted;
-    std::map<std::string, std::vector<const SettingResult*>> erring;
+    std::map<std::string, std::vector<const SettingResult*>> erringOfMethod;
     for (const SettingResult& s : study_.settings) {
-      if (s.failure.empty() && (s.measured.errors.all.range.p999 > 1e-3 || s.measured.errors.all.missRate() > 1e-4)) {
-        erring[s.setting.method].push_back(&s);
-      }
+      const GroupErrors& errors = s.measured.errors.all;
+      const bool isErring = errors.range.p999 > kNoticeableError || errors.missRate() > kNoticeableMissRate;
+      if (s.failure.empty() && isErring) erringOfMethod[s.setting.method].push_back(&s);
     }
-    for (const auto& [method, results] : erring) {
-      wanted.insert(results.front()->setting.name);
+    std::set<std::string> picturedSettings;
+    for (const auto& [method, results] : erringOfMethod) {
+      picturedSettings.insert(results.front()->setting.name);
       const auto p99 = [](const SettingResult* s) { return s->measured.errors.all.range.p99; };
-      wanted.insert((*std::ranges::max_element(results, {}, p99))->setting.name);
+      picturedSettings.insert((*std::ranges::max_element(results, {}, p99))->setting.name);
     }
     for (const MethodSetting& s : choice_.settings) {
-      if (!wanted.contains(s.setting.name)) continue;
+      if (!picturedSettings.contains(s.setting.name)) continue;
       checkStopped();
       progress_.say(fmt::format("picture of {}", s.setting.name));
       try {

@@ -26,14 +26,15 @@ struct Variation {
   Changes changes;
 };
 
-std::string footprintOf(std::uint32_t rays) {
+std::string footprintYaml(std::uint32_t rays) {
   return fmt::format("footprint: {{rays: {}}}", rays);
 }
 
-std::string lightPathsOf(std::uint32_t bounces) {
+std::string lightPathsYaml(std::uint32_t bounces) {
   return fmt::format("light_paths: {{panes: {}, bounces: {}, least: 0.0001}}", kTruePanes, bounces);
 }
 
+// Returns the sensor's effects with the changes, without effects that only add noise.
 Effects changedEffects(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
   Value list;
   list.kind = Value::Kind::Sequence;
@@ -50,7 +51,8 @@ Effects changedEffects(const Pipeline& pipeline, const MountedSensor& sensor, co
   return readSensorEffects(list, EffectClasses(pipeline), sensor);
 }
 
-// The effects and the setup of one sensor in one variation.
+// The effects and the setup of one sensor in one variation. The setup refers to the other members, so that the object
+// must not be moved.
 struct VariedSensor {
   Effects effects;
   std::optional<Footprint> footprint;
@@ -77,20 +79,20 @@ std::unique_ptr<VariedSensor> makeSensor(const Plan& plan, const Scene& scene, c
 }
 
 struct NearestReturn {
-  bool hit = false;
-  Vec3f position;
+  Vec3f position;  // in the sensor's frame (m)
   std::uint16_t label = 0;
-  float intensity = 0;
+  float intensity = 0;  // 0 if the scan has no intensities
 };
 
-std::vector<NearestReturn> nearestReturns(const Scan& scan) {
-  std::vector<NearestReturn> ofBeam(std::size_t{scan.rings} * scan.columns);
+// Returns the nearest return of each beam; nothing for beams without a return.
+std::vector<std::optional<NearestReturn>> nearestReturns(const Scan& scan) {
+  std::vector<std::optional<NearestReturn>> ofBeams(std::size_t{scan.rings} * scan.columns);
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (scan[kReturn][i] != 1) continue;
-    ofBeam[std::size_t{scan[kRing][i]} * scan.columns + scan[kColumn][i]] = {
-        true, scan.position[i], scan[kLabel][i], scan[kIntensity].empty() ? 0 : scan[kIntensity][i]};
+    if (scan[kReturn][i] != 1) continue;  // returns are numbered from the nearest
+    ofBeams[std::size_t{scan[kRing][i]} * scan.columns + scan[kColumn][i]] = {
+        scan.position[i], scan[kLabel][i], scan[kIntensity].empty() ? 0 : scan[kIntensity][i]};
   }
-  return ofBeam;
+  return ofBeams;
 }
 
 class SensingStudy {
@@ -125,30 +127,32 @@ class SensingStudy {
     if (!manyRays && !paths && !weather) return {};
     Variation truth{"truth:", {}};
     if (manyRays) {
-      truth.changes["footprint"] = footprintOf(kTrueRays);
+      truth.changes["footprint"] = footprintYaml(kTrueRays);
       truth.name += fmt::format(" {} rays a beam,", kTrueRays);
     }
     if (paths) {
-      truth.changes["light_paths"] = lightPathsOf(kTrueBounces);
+      truth.changes["light_paths"] = lightPathsYaml(kTrueBounces);
       truth.name += fmt::format(" {} mirrors, {} panes,", kTrueBounces, kTruePanes);
     }
     if (weather) truth.name += " weather,";
     truth.name.pop_back();  // the last comma
     std::vector<Variation> list{truth};
+    // Adds a variation that differs from the truth by these changes.
     const auto add = [&](const std::string& name, const Changes& changes) {
-      list.push_back({name, truth.changes});
-      for (const auto& [effect, options] : changes) list.back().changes[effect] = options;
+      Variation& variation = list.emplace_back(Variation{name, changes});
+      variation.changes.insert(truth.changes.begin(), truth.changes.end());  // keeps entries of `changes`
     };
     if (manyRays) {
       add("1 ray a beam", {{"footprint", ""}});
       for (const std::uint32_t rays : kFootprintRays) {
-        if (rays > 1 && rays < kTrueRays) add(fmt::format("{} rays a beam", rays), {{"footprint", footprintOf(rays)}});
+        if (rays > 1 && rays < kTrueRays)
+          add(fmt::format("{} rays a beam", rays), {{"footprint", footprintYaml(rays)}});
       }
     }
     if (paths) {
       add("no glass, no mirrors", {{"light_paths", ""}});
-      add("glass, no mirrors", {{"light_paths", lightPathsOf(0)}});
-      add("glass and 1 mirror", {{"light_paths", lightPathsOf(1)}});
+      add("glass, no mirrors", {{"light_paths", lightPathsYaml(0)}});
+      add("glass and 1 mirror", {{"light_paths", lightPathsYaml(1)}});
     }
     if (weather) add("clear air", {{"weather", ""}});
     if (manyRays && paths) add("1 ray a beam, no glass, no mirrors", {{"footprint", ""}, {"light_paths", ""}});
@@ -157,55 +161,49 @@ class SensingStudy {
   }
 
   SensingResult measure(const Variation& variation) {
-    SensingResult result;
-    result.name = variation.name;
+    SensingResult result{.name = variation.name};
     try {
-      std::vector<double> distances;
-      double intensity = 0;
-      for (std::size_t i = 0; i < shots_.size(); ++i) compare(variation, i, result, distances, intensity);
+      std::vector<double> distances;  // m, between the returns of beams in `both`
+      double intensitySum = 0;        // of the absolute differences of the same beams
+      for (std::size_t i = 0; i < shots_.size(); ++i) {
+        const std::vector<std::optional<NearestReturn>> found = nearestReturns(scan(variation, shots_[i], result));
+        if (truth_.size() <= i) truth_.push_back(found);  // the first variation is the truth
+        result.beams += found.size();
+        for (std::size_t beam = 0; beam < found.size(); ++beam) {
+          const std::optional<NearestReturn>&expected = truth_[i][beam], &actual = found[beam];
+          result.missing += expected && !actual ? 1 : 0;
+          result.added += !expected && actual ? 1 : 0;
+          if (!expected || !actual) continue;
+          ++result.both;
+          result.sameClass += expected->label == actual->label ? 1 : 0;
+          distances.push_back(length(Vec3d(expected->position) - Vec3d(actual->position)));
+          intensitySum += std::abs(double{expected->intensity} - double{actual->intensity});
+        }
+      }
       result.traceSeconds /= static_cast<double>(shots_.size());
       result.effectsSeconds /= static_cast<double>(shots_.size());
-      if (result.both > 0) result.intensity = intensity / static_cast<double>(result.both);
+      if (result.both > 0) result.intensity = intensitySum / static_cast<double>(result.both);
       result.distance = spreadOf(std::move(distances));
     } catch (const InputError& error) {
-      result = {};
-      result.name = variation.name;
-      result.failure = error.what();
+      result = {.name = variation.name, .failure = error.what()};
     }
     return result;
   }
 
-  void compare(const Variation& variation, std::size_t i, SensingResult& result, std::vector<double>& distances,
-               double& intensity) {
+  // Returns the scan of a shot with the variation, and adds the times of its stages to the result.
+  Scan scan(const Variation& variation, const Shot& shot, SensingResult& result) const {
     if (stop_ && stop_()) throw Error("interrupted: nothing was written");
     if (say_) say_(variation.name);
-    const Shot& shot = shots_[i];
     const auto sensor = makeSensor(plan_, scene_, *method_, shot.sensor, variation.changes);
     ShotBuffers buffers;
-    traceShot(sensor->setup, shot, buffers.hits);  // first without timing, to allocate memory
-    const WallTimer tracing;
+    // The first call of each stage is not timed: it allocates memory.
     traceShot(sensor->setup, shot, buffers.hits);
-    result.traceSeconds += tracing.seconds();
-    {
-      const ThreadLimit one(1);
-      senseShot(sensor->setup, shot, buffers.hits, buffers.returns, buffers.scan);
-      const WallTimer effects;
-      senseShot(sensor->setup, shot, buffers.hits, buffers.returns, buffers.scan);
-      result.effectsSeconds += effects.seconds();
-    }
-    const std::vector<NearestReturn> found = nearestReturns(buffers.scan);
-    if (truth_.size() <= i) truth_.push_back(found);
-    const std::vector<NearestReturn>& truth = truth_[i];
-    result.beams += truth.size();
-    for (std::size_t beam = 0; beam < truth.size(); ++beam) {
-      result.missing += truth[beam].hit && !found[beam].hit ? 1 : 0;
-      result.added += !truth[beam].hit && found[beam].hit ? 1 : 0;
-      if (!truth[beam].hit || !found[beam].hit) continue;
-      ++result.both;
-      result.sameClass += truth[beam].label == found[beam].label ? 1 : 0;
-      distances.push_back(length(Vec3d(truth[beam].position) - Vec3d(found[beam].position)));
-      intensity += std::abs(double{truth[beam].intensity} - double{found[beam].intensity});
-    }
+    result.traceSeconds += secondsOf([&] { traceShot(sensor->setup, shot, buffers.hits); });
+    const ThreadLimit oneThread(1);
+    const auto applyEffects = [&] { senseShot(sensor->setup, shot, buffers.hits, buffers.returns, buffers.scan); };
+    applyEffects();
+    result.effectsSeconds += secondsOf(applyEffects);
+    return std::move(buffers.scan);
   }
 
   const Plan& plan_;
@@ -214,7 +212,7 @@ class SensingStudy {
   const std::function<void(const std::string&)>& say_;
   const std::function<bool()>& stop_;
   std::unique_ptr<Method> method_;
-  std::vector<std::vector<NearestReturn>> truth_;  // nearest return of each beam in the reference scan, per shot
+  std::vector<std::vector<std::optional<NearestReturn>>> truth_;  // nearestReturns() of the truth, per shot
 };
 
 }  // namespace

@@ -50,7 +50,8 @@ std::vector<StudyEncoding> readEncodings(const Value& list) {
   return encodings;
 }
 
-std::size_t sequenceNamed(const Pipeline& pipeline, const Value& value) {
+// Returns the index of the sequence that `tradeoff.sequence` names.
+std::size_t readSequence(const Value& value, const Pipeline& pipeline) {
   const std::string key = readText(value, "tradeoff.sequence");
   std::vector<std::string> keys;
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
@@ -78,7 +79,7 @@ StudyChoice readStudyChoice(const Pipeline& pipeline) {
   const Value* encodings = fields.find("encodings");
   choice.encodings =
       readEncodings(encodings == nullptr ? parseYaml(kDefaultEncodings, "default encodings") : *encodings);
-  if (const Value* sequence = fields.find("sequence")) choice.sequence = sequenceNamed(pipeline, *sequence);
+  if (const Value* sequence = fields.find("sequence")) choice.sequence = readSequence(*sequence, pipeline);
   choice.shots = static_cast<std::uint32_t>(fields.integer("shots", 1, 1000, 8));
   choice.repeats = static_cast<int>(fields.integer("repeats", 1, 100, 3));
   choice.budgetSeconds = fields.number("budget_s", {1, 1e6}, 300);

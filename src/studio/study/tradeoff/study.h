@@ -26,7 +26,7 @@ namespace scanmill {
 // the nearest return of each beam with the truth, which has the complete physics.
 struct SensingResult {
   std::string name;           // what the variation simplifies, such as "7 rays a beam"
-  std::string failure;        // why the variation could not be measured; then the members below are empty
+  std::string failure{};      // why the variation could not be measured; then the members below are empty
   double traceSeconds = 0;    // time to trace a scan with all threads (s)
   double effectsSeconds = 0;  // time to apply the effects to a scan with one thread (s)
   std::uint64_t beams = 0;
@@ -34,7 +34,7 @@ struct SensingResult {
   std::uint64_t missing = 0;    // number of beams with a return only in the truth
   std::uint64_t added = 0;      // number of beams with a return only in the variation
   std::uint64_t sameClass = 0;  // number of beams in `both` whose returns have the same class
-  Spread distance;              // distance between the two returns of each beam in `both` (m)
+  Spread distance{};            // distance between the two returns of each beam in `both` (m)
   double intensity = 0;         // mean absolute difference of the intensities of beams in `both`
 };
 
@@ -65,7 +65,7 @@ struct EncodingResult {
   std::string name;     // format and options, such as "draco max_error_mm=10"
   std::string format;   // the format's name in the table formats()
   std::string options;  // options as YAML text, such as "{max_error_mm: 10}"
-  std::string failure;
+  std::string failure{};
   double encodePointsPerSecond = 0;  // rate of encoding with one thread
   double decodePointsPerSecond = 0;  // rate of decoding with one thread
   double bytesPerPoint = 0;
