@@ -20,7 +20,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::array kKinds{std::string_view("uniform"), std::string_view("normal"), std::string_view("choice")};
-constexpr double kMostDeviations = 4;
+constexpr double kMostDeviations = 4;  // a normal distribution is cut off at this multiple of its standard deviation
 
 // Reads an interval [low, high]. Throws InputError unless low is below high.
 Range readInterval(const Value& value, std::string_view what) {
@@ -29,29 +29,27 @@ Range readInterval(const Value& value, std::string_view what) {
   throw InputError(value.where, fmt::format("{} must be [least, most], the first below the second", what));
 }
 
-// Returns the probability that a standard normal value is below `deviations`. deviationsAt() is the inverse.
-double shareBelow(double deviations) {
-  return std::erfc(-deviations / std::numbers::sqrt2) / 2;
+// Returns the probability that a standard normal value is below `value`. normalQuantile() is the inverse.
+double normalProbability(double value) {
+  return std::erfc(-value / std::numbers::sqrt2) / 2;
 }
 
-double deviationsAt(double share) {
-  return -std::numbers::sqrt2 * boost::math::erfc_inv(2 * share);
+double normalQuantile(double probability) {
+  return -std::numbers::sqrt2 * boost::math::erfc_inv(2 * probability);
 }
 
 struct Normal {
-  double mean = 0;
-  double deviation = 1;
-  Range ends{0, 0};  // the distribution is cut off outside of this interval
+  double mean, deviation;  // deviation: standard deviation
+  Range ends;              // the distribution is cut off outside of this interval
 };
 
 Normal readNormal(Fields& fields) {
   const Value& value = fields.require("normal");
-  const std::vector<double> given = readNumbers(value, "normal");
-  if (given.size() != 2 || given[1] <= 0) {
+  const std::vector<double> parameters = readNumbers(value, "normal");
+  if (parameters.size() != 2 || parameters[1] <= 0) {
     throw InputError(value.where, "normal must be [mean, standard deviation] with a standard deviation above 0");
   }
-  const double mean = given[0];
-  const double deviation = given[1];
+  const double mean = parameters[0], deviation = parameters[1];
   Range ends{mean - kMostDeviations * deviation, mean + kMostDeviations * deviation};
   if (const Value* within = fields.find("within")) {
     const Range bounds = readInterval(*within, "within");
@@ -65,13 +63,15 @@ Normal readNormal(Fields& fields) {
   return {mean, deviation, ends};
 }
 
-double drawNormal(const Normal& normal, double random) {
-  const double low = shareBelow((normal.ends.low - normal.mean) / normal.deviation);
-  const double high = shareBelow((normal.ends.high - normal.mean) / normal.deviation);
-  return std::clamp(normal.mean + normal.deviation * deviationsAt(low + (high - low) * random), normal.ends.low,
+// Returns the quantile `random` (0 to 1) of the distribution: uniform random numbers give normal ones.
+double sampleNormal(const Normal& normal, double random) {
+  const double low = normalProbability((normal.ends.low - normal.mean) / normal.deviation);
+  const double high = normalProbability((normal.ends.high - normal.mean) / normal.deviation);
+  return std::clamp(normal.mean + normal.deviation * normalQuantile(low + (high - low) * random), normal.ends.low,
                     normal.ends.high);
 }
 
+// Returns a scalar in the place of the distribution: its location and key stay.
 Value scalar(const Value& distribution, std::string text) {
   Value value = distribution;
   value.kind = Value::Kind::Scalar;
@@ -101,41 +101,42 @@ Value itemOf(const Value& distribution, const Value& list, std::size_t index) {
 // Returns the weights of the items of a choice; empty if all are equally likely. Throws InputError unless there is a
 // weight for each item and one of them is positive.
 std::vector<double> readWeights(Fields& fields) {
-  const Value* const given = fields.find("weights");
-  if (given == nullptr) return {};
+  constexpr Range kLimits{0, 1e12};  // sums of larger weights would not be exact
+  const Value* const value = fields.find("weights");
+  if (value == nullptr) return {};
   const Value& list = fields.require("choice");
   const std::size_t items = std::max(readSpan(list).size(), list.items.size());
-  std::vector<double> weights = readNumbers(*given, "weights");
-  const bool good = weights.size() == items &&
-                    std::ranges::all_of(weights, [](double w) { return w >= 0 && w < 1e12; }) &&
-                    std::ranges::any_of(weights, [](double w) { return w > 0; });
-  if (!good) {
-    throw InputError(given->where, fmt::format("weights must be {} numbers of at least 0, one for each item of the "
+  std::vector<double> weights = readNumbers(*value, "weights");
+  const auto isAllowed = [&](double weight) { return kLimits.contains(weight); };
+  if (weights.size() != items || !std::ranges::all_of(weights, isAllowed) || std::ranges::max(weights) == 0) {
+    throw InputError(value->where, fmt::format("weights must be {} numbers of at least 0, one for each item of the "
                                                "choice and not all of them 0",
                                                items));
   }
   return weights;
 }
 
-Value drawChoice(Fields& fields, double random) {
-  const Value& distribution = fields.value();
+// Returns the index of the item that a random number from 0 to 1 selects. `weights`: one per item, or none if all are
+// equally likely.
+std::size_t sampleIndex(const std::vector<double>& weights, std::size_t items, double random) {
+  if (weights.empty()) return std::min(static_cast<std::size_t>(random * static_cast<double>(items)), items - 1);
+  double remaining = random * std::accumulate(weights.begin(), weights.end(), 0.0);
+  std::size_t selected = 0;  // if rounding leaves a rest, the last item with a positive weight
+  for (std::size_t i = 0; i < items; ++i) {
+    if (weights[i] <= 0) continue;
+    selected = i;
+    if (remaining < weights[i]) break;
+    remaining -= weights[i];
+  }
+  return selected;
+}
+
+Value sampleChoice(Fields& fields, double random) {
   const Value& list = fields.require("choice");
   const std::vector<double> weights = readWeights(fields);
-  const auto pick = [&](std::size_t count) {
-    if (weights.empty()) return std::min(static_cast<std::size_t>(random * static_cast<double>(count)), count - 1);
-    double remaining = random * std::accumulate(weights.begin(), weights.end(), 0.0);
-    std::size_t last = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (weights[i] <= 0) continue;
-      last = i;
-      if (remaining < weights[i]) break;
-      remaining -= weights[i];
-    }
-    return last;
-  };
   const std::vector<PlacedInteger> span = readSpan(list);
-  if (!span.empty()) return scalar(distribution, std::to_string(span[pick(span.size())].value));
-  return itemOf(distribution, list, pick(list.items.size()));
+  if (span.empty()) return itemOf(fields.value(), list, sampleIndex(weights, list.items.size(), random));
+  return scalar(fields.value(), std::to_string(span[sampleIndex(weights, span.size(), random)].value));
 }
 
 bool isPerFrame(Fields& fields) {
@@ -159,33 +160,37 @@ Fields fieldsOf(const Value& value) {
   return fields;
 }
 
-Value draw(Fields& fields, double random) {
-  const Value& value = fields.value();
-  if (fields.has("normal")) return scalar(value, fmt::format("{}", drawNormal(readNormal(fields), random)));
-  if (fields.has("choice")) return drawChoice(fields, random);
+// Returns the value that a random number from 0 to 1 selects. `fields`: the result of fieldsOf().
+Value sample(Fields& fields, double random) {
+  if (fields.has("choice")) return sampleChoice(fields, random);
+  if (fields.has("normal")) {
+    return scalar(fields.value(), fmt::format("{}", sampleNormal(readNormal(fields), random)));
+  }
   const Range ends = readInterval(fields.require("uniform"), "uniform");
-  return scalar(value, fmt::format("{}", std::clamp(std::lerp(ends.low, ends.high, random), ends.low, ends.high)));
+  const double number = std::clamp(std::lerp(ends.low, ends.high, random), ends.low, ends.high);
+  return scalar(fields.value(), fmt::format("{}", number));
 }
 
-// Returns the end (see countCases()) that a distribution takes in the case `number`. If the end is an item of a choice,
-// `number` becomes the number of the case for distributions within the item.
-Value endOf(const Value& value, std::size_t& number) {
+// Returns the end (see countCases()) that a distribution takes in a case. If the end is an item of a choice,
+// `caseNumber` becomes the number of the case for distributions within the item.
+Value endOf(const Value& value, std::size_t& caseNumber) {
   Fields fields = fieldsOf(value);
-  const std::size_t which = number;
+  const bool isLowEnd = caseNumber % 2 == 0;
   if (!fields.has("choice")) {
     const Range ends =
         fields.has("normal") ? readNormal(fields).ends : readInterval(fields.require("uniform"), "uniform");
-    return scalar(value, fmt::format("{}", which % 2 == 0 ? ends.low : ends.high));
+    return scalar(value, fmt::format("{}", isLowEnd ? ends.low : ends.high));
   }
   const Value& list = fields.require("choice");
-  readWeights(fields);
+  readWeights(fields);  // throws if they are wrong
   const std::vector<PlacedInteger> span = readSpan(list);
   if (!span.empty()) {
     const auto [low, high] = std::ranges::minmax_element(span, {}, &PlacedInteger::value);
-    return scalar(value, std::to_string(which % 2 == 0 ? low->value : high->value));
+    return scalar(value, std::to_string(isLowEnd ? low->value : high->value));
   }
-  number = which / list.items.size();
-  return itemOf(value, list, which % list.items.size());
+  const std::size_t item = caseNumber % list.items.size();
+  caseNumber /= list.items.size();
+  return itemOf(value, list, item);
 }
 
 std::uint32_t hashOf(const std::string& text) {
@@ -196,24 +201,25 @@ std::uint32_t hashOf(const std::string& text) {
 // rounds (Luby and Rackoff, SIAM J. Comput. 17, 1988) on the next power of four, repeated until the number is below
 // `count`.
 std::uint64_t permuted(std::uint64_t index, std::uint64_t count, RandomAddress address) {
-  unsigned half = 1;
-  while (count > std::uint64_t{1} << (2 * half)) ++half;
-  const std::uint64_t mask = (std::uint64_t{1} << half) - 1;
+  unsigned halfBits = 1;  // an index has twice as many bits: an upper and a lower half
+  while (count > std::uint64_t{1} << (2 * halfBits)) ++halfBits;
+  const std::uint64_t mask = (std::uint64_t{1} << halfBits) - 1;
   address.purpose = Purpose::Stratum;
   do {
-    std::uint64_t left = index >> half;
-    std::uint64_t right = index & mask;
+    std::uint64_t upper = index >> halfBits;
+    std::uint64_t lower = index & mask;
     for (std::uint32_t round = 0; round < 4; ++round) {
       address.sensor = round;
-      address.frame = static_cast<std::uint32_t>(right);
-      left = std::exchange(right, left ^ (randomBlock(address)[0] & mask));
+      address.frame = static_cast<std::uint32_t>(lower);
+      upper = std::exchange(lower, upper ^ (randomBlock(address)[0] & mask));
     }
-    index = left << half | right;
+    index = upper << halfBits | lower;
   } while (index >= count);
   return index;
 }
 
-// Returns a random number from 0 to 1 for the distribution of a key.
+// Returns the random number from 0 to 1 that selects the value of a key. `fields`: the key's distribution. `place`:
+// where the sequence and the frame are in their split, for stratified distributions.
 double randomNumberOf(const std::string& key, RandomAddress address, Fields& fields, const PlaceInSplit& place) {
   const bool perFrame = isPerFrame(fields);
   const bool stratified = isStratified(fields);
@@ -229,13 +235,12 @@ double randomNumberOf(const std::string& key, RandomAddress address, Fields& fie
 }
 
 // Calls apply() for each item or entry of a value, without descending into them.
-template <class Do>
-void forEachWithin(const Value& value, const Do& apply) {
+void forEachWithin(const Value& value, const auto& apply) {
   for (const Value& item : value.items) apply(item);
   for (const Value::Entry& entry : value.entries) apply(entry.value);
 }
 
-// Adds an entry for each value within a value that was sampled for a key.
+// Appends an entry for each scalar and each empty value within a value that was sampled for a key.
 void addValues(const Value& value, const std::string& key, std::vector<DrawnValue>& draws) {
   for (std::size_t i = 0; i < value.items.size(); ++i) {
     addValues(value.items[i], fmt::format("{}.{}", key, i), draws);
@@ -250,14 +255,16 @@ void addValues(const Value& value, const std::string& key, std::vector<DrawnValu
   draws.push_back(isNumber ? DrawnValue{key, fmt::format("{}", number), true} : DrawnValue{key, flowText(value)});
 }
 
-// Returns the first distribution within the value for which `is` returns true; null if there is none.
-const Value* findDistribution(const Value& value, bool (*is)(Fields&)) {
+// Returns the first distribution within the value for which matches(its keys) is true; null if there is none.
+const Value* findDistribution(const Value& value, bool (*matches)(Fields&)) {
   if (isDistribution(value)) {
     Fields fields = fieldsOf(value);
-    if (is(fields)) return &value;
+    if (matches(fields)) return &value;
   }
   const Value* found = nullptr;
-  forEachWithin(value, [&](const Value& part) { found = found == nullptr ? findDistribution(part, is) : found; });
+  forEachWithin(value, [&](const Value& child) {
+    if (found == nullptr) found = findDistribution(child, matches);
+  });
   return found;
 }
 
@@ -271,7 +278,7 @@ bool isDistribution(const Value& value) {
 
 bool holdsDistribution(const Value& value) {
   bool holds = isDistribution(value);
-  forEachWithin(value, [&](const Value& part) { holds = holds || holdsDistribution(part); });
+  forEachWithin(value, [&](const Value& child) { holds = holds || holdsDistribution(child); });
   return holds;
 }
 
@@ -286,44 +293,44 @@ const Value* findStratified(const Value& value) {
 Value withDraws(const Value& value, const std::string& key, const RandomAddress& address,
                 std::vector<DrawnValue>& draws, const PlaceInSplit& place) {
   if (isDistribution(value)) {
-    Value one = value;
-    RandomAddress own = address;
-    // An item of a choice may be a distribution again: more numbers of the address (of 16) are drawn until it is not.
-    for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {
-      Fields fields = fieldsOf(one);
-      one = draw(fields, randomNumberOf(key, own, fields, place));
+    Value sampled = value;
+    RandomAddress numbered = address;
+    // An item of a choice may be a distribution again: further numbers of the address (of 16) are used until it is not.
+    for (numbered.number = 0; isDistribution(sampled); numbered.number = (numbered.number + 1) % 16) {
+      Fields fields = fieldsOf(sampled);
+      sampled = sample(fields, randomNumberOf(key, numbered, fields, place));
     }
-    std::vector<DrawnValue> within;  // not reported: the entries in `draws` show the complete item
-    one = withDraws(one, key, address, within, place);
-    addValues(one, key, draws);
-    return one;
+    std::vector<DrawnValue> inner;  // not reported: the entries in `draws` show the complete item
+    sampled = withDraws(sampled, key, address, inner, place);
+    addValues(sampled, key, draws);
+    return sampled;
   }
-  const std::string before = key.empty() ? "" : key + ".";
+  const std::string prefix = key.empty() ? "" : key + ".";
   Value copy = value;
   for (std::size_t i = 0; i < copy.items.size(); ++i) {
-    copy.items[i] = withDraws(value.items[i], before + std::to_string(i), address, draws, place);
+    copy.items[i] = withDraws(value.items[i], prefix + std::to_string(i), address, draws, place);
   }
   for (Value::Entry& entry : copy.entries) {
-    entry.value = withDraws(entry.value, before + entry.key, address, draws, place);
+    entry.value = withDraws(entry.value, prefix + entry.key, address, draws, place);
   }
   return copy;
 }
 
 std::size_t countCases(const Value& value) {
-  std::size_t within = 1;
-  forEachWithin(value, [&](const Value& part) { within = std::max(within, countCases(part)); });
-  if (!isDistribution(value)) return within;
+  std::size_t casesWithin = 1;
+  forEachWithin(value, [&](const Value& child) { casesWithin = std::max(casesWithin, countCases(child)); });
+  if (!isDistribution(value)) return casesWithin;
   Fields fields = fieldsOf(value);
   if (!fields.has("choice")) return 2;
   const Value& list = fields.require("choice");
-  return readSpan(list).empty() ? list.items.size() * within : 2;
+  return readSpan(list).empty() ? list.items.size() * casesWithin : 2;
 }
 
-Value withCase(const Value& value, std::size_t number) {
+Value withCase(const Value& value, std::size_t caseNumber) {
   Value copy = value;
-  while (isDistribution(copy)) copy = endOf(copy, number);
-  for (Value& item : copy.items) item = withCase(item, number);
-  for (Value::Entry& entry : copy.entries) entry.value = withCase(entry.value, number);
+  while (isDistribution(copy)) copy = endOf(copy, caseNumber);
+  for (Value& item : copy.items) item = withCase(item, caseNumber);
+  for (Value::Entry& entry : copy.entries) entry.value = withCase(entry.value, caseNumber);
   return copy;
 }
 

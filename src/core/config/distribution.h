@@ -71,6 +71,6 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
 // occurs. If a reader accepts all cases, it therefore accepts all random values, unless it checks two values against
 // each other. A value without distributions has one case.
 std::size_t countCases(const Value& value);
-[[nodiscard]] Value withCase(const Value& value, std::size_t number);
+[[nodiscard]] Value withCase(const Value& value, std::size_t caseNumber);
 
 }  // namespace scanmill

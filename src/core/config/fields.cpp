@@ -14,7 +14,7 @@ namespace scanmill {
 namespace {
 
 // Describes a value, for messages.
-std::string found(const Value& value) {
+std::string description(const Value& value) {
   switch (value.kind) {
     case Value::Kind::Null:
       return "nothing";
@@ -38,7 +38,7 @@ std::string found(const Value& value) {
   }
   std::string hint;
   if (value.kind == Value::Kind::Scalar) hint = value.quoted ? " in quotes, which is text" : numberAdvice(value.text);
-  throw InputError(value.where, fmt::format("{} must be {}, not {}{}", what, expected, found(value), hint));
+  throw InputError(value.where, fmt::format("{} must be {}, not {}{}", what, expected, description(value), hint));
 }
 
 // Returns "a number from 1 to 5", or less if the interval [low, high] ends where the type's [lowest, highest] does.
@@ -50,8 +50,9 @@ std::string bounded(std::string_view noun, T low, T high, T lowest, T highest) {
   return fmt::format("{} from {} to {}", noun, low, high);
 }
 
-// Reads all of `text` as a decimal number; returns false if it is not a number. from_chars() alone would also accept
-// inf and nan. Leading zeros are refused, since some readers of YAML take 017 for an octal number.
+// Sets `number` to the decimal number that `text` is; returns false if the text is no number or has other characters
+// than those in `characters`. from_chars() alone would also accept inf and nan. Leading zeros are refused, since some
+// readers of YAML take 017 for an octal number.
 template <class T>
 bool parseDecimal(std::string_view text, std::string_view characters, T& number) {
   if (text.find_first_not_of(characters) != std::string_view::npos) return false;
@@ -189,7 +190,7 @@ Pose Fields::pose() {
   Pose pose;
   pose.translation = vec3("position", {});
   const Value* rotation = find("rotation");
-  const bool angles = find("yaw_deg") != nullptr || find("pitch_deg") != nullptr || find("roll_deg") != nullptr;
+  const bool hasAngles = has("yaw_deg") || has("pitch_deg") || has("roll_deg");
   const double yaw = number("yaw_deg", {}, 0);
   const double pitch = number("pitch_deg", {}, 0);
   const double roll = number("roll_deg", {}, 0);
@@ -198,7 +199,7 @@ Pose Fields::pose() {
     return pose;
   }
   const std::string what = what_ + ": rotation";
-  if (angles) {
+  if (hasAngles) {
     throw InputError(rotation->where, what + " and yaw_deg, pitch_deg or roll_deg cannot be given together");
   }
   const std::vector<double> q = readNumbers(*rotation, what);
@@ -305,9 +306,10 @@ std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what
     if (numbers.empty() || i + 1 == list.items.size()) {
       throw InputError(item.where, fmt::format("{}: '...' must be between two numbers, such as [1, ..., 20]", what));
     }
-    const std::int64_t from = numbers.back().value;
-    const std::int64_t to = readInteger(list.items[i + 1], what, from + 1, from > high - kMost ? high : from + kMost);
-    for (std::int64_t n = from + 1; n < to; ++n) numbers.push_back({n, item.where});
+    const std::int64_t first = numbers.back().value;
+    const std::int64_t last =
+        readInteger(list.items[i + 1], what, first + 1, first > high - kMost ? high : first + kMost);
+    for (std::int64_t n = first + 1; n < last; ++n) numbers.push_back({n, item.where});
   }
   return numbers;
 }

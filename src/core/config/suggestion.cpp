@@ -24,9 +24,8 @@ std::string folded(std::string_view word) {
 // Returns how many insertions, deletions, replacements and swaps of neighbours lead from a to b (optimal string
 // alignment).
 std::size_t editDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> beforeLast(b.size() + 1);
-  std::vector<std::size_t> last(b.size() + 1);
-  std::vector<std::size_t> row(b.size() + 1);
+  // Rows of the table of distances between the first i letters of a and the first j letters of b.
+  std::vector<std::size_t> beforeLast(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(last.begin(), last.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
     row[0] = i;
@@ -59,20 +58,21 @@ std::string_view unitOf(std::string_view name) {
 std::string nearest(std::string_view word, const std::vector<std::string>& names) {
   constexpr std::size_t kLongestWord = 100;
   if (word.empty() || word.size() > kLongestWord) return {};
-  const std::string plain = folded(word);
+  const std::string foldedWord = folded(word);
   std::string best;
-  std::size_t leastOff = 0;
+  std::size_t leastCost = 0;
   for (const std::string& name : names) {
-    const std::string other = folded(name);
-    const std::size_t distance = editDistance(plain, other);
-    const std::size_t near = std::max<std::size_t>(1, std::max(plain.size(), other.size()) / 3);
-    if (distance > near && !isPrefix(plain, other)) continue;
-    if (distance == std::max(plain.size(), other.size())) continue;
+    const std::string foldedName = folded(name);
+    const std::size_t distance = editDistance(foldedWord, foldedName);
+    const std::size_t longest = std::max(foldedWord.size(), foldedName.size());
+    const bool hasPrefix = isPrefix(foldedWord, foldedName);
+    // A name is near if a third of the letters differ, or fewer; at least one letter must be the same.
+    if ((distance > std::max<std::size_t>(1, longest / 3) && !hasPrefix) || distance == longest) continue;
     // If two names are at the same distance, the name that begins the word, or begins with it, counts as nearer.
-    const std::size_t off = 2 * distance - (distance > 0 && isPrefix(plain, other) ? 1 : 0);
-    if (best.empty() || off < leastOff) {
+    const std::size_t cost = 2 * distance - (distance > 0 && hasPrefix ? 1 : 0);
+    if (best.empty() || cost < leastCost) {
       best = name;
-      leastOff = off;
+      leastCost = cost;
     }
   }
   return best;
@@ -81,8 +81,9 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
 std::string suggestion(std::string_view word, const std::vector<std::string>& names) {
   if (names.empty()) return {};
   const std::string name = nearest(word, names);
-  if (const std::string_view unit = unitOf(name), own = unitOf(word); unit != own && !unit.empty() && !own.empty()) {
-    return fmt::format(" (did you mean '{}'? Its unit is {}, not {})", name, unit, own);
+  const std::string_view unit = unitOf(name), wordUnit = unitOf(word);
+  if (unit != wordUnit && !unit.empty() && !wordUnit.empty()) {
+    return fmt::format(" (did you mean '{}'? Its unit is {}, not {})", name, unit, wordUnit);
   }
   if (!name.empty()) return fmt::format(" (did you mean '{}'?)", name);
   return fmt::format(" (known: {})", fmt::join(names, ", "));

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMaxPathLength = 64;
 
+// Returns the keys of a dotted path.
 std::vector<std::string> split(std::string_view path) {
   std::vector<std::string> parts;
   for (;;) {
@@ -28,6 +29,7 @@ std::vector<std::string> split(std::string_view path) {
   }
 }
 
+// Returns the index that a key of a path names in a list. `parent`: the list's name in messages.
 std::size_t readIndex(const std::string& part, const Value& list, const std::string& parent, const Location& where) {
   std::size_t index = 0;
   const char* end = part.data() + part.size();
@@ -44,6 +46,7 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
                                             part, parent, list.items.size() - 1));
 }
 
+// Sets the folder of the value and of all values within it.
 void setFolder(Value& value, const std::string& folder) {
   value.folder = folder;
   for (Value& item : value.items) setFolder(item, folder);
@@ -53,11 +56,13 @@ void setFolder(Value& value, const std::string& folder) {
 // True if a plain scalar of YAML needs no quotes within {...} and [...], after the "=" of --set and in a shell's
 // quotes.
 bool staysPlain(const std::string& text) {
-  const auto word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; };
-  const auto inner = [&](char c) { return word(c) || c == '-' || c == '+' || c == '/' || c == '%' || c == ' '; };
-  const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
-  return text.size() > sign && (word(text[sign]) || text[sign] == '/') && text.back() != ' ' &&
-         std::ranges::all_of(text, inner);
+  const auto isWord = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; };
+  const auto isAllowed = [&](char c) {
+    return isWord(c) || std::string_view("-+/% ").find(c) != std::string_view::npos;
+  };
+  const std::size_t first = text.starts_with('-') || text.starts_with('+') ? 1 : 0;  // after a sign
+  return text.size() > first && (isWord(text[first]) || text[first] == '/') && text.back() != ' ' &&
+         std::ranges::all_of(text, isAllowed);
 }
 
 // Returns the text in double quotes, with escapes for characters that nobody sees.
@@ -91,14 +96,14 @@ std::string innerText(const Value& value) {
 }  // namespace
 
 const Value* Value::find(std::string_view key) const {
-  const auto found = std::ranges::find_if(entries, [&](const auto& entry) { return entry.key == key; });
+  const auto found = std::ranges::find(entries, key, &Entry::key);
   return found == entries.end() ? nullptr : &found->value;
 }
 
 const Value& Value::valueOf(std::string_view key) const {
-  static const Value none;
+  static const Value null;
   const Value* const found = find(key);
-  return found == nullptr ? none : *found;
+  return found == nullptr ? null : *found;
 }
 
 Value readYaml(const std::filesystem::path& path) {
@@ -132,8 +137,8 @@ void setValue(Value& root, std::string_view assignment) {
   setFolder(value, folder.empty() ? "." : folder);
 
   Value* node = &root;
-  std::string parent = "the file";
-  std::string prefix;
+  std::string parent = "the file";  // what `node` is, for messages
+  std::string prefix;               // the keys that lead to `node`
   for (std::size_t depth = 0; depth < parts.size(); ++depth) {
     const std::string& part = parts[depth];
     if (node->kind == Value::Kind::Scalar) {
@@ -153,7 +158,7 @@ void setValue(Value& root, std::string_view assignment) {
       node = &node->items[index];
     } else {
       node->kind = Value::Kind::Map;
-      const auto found = std::ranges::find_if(node->entries, [&](const auto& entry) { return entry.key == part; });
+      const auto found = std::ranges::find(node->entries, part, &Value::Entry::key);
       if (found != node->entries.end()) {
         node = &found->value;
       } else {
