@@ -24,28 +24,28 @@ constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kMaxNodes = 1'000'000;
 constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // largest size of all scalars together, with aliases expanded
 
+// The size of a value with all values within it.
 struct Extent {
   std::size_t nodes = 1;
-  std::size_t bytes = 0;
-  std::size_t depth = 0;
+  std::size_t bytes = 0;  // of all scalars and keys
+  std::size_t depth = 0;  // number of lists and maps within each other
 };
 
 Extent extentOf(const Value& value) {
-  Extent sum;
-  sum.bytes = value.text.size();
-  const auto add = [&](const Value& child) {
-    const Extent e = extentOf(child);
-    sum.nodes += e.nodes;
-    sum.bytes += e.bytes;
-    sum.depth = std::max(sum.depth, e.depth);
+  Extent extent{.bytes = value.text.size()};
+  const auto addChild = [&](const Value& child) {
+    const Extent childExtent = extentOf(child);
+    extent.nodes += childExtent.nodes;
+    extent.bytes += childExtent.bytes;
+    extent.depth = std::max(extent.depth, childExtent.depth);
   };
-  for (const Value& item : value.items) add(item);
+  for (const Value& item : value.items) addChild(item);
   for (const auto& [key, entry] : value.entries) {
-    sum.bytes += key.size();
-    add(entry);
+    extent.bytes += key.size();
+    addChild(entry);
   }
-  if (value.kind == Value::Kind::Sequence || value.kind == Value::Kind::Map) ++sum.depth;
-  return sum;
+  if (value.kind == Value::Kind::Sequence || value.kind == Value::Kind::Map) ++extent.depth;
+  return extent;
 }
 
 // Explains yaml-cpp's messages about the commonest mistakes, and says what the author can do.
@@ -68,7 +68,8 @@ std::string explain(const std::string& message) {
   return "invalid YAML: " + message;
 }
 
-// Builds the tree from events.
+// Builds the tree from events. A list or map that has begun stays in `open_` until its end, when it is added to the
+// list or map around it. While a map is innermost, its keys and values arrive alternately.
 class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
@@ -87,9 +88,9 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (documents_++ == 0) return;
-    const bool marked = text_.substr(std::min(text_.size(), static_cast<std::size_t>(mark.pos))).starts_with("---");
-    throw InputError(locationOf(mark), marked ? "a second YAML document begins here, but a file must have only one"
-                                              : "this does not belong to the lines above: check the indentation");
+    const bool hasMarker = text_.substr(std::min(text_.size(), static_cast<std::size_t>(mark.pos))).starts_with("---");
+    throw InputError(locationOf(mark), hasMarker ? "a second YAML document begins here, but a file must have only one"
+                                                 : "this does not belong to the lines above: check the indentation");
   }
   void OnDocumentEnd() override {}
 
@@ -107,12 +108,11 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     refuseAsKey(mark, "is an alias");
-    const auto found = anchors_.find(anchor);
-    if (found == anchors_.end())
+    const auto anchored = anchors_.find(anchor);
+    if (anchored == anchors_.end())
       throw InputError(locationOf(mark), "this alias refers to a node that contains the alias");
-    const Extent extent = extentOf(found->second);
-    count(mark, extent);
-    add(found->second, 0);
+    count(mark, extentOf(anchored->second));
+    add(anchored->second, 0);
   }
 
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -130,7 +130,7 @@ class TreeBuilder : public YAML::EventHandler {
     value.where = locationOf(mark);
     value.quoted = checkTag(mark, tag);
     value.text = expandVariables(text, value.where);
-    count(mark, {1, value.text.size(), 0});
+    count(mark, {.bytes = value.text.size()});
     add(std::move(value), anchor);
   }
 
@@ -146,13 +146,14 @@ class TreeBuilder : public YAML::EventHandler {
   void OnMapEnd() override { close(); }
 
  private:
+  // A list or map that has begun but not ended.
   struct Open {
     Value value;
     YAML::anchor_t anchor = 0;
-    bool hasKey = false;
+    bool hasKey = false;  // true: the next value belongs to `key`; false: a map's next scalar is a key
     std::string key;
     Location keyWhere;
-    std::unordered_map<std::string, std::pair<int, int>> seen;  // line and column of each key, to report duplicates
+    std::unordered_map<std::string, std::pair<int, int>> keyPositions;  // line and column, to report duplicates
   };
 
   bool awaitsKey() const {
@@ -173,12 +174,12 @@ class TreeBuilder : public YAML::EventHandler {
 
   void openKey(const YAML::Mark& mark, const std::string& key) {
     Open& map = open_.back();
-    const auto [first, added] = map.seen.try_emplace(key, mark.line + 1, mark.column + 1);
-    if (!added) {
+    const auto [first, isNew] = map.keyPositions.try_emplace(key, mark.line + 1, mark.column + 1);
+    if (!isNew) {
       throw InputError(locationOf(mark), fmt::format("duplicate key {} (first at {}:{})", quotedForMessage(key),
                                                      first->second.first, first->second.second));
     }
-    count(mark, {0, key.size(), 0});
+    count(mark, {.nodes = 0, .bytes = key.size()});
     map.key = key;
     map.keyWhere = locationOf(mark);
     map.hasKey = true;
@@ -188,7 +189,7 @@ class TreeBuilder : public YAML::EventHandler {
     refuseAsKey(mark, kind == Value::Kind::Map ? "is a map, or belongs to a map that is not closed"
                                                : "is a list, or belongs to a list that is not closed");
     checkTag(mark, tag);
-    count(mark, {1, 0, 1});
+    count(mark, {.depth = 1});
     Open& node = open_.emplace_back();
     node.value.kind = kind;
     node.value.where = locationOf(mark);
@@ -202,8 +203,8 @@ class TreeBuilder : public YAML::EventHandler {
     add(std::move(value), anchor);
   }
 
-  // Adds the size of a node that will be added. Throws an InputError at `mark` if a limit is exceeded, before the node
-  // takes memory.
+  // Counts a node that will be added. Throws an InputError at `mark` if a limit is exceeded, before the node takes
+  // memory.
   void count(const YAML::Mark& mark, const Extent& extent) {
     nodes_ += extent.nodes;
     bytes_ += extent.bytes;
@@ -220,6 +221,8 @@ class TreeBuilder : public YAML::EventHandler {
     }
   }
 
+  // Adds a complete value to the innermost open list or map; without one, the value becomes the root. `anchor`: 0 if
+  // the value has none.
   void add(Value value, YAML::anchor_t anchor) {
     if (anchor != 0) {
       // A copy is stored for the anchor and counts towards the limits, since nested anchors could otherwise multiply

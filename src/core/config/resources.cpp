@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kSuffix = ".yaml";
-constexpr const char* kOwn = "scanmill:";  // begins the saved paths of the program's own files
+constexpr std::string_view kProgramPrefix = "scanmill:";  // begins the saved paths of the program's own files
 
 // Returns the file at this path, with or without the suffix .yaml; nullopt if there is no such file.
 std::optional<fs::path> fileAt(const fs::path& path) {
@@ -58,7 +58,8 @@ std::set<std::string> yamlNames(const fs::path& folder, FileKind kind = FileKind
   return names;
 }
 
-fs::path ownPath(const Value& value, const fs::path& name) {
+// Returns a path that starts in the folder of the file that contains `value`, or that --set changes.
+fs::path pathFromFile(const Value& value, const fs::path& name) {
   if (name.is_absolute()) return name;
   if (value.folder == ".") return name;  // the value comes from --set on a file of the current folder
   return (value.folder.empty() ? fs::path(value.where.file).parent_path() : fs::path(value.folder)) / name;
@@ -92,47 +93,47 @@ fs::path resourceFolder() {
 }
 
 fs::path resolvePath(const Value& value, const std::string& name) {
-  const fs::path own = ownPath(value, name);
-  return !value.folder.empty() && !pathExists(own) && pathExists(name) ? fs::path(name) : own;
+  const fs::path path = pathFromFile(value, name);
+  return !value.folder.empty() && !pathExists(path) && pathExists(name) ? fs::path(name) : path;
 }
 
 fs::path resolveResource(const Value& value, const std::string& name, const std::string& subfolder) {
-  const fs::path own = ownPath(value, name);
-  const bool elsewhere = !value.folder.empty() && own != name;
-  const auto ownFile = [&](const std::string& path) {
-    const auto file = fileAt(ownPath(value, path));
-    return !file && elsewhere ? fileAt(path) : file;
+  const fs::path path = pathFromFile(value, name);
+  const bool isFromOtherFolder = !value.folder.empty() && path != name;  // --set also looks in the current folder
+  const auto userFile = [&](const std::string& userName) {
+    const auto file = fileAt(pathFromFile(value, userName));
+    return !file && isFromOtherFolder ? fileAt(userName) : file;
   };
-  const auto programs = builtIn(name, subfolder);
+  const auto programFile = builtIn(name, subfolder);
   if (isPlainName(name)) {
-    const auto file = ownFile(name + kSuffix);
+    const auto file = userFile(name + kSuffix);
     std::error_code ignored;
-    if (programs && file && !fs::equivalent(*file, *programs, ignored)) {
+    if (programFile && file && !fs::equivalent(*file, *programFile, ignored)) {
       warn(
           fmt::format("{0}'{1}' is taken from the files that come with the program, not from {2}: to take that, write "
                       "{1}{3}",
                       value.where.file.empty() ? "" : value.where.text() + ": ", name, file->string(), kSuffix));
     }
-    if (programs || file) return programs ? *programs : *file;
-    if (const auto bare = ownFile(name)) {
+    if (programFile || file) return programFile ? *programFile : *file;
+    if (const auto bareFile = userFile(name)) {
       throw InputError(value.where, fmt::format("'{0}' is not among the files that come with the program; to take the "
                                                 "file {1}, write ./{0}",
-                                                name, bare->string()));
+                                                name, bareFile->string()));
     }
   } else {
-    if (const auto file = ownFile(name)) return *file;
-    if (programs) return *programs;
+    if (const auto file = userFile(name)) return *file;
+    if (programFile) return *programFile;
   }
-  std::vector<fs::path> folders{own.parent_path()};
-  std::string places = "there is no file " + fmt::format("'{}'", own.string());
-  if (elsewhere) {
-    folders.push_back(fs::path(name).parent_path());
-    places += fmt::format(", nor '{}' in the current folder", name);
+  std::vector<fs::path> searchedFolders{path.parent_path(), resourceFolder() / subfolder};
+  std::string message = fmt::format("there is no file '{}'", path.string());
+  if (isFromOtherFolder) {
+    searchedFolders.push_back(fs::path(name).parent_path());
+    message += fmt::format(", nor '{}' in the current folder", name);
   }
-  folders.push_back(resourceFolder() / subfolder);
-  std::set<std::string> known;  // two of the folders may be one
-  for (const fs::path& folder : folders) known.merge(yamlNames(folder, kindIn(subfolder)));
-  throw InputError(value.where, places + suggestion(fs::path(name).stem().string(), {known.begin(), known.end()}));
+  std::set<std::string> fileNames;  // a set, since two of the folders may be one
+  for (const fs::path& folder : searchedFolders) fileNames.merge(yamlNames(folder, kindIn(subfolder)));
+  throw InputError(value.where,
+                   message + suggestion(fs::path(name).stem().string(), {fileNames.begin(), fileNames.end()}));
 }
 
 fs::path namedResource(const std::string& name, const std::string& subfolder) {
@@ -151,13 +152,15 @@ std::string nearestResource(const std::string& name, const std::string& subfolde
 
 std::string savedPath(const fs::path& file, const fs::path& folder) {
   const fs::path absolute = fs::absolute(file).lexically_normal();
-  const fs::path own = absolute.lexically_relative(fs::absolute(resourceFolder()).lexically_normal());
-  if (!own.empty() && *own.begin() != "..") return std::string(kOwn) + own.generic_string();
+  const fs::path inResources = absolute.lexically_relative(fs::absolute(resourceFolder()).lexically_normal());
+  if (!inResources.empty() && *inResources.begin() != "..") {
+    return std::string(kProgramPrefix) + inResources.generic_string();
+  }
   return absolute.lexically_relative((fs::current_path() / folder).lexically_normal()).generic_string();
 }
 
 fs::path fileOfSavedPath(const std::string& saved, const fs::path& folder) {
-  if (saved.starts_with(kOwn)) return resourceFolder() / saved.substr(std::char_traits<char>::length(kOwn));
+  if (saved.starts_with(kProgramPrefix)) return resourceFolder() / saved.substr(kProgramPrefix.size());
   return (folder / saved).lexically_normal();
 }
 

@@ -16,39 +16,37 @@ unsigned char byteAt(std::string_view text, std::size_t i) {
   return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
 }
 
-// True if the line has only blanks, or blanks and a comment, from `i` on.
-bool restIsBlank(std::string_view text, std::size_t i) {
-  i = text.find_first_not_of(" \t", i);
+// True if the line has only blanks, or blanks and a comment, from the index `start` on.
+bool isBlankFrom(std::size_t start, std::string_view text) {
+  const std::size_t i = text.find_first_not_of(" \t", start);
   return i == std::string_view::npos || text[i] == '\n' || text[i] == '\r' || text[i] == '#';
-}
-
-bool isNameCharacter(char c, bool first) {
-  return c == '_' || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (!first && c >= '0' && c <= '9');
 }
 
 // Returns the value of a variable ${...}; `inside` is the text between its braces: NAME or NAME:-fallback.
 std::string variable(std::string_view inside, const Location& where) {
-  std::size_t end = 0;
-  while (end < inside.size() && isNameCharacter(inside[end], end == 0)) ++end;
+  constexpr std::string_view kLetters = "_ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+  constexpr std::string_view kDigits = "0123456789";
+  const std::size_t end = inside.find_first_not_of(std::string(kLetters).append(kDigits));
   const std::string name(inside.substr(0, end));
-  const std::string_view rest = inside.substr(end);
-  if (name.empty() || (!rest.empty() && !rest.starts_with(":-"))) {
+  const std::string_view fallback = end == std::string_view::npos ? "" : inside.substr(end);  // begins with ":-"
+  if (name.empty() || kDigits.find(name[0]) != std::string_view::npos ||
+      (!fallback.empty() && !fallback.starts_with(":-"))) {
     throw InputError(
         where, fmt::format("{} is not a variable: write ${{NAME}} or ${{NAME:-fallback}}, or $$ for a dollar sign",
                            quotedForMessage(fmt::format("${{{}}}", inside))));
   }
   const char* value = std::getenv(name.c_str());
-  if (rest.empty()) {
+  if (fallback.empty()) {
     if (value != nullptr) return value;
     throw InputError(
         where, fmt::format("the environment variable {0} is not set: set it by `export {0}=...`, or give a fallback as "
                            "${{{0}:-fallback}}",
                            name));
   }
-  if (rest.find("${") != std::string_view::npos) {
+  if (fallback.find("${") != std::string_view::npos) {
     throw InputError(where, fmt::format("the fallback of ${{{}}} cannot contain another variable", name));
   }
-  return value != nullptr && *value != '\0' ? std::string(value) : std::string(rest.substr(2));
+  return value != nullptr && *value != '\0' ? std::string(value) : std::string(fallback.substr(2));
 }
 
 }  // namespace
@@ -60,24 +58,24 @@ void checkText(std::string_view text, const std::string& file) {
   }
   int line = 1;
   std::size_t lineStart = 0;
-  bool indenting = true;
+  bool isIndentation = true;  // true: only blanks stand before on the line
   for (std::size_t i = 0; i < text.size();) {
     const unsigned char c = byteAt(text, i);
     const Location where{file, line, static_cast<int>(i - lineStart) + 1};
     if (c == '\n') {
       ++line;
       lineStart = ++i;
-      indenting = true;
+      isIndentation = true;
       continue;
     }
     if (c == 0) throw InputError(where, "the file has a NUL byte: it is not a YAML text in UTF-8");
     if ((c < 0x20 && c != '\t' && c != '\r') || c == 0x7F) {
       throw InputError(where, fmt::format("the control character 0x{:02X} is not allowed in YAML", c));
     }
-    if (c == '\t' && indenting && !restIsBlank(text, i)) {
+    if (c == '\t' && isIndentation && !isBlankFrom(i, text)) {
       throw InputError(where, "the indentation has a tab: YAML allows only spaces there");
     }
-    indenting = indenting && (c == ' ' || c == '\t');
+    isIndentation = isIndentation && (c == ' ' || c == '\t');
     const Utf8Character character = utf8At(text, i);
     if (character.code == kNoCharacter) throw InputError(where, fmt::format("the byte 0x{:02X} is not valid UTF-8", c));
     i += character.bytes;
