@@ -6,7 +6,7 @@
 #include "commands/arguments.h"
 #include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
-#include "pipeline/plan/dataset_plan.h"
+#include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/generate.h"
 
 namespace scanmill {

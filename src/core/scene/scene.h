@@ -21,10 +21,11 @@
 #include "config/distribution.h"
 #include "config/value.h"
 #include "scene/material.h"
-#include "scene/movement.h"
 #include "scene/ontology.h"
 
 namespace scanmill {
+
+class Path;
 
 // The class, the material and the thing of a triangle. The triangles of a mesh share a few surfaces.
 struct Surface {
@@ -65,6 +66,32 @@ struct Dropped {
 // Drops triangles that cannot be traced, and sets vertices that are not finite to zero. The other triangles keep their
 // order.
 [[nodiscard]] Dropped clean(Mesh& mesh);
+
+inline constexpr double kFastestObject = 300;  // m/s, largest speed of an object
+
+// The rigid motion of an object over the time of a drive.
+class Movement {
+ public:
+  // Moves in a straight line at this velocity (m/s, world axes), without turning.
+  explicit Movement(const Vec3d& velocity);
+  // Moves along a path at a constant speed (m/s), from the distance `start` (m) to the path's end, and stops there.
+  Movement(std::shared_ptr<const Path> path, double start, double speed);
+  // Moves along a path. `travelled` has the distances along the path (m) at the times 0, interval, 2 interval, ... (s);
+  // distances between these times are interpolated linearly. The object stops at the last distance.
+  Movement(std::shared_ptr<const Path> path, std::vector<double> travelled, double interval);
+
+  // Returns the pose of the object in the world at a time (s since the drive began; earlier times count as 0). In its
+  // own frame the object is at the origin and faces along x.
+  Pose at(double time) const;
+  // True if the pose ever changes.
+  bool moves() const;
+
+ private:
+  Vec3d velocity_;                    // m/s; only without a path
+  std::shared_ptr<const Path> path_;  // null: the object moves in a straight line
+  std::vector<double> travelled_;     // m, distances along the path at the times 0, interval_, 2 interval_, ...
+  double interval_ = 1;               // s
+};
 
 // Meshes of one object that are shown in turn, such as the phases of a stride. Mesh k of n is the object's shape at k/n
 // of the period, and is shown while it is the nearest in time. All meshes have the same things.

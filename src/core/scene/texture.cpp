@@ -10,9 +10,9 @@
 #include "base/input_budget.h"
 #include "images/images.h"
 #include "images/srgb.h"
+#include "scene/reflectance.h"
 
 namespace scanmill {
-
 namespace {
 
 // Makes a texture of an image. Reverses the order of its rows, since v = 0 is the image's bottom.
@@ -118,6 +118,30 @@ float meanLuminance(const Texture& texture, float minimumAlpha) {
     ++count;
   }
   return count == 0 ? 1.0f : static_cast<float>(sum / static_cast<double>(count));
+}
+
+float CompactMaterial::texturedAt(const Vec2f& uv) const {
+  return ofTexel(texture->texel(uv.x, uv.y));
+}
+
+float CompactMaterial::ofTexel(const std::uint8_t* texel) const {
+  return std::min(1.0f, textureGain * luminance(texel));
+}
+
+CompactMaterial compact(const Material& material) {
+  CompactMaterial compacted{.reflectance = material.reflectance};
+  if (material.textured && material.texture != nullptr && material.textureMean > 0) {
+    compacted.texture = material.texture.get();
+    compacted.textureGain = material.reflectance / material.textureMean;
+  }
+  return compacted;
+}
+
+std::vector<CompactMaterial> compactMaterials(const Scene& scene) {
+  std::vector<CompactMaterial> materials;
+  materials.reserve(scene.materials.size());
+  for (const Material& material : scene.materials) materials.push_back(compact(material));
+  return materials;
 }
 
 }  // namespace scanmill

@@ -14,7 +14,6 @@
 #include "rasters/raster.h"
 #include "scene/ontology.h"
 #include "scenefile/file_objects.h"
-#include "scenefile/placement.h"
 #include "scenefile/rules.h"
 
 namespace scanmill {

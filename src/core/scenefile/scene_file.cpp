@@ -16,7 +16,6 @@
 #include "scenefile/concepts.h"
 #include "scenefile/file_objects.h"
 #include "scenefile/object_placer.h"
-#include "scenefile/placement.h"
 #include "scenefile/rules.h"
 #include "town/town.h"
 

@@ -1,4 +1,4 @@
-#include "scene/movement.h"
+#include "scene/scene.h"
 
 #include "base/path.h"
 #include "scene/placements.h"

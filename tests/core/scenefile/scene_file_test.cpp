@@ -7,7 +7,7 @@
 
 #include "base/memory.h"
 #include "scene/scene.h"
-#include "scenefile/placement.h"
+#include "scenefile/object_placer.h"
 #include "tests/core/assets/meshes/gltf/gltf_builder.h"
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"

@@ -1,7 +1,6 @@
 #include <map>
 #include <set>
 
-#include "scenefile/connected_parts.h"
 #include "scenefile/labelling.h"
 #include "tests/support/message_of.h"
 

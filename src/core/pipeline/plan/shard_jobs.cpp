@@ -1,5 +1,6 @@
 #include "pipeline/plan/shard_jobs.h"
 
+#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,13 +8,16 @@
 #include <filesystem>
 #include <functional>
 #include <set>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/random.h"
+#include "config/resources.h"
 #include "config/version.h"
 #include "dataset/manifest.h"
 #include "dataset/recording.h"
@@ -23,6 +27,8 @@
 #include "formats/reasons_png.h"
 
 namespace scanmill {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -39,9 +45,9 @@ void addValue(const Value& value, const std::function<void(std::string_view)>& a
 
 // Adds the names and sizes of a recording's files to a hash. Their contents are not hashed, since reading all images
 // would take too long.
-void addRecording(const std::filesystem::path& folder, const std::function<void(std::string_view)>& add) {
+void addRecording(const fs::path& folder, const std::function<void(std::string_view)>& add) {
   std::set<std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+  for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_regular_file()) {
       files.insert(fmt::format("{} {}", entry.path().filename().string(), entry.file_size()));
     }
@@ -59,10 +65,10 @@ std::string planHash(const Plan& plan) {
   add(pipeline.text);
   for (const auto& [beams, footprint] : plan.sensors) add(beamsHash(*beams));
   for (const MountedSensor& sensor : pipeline.sensors) addValue(sensor.description, add);
-  std::set<std::filesystem::path> files;
+  std::set<fs::path> files;
   for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
   files.insert({pipeline.vehicle, pipeline.ontology});
-  for (const std::filesystem::path& file : files) {
+  for (const fs::path& file : files) {
     if (isFile(file)) add(readFile(file));  // recordings have no scene files
   }
   if (pipeline.recording != nullptr) addRecording(pipeline.recording->folder, add);
@@ -80,6 +86,36 @@ void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
     return std::tuple(random[0], random[1], sample.number);
   };
   std::ranges::sort(samples, {}, rank);
+}
+
+// Throws InputError if the plan has other samples or shards than the dataset.
+void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& datasetFolder) {
+  const auto refuse = [&](const std::string& difference) {
+    throw InputError({(datasetFolder / kManifestName).string()},
+                     fmt::format("its pipeline now gives {}: files that it names or the program (then {}) have changed "
+                                 "since, or the dataset was made from a recording",
+                                 difference, manifest.programVersion));
+  };
+  const std::vector<ShardJob> jobs = shardJobs(plan);
+  if (manifest.programVersion == kVersion && !manifest.planSha256.empty() &&
+      datasetPlan(plan, jobs).hash != manifest.planSha256) {
+    refuse("other samples");
+  }
+  if (jobs.size() != manifest.shards.size()) refuse(fmt::format("{} shards", jobs.size()));
+  std::vector<std::vector<std::string>> keysByShard(jobs.size());
+  for (const SampleRecord& sample : manifest.samples) {
+    if (!sample.key.empty()) keysByShard[sample.shard].push_back(sample.key);
+  }
+  for (std::size_t job = 0; job < jobs.size(); ++job) {
+    if (jobs[job].file != manifest.shards[job].file) refuse("the shard " + jobs[job].file);
+    if (keysByShard[job].empty()) continue;  // the file that describes the shard's samples is damaged
+    if (jobs[job].samples.size() != keysByShard[job].size()) refuse("other samples in " + jobs[job].file);
+    for (std::size_t i = 0; i < keysByShard[job].size(); ++i) {
+      const SampleAddress& sample = jobs[job].samples[i];
+      const std::string key = plan.pipeline.sequences[sample.sequence].key(sample.frame);
+      if (key != keysByShard[job][i]) refuse("the sample " + key);
+    }
+  }
 }
 
 }  // namespace
@@ -159,6 +195,48 @@ DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs) {
     planned.samples += job.samples.size();
   }
   return planned;
+}
+
+std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {
+  std::vector<fs::path> folders{{}, datasetFolder};
+  std::error_code ignored;
+  for (fs::path folder = fs::absolute(datasetFolder, ignored).lexically_normal(); folder.has_relative_path();) {
+    folder = folder.parent_path();
+    for (const char* subfolder : {"", "pipelines", "scenes"}) folders.push_back(folder / subfolder);
+  }
+  const fs::path resources = resourceFolder();
+  for (const char* subfolder : {"pipelines", "scenes", ""}) folders.push_back(resources / subfolder);
+  return folders;
+}
+
+Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, const fs::path& pipeline) {
+  // A pipeline without the key `name` takes its name from its file's name, so the assumed file must have the dataset's
+  // name.
+  const std::string name = manifest.name + ".yaml";
+  const auto planAt = [&](const fs::path& folder) {
+    return makePlan(readPipelineText(manifest.pipelineText, folder / name));
+  };
+  if (!pipeline.empty()) {
+    Plan plan = planAt(pipeline.parent_path());
+    checkShards(plan, manifest, datasetFolder);
+    return plan;
+  }
+  std::string notFound;   // the message about the first folder in which a file is missing
+  std::string different;  // the message about the first folder that has all files but gives a different dataset
+  for (const fs::path& folder : pipelineFolders(datasetFolder)) {
+    bool hasAllFiles = false;
+    try {
+      Plan plan = planAt(folder);
+      hasAllFiles = true;
+      checkShards(plan, manifest, datasetFolder);
+      return plan;
+    } catch (const InputError& error) {
+      std::string& message = hasAllFiles ? different : notFound;
+      if (message.empty()) message = error.what();
+    }
+  }
+  throw InputError(fmt::format("{}\nname the pipeline file that {} was made from, by --pipeline FILE",
+                               different.empty() ? notFound : different, datasetFolder.string()));
 }
 
 }  // namespace scanmill

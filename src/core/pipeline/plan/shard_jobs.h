@@ -1,12 +1,14 @@
 #pragma once
 
 // Distributes samples over shards. The distribution depends on the plan alone, so that any thread, process or machine
-// can make any shard, in any order.
+// can make any shard, in any order. Also recreates the plan of an existing dataset from its manifest.
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "dataset/manifest.h"
 #include "dataset/parts.h"
 #include "pipeline/plan/plan.h"
 
@@ -41,5 +43,17 @@ std::vector<ShardJob> shardJobs(const Plan& plan);
 // the vehicle and the ontology that the pipeline names, and the names and sizes of a recording's files. Files that
 // scene files name (assets, ontologies, materials) are not covered: requireUnchangedFiles() compares them.
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs);
+
+// Returns the folders in which the pipeline file of a dataset may have been. The manifest does not store this folder,
+// since it differs from machine to machine. The result is, in search order: the current folder, the dataset's folder,
+// each folder above it and the `pipelines` and `scenes` folders in these, and the folders that are installed with the
+// program.
+std::vector<std::filesystem::path> pipelineFolders(const std::filesystem::path& datasetFolder);
+
+// Returns the plan of a dataset. Searches the files that its pipeline names in the folder of the file `pipeline`, or in
+// pipelineFolders() if `pipeline` is empty. Throws InputError if a file is not found, or if the plan made from the
+// files has other samples or shards than the dataset.
+[[nodiscard]] Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,
+                                 const std::filesystem::path& pipeline);
 
 }  // namespace scanmill

@@ -9,7 +9,7 @@
 #include "config/value.h"
 #include "dataset/sample_names.h"
 #include "formats/cloud_file.h"
-#include "pipeline/plan/dataset_plan.h"
+#include "pipeline/plan/shard_jobs.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
 #include "viewer/frames/stored_frames.h"

@@ -1,7 +1,7 @@
 // Objects that move while the sensor rotates: every beam meets them where they are when it fires.
 
 #include "base/path.h"
-#include "scene/movement.h"
+#include "scene/scene.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/same_hits.h"
 #include "tests/support/test_scene.h"
