@@ -47,7 +47,7 @@ void printBands(const std::vector<PatchGroup>& bands) {
 
 // Prints by how much the frame of a scan's points differs from the sensor's, unless both are the same.
 void printFrame(const RecordedScan& scan) {
-  constexpr double kNoDifference = 1e-4;  // rad and m, less than the fit of the frame can resolve
+  constexpr double kNoDifference = 1e-4;  // rad and m; chosen by eye
   const Pose& pose = scan.scanFromSensor;
   const double angle = 2 * std::acos(std::min(1.0, std::abs(pose.rotation.w)));
   if (angle < kNoDifference && length(pose.translation) < kNoDifference) return;

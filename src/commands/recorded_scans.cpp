@@ -55,7 +55,7 @@ std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const
       "response: {} recorded and {} simulated surfaces; the misfit of their medians is {:.1f} % of the span "
       "of nine tenths of the recorded ones\n",
       grouped(fit.recorded), grouped(fit.simulated), 100 * fit.misfit);
-  constexpr double kPoorMisfit = 0.2;  // chosen by eye: greater misfits are visible in the curves
+  constexpr double kPoorMisfit = 0.2;  // chosen by eye
   if (fit.misfit > kPoorMisfit) {
     warn("the response describes the recording poorly: simulate places that are more like the recorded ones");
   }

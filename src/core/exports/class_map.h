@@ -18,16 +18,16 @@ class ClassMap {
   ClassMap(const Ontology& from, Ontology to);
 
   const Ontology& target() const { return target_; }
-  // Returns the target's class for the class `id` of `from`; 0 if this class has no counterpart.
-  std::uint16_t of(std::uint16_t id) const { return id < of_.size() ? of_[id] : 0; }
-  const SemanticClass& classOf(std::uint16_t id) const { return *target_.find(of(id)); }
-  // Returns the target's class for an object of the class `id` that moves: the class for moving objects of its kind, if
-  // the target has one, otherwise of(id).
-  std::uint16_t ofMoving(std::uint16_t id) const;
+  // Returns the id of the target's class for the class `id` of `from`; 0 if this class has no counterpart.
+  std::uint16_t targetId(std::uint16_t id) const { return id < targetIds_.size() ? targetIds_[id] : 0; }
+  const SemanticClass& classOf(std::uint16_t id) const { return *target_.find(targetId(id)); }
+  // Returns the id of the target's class for an object of the class `id` that moves: the class for moving objects of
+  // its kind, if the target has one, otherwise targetId(id).
+  std::uint16_t movingTargetId(std::uint16_t id) const;
 
  private:
   Ontology target_;
-  std::vector<std::uint16_t> of_;  // class id of the target, by class id of `from`
+  std::vector<std::uint16_t> targetIds_;  // by class id of `from`
 };
 
 }  // namespace scanmill

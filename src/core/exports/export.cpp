@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -34,10 +35,10 @@ constexpr const char* kRecord = "scanmill_export.json";       // description of 
 constexpr const char* kUnfinished = ".scanmill_export.json";  // description of an unfinished export
 constexpr const char* kLock = ".scanmill_export.lock";
 
-// A unit of work: a frame, or a complete sequence.
+// A unit of work: a frame, or a complete sequence. The members are indices and a number of frames.
 struct Unit {
   std::size_t sequence = 0;
-  std::size_t frame = 0;
+  std::size_t firstFrame = 0;
   std::size_t frames = 1;
 };
 
@@ -68,21 +69,21 @@ class Export {
     std::vector<Unit> units;
     for (std::size_t s = 0; s < plan_.sequences.size(); ++s) {
       const std::size_t frames = plan_.sequences[s].samples.size();
-      if (layout_->bySequence()) units.push_back({s, 0, frames});
-      for (std::size_t f = 0; f < frames && !layout_->bySequence(); ++f) units.push_back({s, f, 1});
+      const std::size_t framesOfUnit = layout_->bySequence() ? frames : 1;  // a sequence has at least one frame
+      for (std::size_t f = 0; f < frames; f += framesOfUnit) units.push_back({s, f, framesOfUnit});
       summary_.frames += frames;
     }
     summary_.sequences = plan_.sequences.size();
     if (layout_->checksSamples(plan_)) {
-      forUnits("checking", units, [&](const Unit& unit, const ReadSample& next) {
+      forUnits("checking", units, [&](const Unit& unit, const ReadSample& readSample) {
         for (std::size_t f = 0; f < unit.frames; ++f) {
-          layout_->checkSample(plan_, next(unit.sequence, unit.frame + f));
+          layout_->checkSample(plan_, readSample(unit.sequence, unit.firstFrame + f));
         }
       });
     }
     startFolder();
-    forUnits("writing", units, [&](const Unit& unit, const ReadSample& next) {
-      layout_->write(plan_, unit.sequence, unit.frame, next, folder_);
+    forUnits("writing", units, [&](const Unit& unit, const ReadSample& readSample) {
+      layout_->write(plan_, unit.sequence, unit.firstFrame, readSample, folder_);
     });
     const std::vector<std::string> warnings = layout_->finish(
         plan_, [this](std::size_t s, std::size_t f) { return store_.objects(plan_.sequences[s].samples[f]); }, folder_);
@@ -95,6 +96,7 @@ class Export {
   }
 
  private:
+  // Sets plan_.classes, and warns of classes that have points but no counterpart.
   void chooseClasses() {
     const Ontology& source = plan_.manifest.ontology;
     Ontology target = source;
@@ -104,40 +106,35 @@ class Export {
       target = readOntology(resourceFolder() / "labels" / (std::string(options_.layout->labels) + ".yaml"));
     }
     plan_.classes = ClassMap(source, std::move(target));
-    std::set<std::uint16_t> used;
+    std::set<std::uint16_t> usedIds;
     for (const SampleRecord& sample : plan_.manifest.samples) {
       for (const ScanRecord& scan : sample.scans) {
-        for (const auto& [id, points] : scan.pointsPerClass) used.insert(id);
+        for (const auto& [id, points] : scan.pointsPerClass) usedIds.insert(id);
       }
     }
-    std::vector<std::string> lost;
-    for (const std::uint16_t id : used) {
+    std::vector<std::string> unmapped;  // names
+    for (const std::uint16_t id : usedIds) {
       const SemanticClass& c = *source.find(id);
-      if (id != 0 && plan_.classes.of(id) == 0 && (c.thing || !options_.layout->boxesAlone)) lost.push_back(c.name);
+      if (id != 0 && plan_.classes.targetId(id) == 0 && (c.thing || !options_.layout->boxesAlone))
+        unmapped.push_back(c.name);
     }
-    if (lost.empty()) return;
+    if (unmapped.empty()) return;
     summary_.warnings.push_back(fmt::format(
         "{} has no class for {}, so that their {} (--classes gives another ontology, whose aliases map classes)",
-        plan_.classes.target().name, fmt::join(lost, ", "),
+        plan_.classes.target().name, fmt::join(unmapped, ", "),
         options_.layout->boxesAlone ? "boxes are left out" : "points become unlabeled"));
   }
 
+  // Sets plan_.sensors to the sensors of the options; to all, or the first, if the options name none.
   void chooseSensors() {
-    const std::vector<SensorRecord>& all = plan_.manifest.sensors;
-    std::vector<std::string> names;
-    for (const SensorRecord& sensor : all) names.push_back(sensor.name);
-    for (const std::string& wanted : options_.sensors) {
-      const auto found = std::ranges::find(names, wanted);
-      if (found == names.end()) {
-        throw InputError({options_.dataset.string()},
-                         fmt::format("has no sensor '{}'; it has {}", wanted, fmt::join(names, ", ")));
-      }
+    const auto names = plan_.manifest.sensors | std::views::transform(&SensorRecord::name);
+    for (const std::string& name : options_.sensors) {
+      if (std::ranges::find(names, name) != names.end()) continue;
+      throw InputError({options_.dataset.string()},
+                       fmt::format("has no sensor '{}'; it has {}", name, fmt::join(names, ", ")));
     }
-    for (const SensorRecord& sensor : all) {
-      const std::vector<std::string>& wanted = options_.sensors;
-      if (wanted.empty() || std::ranges::find(wanted, sensor.name) != wanted.end()) {
-        plan_.sensors.push_back(&sensor);
-      }
+    for (const SensorRecord& sensor : plan_.manifest.sensors) {
+      if (isChosen(sensor.name, options_.sensors)) plan_.sensors.push_back(&sensor);
     }
     if (!options_.layout->oneSensor || plan_.sensors.size() < 2) return;
     if (!options_.sensors.empty()) {
@@ -148,6 +145,11 @@ class Export {
     summary_.warnings.push_back(
         fmt::format("{} stores the scans of only one sensor: writes those of '{}' (--sensor selects another)",
                     options_.layout->name, plan_.sensors.front()->name));
+  }
+
+  // Returns true if the user has named `name`, or nothing.
+  static bool isChosen(const std::string& name, const std::vector<std::string>& chosen) {
+    return chosen.empty() || std::ranges::find(chosen, name) != chosen.end();
   }
 
   // Throws InputError if a sample has several revolutions of a sensor, or none.
@@ -169,30 +171,29 @@ class Export {
     }
   }
 
+  // Groups the samples of the chosen splits by sequence, and sorts each sequence by its frames. A sample whose key has
+  // no frame is a sequence of its own.
   void chooseSequences() {
     const std::vector<SampleRecord>& samples = plan_.manifest.samples;
     std::set<std::string> splits;
     for (const SampleRecord& sample : samples) splits.insert(sample.split);
-    for (const std::string& wanted : options_.splits) {
-      if (splits.contains(wanted)) continue;
+    for (const std::string& split : options_.splits) {
+      if (splits.contains(split)) continue;
       throw InputError({options_.dataset.string()},
-                       fmt::format("has no split '{}'; it has {}", wanted, fmt::join(splits, ", ")));
+                       fmt::format("has no split '{}'; it has {}", split, fmt::join(splits, ", ")));
     }
-    std::map<std::string, std::size_t> known;
+    std::map<std::string, std::size_t> indexOfSequence;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const bool skipped =
-          !options_.splits.empty() && std::ranges::find(options_.splits, samples[i].split) == options_.splits.end();
-      if (skipped) continue;
+      if (!isChosen(samples[i].split, options_.splits)) continue;
       const std::string name = partsOfKey(samples[i].key).sequence;
-      const auto [sequence, isNew] = known.emplace(name.empty() ? samples[i].key : name, plan_.sequences.size());
-      if (isNew) plan_.sequences.push_back({sequence->first, samples[i].split, {}});
-      plan_.sequences[sequence->second].samples.push_back(i);
+      const auto [entry, isNew] = indexOfSequence.emplace(name.empty() ? samples[i].key : name, plan_.sequences.size());
+      if (isNew) plan_.sequences.push_back({.name = entry->first, .split = samples[i].split, .samples = {}});
+      plan_.sequences[entry->second].samples.push_back(i);
     }
     for (ExportSequence& sequence : plan_.sequences) {
-      std::ranges::stable_sort(sequence.samples, [&](std::size_t a, std::size_t b) {
-        const std::string frameA = partsOfKey(samples[a].key).frame;
-        const std::string frameB = partsOfKey(samples[b].key).frame;
-        return std::tuple(frameA.size(), frameA) < std::tuple(frameB.size(), frameB);
+      std::ranges::stable_sort(sequence.samples, {}, [&](std::size_t sample) {
+        const std::string frame = partsOfKey(samples[sample].key).frame;
+        return std::tuple(frame.size(), frame);  // compares digits like numbers
       });
     }
   }
@@ -246,58 +247,64 @@ class Export {
     lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.prepareFile(kLock));
     folder_.write(kUnfinished, record());
     if (options_.overwrite) fs::remove(folder_.path() / kRecord);
-    std::vector<fs::path> old;
+    std::vector<fs::path> obsolete;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path())) {
       const std::string name = entry.path().filename().string();
       const bool inUse = name == kLock || name == kUnfinished;
-      if (!inUse && (options_.overwrite || isLeftByKilledRun(entry.path()))) old.push_back(entry.path());
+      if (!inUse && (options_.overwrite || isLeftByKilledRun(entry.path()))) obsolete.push_back(entry.path());
     }
-    for (const fs::path& path : old) fs::remove_all(path);
+    for (const fs::path& path : obsolete) fs::remove_all(path);
   }
 
+  // Reads the scans of the chosen sensors in a frame, and what else the layout needs.
   ExportSample read(std::size_t sequence, std::size_t frame) const {
-    const std::size_t number = plan_.sequences[sequence].samples[frame];
-    ExportSample sample{&plan_.manifest.samples[number], sequence, frame, {}, store_.objects(number), {}};
-    std::vector<StoredScan> stored = store_.scans(number);
+    const std::size_t index = plan_.sequences[sequence].samples[frame];
+    ExportSample sample{.record = &plan_.manifest.samples[index],
+                        .sequence = sequence,
+                        .frame = frame,
+                        .scans = {},
+                        .objects = store_.objects(index),
+                        .voxels = {}};
+    const std::vector<StoredScan> storedScans = store_.scans(index);
     for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
       for (const ScanRecord* record : revolutionsOf(plan_, *sample.record, s)) {
-        const auto found = std::ranges::find_if(stored, [&](const StoredScan& scan) {
+        const auto stored = std::ranges::find_if(storedScans, [&](const StoredScan& scan) {
           return scan.sensor == record->sensor && scan.revolution == record->revolution &&
                  scan.method == record->method;
         });
-        if (found == stored.end()) {
+        if (stored == storedScans.end()) {
           throw InputError({options_.dataset.string()}, fmt::format("the sample {} has no scan of the sensor '{}'",
                                                                     sample.record->key, record->sensor));
         }
-        sample.scans.push_back({record, plan_.sensors[s], s, store_.decode(number, *found)});
+        sample.scans.push_back({record, plan_.sensors[s], s, store_.decode(index, *stored)});
       }
     }
     if (layout_->readsVoxels()) {
       const std::string& sensor = plan_.sensors.front()->name;
-      const std::optional<std::string> bytes = store_.voxels(number, sensor);
-      if (bytes)
+      if (const std::optional<std::string> bytes = store_.voxels(index, sensor))
         sample.voxels = decodeVoxels(*bytes, sample.record->key + "." + sensor + "." + std::string(kVoxelsSuffix));
     }
     return sample;
   }
 
-  // Calls work(unit, read) for all units, on several threads. A frame counts for the progress when it has been read.
-  template <class Do>
-  void forUnits(const char* stage, const std::vector<Unit>& units, const Do& work) {
-    std::uint64_t all = 0;
-    std::uint64_t done = 0;
-    for (const Unit& unit : units) all += unit.frames;
-    std::mutex mutex;
-    const ReadSample readNext = [&](std::size_t sequence, std::size_t frame) {
+  // Calls work(unit, readSample) for all units, on several threads. A frame counts for the progress when it has been
+  // read.
+  template <class Work>
+  void forUnits(const char* stage, const std::vector<Unit>& units, const Work& work) {
+    std::uint64_t allFrames = 0;
+    for (const Unit& unit : units) allFrames += unit.frames;
+    std::uint64_t doneFrames = 0;
+    std::mutex mutex;  // guards doneFrames and the callback
+    const ReadSample readSample = [&](std::size_t sequence, std::size_t frame) {
       if (options_.stop != nullptr && *options_.stop) throw Error("stopped: --overwrite starts the export again");
       ExportSample sample = read(sequence, frame);
       const std::scoped_lock lock(mutex);
-      done = std::min(done + 1, all);  // a layout may read a frame again
-      if (options_.progress) options_.progress(stage, done, all);
+      doneFrames = std::min(doneFrames + 1, allFrames);  // a layout may read a frame again
+      if (options_.progress) options_.progress(stage, doneFrames, allFrames);
       return sample;
     };
     parallelFor(units.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) work(units[i], readNext);
+      for (std::size_t i = first; i < last; ++i) work(units[i], readSample);
     });
   }
 

@@ -15,7 +15,7 @@ void InstanceNumbers::add(const ExportPlan& plan, const ExportSample& sample) {
   for (const ExportScan& scan : sample.scans) instances.merge(instancesOf_(plan, scan.scan));
   const std::scoped_lock lock(mutex_);
   for (const auto& [group, id] : instances) {
-    std::set<std::uint32_t>& ids = sequences_[sample.sequence][group];
+    std::set<std::uint32_t>& ids = idsOfSequence_[sample.sequence][group];
     ids.insert(id);
     if (ids.size() <= most_) continue;
     throw InputError(
@@ -26,10 +26,10 @@ void InstanceNumbers::add(const ExportPlan& plan, const ExportSample& sample) {
   }
 }
 
-std::map<InstanceNumbers::Instance, std::uint16_t> InstanceNumbers::of(std::size_t sequence) {
+std::map<InstanceNumbers::Instance, std::uint16_t> InstanceNumbers::numbersOf(std::size_t sequence) {
   const std::scoped_lock lock(mutex_);
   std::map<Instance, std::uint16_t> numbers;
-  for (const auto& [group, ids] : sequences_[sequence]) {
+  for (const auto& [group, ids] : idsOfSequence_[sequence]) {
     std::uint16_t number = 0;
     for (const std::uint32_t id : ids) numbers[{group, id}] = ++number;
   }

@@ -32,7 +32,7 @@ class InstanceNumbers {
   void add(const ExportPlan& plan, const ExportSample& sample);
 
   // Returns the numbers of a sequence's instances. All of its samples must have been added.
-  std::map<Instance, std::uint16_t> of(std::size_t sequence);
+  std::map<Instance, std::uint16_t> numbersOf(std::size_t sequence);
 
  private:
   using IdsByGroup = std::map<std::uint16_t, std::set<std::uint32_t>>;  // the dataset's instance ids
@@ -42,7 +42,7 @@ class InstanceNumbers {
   InstancesOf instancesOf_;
   std::function<std::string(const ExportPlan&, std::uint16_t)> groupName_;
   std::mutex mutex_;
-  std::map<std::size_t, IdsByGroup> sequences_;
+  std::map<std::size_t, IdsByGroup> idsOfSequence_;
 };
 
 }  // namespace scanmill

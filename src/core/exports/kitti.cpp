@@ -63,42 +63,48 @@ struct ImageBox {
 // Returns the bounds (px) of the projected edges of a box. Edges that reach behind the camera are clipped at the plane
 // kNear in front of it.
 ImageBox projected(const Pose& sensorFromBox, const Vec3d& size) {
+  // Bit 0 of a corner's index is set at the greater x, bit 1 at the greater y, bit 2 at the greater z, so that the
+  // corners of an edge differ in one bit.
   std::array<Vec3d, 8> corners;
   for (std::size_t k = 0; k < 8; ++k) {
     corners[k] = inCamera(sensorFromBox * Vec3d{(k & 1 ? 0.5 : -0.5) * size.x, (k & 2 ? 0.5 : -0.5) * size.y,
                                                 (k & 4 ? 0.5 : -0.5) * size.z});
   }
   ImageBox box;
-  const auto add = [&](const Vec3d& p) {
+  const auto extendTo = [&](const Vec3d& p) {
     const double u = kFocal * p.x / p.z + kCenterX;
     const double v = kFocal * p.y / p.z + kCenterY;
     box = {std::min(box.left, u), std::min(box.top, v), std::max(box.right, u), std::max(box.bottom, v)};
   };
   for (std::size_t k = 0; k < 8; ++k) {
-    if (corners[k].z >= kNear) add(corners[k]);
-    for (const std::size_t along : {1u, 2u, 4u}) {
+    if (corners[k].z >= kNear) extendTo(corners[k]);
+    for (const std::size_t axisBit : {1u, 2u, 4u}) {
+      if ((k & axisBit) != 0) continue;  // each edge once, from its lesser corner
       const Vec3d& a = corners[k];
-      const Vec3d& b = corners[k ^ along];
-      if ((k & along) == 0 && (a.z < kNear) != (b.z < kNear)) add(a + (b - a) * ((kNear - a.z) / (b.z - a.z)));
+      const Vec3d& b = corners[k | axisBit];
+      if ((a.z < kNear) != (b.z < kNear)) extendTo(a + (b - a) * ((kNear - a.z) / (b.z - a.z)));
     }
   }
   return box;
 }
 
-// Returns the devkit's level of occlusion: 0 fully visible, 1 partly occluded, 2 largely occluded.
+// Returns the devkit's level of occlusion: 0 fully visible, 1 partly occluded, 2 largely occluded. The devkit does not
+// define the levels by figures; these limits are chosen by eye.
 int occlusion(const ObjectView& view) {
+  constexpr double kFullyVisible = 0.8, kPartlyVisible = 0.4;
   const double visibility = view.visibility().value_or(0);
-  return visibility >= 0.8 ? 0 : visibility >= 0.4 ? 1 : 2;
+  return visibility >= kFullyVisible ? 0 : visibility >= kPartlyVisible ? 1 : 2;
 }
 
-Vec3d bottomOf(const ObjectRecord& object, const ObjectView& view) {
+// Returns the centre of the box's bottom face in the camera's axes (m), which KITTI takes for the object's position.
+Vec3d bottomInCamera(const ObjectRecord& object, const ObjectView& view) {
   return inCamera(view.sensorFromBox * Vec3d{0, 0, -object.size.z / 2});
 }
 
 // Returns true if a part of the box is in the image, and the centre of its bottom face is in front of the camera.
 bool isShown(const ObjectRecord& object, const ObjectView& view) {
   const ImageBox seen = projected(view.sensorFromBox, object.size).within(kWidth - 1, kHeight - 1);
-  return seen.area() > 0 && bottomOf(object, view).z >= kNear;
+  return seen.area() > 0 && bottomInCamera(object, view).z >= kNear;
 }
 
 // Returns the object's line in the file in label_2; empty if the object is not in the image.
@@ -106,10 +112,10 @@ std::string labelOf(const std::string& type, const ObjectRecord& object, const O
   if (!isShown(object, view)) return {};
   const ImageBox unclipped = projected(view.sensorFromBox, object.size);
   const ImageBox seen = unclipped.within(kWidth - 1, kHeight - 1);
-  const Vec3d bottom = bottomOf(object, view);
-  const Vec3d ahead = inCamera(toMatrix(view.sensorFromBox.rotation).x);
-  const double rotation = std::atan2(-ahead.z, ahead.x);
-  const double alpha = wrapped(rotation - std::atan2(bottom.x, bottom.z));
+  const Vec3d bottom = bottomInCamera(object, view);
+  const Vec3d heading = inCamera(toMatrix(view.sensorFromBox.rotation).x);
+  const double rotation = std::atan2(-heading.z, heading.x);                // rad, about the camera's y axis
+  const double alpha = wrapped(rotation - std::atan2(bottom.x, bottom.z));  // rad, relative to the line of sight
   return fmt::format(
       "{} {:.2f} {} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}\n", type,
       1 - seen.area() / unclipped.area(), occlusion(view), alpha, seen.left, seen.top, seen.right, seen.bottom,
@@ -132,9 +138,9 @@ std::string calibration() {
 // Returns the file with the plane of the road, a x + b y + c z + d = 0 in the camera's frame; empty if the height of
 // the sensor above the road is unknown.
 std::string planeText(const ExportPlan& plan, const SampleRecord& sample) {
-  constexpr double kLowest = 0.1;  // m
+  constexpr double kLowestMount = 0.1;  // m: a lower sensor is probably not mounted on a vehicle
   const Pose& mount = mountOf(*plan.sensors[0], scanOf(plan, sample, 0));
-  if (mount.translation.z < kLowest) return {};
+  if (mount.translation.z < kLowestMount) return {};
   const Vec3d up = inCamera(transposed(toMatrix(mount.rotation)) * Vec3d{0, 0, 1});
   return fmt::format("# Plane\nWidth 4\nHeight 1\n{:.9e} {:.9e} {:.9e} {:.9e}\n", up.x, up.y, up.z,
                      mount.translation.z);
@@ -161,9 +167,10 @@ class Kitti : public ExportLayout {
              const ExportFolder& folder) const override {
     const ExportSample sample = read(sequence, frame);
     std::string labels;
-    forSeen(plan, *sample.objects, [&](const std::string& type, const ObjectRecord& object, const ObjectView& view) {
-      labels += labelOf(type, object, view);
-    });
+    forObjectsWithPoints(plan, *sample.objects,
+                         [&](const std::string& type, const ObjectRecord& object, const ObjectView& view) {
+                           labels += labelOf(type, object, view);
+                         });
     if (labels.empty()) labels = kNoObject;
     const std::string number = fmt::format("{:06}", numberOf(plan, sequence, frame));
     const std::filesystem::path split = folderOf(plan.sequences[sequence]);
@@ -178,35 +185,37 @@ class Kitti : public ExportLayout {
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
                                   const ExportFolder& folder) const override {
-    std::map<std::string, std::string> sets{{"train", ""}, {"val", ""}, {"test", ""}};
-    std::size_t all = 0;
-    std::size_t shown = 0;
+    std::map<std::string, std::string> frameLists{{"train", ""}, {"val", ""}, {"test", ""}};  // by split
+    std::size_t boxes = 0;                                                                    // of objects with points
+    std::size_t shownBoxes = 0;
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       for (std::size_t f = 0; f < plan.sequences[s].samples.size(); ++f) {
-        sets[plan.sequences[s].split] += fmt::format("{:06}\n", numberOf(plan, s, f));
-        forSeen(plan, *read(s, f), [&](const std::string&, const ObjectRecord& object, const ObjectView& view) {
-          ++all;
-          shown += isShown(object, view) ? 1 : 0;
-        });
+        frameLists[plan.sequences[s].split] += fmt::format("{:06}\n", numberOf(plan, s, f));
+        forObjectsWithPoints(plan, *read(s, f),
+                             [&](const std::string&, const ObjectRecord& object, const ObjectView& view) {
+                               ++boxes;
+                               shownBoxes += isShown(object, view) ? 1 : 0;
+                             });
       }
     }
-    sets["trainval"] = sets["train"] + sets["val"];
-    for (const auto& [split, frames] : sets)
+    frameLists["trainval"] = frameLists["train"] + frameLists["val"];
+    for (const auto& [split, frames] : frameLists)
       folder.write(std::filesystem::path("ImageSets") / (split + ".txt"), frames);
     std::vector<std::string> warnings = skewWarnings(plan, "KITTI");
-    if (shown == 0) warnings.emplace_back("there is no box: no object of a class of KITTI is in view of its camera");
-    if (shown == all) return warnings;
+    if (shownBoxes == 0)
+      warnings.emplace_back("there is no box: no object of a class of KITTI is in view of its camera");
+    if (shownBoxes == boxes) return warnings;
     warnings.push_back(
         fmt::format("{} of {} boxes with points are left out, since KITTI lists only objects in the image of its "
                     "camera, which looks along the sensor's x axis; all points are written",
-                    all - shown, all));
+                    boxes - shownBoxes, boxes));
     return warnings;
   }
 
  private:
   // Calls work(type, object, view) for the objects that have points in the scan and a class that KITTI has.
-  template <class Do>
-  static void forSeen(const ExportPlan& plan, const SampleObjects& objects, const Do& work) {
+  template <class Work>
+  static void forObjectsWithPoints(const ExportPlan& plan, const SampleObjects& objects, const Work& work) {
     for (const ObjectRecord& object : objects.objects) {
       const SemanticClass& type = plan.classes.classOf(object.semantic);
       if (type.id == 0) continue;
@@ -220,11 +229,12 @@ class Kitti : public ExportLayout {
     return sequence.split == "test" ? "testing" : "training";
   }
 
+  // Returns the number of a frame among the frames of all sequences in the same folder.
   static std::size_t numberOf(const ExportPlan& plan, std::size_t sequence, std::size_t frame) {
+    const std::string_view folder = folderOf(plan.sequences[sequence]);
     std::size_t number = frame;
     for (std::size_t s = 0; s < sequence; ++s) {
-      const bool same = std::string_view(folderOf(plan.sequences[s])) == folderOf(plan.sequences[sequence]);
-      number += same ? plan.sequences[s].samples.size() : 0;
+      if (folderOf(plan.sequences[s]) == folder) number += plan.sequences[s].samples.size();
     }
     return number;
   }

@@ -97,9 +97,9 @@ void putRecord(const char* user, std::uint16_t id, const char* description, std:
 std::string classNames(const Ontology& classes) {
   std::string bytes;
   for (std::uint16_t id = 0; id <= kMostLasClass; ++id) {
-    const SemanticClass* const known = classes.find(id);
+    const SemanticClass* const semantic = classes.find(id);
     putNumber(static_cast<std::uint8_t>(id), bytes);
-    putText(known == nullptr ? "" : known->name, 15, bytes);
+    putText(semantic == nullptr ? "" : semantic->name, 15, bytes);
   }
   return bytes;
 }
@@ -112,7 +112,7 @@ std::string descriptors(std::span<const LasExtra> extra) {
     putNumber(column.type, bytes);
     putNumber(std::uint8_t{0}, bytes);  // options: no value for "no data", no range, no scale and no offset
     putText(std::string(column.name), 32, bytes);
-    bytes.append(4 + 5 * 24, '\0');
+    bytes.append(4 + 5 * 24, '\0');  // unused fields: no data, minimum, maximum, scale and offset
     putText(column.unit.empty() ? "" : fmt::format("unit: {}", column.unit), 32, bytes);
   }
   return bytes;
@@ -146,7 +146,7 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
   bytes.append(4 + 5 * 4, '\0');  // counts of points as in earlier versions: 0
   for (int axis = 0; axis < 3; ++axis) putNumber(kStep, bytes);
   const std::array<double, 3> offset{points.offset.x, points.offset.y, points.offset.z};
-  for (const double along : offset) putNumber(along, bytes);
+  for (const double coordinate : offset) putNumber(coordinate, bytes);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto coordinateOf = [&](std::int32_t steps) { return points.count == 0 ? 0 : steps * kStep + offset[axis]; };
     putNumber(coordinateOf(points.greatest[axis]), bytes);
@@ -172,23 +172,23 @@ class ReturnNumbers {
       : scan_(scan), counts_((scan[kReturn].empty() || scan[kReturns].empty()) && knowsBeams(scan)) {
     if (!counts_) return;
     extent_ = extentOf(scan);
-    all_.assign(std::size_t{extent_.ring} * extent_.column, 0);
-    soFar_ = all_;
+    points_.assign(std::size_t{extent_.ring} * extent_.column, 0);
+    visitedPoints_ = points_;
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (isFinite(scan.position[i])) ++all_[beamOf(i)];
+      if (isFinite(scan.position[i])) ++points_[beamOf(i)];
     }
   }
 
   // Returns a point's return number in the lower four bits, and the number of returns of its beam in the upper four.
   // Must be called once for each point that is not a miss, in the order of the points.
   std::uint8_t next(std::size_t point) {
-    std::uint32_t number = counts_ ? ++soFar_[beamOf(point)] : 1;
-    std::uint32_t all = counts_ ? all_[beamOf(point)] : 1;
+    std::uint32_t number = counts_ ? ++visitedPoints_[beamOf(point)] : 1;
+    std::uint32_t returns = counts_ ? points_[beamOf(point)] : 1;
     if (!scan_[kReturn].empty()) number = scan_[kReturn][point];
-    if (!scan_[kReturns].empty()) all = scan_[kReturns][point];
+    if (!scan_[kReturns].empty()) returns = scan_[kReturns][point];
     number = std::clamp<std::uint32_t>(number, 1, LasPoints::kMostReturns);
-    all = std::clamp<std::uint32_t>(all, number, LasPoints::kMostReturns);
-    return static_cast<std::uint8_t>(number | all << 4);
+    returns = std::clamp<std::uint32_t>(returns, number, LasPoints::kMostReturns);
+    return static_cast<std::uint8_t>(number | returns << 4);
   }
 
  private:
@@ -200,22 +200,23 @@ class ReturnNumbers {
   const Scan& scan_;
   bool counts_ = false;
   PointKey extent_;
-  std::vector<std::uint32_t> all_, soFar_;  // number of all points, and of the points so far, by beam
+  std::vector<std::uint32_t> points_, visitedPoints_;  // numbers of all points, and of the points of next(), by beam
 };
 
-// Appends X, Y and Z of a point. Throws InputError if a coordinate is NaN or does not fit into 32 bits.
+// Appends X, Y and Z of a point at `position` (m, world), and extends the bounds in `points`. Throws InputError if a
+// coordinate is NaN or does not fit into 32 bits.
 void putPosition(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan,
                  const Vec3d& position, LasPoints& points, std::string& bytes) {
-  const Vec3d exact = (position - points.offset) * (1 / kStep);
+  const Vec3d unrounded = (position - points.offset) * (1 / kStep);
   std::size_t axis = 0;
-  for (const double along : {exact.x, exact.y, exact.z}) {
-    if (!(std::fabs(along) < std::numeric_limits<std::int32_t>::max())) {
+  for (const double coordinate : {unrounded.x, unrounded.y, unrounded.z}) {
+    if (!(std::fabs(coordinate) < std::numeric_limits<std::int32_t>::max())) {
       throw InputError({plan.dataset.string()},
                        fmt::format("the sample {} has a point of the sensor '{}' more than 1000 km away, which LAS "
                                    "cannot store in steps of {} m: check the dataset with scanmill verify",
                                    sample.record->key, exportScan.sensor->name, kStep));
     }
-    const auto steps = static_cast<std::int32_t>(std::lround(along));
+    const auto steps = static_cast<std::int32_t>(std::lround(coordinate));
     putNumber(steps, bytes);
     points.least[axis] = points.count == 0 ? steps : std::min(points.least[axis], steps);
     points.greatest[axis] = points.count == 0 ? steps : std::max(points.greatest[axis], steps);
@@ -223,6 +224,7 @@ void putPosition(const ExportPlan& plan, const ExportSample& sample, const Expor
   }
 }
 
+// Returns the file of a scan.
 std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan) {
   const Scan& scan = exportScan.scan;
   const WorldPositions positions(scan, *exportScan.record, exportScan.sensor->beams, plan.manifest.deskewed);
@@ -243,7 +245,7 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
     const std::uint8_t numbers = returns.next(i);
     putNumber(numbers, bytes);
     putNumber(kSynthetic, bytes);
-    putNumber(static_cast<std::uint8_t>(scan[kLabel].empty() ? 0 : plan.classes.of(scan[kLabel][i])), bytes);
+    putNumber(static_cast<std::uint8_t>(scan[kLabel].empty() ? 0 : plan.classes.targetId(scan[kLabel][i])), bytes);
     putNumber(std::uint8_t{0}, bytes);  // user data
     putNumber(std::int16_t{0}, bytes);  // scan angle
     putNumber(static_cast<std::uint16_t>(exportScan.sensorNumber + 1), bytes);
@@ -256,6 +258,7 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
   }
   std::vector<LasExtra> extra;
   visitTable(scan, [&]<class T>(auto key, const std::vector<T>&) {
+    // Numbers of float, unsigned char, unsigned short and unsigned long in table 24 of the specification.
     constexpr std::uint8_t kType = std::is_floating_point_v<T> ? 9 : sizeof(T) == 1 ? 1 : sizeof(T) == 2 ? 3 : 5;
     if (!extraColumns.has(key)) return;
     const std::string_view name = key.index == kIntensity.index ? kLasExactIntensity : key.row.name;
@@ -270,7 +273,7 @@ void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
     const bool isExported =
         std::ranges::any_of(plan.sensors, [&](const SensorRecord* sensor) { return sensor->name == scan.sensor; });
     for (const auto& [id, points] : scan.pointsPerClass) {
-      const std::uint16_t target = plan.classes.of(id);
+      const std::uint16_t target = plan.classes.targetId(id);
       if (!isExported || points == 0 || target <= kMostLasClass) continue;
       throw InputError({plan.dataset.string()},
                        fmt::format("the sample {} has points of the class {} with the id {}, but LAS stores ids up "

@@ -73,22 +73,22 @@ bool hasColumn(const ExportPlan& plan, std::string_view column) {
 std::vector<std::size_t> velodyneOrder(const ExportScan& exportScan) {
   const Scan& scan = exportScan.scan;
   struct OrderedPoint {
-    std::int64_t down;  // number of the ring, counted from the top
-    double azimuth;     // rad, at least 0, counter-clockwise from straight ahead
+    std::int64_t ringFromTop;  // grows from the top ring down; its start does not matter
+    double azimuth;            // rad, at least 0, counter-clockwise from straight ahead
     std::size_t index;
   };
-  const bool known = knowsBeams(scan) || !scan[kRing].empty();
+  const bool hasRings = knowsBeams(scan) || !scan[kRing].empty();
   std::vector<OrderedPoint> points;
   points.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3f& p = scan.position[i];
     if (!isFinite(p)) continue;
-    const std::int64_t ring = !known ? 0 : scan.organised ? keyOf(scan, i).ring : scan[kRing][i];
-    const double azimuth = known ? std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) : 0;
+    const std::int64_t ring = !hasRings ? 0 : scan.organised ? keyOf(scan, i).ring : scan[kRing][i];
+    const double azimuth = hasRings ? std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) : 0;
     points.push_back({exportScan.sensor->beams.topDown ? ring : -ring, azimuth < 0 ? azimuth + 2 * kPi : azimuth, i});
   }
   std::ranges::stable_sort(points, [](const OrderedPoint& a, const OrderedPoint& b) {
-    return std::tie(a.down, a.azimuth) < std::tie(b.down, b.azimuth);
+    return std::tie(a.ringFromTop, a.azimuth) < std::tie(b.ringFromTop, b.azimuth);
   });
   std::vector<std::size_t> order;
   order.reserve(points.size());
@@ -110,9 +110,7 @@ std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view l
   const auto moves = [](const SampleRecord& sample) {
     return std::ranges::any_of(sample.scans, [](const ScanRecord& scan) { return scan.worldFromSensor.size() > 1; });
   };
-  if (plan.manifest.deskewed || std::ranges::none_of(plan.manifest.samples, moves)) {
-    return {};
-  }
+  if (plan.manifest.deskewed || std::ranges::none_of(plan.manifest.samples, moves)) return {};
   return {
       fmt::format("the sensors move during a revolution, and each point is in the sensor's frame at its own time, "
                   "which {} does not "

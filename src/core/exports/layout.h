@@ -164,7 +164,7 @@ template <class Key>
 typename Key::Value exported(const ClassMap& classes, Key, typename Key::Value value) {
   if constexpr (Key::row.display.colors == ColumnColors::Classes) {
     static_assert(std::is_same_v<typename Key::Value, std::uint16_t>);
-    return classes.of(value);
+    return classes.targetId(value);
   } else {
     return value;
   }

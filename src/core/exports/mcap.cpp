@@ -38,11 +38,12 @@ namespace {
 constexpr std::int64_t kStart = 1'577'836'800'000'000'000;  // ns since 1970: 2020-01-01 00:00:00 UTC, time 0
 constexpr const char* kWorld = "map";
 constexpr const char* kVehicle = "vehicle";
-constexpr float kBoxOpacity = 0.4f;
-constexpr double kLetters = 0.5;  // m, height of the letters of a box's text
+constexpr float kBoxOpacity = 0.4f;    // chosen by eye
+constexpr double kLetterHeight = 0.5;  // m, in the text of a box
 constexpr std::array<float, 4> kTextColor{1, 1, 1, 1};
 
-std::uint64_t timeOf(double seconds) {
+// Returns the time stamp (ns) of a time since the start of the sequence.
+std::uint64_t timeStamp(double seconds) {
   return static_cast<std::uint64_t>(kStart + std::llround(seconds * 1e9));
 }
 
@@ -63,12 +64,12 @@ enum class Subscribers { OfTheMoment, Later };
 // Returns the metadata that tells rosbag2 how to publish a topic when it plays the file: reliably, to these
 // subscribers. The numbers are from ROS 2's middleware interface (rmw/types.h); the durations mean infinity.
 McapMap publishing(Subscribers subscribers) {
-  const bool later = subscribers == Subscribers::Later;
+  const bool keepsForLater = subscribers == Subscribers::Later;
   constexpr const char* kEndless = "{sec: 9223372036, nsec: 854775807}";
   return {{"offered_qos_profiles",
            fmt::format("- history: 1\n  depth: {}\n  reliability: 1\n  durability: {}\n  deadline: {}\n  lifespan: {}\n"
                        "  liveliness: 1\n  liveliness_lease_duration: {}\n  avoid_ros_namespace_conventions: false\n",
-                       later ? 1 : 10, later ? 1 : 2, kEndless, kEndless, kEndless)}};
+                       keepsForLater ? 1 : 10, keepsForLater ? 1 : 2, kEndless, kEndless, kEndless)}};
 }
 
 class Bag {
@@ -93,17 +94,18 @@ class Bag {
     addMounts();
   }
 
+  // Adds the messages of a sample.
   void add(ExportSample sample) {
     for (ExportScan& scan : sample.scans) {
-      const std::uint64_t time = timeOf(scan.record->time);
+      const std::uint64_t time = timeStamp(scan.record->time);
       const Pose vehicle = scan.record->worldFromSensor.front() * inverse(mountOf(*scan.sensor, *scan.record));
-      if (posed_.insert(time).second) {
+      if (poseTimes_.insert(time).second) {
         const RosTransform pose{time, kWorld, kVehicle, vehicle};
         file_.addMessage(poses_, time, transformsMessage({&pose, 1}));
       }
       visitTable(scan.scan, [&](auto key, auto& values) {
         if constexpr (key.row.display.colors == ColumnColors::Classes) {
-          for (auto& id : values) id = plan_.classes.of(id);
+          for (auto& id : values) id = plan_.classes.targetId(id);
         }
       });
       file_.addMessage(clouds_.at(scan.sensorNumber), time, pointCloudMessage(time, scan.sensor->name, scan.scan));
@@ -125,18 +127,20 @@ class Bag {
   // sensor that turns slowly.
   void addMounts() {
     std::vector<RosTransform> mounts;
-    double first = INFINITY;
+    double firstTime = INFINITY;  // s
     for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
       for (const std::size_t sample : sequence_.samples) {
         const std::vector<const ScanRecord*> scans = revolutionsOf(plan_, plan_.manifest.samples[sample], s);
         if (scans.empty()) continue;
-        first = std::min(first, scans.front()->time);
-        mounts.push_back({0, kVehicle, plan_.sensors[s]->name, mountOf(*plan_.sensors[s], *scans.front())});
+        firstTime = std::min(firstTime, scans.front()->time);
+        mounts.push_back({.parent = kVehicle,
+                          .child = plan_.sensors[s]->name,
+                          .parentFromChild = mountOf(*plan_.sensors[s], *scans.front())});
         break;
       }
     }
-    for (RosTransform& mount : mounts) mount.time = timeOf(first);
-    if (!mounts.empty()) file_.addMessage(mounts_, timeOf(first), transformsMessage(mounts));
+    for (RosTransform& mount : mounts) mount.time = timeStamp(firstTime);
+    if (!mounts.empty()) file_.addMessage(mounts_, timeStamp(firstTime), transformsMessage(mounts));
   }
 
   void addObjects(const SampleObjects& objects) {
@@ -155,30 +159,30 @@ class Bag {
                          .scale = object.size,
                          .color = color,
                          .text = {}});
-      const Vec3d aboveBox = object.worldFromBox.translation + Vec3d{0, 0, object.size.z / 2 + kLetters};
+      const Vec3d aboveBox = object.worldFromBox.translation + Vec3d{0, 0, object.size.z / 2 + kLetterHeight};
       markers.push_back({.shape = RosMarker::Shape::Text,
                          .nameSpace = "name",
                          .id = id,
                          .pose = {{}, aboveBox},
-                         .scale = {0, 0, kLetters},
+                         .scale = {0, 0, kLetterHeight},
                          .color = kTextColor,
                          .text = nameOf(object, semantic)});
     }
-    const std::uint64_t time = timeOf(objects.time);
+    const std::uint64_t time = timeStamp(objects.time);
     file_.addMessage(*objects_, time, markersMessage(time, kWorld, markers));
   }
 
   // Returns the text for an object, such as "car 7, 72 %": class, id, and the object's highest visibility over all
   // exported sensors.
   std::string nameOf(const ObjectRecord& object, const SemanticClass& semantic) const {
-    std::optional<double> visible;
+    std::optional<double> visibility;
     for (const ObjectView& view : object.views) {
-      const bool exported =
+      const bool isExported =
           std::ranges::any_of(plan_.sensors, [&](const SensorRecord* sensor) { return sensor->name == view.sensor; });
-      if (exported) visible = std::max(visible, view.visibility());
+      if (isExported) visibility = std::max(visibility, view.visibility());
     }
     const std::string name = fmt::format("{} {}", semantic.name, object.id);
-    return visible ? fmt::format("{}, {:.0f} %", name, 100 * *visible) : name;
+    return visibility ? fmt::format("{}, {:.0f} %", name, 100 * *visibility) : name;
   }
 
   const ExportPlan& plan_;
@@ -187,7 +191,7 @@ class Bag {
   std::uint16_t mounts_ = 0;
   std::uint16_t poses_ = 0;
   std::vector<std::uint16_t> clouds_;       // channel of each sensor's points
-  std::set<std::uint64_t> posed_;           // time stamps that /tf has already
+  std::set<std::uint64_t> poseTimes_;       // time stamps that /tf has already
   std::optional<std::uint16_t> objects_{};  // channel of the objects; set when the first objects are added
 };
 

@@ -79,6 +79,7 @@ std::string headOf(Kind kind, std::size_t length) {
   return fieldsOf(static_cast<std::uint8_t>(kind), std::uint64_t{length});
 }
 
+// Returns a record of these fields.
 template <class... Fields>
 std::string record(Kind kind, const Fields&... fields) {
   const std::string content = fieldsOf(fields...);
@@ -152,12 +153,13 @@ void McapFile::addMessage(std::uint16_t channel, std::uint64_t time, std::string
   if (chunk_.size() >= kChunkBytes) endChunk();
 }
 
+// Writes the current chunk with the message indices of its channels, and adds its chunk index to the summary.
 void McapFile::endChunk() {
   if (chunk_.empty()) return;
-  std::string packed = compressed(chunk_);
-  const bool smaller = packed.size() < chunk_.size();
-  const std::string_view stored = smaller ? packed : chunk_;
-  const std::string_view compression = smaller ? "lz4" : "";
+  const std::string compressedChunk = compressed(chunk_);
+  const bool isSmaller = compressedChunk.size() < chunk_.size();
+  const std::string_view stored = isSmaller ? compressedChunk : chunk_;
+  const std::string_view compression = isSmaller ? "lz4" : "";
 
   const std::string fields = fieldsOf(chunkTimes_.first, chunkTimes_.last, std::uint64_t{chunk_.size()}, crcOf(chunk_),
                                       compression, std::uint64_t{stored.size()});

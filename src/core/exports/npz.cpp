@@ -42,6 +42,7 @@ std::string numpyType() {
   return fmt::format("{}{}{}", sizeof(T) == 1 ? '|' : '<', std::is_floating_point_v<T> ? 'f' : 'u', sizeof(T));
 }
 
+// Adds the file of an array. `bytes`: its elements of the type T.
 template <class T>
 void add(std::string_view name, const Shape& shape, std::string_view bytes, Files& files) {
   files.emplace_back(std::string(name) + ".npy", npyOf(numpyType<T>(), shape, bytes));
@@ -50,13 +51,13 @@ void add(std::string_view name, const Shape& shape, std::string_view bytes, File
 void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
   Shape shape{scan.size()};
   if (scan.organised) shape = {scan.height(), scan.width()};
-  Shape ofPositions = shape;
-  ofPositions.push_back(3);
+  Shape positionShape = shape;
+  positionShape.push_back(3);
   std::string bytes;
   for (const Vec3f& p : scan.position) {
     for (const float coordinate : {p.x, p.y, p.z}) putNumber(coordinate, bytes);
   }
-  add<float>("xyz", ofPositions, bytes, files);
+  add<float>("xyz", positionShape, bytes, files);
   const ColumnSet columns = exportedColumns(plan, scan);
   visitTable(scan, [&]<class T>(auto key, const std::vector<T>& values) {
     if (!columns.has(key)) return;
@@ -72,6 +73,7 @@ void putPose(const Pose& pose, std::string& bytes) {
   for (const double value : {0.0, 0.0, 0.0, 1.0}) putNumber(value, bytes);
 }
 
+// Adds the arrays of the boxes that have a view by the scan's sensor.
 void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const ExportScan& scan, Files& files) {
   const Mat3 sensorFromWorld = transposed(toMatrix(scan.record->worldFromSensor.front().rotation));
   std::size_t count = 0;
@@ -83,12 +85,12 @@ void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const Export
     const auto view = std::ranges::find(object.views, scan.sensor->name, &ObjectView::sensor);
     if (view == object.views.end()) continue;
     ++count;
-    const Vec3d& middle = view->sensorFromBox.translation;
+    const Vec3d& center = view->sensorFromBox.translation;
     const Vec3d& size = object.size;
     const Vec3d velocity = sensorFromWorld * object.velocity;
-    putFloats({middle.x, middle.y, middle.z, size.x, size.y, size.z, headingOf(view->sensorFromBox.rotation)}, boxes);
+    putFloats({center.x, center.y, center.z, size.x, size.y, size.z, headingOf(view->sensorFromBox.rotation)}, boxes);
     putPose(view->sensorFromBox, poses);
-    putNumber(plan.classes.of(object.semantic), classes);
+    putNumber(plan.classes.targetId(object.semantic), classes);
     putNumber(object.id, instances);
     putFloats({velocity.x, velocity.y, velocity.z}, velocities);
     putNumber(static_cast<std::uint32_t>(view->points), points);

@@ -50,7 +50,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMostApart = 1.5;  // s between key frames, over which the devkit computes velocities
+constexpr double kMostFrameGap = 1.5;  // s between key frames, over which the devkit computes velocities
 
 constexpr std::uint16_t kClassStep = 1000;   // difference between the panoptic labels of successive classes
 constexpr std::size_t kMostInstances = 999;  // largest number of instances of a class in a scene
@@ -61,6 +61,7 @@ constexpr float kFullIntensity = 255;
 // different classes.
 using Instance = InstanceNumbers::Instance;
 
+// Returns the class of a point, and its instance id if things of the class are counted; 0: no instance.
 Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point) {
   const SemanticClass& c = plan.classes.classOf(scan[kLabel].empty() ? std::uint16_t{0} : scan[kLabel][point]);
   return {c.id, c.thing && !scan[kInstance].empty() ? scan[kInstance][point] : 0};
@@ -74,7 +75,7 @@ std::set<Instance> instancesOf(const ExportPlan& plan, const Scan& scan) {
   return instances;
 }
 
-// Returns the number of each ring counted from the lowest. Rings that are not cones keep their numbers.
+// Returns for each ring of the sensor its number counted from the lowest. Rings that are not cones keep their numbers.
 std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   std::vector<std::uint16_t> order(beams.rings);
   std::iota(order.begin(), order.end(), std::uint16_t{0});
@@ -95,8 +96,8 @@ std::string pointsOf(const ExportScan& exported) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3f& p = scan.position[i];
     if (!isFinite(p)) continue;
-    const float strength = unitIntensity(exported, i);
-    const float intensity = strength > 0 ? std::round(std::min(strength, 1.0f) * kFullIntensity) : 0;
+    const float unit = unitIntensity(exported, i);
+    const float intensity = unit > 0 ? std::round(std::min(unit, 1.0f) * kFullIntensity) : 0;
     std::size_t ring = 0;
     if (!scan[kRing].empty() || scan.organised) {
       ring = !scan[kRing].empty() ? scan[kRing][i] : i / scan.columns % scan.rings;
@@ -113,7 +114,7 @@ class NuScenes : public ExportLayout {
     checkClasses(plan);
     requireDistinct(plan, "channel", [&](std::size_t sensor) { return nuScenesChannel(plan, sensor); });
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
-      std::int64_t last = -1;
+      std::int64_t previousTime = -1;  // microseconds
       for (const std::size_t number : plan.sequences[s].samples) {
         const SampleRecord& sample = plan.manifest.samples[number];
         const ScanRecord& scan = scanOf(plan, sample);
@@ -126,14 +127,14 @@ class NuScenes : public ExportLayout {
                   sample.key, scan.time));
         }
         const std::int64_t time = nuScenesTime(s, scan);
-        if (time <= last) {
+        if (time <= previousTime) {
           throw InputError(
               {plan.dataset.string()},
               fmt::format("the sample {} at {} s is less than a microsecond after the sample before it, but nuScenes "
                           "identifies samples by their times: give the frames of its sequence different times",
                           sample.key, scan.time));
         }
-        last = time;
+        previousTime = time;
       }
     }
   }
@@ -144,7 +145,7 @@ class NuScenes : public ExportLayout {
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
     const ExportSample sample = read(sequence, frame);
-    std::map<Instance, std::uint16_t> numbers = numbers_.of(sequence);
+    std::map<Instance, std::uint16_t> numbers = numbers_.numbersOf(sequence);
     for (const ExportScan& scan : sample.scans) {
       folder.write(pointsFile(plan, sequence, *sample.record, scan.sensorNumber, *scan.record), pointsOf(scan));
       if (scan.record->revolution == 0 && hasColumn(plan, "label"))
@@ -159,28 +160,28 @@ class NuScenes : public ExportLayout {
     if (boxes == 0 && listsObjects(plan)) {
       warnings.emplace_back("there is no box: no object with points has a class of which nuScenes counts things");
     }
-    std::size_t apart = 0;
-    std::size_t tests = 0;
+    std::size_t gaps = 0;         // frames that are more than kMostFrameGap after the frame before
+    std::size_t otherScenes = 0;  // scenes whose split is neither train nor val
     for (const ExportSequence& sequence : plan.sequences) {
-      tests += sequence.split == "train" || sequence.split == "val" ? 0 : 1;
+      otherScenes += sequence.split == "train" || sequence.split == "val" ? 0 : 1;
       for (std::size_t f = 1; f < sequence.samples.size(); ++f) {
         const auto timeOf = [&](std::size_t frame) {
           return scanOf(plan, plan.manifest.samples[sequence.samples[frame]], 0).time;
         };
-        apart += timeOf(f) - timeOf(f - 1) > kMostApart ? 1 : 0;
+        gaps += timeOf(f) - timeOf(f - 1) > kMostFrameGap ? 1 : 0;
       }
     }
-    if (tests > 0) {
+    if (otherScenes > 0) {
       warnings.push_back(fmt::format(
           "{} scenes are neither of the split train nor of val: training programs take them for validation, so "
           "leave them out with `--split train --split val`",
-          tests));
+          otherScenes));
     }
-    if (apart > 0 && listsObjects(plan)) {
+    if (gaps > 0 && listsObjects(plan)) {
       warnings.push_back(fmt::format(
           "{} frames are more than {:g} s after the one before, so that nuScenes' devkit gives their boxes no "
           "velocity: drive with `every_s: 0.5`",
-          apart, kMostApart));
+          gaps, kMostFrameGap));
     }
     if (!listsObjects(plan)) {
       warnings.emplace_back(
@@ -192,6 +193,8 @@ class NuScenes : public ExportLayout {
  private:
   static bool isPanoptic(const ExportPlan& plan) { return hasColumn(plan, "label") && hasColumn(plan, "instance"); }
 
+  // Writes the class and, if the dataset has instances, the panoptic label of each point. `numbers`: the new numbers of
+  // the instances.
   static void writeLabels(const ExportPlan& plan, const SampleRecord& sample, const ExportScan& exported,
                           std::map<Instance, std::uint16_t>& numbers, const ExportFolder& folder) {
     const Scan& scan = exported.scan;
@@ -204,10 +207,10 @@ class NuScenes : public ExportLayout {
       const auto number = static_cast<std::uint16_t>(instance.second == 0 ? 0 : numbers[instance]);
       putNumber(static_cast<std::uint16_t>(instance.first * kClassStep + number), panoptic);
     }
-    folder.write(lidarsegFile(plan, sample, exported.sensorNumber), classes);
+    folder.write(labelFile(plan, sample, exported.sensorNumber, NuScenesLabels::Lidarseg), classes);
     if (!isPanoptic(plan)) return;
     const std::pair<std::string, std::string> array{"data.npy", npyOf("<u2", {classes.size()}, panoptic)};
-    folder.write(panopticFile(plan, sample, exported.sensorNumber), zipOf({&array, 1}));
+    folder.write(labelFile(plan, sample, exported.sensorNumber, NuScenesLabels::Panoptic), zipOf({&array, 1}));
   }
 
   // Throws InputError if the class ids are not 0, 1, 2, ... without gaps, which the devkit requires to count points by

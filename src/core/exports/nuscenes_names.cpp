@@ -21,14 +21,6 @@ std::chrono::sys_days dayOf(std::size_t sequence) {
   return kFirstDay + std::chrono::days(sequence);
 }
 
-// Returns the path of a file with labels. The file's name starts with the token of the scan, by which the devkit finds
-// it.
-fs::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor, std::string_view kind,
-                   std::string_view suffix) {
-  const std::string token = nuScenesToken(plan, "sample_data", nuScenesScan(plan, sample, sensor));
-  return fs::path(kind) / kNuScenesVersion / fmt::format("{}_{}.{}", token, kind, suffix);
-}
-
 }  // namespace
 
 std::string nuScenesToken(const ExportPlan& plan, std::string_view table, std::string_view row) {
@@ -66,12 +58,12 @@ fs::path pointsFile(const ExportPlan& plan, std::size_t sequence, const SampleRe
          fmt::format("{}__{}__{}.pcd.bin", sample.key, channel, nuScenesTime(sequence, scan));
 }
 
-fs::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
-  return labelFile(plan, sample, sensor, "lidarseg", "bin");
-}
-
-fs::path panopticFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
-  return labelFile(plan, sample, sensor, "panoptic", "npz");
+fs::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor, NuScenesLabels kind) {
+  const bool isPanoptic = kind == NuScenesLabels::Panoptic;
+  const std::string folder = isPanoptic ? "panoptic" : "lidarseg";
+  // The file's name starts with the token of the scan, by which the devkit finds it.
+  const std::string token = nuScenesToken(plan, "sample_data", nuScenesScan(plan, sample, sensor));
+  return fs::path(folder) / kNuScenesVersion / fmt::format("{}_{}.{}", token, folder, isPanoptic ? "npz" : "bin");
 }
 
 }  // namespace scanmill

@@ -39,28 +39,30 @@ std::string nuScenesScan(const ExportPlan& plan, const SampleRecord& sample, std
 // sample is its key frame and has labels, later ones are sweeps.
 std::filesystem::path pointsFile(const ExportPlan& plan, std::size_t sequence, const SampleRecord& sample,
                                  std::size_t sensor, const ScanRecord& scan);
-std::filesystem::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
-std::filesystem::path panopticFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
+enum class NuScenesLabels { Lidarseg, Panoptic };
+std::filesystem::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor,
+                                NuScenesLabels kind);
 
 // Each table is a file with a JSON list, one row per line. The rows since the last flush() are in memory. All calls
 // except add() throw the errors of AtomicFile; only commit() gives the files their final names.
 class NuScenesRows {
  public:
-  NuScenesRows(const ExportPlan& plan, const ExportFolder& folder) : plan_(plan), folder_(folder) {}
+  explicit NuScenesRows(const ExportFolder& folder) : folder_(folder) {}
 
   // Creates the file of a table, which readers need even without rows.
   void open(const std::string& table) {
     tables_.try_emplace(table, folder_.prepareFile(std::filesystem::path(kNuScenesVersion) / (table + ".json")));
   }
   bool has(const std::string& table) const { return tables_.contains(table); }
-  void add(const std::string& table, const OrderedJson& row) {
-    Table& to = tables_.at(table);
-    to.waiting += (to.rows++ == 0 ? "[\n" : ",\n") + scalarText(row);
+  // Adds a row to a table that open() has created.
+  void add(const std::string& tableName, const OrderedJson& row) {
+    Table& table = tables_.at(tableName);
+    table.pendingText += (table.rows++ == 0 ? "[\n" : ",\n") + scalarText(row);
   }
   void flush() {
     for (auto& [name, table] : tables_) {
-      table.file.write(table.waiting);
-      table.waiting.clear();
+      table.file.write(table.pendingText);
+      table.pendingText.clear();
     }
   }
   void commit() {
@@ -71,26 +73,22 @@ class NuScenesRows {
     }
   }
 
-  // Returns the token of a row of a table.
-  std::string token(std::string_view table, std::string_view row) const { return nuScenesToken(plan_, table, row); }
-
  private:
   struct Table {
     explicit Table(const std::filesystem::path& path) : file(path) {}
     AtomicFile file;
-    std::string waiting;
+    std::string pendingText;  // of the rows since the last flush()
     std::size_t rows = 0;
   };
 
-  const ExportPlan& plan_;
   const ExportFolder& folder_;
   std::map<std::string, Table> tables_;  // by name
 };
 
+// Return the numbers as a JSON list. Throw an Error that begins with `what` for numbers that are not finite.
 inline OrderedJson listOf(const Vec3d& v, const std::string& what) {
   return finiteList({v.x, v.y, v.z}, what);
 }
-
 inline OrderedJson listOf(const Quat& q, const std::string& what) {
   return finiteList({q.w, q.x, q.y, q.z}, what);
 }

@@ -27,8 +27,8 @@ constexpr Quat kSensorFromLidarTop{0.70710678118654752440, 0, 0, -0.707106781186
 
 // The numbers of the scenes of nuScenes' splits, first and last of each run (nuscenes-devkit,
 // python-sdk/nuscenes/utils/splits.py), by which training programs tell the splits apart.
-using Run = std::pair<std::size_t, std::size_t>;
-constexpr Run kTrainScenes[] = {
+using SceneRun = std::pair<std::size_t, std::size_t>;
+constexpr SceneRun kTrainScenes[] = {
     {1, 2},     {4, 11},    {19, 34},   {41, 76},    {120, 135},   {138, 139},   {149, 152},  {154, 155}, {157, 168},
     {170, 185}, {187, 188}, {190, 196}, {199, 200},  {202, 204},   {206, 214},   {218, 220},  {222, 222}, {224, 264},
     {283, 306}, {315, 318}, {321, 321}, {323, 324},  {328, 328},   {347, 386},   {388, 403},  {405, 408}, {410, 459},
@@ -38,10 +38,10 @@ constexpr Run kTrainScenes[] = {
     {767, 769}, {786, 787}, {789, 792}, {803, 806},  {808, 813},   {815, 817},   {819, 822},  {847, 856}, {858, 858},
     {860, 866}, {868, 873}, {875, 878}, {880, 880},  {882, 903},   {945, 945},   {947, 947},  {949, 949}, {952, 953},
     {955, 961}, {975, 984}, {988, 992}, {994, 1025}, {1044, 1058}, {1074, 1102}, {1104, 1110}};
-constexpr Run kValScenes[] = {{3, 3},     {12, 18},   {35, 36},   {38, 39},   {92, 110},   {221, 221}, {268, 278},
-                              {329, 332}, {344, 346}, {519, 524}, {552, 565}, {625, 627},  {629, 630}, {632, 638},
-                              {770, 771}, {775, 775}, {777, 778}, {780, 784}, {794, 800},  {802, 802}, {904, 917},
-                              {919, 931}, {962, 963}, {966, 969}, {971, 972}, {1059, 1073}};
+constexpr SceneRun kValScenes[] = {{3, 3},     {12, 18},   {35, 36},   {38, 39},   {92, 110},   {221, 221}, {268, 278},
+                                   {329, 332}, {344, 346}, {519, 524}, {552, 565}, {625, 627},  {629, 630}, {632, 638},
+                                   {770, 771}, {775, 775}, {777, 778}, {780, 784}, {794, 800},  {802, 802}, {904, 917},
+                                   {919, 931}, {962, 963}, {966, 969}, {971, 972}, {1059, 1073}};
 constexpr std::size_t kFirstOther = 9001;  // number of the first scene that is in none of nuScenes' splits
 
 // The cameras, which training programs require: all at the first lidar's place, looking level to these sides (deg,
@@ -73,7 +73,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kAttribut
 
 // Returns the map's mask as PNG. All of it is foreground, because objects may be anywhere.
 std::string mapMask() {
-  const std::vector<std::uint8_t> pixels(kMapSide * kMapSide, 255);
+  const std::vector<std::uint8_t> pixels(kMapSide * kMapSide, 255);  // 255: foreground
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = image.height = kMapSide;
@@ -90,7 +90,7 @@ std::string mapMask() {
 class Tables {
  public:
   Tables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder)
-      : plan_(plan), read_(read), folder_(folder), rows_(plan, folder) {}
+      : plan_(plan), read_(read), folder_(folder), rows_(folder) {}
 
   std::size_t write() {
     addFixed();
@@ -107,7 +107,7 @@ class Tables {
 
  private:
   // Returns the token of a row of a table.
-  std::string token(std::string_view table, std::string_view row) const { return rows_.token(table, row); }
+  std::string token(std::string_view table, std::string_view row) const { return nuScenesToken(plan_, table, row); }
 
   void add(const std::string& table, const OrderedJson& row) { rows_.add(table, row); }
 
@@ -158,15 +158,15 @@ class Tables {
   }
 
   void addCategories() {
-    std::map<std::uint16_t, std::string> sources;  // names of the dataset's classes, by target class
+    std::map<std::uint16_t, std::string> sourceNames;  // of the dataset's classes, by target class
     for (const SemanticClass& c : plan_.manifest.ontology.classes) {
-      std::string& names = sources[plan_.classes.of(c.id)];
+      std::string& names = sourceNames[plan_.classes.targetId(c.id)];
       names += (names.empty() ? "" : ", ") + c.name;
     }
     std::vector<SemanticClass> classes = plan_.classes.target().classes;
     std::ranges::sort(classes, [](const auto& a, const auto& b) { return a.id < b.id; });
     for (const SemanticClass& c : classes) {
-      const std::string& from = sources[c.id];
+      const std::string& from = sourceNames[c.id];
       add("category", {{"token", categoryToken(c.id)},
                        {"name", c.id == 0 ? "noise" : c.name},
                        {"description", from.empty() ? "nothing in this dataset"
@@ -177,6 +177,7 @@ class Tables {
 
   std::string categoryToken(std::uint16_t id) const { return token("category", std::to_string(id)); }
 
+  // Adds all rows of the sequence with the index `s`, which is a scene.
   void addScene(std::size_t s) {
     const ExportSequence& sequence = plan_.sequences[s];
     const std::vector<SampleRecord>& samples = plan_.manifest.samples;
@@ -224,6 +225,7 @@ class Tables {
     return plan_.manifest.samples[plan_.sequences[s].samples[f]];
   }
 
+  // Adds the rows of the frame `f` of the sequence `s`. `scene`: token of the scene.
   void addSample(std::size_t s, std::size_t f, const std::string& scene) {
     const ExportSequence& sequence = plan_.sequences[s];
     const bool isFirst = f == 0, isLast = f + 1 == sequence.samples.size();
@@ -258,10 +260,10 @@ class Tables {
   // Returns the next number of a scene of the split: one of nuScenes' own for the splits train and val, as long as
   // there are any; otherwise one that is in none of nuScenes' splits.
   std::size_t sceneNumber(const std::string& split) {
-    std::size_t index = scenesOf_[split]++;  // among the scenes of the split, then of the remaining runs
-    const std::span<const Run> runs = split == "train" ? std::span<const Run>(kTrainScenes)
-                                      : split == "val" ? std::span<const Run>(kValScenes)
-                                                       : std::span<const Run>();
+    std::size_t index = scenesOf_[split]++;  // among the numbers of the split, then of the runs that follow
+    const std::span<const SceneRun> runs = split == "train" ? std::span<const SceneRun>(kTrainScenes)
+                                           : split == "val" ? std::span<const SceneRun>(kValScenes)
+                                                            : std::span<const SceneRun>();
     for (const auto& [first, last] : runs) {
       if (index <= last - first) return first + index;
       index -= last - first + 1;
@@ -314,14 +316,15 @@ class Tables {
                           {"prev", neighbour(s, f, sensor, r, -1)},
                           {"next", neighbour(s, f, sensor, r, 1)}});
     }
-    // The devkit finds a scan's labels by the token of the scan, so the row of the labels has this token.
-    const std::string labelled = scanToken("sample_data", sample, sensor, 0);
-    const auto addLabels = [&](const char* name, const fs::path& file) {
-      if (!rows_.has(name)) return;
-      add(name, {{"token", labelled}, {"sample_data_token", labelled}, {"filename", file.generic_string()}});
+    // The devkit finds the labels of the first scan by the token of this scan, so the row of the labels has the token.
+    const std::string keyFrame = scanToken("sample_data", sample, sensor, 0);
+    const auto addLabels = [&](const char* table, NuScenesLabels kind) {
+      if (!rows_.has(table)) return;
+      const std::string file = labelFile(plan_, sample, sensor, kind).generic_string();
+      add(table, {{"token", keyFrame}, {"sample_data_token", keyFrame}, {"filename", file}});
     };
-    addLabels("lidarseg", lidarsegFile(plan_, sample, sensor));
-    addLabels("panoptic", panopticFile(plan_, sample, sensor));
+    addLabels("lidarseg", NuScenesLabels::Lidarseg);
+    addLabels("panoptic", NuScenesLabels::Panoptic);
   }
 
   const ExportPlan& plan_;

@@ -42,6 +42,7 @@ std::string withoutBreaks(std::string text) {
   return text;
 }
 
+// Returns the header of a scan's file. `points`: number of points without misses.
 std::string header(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan,
                    std::size_t points) {
   std::string text = fmt::format(
@@ -90,7 +91,7 @@ std::string plyBytes(const ExportPlan& plan, const ExportSample& sample, const E
     const Vec3f& p = scan.position[i];
     if (!isFinite(p)) continue;
     for (const float coordinate : {p.x, p.y, p.z}) putNumber(coordinate, bytes);
-    for (const std::uint8_t part : colorOf(plan, exportScan, i)) putNumber(part, bytes);
+    for (const std::uint8_t channel : colorOf(plan, exportScan, i)) putNumber(channel, bytes);
     visitTable(scan, [&](auto key, const auto& values) {
       if (!values.empty()) putNumber(exported(plan.classes, key, values[i]), bytes);
     });

@@ -101,12 +101,14 @@ bool mesh_use_embedded_materials
 constexpr Definition kTransforms{"tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"};
 constexpr Definition kMarkers{"visualization_msgs/MarkerArray", "visualization_msgs/Marker[] markers\n"};
 
-std::string definitionText(const Definition& root, std::initializer_list<Definition> others) {
-  std::string text(root.fields);
-  for (const Definition& other : others) text += fmt::format("{:=<80}\nMSG: {}\n{}", "", other.type, other.fields);
+// Returns the definition of a message's type, followed by those of the types that it uses.
+std::string definitionText(const Definition& message, std::initializer_list<Definition> usedTypes) {
+  std::string text(message.fields);
+  for (const Definition& used : usedTypes) text += fmt::format("{:=<80}\nMSG: {}\n{}", "", used.type, used.fields);
   return text;
 }
 
+// Serialises the fields of a message, in the order of their definition.
 class Cdr {
  public:
   template <class T>
@@ -115,6 +117,7 @@ class Cdr {
     putNumber(value, bytes_);
     return *this;
   }
+  // Appends the length of a list, whose items follow.
   Cdr& count(std::size_t count) {
     if (count > std::numeric_limits<std::uint32_t>::max()) {
       throw Error(fmt::format("a list in a ROS message cannot have {} entries or bytes", count));
@@ -139,8 +142,8 @@ class Cdr {
     const Quat& q = pose.rotation;
     return vector(pose.translation).number(q.x).number(q.y).number(q.z).number(q.w);
   }
-  // Appends `size` bytes and returns a pointer to them, which the caller must fill.
-  char* room(std::size_t size) {
+  // Appends `size` bytes and returns a pointer to them, which the caller must fill before the next call.
+  char* appendUninitialised(std::size_t size) {
     bytes_.resize(bytes_.size() + size);
     return bytes_.data() + bytes_.size() - size;
   }
@@ -168,7 +171,7 @@ void putMarker(std::uint64_t time, std::string_view frame, const RosMarker& mark
   out.text("").count(0).number(false);  // mesh_file: filename, data; mesh_use_embedded_materials
 }
 
-// Returns the number that PointField has for a type of the table of columns.
+// The number that PointField has for a type of the table of columns.
 template <class T>
 constexpr std::uint8_t kDatatype = std::is_floating_point_v<T> ? 7
                                    : sizeof(T) == 1            ? 2
@@ -228,7 +231,7 @@ std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const 
   requireConsistent(scan);
   Cdr out;
   out.header(time, frame).number(scan.height()).number(scan.width());
-  std::size_t fields = 3;
+  std::size_t fields = 3;  // x, y and z
   visitFields(scan, [&](std::string_view, const auto&, std::size_t) { ++fields; });
   const auto putField = [&](std::string_view name, std::size_t offset, std::uint8_t datatype) {
     out.text(name).number(static_cast<std::uint32_t>(offset)).number(datatype).number(std::uint32_t{1});
@@ -243,7 +246,7 @@ std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const 
       });
   out.number(std::endian::native == std::endian::big).number(static_cast<std::uint32_t>(step));
   out.count(step * scan.width()).count(step * scan.size());  // bytes of a row, bytes of all rows
-  char* const points = out.room(step * scan.size());
+  char* const points = out.appendUninitialised(step * scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) std::memcpy(points + i * step, &scan.position[i], sizeof(Vec3f));
   visitFields(scan, [&]<class T>(std::string_view, const std::vector<T>& values, std::size_t offset) {
     for (std::size_t i = 0; i < values.size(); ++i) {

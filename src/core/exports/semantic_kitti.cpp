@@ -38,7 +38,8 @@ constexpr std::size_t kMostSequences = 100;       // largest number of sequences
 // The rotation to camera axes: x right, y down, z forward.
 const Quat kCameraFromSensor{0.5, 0.5, -0.5, 0.5};
 
-std::string twelve(const Pose& pose) {
+// Returns the 3 x 4 matrix of a pose as text, row by row.
+std::string matrixText(const Pose& pose) {
   return fmt::format("{:.9e}", fmt::join(matrixRows(pose), " "));
 }
 
@@ -53,15 +54,16 @@ std::vector<std::size_t> usualNumbers(const std::string& split) {
 
 // Returns the number of each sequence: the first free number of usualNumbers() for its split; if there is none, the
 // first free number from 22 on, which no split of SemanticKITTI has; if there is none, the first free number of all.
+// check() has refused plans with more sequences than numbers.
 std::vector<std::size_t> numbersOf(const ExportPlan& plan) {
   constexpr std::size_t kFirstUnusual = 22;
   std::set<std::size_t> taken;
   std::vector<std::size_t> numbers;
   for (const ExportSequence& sequence : plan.sequences) {
-    std::vector<std::size_t> wanted = usualNumbers(sequence.split);
-    for (std::size_t n = kFirstUnusual; n < kMostSequences; ++n) wanted.push_back(n);
-    for (std::size_t n = 0; n < kFirstUnusual; ++n) wanted.push_back(n);
-    numbers.push_back(*std::ranges::find_if(wanted, [&](std::size_t n) { return !taken.contains(n); }));
+    std::vector<std::size_t> candidates = usualNumbers(sequence.split);
+    for (std::size_t n = kFirstUnusual; n < kMostSequences; ++n) candidates.push_back(n);
+    for (std::size_t n = 0; n < kFirstUnusual; ++n) candidates.push_back(n);
+    numbers.push_back(*std::ranges::find_if(candidates, [&](std::size_t n) { return !taken.contains(n); }));
     taken.insert(numbers.back());
   }
   return numbers;
@@ -101,29 +103,11 @@ class SemanticKitti : public ExportLayout {
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
     const ExportSample sample = read(sequence, frame);
-    const Scan& scan = sample.scans.front().scan;
-    std::set<std::uint32_t> moving;
-    if (sample.objects) {
-      for (const ObjectRecord& object : sample.objects->objects) {
-        if (object.moves) moving.insert(object.id);
-      }
-    }
-    const std::map<InstanceNumbers::Instance, std::uint16_t> numbers = newNumbers(sequence);
-    std::string labels;
     const std::vector<std::size_t> order = velodyneOrder(sample.scans.front());
-    for (const std::size_t i : order) {
-      if (scan[kLabel].empty()) break;
-      const std::uint32_t instance = scan[kInstance].empty() ? 0 : scan[kInstance][i];
-      const std::uint16_t semantic = scan[kLabel][i];
-      const std::uint32_t label =
-          moving.contains(instance) ? plan.classes.ofMoving(semantic) : plan.classes.of(semantic);
-      const std::uint32_t number = numbers.empty() || instance == 0 ? instance : numbers.at({0, instance});
-      putNumber(label | number << 16, labels);
-    }
     const std::string name = fmt::format("{:06}", frame);
     const std::filesystem::path path = sequenceFolder(numbersOf(plan)[sequence]);
     folder.write(path / "velodyne" / (name + ".bin"), velodynePoints(sample.scans.front(), order));
-    if (hasColumn(plan, "label")) folder.write(path / "labels" / (name + ".label"), labels);
+    if (hasColumn(plan, "label")) folder.write(path / "labels" / (name + ".label"), labels(plan, sample, order));
     if (!sample.voxels) return;
     const VoxelFiles voxels = semanticKittiVoxels(*sample.voxels, plan.classes);
     folder.write(path / "voxels" / (name + ".bin"), voxels.bin);
@@ -134,43 +118,23 @@ class SemanticKitti : public ExportLayout {
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects&,
                                   const ExportFolder& folder) const override {
-    const Pose cameraFromSensor{kCameraFromSensor, {}};
-    const std::vector<std::size_t> numbers = numbersOf(plan);
-    for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
-      std::string poses;
-      std::string times;
-      const ScanRecord* first = nullptr;
-      for (const std::size_t number : plan.sequences[s].samples) {
-        const ScanRecord& scan = scanOf(plan, plan.manifest.samples[number]);
-        if (first == nullptr) first = &scan;
-        const Pose moved = inverse(first->worldFromSensor.front()) * scan.worldFromSensor.front();
-        poses += twelve(cameraFromSensor * moved * inverse(cameraFromSensor)) + "\n";
-        times += fmt::format("{:.6e}\n", scan.time - first->time);
-      }
-      std::string calibration;
-      for (int camera = 0; camera < 4; ++camera) {
-        calibration += fmt::format("P{}: 1 0 0 0 0 1 0 0 0 0 1 0\n", camera);
-      }
-      calibration += fmt::format("Tr: {}\n", twelve(cameraFromSensor));
-      folder.write(sequenceFolder(numbers[s]) / "poses.txt", poses);
-      folder.write(sequenceFolder(numbers[s]) / "times.txt", times);
-      folder.write(sequenceFolder(numbers[s]) / "calib.txt", calibration);
-    }
+    writePoses(plan, folder);
     folder.write("semantic-kitti.yaml", configuration(plan));
     writeInfos(plan, folder);
     std::vector<std::string> warnings = skewWarnings(plan, "SemanticKITTI");
-    std::size_t others = 0, renumbered = 0;
+    const std::vector<std::size_t> numbers = numbersOf(plan);
+    std::size_t unusual = 0, renumbered = 0;  // numbers of sequences
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       const std::vector<std::size_t> usual = usualNumbers(plan.sequences[s].split);
-      others += std::ranges::find(usual, numbers[s]) == usual.end() ? 1 : 0;
+      unusual += std::ranges::find(usual, numbers[s]) == usual.end() ? 1 : 0;
       renumbered += newNumbers(s).empty() ? 0 : 1;
     }
-    if (others > 0) {
+    if (unusual > 0) {
       warnings.push_back(fmt::format(
           "{} of {} sequences have numbers that are in none of SemanticKITTI's splits, since it has 10 "
           "sequences for training and 1 for validation: programs with lists of their own, such as Pointcept, do "
           "not read them; semantic-kitti.yaml and semantickitti_infos_*.json list all",
-          others, plan.sequences.size()));
+          unusual, plan.sequences.size()));
     }
     if (renumbered > 0) {
       warnings.push_back(
@@ -186,6 +150,54 @@ class SemanticKitti : public ExportLayout {
   }
 
  private:
+  // Returns the file of labels. `order`: indices of the points, in the order of the file.
+  std::string labels(const ExportPlan& plan, const ExportSample& sample, const std::vector<std::size_t>& order) const {
+    const Scan& scan = sample.scans.front().scan;
+    if (scan[kLabel].empty()) return {};  // an empty scan may have no columns
+    std::set<std::uint32_t> movingInstances;
+    if (sample.objects) {
+      for (const ObjectRecord& object : sample.objects->objects) {
+        if (object.moves) movingInstances.insert(object.id);
+      }
+    }
+    const std::map<InstanceNumbers::Instance, std::uint16_t> numbers = newNumbers(sample.sequence);
+    std::string bytes;
+    for (const std::size_t i : order) {
+      const std::uint32_t instance = scan[kInstance].empty() ? 0 : scan[kInstance][i];
+      const std::uint16_t semantic = scan[kLabel][i];
+      const std::uint32_t label =
+          movingInstances.contains(instance) ? plan.classes.movingTargetId(semantic) : plan.classes.targetId(semantic);
+      const std::uint32_t number = numbers.empty() || instance == 0 ? instance : numbers.at({0, instance});
+      putNumber(label | number << 16, bytes);
+    }
+    return bytes;
+  }
+
+  // Writes poses.txt, times.txt and calib.txt of each sequence.
+  static void writePoses(const ExportPlan& plan, const ExportFolder& folder) {
+    const Pose cameraFromSensor{kCameraFromSensor, {}};
+    std::string calibration;
+    for (int camera = 0; camera < 4; ++camera) {
+      calibration += fmt::format("P{}: 1 0 0 0 0 1 0 0 0 0 1 0\n", camera);
+    }
+    calibration += fmt::format("Tr: {}\n", matrixText(cameraFromSensor));
+    const std::vector<std::size_t> numbers = numbersOf(plan);
+    for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
+      const std::vector<std::size_t>& samples = plan.sequences[s].samples;
+      const ScanRecord& first = scanOf(plan, plan.manifest.samples[samples.front()]);
+      std::string poses, times;
+      for (const std::size_t sample : samples) {
+        const ScanRecord& scan = scanOf(plan, plan.manifest.samples[sample]);
+        const Pose firstFromSensor = inverse(first.worldFromSensor.front()) * scan.worldFromSensor.front();
+        poses += matrixText(cameraFromSensor * firstFromSensor * inverse(cameraFromSensor)) + "\n";
+        times += fmt::format("{:.6e}\n", scan.time - first.time);
+      }
+      folder.write(sequenceFolder(numbers[s]) / "poses.txt", poses);
+      folder.write(sequenceFolder(numbers[s]) / "times.txt", times);
+      folder.write(sequenceFolder(numbers[s]) / "calib.txt", calibration);
+    }
+  }
+
   // Writes the lists of frames, and creates the folders of sequences that the dataset has not.
   static void writeInfos(const ExportPlan& plan, const ExportFolder& folder) {
     const std::vector<std::size_t> numbers = numbersOf(plan);
@@ -211,7 +223,7 @@ class SemanticKitti : public ExportLayout {
 
   // Returns the new numbers of a sequence's instances; empty if all of their ids fit into labels.
   std::map<InstanceNumbers::Instance, std::uint16_t> newNumbers(std::size_t sequence) const {
-    std::map<InstanceNumbers::Instance, std::uint16_t> numbers = numbers_.of(sequence);
+    std::map<InstanceNumbers::Instance, std::uint16_t> numbers = numbers_.numbersOf(sequence);
     if (numbers.empty() || numbers.rbegin()->first.second <= kMostInstanceId) return {};
     return numbers;
   }
@@ -222,25 +234,21 @@ class SemanticKitti : public ExportLayout {
   static std::string configuration(const ExportPlan& plan) {
     std::string text = "# Of a simulated dataset, in the form of SemanticKITTI's configuration.\nname: \"" +
                        plan.classes.target().name + "\"\nlabels:\n";
-    std::string colors;
-    std::string trained;
-    std::string back;
-    std::string ignored;
-    std::map<std::uint16_t, int> number;  // number in the configuration, by trained class
-    std::set<std::uint16_t> reached{0};
-    for (const SemanticClass& c : plan.manifest.ontology.classes) reached.insert(plan.classes.of(c.id));
+    std::string colors, trainedOfClass, classOfTrained, ignored;  // lines of maps of the configuration
+    std::map<std::uint16_t, int> trainedNumbers;                  // by class id
+    std::set<std::uint16_t> usedIds{0};
+    for (const SemanticClass& c : plan.manifest.ontology.classes) usedIds.insert(plan.classes.targetId(c.id));
     for (const SemanticClass& c : plan.classes.target().classes) {
       text += fmt::format("  {}: \"{}\"\n", c.id, c.name);
       colors += fmt::format("  {}: [{}, {}, {}]\n", c.id, c.color[2], c.color[1], c.color[0]);
-      const std::uint16_t still = c.movingOf.value_or(c.id);
-      if (reached.contains(c.id) && !c.movingOf) {
-        const int next = static_cast<int>(number.size());
-        number.emplace(c.id, next);
-        back += fmt::format("  {}: {}\n", next, c.id);
-        ignored += fmt::format("  {}: {}\n", next, next == 0 ? "True" : "False");
+      if (usedIds.contains(c.id) && !c.movingOf) {
+        const int number = static_cast<int>(trainedNumbers.size());
+        trainedNumbers.emplace(c.id, number);
+        classOfTrained += fmt::format("  {}: {}\n", number, c.id);
+        ignored += fmt::format("  {}: {}\n", number, number == 0 ? "True" : "False");
       }
-      const auto known = number.find(still);
-      trained += fmt::format("  {}: {}\n", c.id, known == number.end() ? 0 : known->second);
+      const auto trained = trainedNumbers.find(c.movingOf.value_or(c.id));
+      trainedOfClass += fmt::format("  {}: {}\n", c.id, trained == trainedNumbers.end() ? 0 : trained->second);
     }
     std::map<std::string, std::string> splits{{"train", ""}, {"valid", ""}, {"test", ""}};
     const std::vector<std::size_t> numbers = numbersOf(plan);
@@ -248,8 +256,8 @@ class SemanticKitti : public ExportLayout {
       const std::string& split = plan.sequences[s].split;
       splits[split == "val" ? "valid" : split] += fmt::format("\n    - {}", numbers[s]);
     }
-    text += "color_map:  # blue, green, red\n" + colors + "learning_map:\n" + trained + "learning_map_inv:\n" + back +
-            "learning_ignore:\n" + ignored + "split:\n";
+    text += "color_map:  # blue, green, red\n" + colors + "learning_map:\n" + trainedOfClass + "learning_map_inv:\n" +
+            classOfTrained + "learning_ignore:\n" + ignored + "split:\n";
     for (const auto& [split, sequences] : splits) {
       text += fmt::format("  {}:{}\n", split, sequences.empty() ? " []" : sequences);
     }

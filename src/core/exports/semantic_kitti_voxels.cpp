@@ -8,6 +8,7 @@
 namespace scanmill {
 namespace {
 
+// Returns the flags as bits, see VoxelFiles.
 std::string packed(const std::vector<std::uint8_t>& flags) {
   std::string bytes((flags.size() + 7) / 8, '\0');
   for (std::size_t i = 0; i < flags.size(); ++i) {
@@ -21,12 +22,14 @@ std::string packed(const std::vector<std::uint8_t>& flags) {
 std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
   const VoxelGrid& grid = voxels.grid;
   const Vec3d sensor = grid.inVoxels({});
-  const auto isInside = [](double along, std::uint32_t count) { return along >= 0 && along < count; };
-  const auto isOccluded = [&](const Vec3d& middle) {
-    const Vec3d toSensor = sensor - middle;
+  const auto isInside = [](double coordinate, std::uint32_t count) { return coordinate >= 0 && coordinate < count; };
+  // `center`: of the voxel. Positions are in voxels; a step is one voxel along the axis on which the sensor is
+  // farthest.
+  const auto isOccluded = [&](const Vec3d& center) {
+    const Vec3d toSensor = sensor - center;
     const double steps = std::max({std::fabs(toSensor.x), std::fabs(toSensor.y), std::fabs(toSensor.z)});
     const Vec3d step = toSensor * (1 / steps);
-    Vec3d position = middle;
+    Vec3d position = center;
     const int stepsBefore = static_cast<int>(std::ceil(steps)) - 1;  // excludes the sensor's voxel
     for (int i = 0; i < stepsBefore; ++i) {
       position += step;
@@ -55,7 +58,7 @@ std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
 VoxelFiles semanticKittiVoxels(const ScanVoxels& voxels, const ClassMap& classes) {
   VoxelFiles files;
   files.bin = packed(voxels.input);
-  for (const std::uint16_t label : voxels.label) putNumber(label == 0 ? label : classes.of(label), files.label);
+  for (const std::uint16_t label : voxels.label) putNumber(label == 0 ? label : classes.targetId(label), files.label);
   files.invalid = packed(voxels.invalid);
   files.occluded = packed(occludedVoxels(voxels));
   return files;

@@ -228,13 +228,13 @@ TEST(ClassMaps, GoByNamesAndAliasesOfBoth) {
                      {11, "truck", {}, true, {}},
                      {20, "moving-vehicle", {}, true, {}, 10}}};
   const ClassMap map(from, to);
-  EXPECT_EQ(map.of(4), 10);
-  EXPECT_EQ(map.of(5), 11);
-  EXPECT_EQ(map.of(6), 10) << "what moves is what it is, where the target does not tell";
-  EXPECT_EQ(map.ofMoving(4), 20);
-  EXPECT_EQ(map.ofMoving(5), 11);
-  EXPECT_EQ(map.of(7), 0);
-  EXPECT_EQ(map.of(999), 0);
+  EXPECT_EQ(map.targetId(4), 10);
+  EXPECT_EQ(map.targetId(5), 11);
+  EXPECT_EQ(map.targetId(6), 10) << "what moves is what it is, where the target does not tell";
+  EXPECT_EQ(map.movingTargetId(4), 20);
+  EXPECT_EQ(map.movingTargetId(5), 11);
+  EXPECT_EQ(map.targetId(7), 0);
+  EXPECT_EQ(map.targetId(999), 0);
 }
 
 }  // namespace

@@ -155,7 +155,7 @@ void SceneView::findRoadUsers() {
   if (ontology == nullptr) return;
   const ClassMap kitti(*ontology, readOntology(namedResource("kitti", "labels")));
   for (const SemanticClass& c : ontology->classes) {
-    if (kitti.of(c.id) != 0) roadUsers_.insert(c.id);
+    if (kitti.targetId(c.id) != 0) roadUsers_.insert(c.id);
   }
 }
 
