@@ -243,9 +243,7 @@ void appendBody(Shape& shape, const BodyForm& form) {
 }
 
 void appendWheel(Shape& shape, std::string_view className, const Affine& pose, double radius, double width) {
-  const SurfaceIndex rubber = shape.surface(className, "rubber");
-  const SurfaceIndex rim = shape.surface(className, "metal_bare");
-  const SurfaceIndex dark = shape.surface(className, "plastic_black");
+  const auto [rubber, rim, dark] = shape.surfaces(className, "rubber", "metal_bare", "plastic_black");
   // The axle is along y: z of the profile becomes the outward direction of the axle.
   const Affine axle = pose * Affine{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {}};
   const double w = width / 2;

@@ -13,8 +13,7 @@ constexpr double kClutterSunk = 0.05;  // m that bases extend below the ground
 
 // Appends a traffic cone on a square foot, with two reflecting bands.
 void appendCone(Shape& s, Draw& draw) {
-  const SurfaceIndex body = s.surface("object", "plastic_black");
-  const SurfaceIndex band = s.surface("object", "sign_retroreflective");
+  const auto [body, band] = s.surfaces("object", "plastic_black", "sign_retroreflective");
   const double height = draw.in(0.45, 0.8);
   const double halfFoot = 0.42 * height;
   s.box(body, {0, 0, 0.02}, {2 * halfFoot, 2 * halfFoot, 0.04});
@@ -31,8 +30,7 @@ void appendCone(Shape& s, Draw& draw) {
 }
 
 void appendBarrier(Shape& s, Draw&) {
-  const SurfaceIndex post = s.surface("object", "metal_galvanised");
-  const SurfaceIndex board = s.surface("object", "sign_retroreflective");
+  const auto [post, board] = s.surfaces("object", "metal_galvanised", "sign_retroreflective");
   for (const double x : {-0.9, 0.9}) {
     s.rod(post, {x, 0, 0}, {x, 0, 1.1}, 0.025, 8);
     s.box(post, {x, 0, 0.04}, {0.08, 0.7, 0.08});
@@ -42,8 +40,7 @@ void appendBarrier(Shape& s, Draw&) {
 
 // Appends a container full of rubble.
 void appendSkip(Shape& s, Draw& draw) {
-  const SurfaceIndex metal = s.surface("object", "painted_metal");
-  const SurfaceIndex rubble = s.surface("object", "soil");
+  const auto [metal, rubble] = s.surfaces("object", "painted_metal", "soil");
   const double height = draw.in(1.0, 1.4);
   s.grid({levelRectangle(0.05, 0.01, 0.01), levelRectangle(0.05, 1, 0.75), levelRectangle(height, 1.7, 0.85)}, true,
          [&](int, int) { return metal; });
@@ -79,8 +76,7 @@ void appendHeap(Shape& s, Draw& draw) {
 
 // Appends a garden shed: boarded walls, a gable roof whose ridge is along x, and a door.
 void appendShed(Shape& s, Draw& draw) {
-  const SurfaceIndex wood = s.surface("structure", "wood_weathered");
-  const SurfaceIndex roof = s.surface("structure", "roof_tile");
+  const auto [wood, roof] = s.surfaces("structure", "wood_weathered", "roof_tile");
   const double x = draw.in(1.0, 1.7);  // m, half of the length and of the width
   const double y = draw.in(0.9, 1.4);
   const double top = draw.in(1.9, 2.2);
@@ -116,8 +112,7 @@ void appendBasin(Shape& s, Draw& draw) {
 
 // Appends a frame of wood with two swings, whose seats hang on chains.
 void appendSwing(Shape& s, Draw&) {
-  const SurfaceIndex wood = s.surface("object", "wood");
-  const SurfaceIndex metal = s.surface("object", "metal_galvanised");
+  const auto [wood, metal] = s.surfaces("object", "wood", "metal_galvanised");
   for (const double x : {-1.3, 1.3}) {
     for (const double y : {-0.9, 0.9}) s.rod(wood, {x, y, -0.1}, {x, 0, 2.2}, 0.06, 8);
   }

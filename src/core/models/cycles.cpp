@@ -34,8 +34,7 @@ void appendMudguard(Shape& s, SurfaceIndex surface, const WheelArc& arc, double 
 
 // Appends a tyre, a rim, a hub, and spokes that begin at the left and the right end of the hub in turn.
 void appendBicycleWheel(Shape& s, const Vec3d& hub, double radius) {
-  const SurfaceIndex rubber = s.surface("bicycle", "rubber");
-  const SurfaceIndex metal = s.surface("bicycle", "metal_bare");
+  const auto [rubber, metal] = s.surfaces("bicycle", "rubber", "metal_bare");
   s.torus(rubber, upright(hub), radius - 0.019, 0.019, 36, 8);
   s.torus(metal, upright(hub), radius - 0.045, 0.011, 36, 6);
   s.rod(metal, hub + Vec3d{0, -0.06, 0}, hub + Vec3d{0, 0.06, 0}, 0.02, 8);
@@ -84,8 +83,7 @@ struct BicycleFrame {
 
 // Appends the tubes of the frame, fork and seat post, and the saddle.
 void appendBicycleFrame(Shape& s, const BicycleFrame& f, bool stepThrough) {
-  const SurfaceIndex paint = s.surface("bicycle", "painted_metal");
-  const SurfaceIndex black = s.surface("bicycle", "plastic_black");
+  const auto [paint, black] = s.surfaces("bicycle", "painted_metal", "plastic_black");
   s.rod(paint, f.bracket, f.seatTop, 0.016, 8);
   s.rod(paint, f.bracket, f.headLow, 0.02, 8);
   s.rod(paint, stepThrough ? f.bracket + (f.seatTop - f.bracket) * 0.4 : f.seatTop,
@@ -104,8 +102,7 @@ void appendBicycleFrame(Shape& s, const BicycleFrame& f, bool stepThrough) {
 // Appends the chain wheel, the chain guard, the cranks and the pedals. `crank`: from the bracket to the left pedal.
 void appendCranks(Shape& s, const BicycleFrame& f, const Vec3d& crank, const Vec3d& leftPedal,
                   const Vec3d& rightPedal) {
-  const SurfaceIndex metal = s.surface("bicycle", "metal_bare");
-  const SurfaceIndex black = s.surface("bicycle", "plastic_black");
+  const auto [metal, black] = s.surfaces("bicycle", "metal_bare", "plastic_black");
   s.revolve(metal, upright(f.bracket + Vec3d{0, -0.045, 0}), {{0, -0.004}, {0.09, -0.004}, {0.09, 0.004}, {0, 0.004}},
             20);
   s.box(black, {(f.bracket.x + f.rear.x) / 2, -0.062, 0.31}, {std::abs(f.rear.x - f.bracket.x), 0.015, 0.075});
@@ -118,9 +115,7 @@ constexpr const char* kMotorcycle = "motorcycle";  // class
 
 // Appends the engine with its cooling fins, the tank, the seat and the tail. Sizes are by eye.
 void appendEngineAndSeat(Shape& s, const Vec3d& head) {
-  const SurfaceIndex paint = s.surface(kMotorcycle, "car_paint");
-  const SurfaceIndex metal = s.surface(kMotorcycle, "metal_bare");
-  const SurfaceIndex black = s.surface(kMotorcycle, "plastic_black");
+  const auto [paint, metal, black] = s.surfaces(kMotorcycle, "car_paint", "metal_bare", "plastic_black");
   s.box(metal, {0.06, 0, 0.42}, {0.42, 0.3, 0.3});
   for (int k = 0; k < 5; ++k) s.box(metal, {0.14, 0, 0.58 + 0.03 * k}, {0.24, 0.26, 0.014});  // fins
   s.rod(metal, {0.14, 0, 0.5}, {0.14, 0, 0.72}, 0.09, 12);                                    // cylinder
@@ -137,10 +132,8 @@ void appendEngineAndSeat(Shape& s, const Vec3d& head) {
 Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit) {
   Draw draw(seed, fit != nullptr ? Kind::RiddenBicycle : Kind::Bicycle, form);
   Shape s(builder, "bicycle");
-  const SurfaceIndex paint = s.surface("bicycle", "painted_metal");
-  const SurfaceIndex metal = s.surface("bicycle", "metal_bare");
-  const SurfaceIndex black = s.surface("bicycle", "plastic_black");
-  const SurfaceIndex reflector = s.surface("bicycle", "sign_retroreflective");
+  const auto [paint, metal, black, reflector] =
+      s.surfaces("bicycle", "painted_metal", "metal_bare", "plastic_black", "sign_retroreflective");
 
   const double r = draw.in(0.335, 0.355);
   const double wheelbase = draw.in(1.02, 1.12);
@@ -192,11 +185,8 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit*
 Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit) {
   Draw draw(seed, fit != nullptr ? Kind::RiddenMotorcycle : Kind::Motorcycle, form);
   Shape s(builder, "motorcycle");
-  const SurfaceIndex paint = s.surface(kMotorcycle, "car_paint");
-  const SurfaceIndex metal = s.surface(kMotorcycle, "metal_bare");
-  const SurfaceIndex black = s.surface(kMotorcycle, "plastic_black");
-  const SurfaceIndex glass = s.surface(kMotorcycle, "glass");
-  const SurfaceIndex reflector = s.surface(kMotorcycle, "sign_retroreflective");
+  const auto [paint, metal, black, glass, reflector] =
+      s.surfaces(kMotorcycle, "car_paint", "metal_bare", "plastic_black", "glass", "sign_retroreflective");
   const double r = draw.in(0.3, 0.32);
   const double wheelbase = draw.in(1.36, 1.5);
   const Vec3d rear{-wheelbase / 2, 0, r};

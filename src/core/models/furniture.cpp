@@ -14,8 +14,7 @@ constexpr double kSunk = 0.06;  // m, depth to which posts and bases extend belo
 // The functions below append one object each, about the origin. Its sizes (m) are by eye from usual products.
 
 void appendBench(Shape& s, Draw&) {
-  const SurfaceIndex wood = s.surface("object", "wood");
-  const SurfaceIndex metal = s.surface("object", "painted_metal");
+  const auto [wood, metal] = s.surfaces("object", "wood", "painted_metal");
   for (int k = 0; k < 4; ++k) s.box(wood, {0, -0.17 + 0.115 * k, 0.45}, {1.7, 0.095, 0.035});         // seat
   for (int k = 0; k < 3; ++k) s.box(wood, {0, 0.25 + 0.025 * k, 0.58 + 0.13 * k}, {1.7, 0.03, 0.1});  // back
   for (const double x : {-0.7, 0.7}) {  // legs, the supports of seat and back, and an armrest
@@ -39,8 +38,7 @@ void appendHydrant(Shape& s, Draw&) {
 }
 
 void appendWheelieBin(Shape& s, Draw&) {
-  const SurfaceIndex body = s.surface("object", "plastic_black");
-  const SurfaceIndex rubber = s.surface("object", "rubber");
+  const auto [body, rubber] = s.surfaces("object", "plastic_black", "rubber");
   s.grid({levelRectangle(0.03, 0.01, 0.01), levelRectangle(0.03, 0.2, 0.2), levelRectangle(0.95, 0.28, 0.27),
           levelRectangle(0.96, 0.31, 0.29), levelRectangle(1.0, 0.31, 0.29), levelRectangle(1.06, 0.22, 0.2, -0.02),
           levelRectangle(1.065, 0.01, 0.01, -0.02)},
@@ -51,8 +49,7 @@ void appendWheelieBin(Shape& s, Draw&) {
 }
 
 void appendBin(Shape& s, Draw&) {
-  const SurfaceIndex metal = s.surface("object", "painted_metal");
-  const SurfaceIndex dark = s.surface("object", "plastic_black");
+  const auto [metal, dark] = s.surfaces("object", "painted_metal", "plastic_black");
   s.rod(metal, {-0.16, 0, -kSunk}, {-0.16, 0, 1.15}, 0.03, 8);
   s.revolve(metal, at({0.05, 0, 0.45}), {{0, 0}, {0.15, 0}, {0.18, 0.5}, {0.19, 0.52}, {0.17, 0.53}}, 16);
   s.revolve(dark, at({0.05, 0, 0.45}), {{0.17, 0.53}, {0.16, 0.4}, {0, 0.4}}, 16);
@@ -61,8 +58,7 @@ void appendBin(Shape& s, Draw&) {
 }
 
 void appendLetterBox(Shape& s, Draw&) {
-  const SurfaceIndex paint = s.surface("object", "painted_metal");
-  const SurfaceIndex dark = s.surface("object", "plastic_black");
+  const auto [paint, dark] = s.surfaces("object", "painted_metal", "plastic_black");
   for (const double y : {-0.15, 0.15}) s.box(paint, {0, y, 0.3}, {0.06, 0.06, 0.6 + kSunk * 2});
   const auto ring = [](double z, double half) { return levelRectangle(z, half * 0.7, half); };
   s.grid({ring(0.58, 0.01), ring(0.58, 0.3), ring(1.2, 0.3), ring(1.3, 0.25), ring(1.34, 0.15), ring(1.345, 0.01)},
@@ -72,8 +68,7 @@ void appendLetterBox(Shape& s, Draw&) {
 }
 
 void appendPowerBox(Shape& s, Draw& draw) {
-  const SurfaceIndex paint = s.surface("object", "painted_metal");
-  const SurfaceIndex concrete = s.surface("object", "concrete");
+  const auto [paint, concrete] = s.surfaces("object", "painted_metal", "concrete");
   const double width = draw.in(0.8, 1.4);
   const double height = draw.in(1.0, 1.4);
   s.box(concrete, {0, 0, 0.03}, {width + 0.06, 0.42, 0.2});
@@ -100,8 +95,7 @@ void appendBollard(Shape& s, Draw&) {
 }
 
 void appendPlanter(Shape& s, Draw&) {
-  const SurfaceIndex concrete = s.surface("object", "concrete");
-  const SurfaceIndex soil = s.surface("object", "soil");
+  const auto [concrete, soil] = s.surfaces("object", "concrete", "soil");
   s.revolve(concrete, {}, {{0.32, -kSunk}, {0.35, 0.1}, {0.48, 0.5}, {0.5, 0.55}, {0.44, 0.55}, {0.43, 0.5}}, 20);
   s.revolve(soil, {}, {{0.43, 0.5}, {0.2, 0.53}, {0, 0.54}}, 20);
 }
@@ -209,9 +203,7 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing kind)
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::Shelter);
   Shape s(builder, "bus shelter");
-  const SurfaceIndex metal = s.surface("structure", "painted_metal");
-  const SurfaceIndex glass = s.surface("structure", "glass");
-  const SurfaceIndex wood = s.surface("structure", "wood");
+  const auto [metal, glass, wood] = s.surfaces("structure", "painted_metal", "glass", "wood");
   const double width = draw.in(3.2, 4.2);
   const double height = draw.in(2.35, 2.55);
   constexpr double kDepth = 1.3;

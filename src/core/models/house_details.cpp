@@ -41,8 +41,7 @@ class Details {
   // Adds floors, a wall along the middle of the house, walls across the house between some columns of windows, and a
   // piece of furniture for each floor and column.
   void rooms() {
-    const SurfaceIndex inside = s_.surface("building", "plaster");
-    const SurfaceIndex boards = s_.surface("building", "wood");
+    const auto [inside, boards] = s_.surfaces("building", "plaster", "wood");
     const double x0 = kWall;
     const double x1 = h_.width - kWall;
     const double y0 = kWall;

@@ -118,7 +118,12 @@ class Shape {
  public:
   Shape(SceneBuilder& builder, std::string name);
 
+  // surface() returns the surface of a class with a material, surfaces() those of a class with several materials.
   SurfaceIndex surface(std::string_view className, std::string_view material);
+  template <class... Materials>
+  std::array<SurfaceIndex, sizeof...(Materials)> surfaces(std::string_view className, const Materials&... materials) {
+    return {surface(className, materials)...};
+  }
 
   void triangle(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const Vec3d& c);
   void quad(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);

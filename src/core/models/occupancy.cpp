@@ -19,19 +19,16 @@ bool overlapOnAxes(const Footprint& a, const Footprint& b) {
 
 }  // namespace
 
-Footprint footprint(const Model& m, const Spot& s, double grow) {
-  const Vec3d c = m.bounds.center() * s.scale;
-  const double cy = std::cos(s.yaw);
-  const double sy = std::sin(s.yaw);
-  return {{s.at.x + cy * c.x - sy * c.y, s.at.y + sy * c.x + cy * c.y},
-          (m.bounds.high.x - m.bounds.low.x) / 2 * s.scale + grow,
-          (m.bounds.high.y - m.bounds.low.y) / 2 * s.scale + grow,
-          s.yaw};
+Footprint footprint(const Model& model, const Spot& spot, double margin) {
+  const Vec3d center = model.bounds.center() * spot.scale;
+  const Vec3d size = model.bounds.high - model.bounds.low;
+  const Footprint aboutOrigin{spot.at, size.x / 2 * spot.scale + margin, size.y / 2 * spot.scale + margin, spot.yaw};
+  return {aboutOrigin.at(center.x, center.y), aboutOrigin.halfX, aboutOrigin.halfY, spot.yaw};
 }
 
-Affine poseOf(const Spot& s, double z) {
-  Affine pose = at({s.at.x, s.at.y, z}, s.yaw);
-  pose.linear = pose.linear * toMatrix(fromYawPitchRoll(0, 0, s.lean)) * Mat3::scale(Vec3d{1, 1, 1} * s.scale);
+Affine poseOf(const Spot& spot, double z) {
+  Affine pose = at({spot.at.x, spot.at.y, z}, spot.yaw);
+  pose.linear = pose.linear * toMatrix(fromYawPitchRoll(0, 0, spot.lean)) * Mat3::scale(Vec3d{1, 1, 1} * spot.scale);
   return pose;
 }
 
@@ -39,16 +36,16 @@ Affine poseOf(const Spot& s, double z) {
 bool Occupancy::isFree(const Footprint& f) const {
   bool free = true;
   forCells(f.center, f.center, std::hypot(f.halfX, f.halfY), kCell, [&](std::uint64_t key) {
-    free = free && std::ranges::none_of(cells_.of(key), [&](std::uint32_t index) {
-             return overlapOnAxes(f, taken_[index]) && overlapOnAxes(taken_[index], f);
+    free = free && std::ranges::none_of(cells_.inCell(key), [&](std::uint32_t index) {
+             return overlapOnAxes(f, rectangles_[index]) && overlapOnAxes(rectangles_[index], f);
            });
   });
   return free;
 }
 
 void Occupancy::add(const Footprint& f) {
-  cells_.add(f.center, f.center, std::hypot(f.halfX, f.halfY), static_cast<std::uint32_t>(taken_.size()));
-  taken_.push_back(f);
+  cells_.add(f.center, f.center, std::hypot(f.halfX, f.halfY), static_cast<std::uint32_t>(rectangles_.size()));
+  rectangles_.push_back(f);
 }
 
 }  // namespace scanmill::models

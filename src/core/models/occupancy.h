@@ -26,18 +26,23 @@ struct Footprint {
   }
 };
 
-// The place of an object on the ground.
+// Returns the square about a point with sides of 2 * `half` metres.
+inline Footprint squareAbout(const Point2& center, double half, double yaw = 0) {
+  return {center, half, half, yaw};
+}
+
+// The pose and size of an object on the ground.
 struct Spot {
   Point2 at;
   double yaw = 0, scale = 1;
   double lean = 0;  // rad, roll about x
 };
 
-// Returns the rectangle that a model covers at a spot, enlarged by `grow` (m) on all sides.
-Footprint footprint(const Model& m, const Spot& s, double grow);
+// Returns the rectangle that a model covers at a spot, enlarged by `margin` (m) on all sides.
+Footprint footprint(const Model& model, const Spot& spot, double margin);
 
 // Returns the pose of a model at a spot, with its origin at the height `z` (m).
-Affine poseOf(const Spot& s, double z);
+Affine poseOf(const Spot& spot, double z);
 
 // Returns the column or row of a coordinate in a grid over the ground with cells of `side` metres.
 inline std::int64_t cellOf(double v, double side) {
@@ -54,11 +59,14 @@ inline std::uint64_t cellKeyAt(const Point2& p, double side) {
   return cellKey(cellOf(p.x, side), cellOf(p.y, side));
 }
 
-// Calls visit(key) for all cells that the rectangle from `low` to `high`, enlarged by `reach` (m), may overlap.
+// Calls visit(key) for all cells with sides of `side` metres that the rectangle from `low` to `high`, enlarged by
+// `reach` (m), may overlap.
 template <class Visit>
 void forCells(const Point2& low, const Point2& high, double reach, double side, const Visit& visit) {
-  for (std::int64_t y = cellOf(low.y - reach, side); y <= cellOf(high.y + reach, side); ++y) {
-    for (std::int64_t x = cellOf(low.x - reach, side); x <= cellOf(high.x + reach, side); ++x) visit(cellKey(x, y));
+  for (std::int64_t row = cellOf(low.y - reach, side); row <= cellOf(high.y + reach, side); ++row) {
+    for (std::int64_t column = cellOf(low.x - reach, side); column <= cellOf(high.x + reach, side); ++column) {
+      visit(cellKey(column, row));
+    }
   }
 }
 
@@ -73,27 +81,28 @@ class CellIndex {
   void add(const Point2& low, const Point2& high, double reach, std::uint32_t index) {
     forCells(low, high, reach, side_, [&](std::uint64_t key) { cells_[key].push_back(index); });
   }
-  // Returns the indices of a cell, or of the cell that contains a point, in the order in which they were added.
-  std::span<const std::uint32_t> of(std::uint64_t key) const {
+  // Return the indices of a cell, or of the cell that contains a point, in the order in which they were added.
+  std::span<const std::uint32_t> inCell(std::uint64_t key) const {
     const auto cell = cells_.find(key);
     return cell == cells_.end() ? std::span<const std::uint32_t>() : cell->second;
   }
-  std::span<const std::uint32_t> at(const Point2& p) const { return of(cellKeyAt(p, side_)); }
+  std::span<const std::uint32_t> at(const Point2& p) const { return inCell(cellKeyAt(p, side_)); }
 
  private:
   double side_;
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
 };
 
+// A set of rectangles. isFree() is true if a rectangle overlaps none of them.
 class Occupancy {
  public:
-  bool isFree(const Footprint& f) const;
-  void add(const Footprint& f);
+  bool isFree(const Footprint& rectangle) const;
+  void add(const Footprint& rectangle);
 
  private:
   static constexpr double kCell = 8;  // m, side of a grid cell
-  std::vector<Footprint> taken_;
-  CellIndex cells_{kCell};  // of indices in taken_, by the circumcircles of the rectangles
+  std::vector<Footprint> rectangles_;
+  CellIndex cells_{kCell};  // of indices in rectangles_, by the circumcircles of the rectangles
 };
 
 }  // namespace scanmill::models

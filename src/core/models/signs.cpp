@@ -42,8 +42,7 @@ Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int 
   Draw draw(seed, Kind::Sign, number);
   Shape s(builder, "traffic sign");
   const SurfaceIndex post = s.surface("pole", "metal_galvanised");
-  const SurfaceIndex front = s.surface("traffic_sign", "sign_retroreflective");
-  const SurfaceIndex back = s.surface("traffic_sign", "painted_metal");
+  const auto [front, back] = s.surfaces("traffic_sign", "sign_retroreflective", "painted_metal");
   const double low = draw.in(2.2, 2.5);  // m, height of the board's lower edge
   const auto& [corners, radius, firstAngle, halfHeight] = kSignForms[static_cast<std::size_t>(sign)];
   const std::vector<Point2> board =
@@ -64,9 +63,7 @@ Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int 
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Lamp, form);
   Shape s(builder, "street lamp");
-  const SurfaceIndex metal = s.surface("street_lamp", "metal_galvanised");
-  const SurfaceIndex paint = s.surface("street_lamp", "painted_metal");
-  const SurfaceIndex glass = s.surface("street_lamp", "glass");
+  const auto [metal, paint, glass] = s.surfaces("street_lamp", "metal_galvanised", "painted_metal", "glass");
   const double height = form == 0 ? draw.in(6.5, 8.0) : draw.in(4.0, 5.0);
   s.revolve(metal, {}, {{0.1, -kSignSunk}, {0.1, 0.9}, {0.075, 1.0}, {0.05, height - 0.6}}, 14);
   s.box(paint, {0, -0.095, 0.55}, {0.08, 0.02, 0.3});  // the fuse box's door
@@ -95,8 +92,7 @@ Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
 UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::UtilityPole);
   Shape s(builder, "utility pole");
-  const SurfaceIndex wood = s.surface("pole", "wood_weathered");
-  const SurfaceIndex metal = s.surface("pole", "metal_weathered");
+  const auto [wood, metal] = s.surfaces("pole", "wood_weathered", "metal_weathered");
   UtilityPole pole;
   const double height = draw.in(8, 9.5);
   s.tube(wood, {0, 0, -kSignSunk}, {0, 0, height}, 0.16, 0.1, 14);
@@ -126,8 +122,7 @@ Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::Light);
   Shape s(builder, "traffic light");
   const SurfaceIndex post = s.surface("pole", "metal_weathered");
-  const SurfaceIndex box = s.surface("traffic_light", "plastic_black");
-  const SurfaceIndex glass = s.surface("traffic_light", "glass");
+  const auto [box, glass] = s.surfaces("traffic_light", "plastic_black", "glass");
   const double z = draw.in(2.3, 2.6);  // m, height of the lower edge of the housing
   s.rod(post, {0, 0, -kSignSunk}, {0, 0, z + 1.15}, 0.057, 14);
   s.box(box, {0.19, 0, z + 0.5}, {0.2, 0.3, 0.96});

@@ -175,8 +175,7 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
   const double base = habit.crownBase * height / habit.height;
   const double crown = height - base;
   const TrunkAxis trunk = appendTrunk(s, draw, habit, base, crown);
-  const SurfaceIndex branch = s.surface("tree", "bark");
-  const SurfaceIndex leaf = s.surface("tree", "leaf");
+  const auto [branch, leaf] = s.surfaces("tree", "bark", "leaf");
   const std::vector<Cluster> clusters = drawClusters(draw, habit, trunk, base, crown, radius, ragged);
   double squares = 0;  // of all radii: a cluster's share of the leaves is its share of this sum
   for (const Cluster& c : clusters) squares += c.radius * c.radius;
@@ -227,8 +226,7 @@ std::vector<Bough> drawBoughs(Draw& draw, double base, double height, double rad
 // Appends a conifer: a trunk, and boughs with needles on both sides. `height`, `radius`: of tree and crown (m).
 void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
   const SurfaceIndex bark = s.surface("trunk", "bark");
-  const SurfaceIndex branch = s.surface("tree", "bark");
-  const SurfaceIndex needles = s.surface("tree", "leaf_conifer");
+  const auto [branch, needles] = s.surfaces("tree", "bark", "leaf_conifer");
   s.pipe(bark, {{0, 0, -0.15}, {0, 0, 0.3}, {0.04, 0.02, height * 0.5}, {0, 0, height - 0.1}},
          {habit.trunkRadius * 1.3, habit.trunkRadius, habit.trunkRadius * 0.55, 0.015}, 12);
   const std::vector<Bough> boughs = drawBoughs(draw, habit.crownBase * height / habit.height, height, radius);
@@ -277,8 +275,7 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double d
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
   Draw draw(seed, Kind::Bush, form);
   Shape s(builder, "bush");
-  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
-  const SurfaceIndex bark = s.surface("vegetation", "bark");
+  const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
   const double size = draw.in(0.5, 0.95);  // m, about the bush's radius
   const int balls = 4 + draw.below(4);     // balls of leaves; the first one is in the middle and on top
   for (int i = 0; i < balls; ++i) {
@@ -296,8 +293,7 @@ Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double folia
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Hedgerow, form);
   Shape s(builder, "hedge");
-  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
-  const SurfaceIndex bark = s.surface("vegetation", "bark");
+  const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
   const double height = draw.in(0.9, 2.4);
   const double depth = draw.in(0.6, 1.3);
   for (int k = 0; k < 6; ++k) {
@@ -329,8 +325,7 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
 Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
   Draw draw(seed, Kind::Undergrowth, form);
   Shape s(builder, "undergrowth");
-  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
-  const SurfaceIndex bark = s.surface("vegetation", "bark");
+  const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
   const double height = draw.in(1.4, 3.2);
   const double radius = draw.in(1.1, 1.8);
   const int balls = 6 + draw.below(5);

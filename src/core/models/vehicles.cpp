@@ -157,9 +157,8 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
   appendBody(shape, truckCab(width));
   shape.frame = {};
 
-  const SurfaceIndex metal = shape.surface("truck", "painted_metal");
-  const SurfaceIndex black = shape.surface("truck", "plastic_black");
-  const SurfaceIndex reflector = shape.surface("truck", "sign_retroreflective");
+  const auto [metal, black, reflector] =
+      shape.surfaces("truck", "painted_metal", "plastic_black", "sign_retroreflective");
   const double front = end - kCabLength - 0.2;  // x of the cargo box's front
   const double boxLength = front + end;
   const double middle = (front - end) / 2;
@@ -230,9 +229,7 @@ Model makeBus(SceneBuilder& builder, std::uint64_t seed) {
                      .wheelWidth = 0.3,
                      .mirrors = false});
 
-  const SurfaceIndex metal = shape.surface("bus", "painted_metal");
-  const SurfaceIndex glass = shape.surface("bus", "glass");
-  const SurfaceIndex black = shape.surface("bus", "plastic_black");
+  const auto [metal, glass, black] = shape.surfaces("bus", "painted_metal", "glass", "plastic_black");
   shape.box(glass, {-end - 0.01, 0, roof - 0.75}, {0.08, 1.9, 0.8});  // rear window
   shape.box(black, {end - 0.47, 0, roof - 0.13}, {0.3, 1.6, 0.24});   // destination board
   shape.box(metal, {-end + 2.2, 0, roof + 0.08}, {2.4, 1.6, 0.3});    // air conditioning

@@ -11,9 +11,8 @@ constexpr const char* kClass = "other_vehicle";
 
 // Appends a trailer: a frame with its hitch and a box, sometimes with a cover.
 void appendTrailer(Shape& s, Draw& draw) {
-  const SurfaceIndex metal = s.surface(kClass, "metal_galvanised");
-  const SurfaceIndex black = s.surface(kClass, "plastic_black");
-  const SurfaceIndex reflector = s.surface(kClass, "sign_retroreflective");
+  const auto [metal, black, reflector] =
+      s.surfaces(kClass, "metal_galvanised", "plastic_black", "sign_retroreflective");
   const double length = draw.in(2.2, 3.2);
   const double width = draw.in(1.3, 1.6);
   const double wall = draw.in(0.35, 0.45);
@@ -36,9 +35,7 @@ void appendTrailer(Shape& s, Draw& draw) {
 
 // Appends a caravan: its body with windows and a door on the right, wheels, drawbar, support and gas box.
 void appendCaravan(Shape& s, Draw& draw) {
-  const SurfaceIndex shell = s.surface(kClass, "car_paint_white");
-  const SurfaceIndex glass = s.surface(kClass, "glass");
-  const SurfaceIndex black = s.surface(kClass, "plastic_black");
+  const auto [shell, glass, black] = s.surfaces(kClass, "car_paint_white", "glass", "plastic_black");
   const double length = draw.in(4.2, 6.2);
   const double half = 1.12;  // m, half of the width
   const double top = draw.in(2.5, 2.65);
@@ -61,9 +58,7 @@ void appendCaravan(Shape& s, Draw& draw) {
 
 // Appends a cab with posts and glass on all sides, and a seat in it.
 void appendCab(Shape& s, const Vec3d& middle, const Vec3d& size) {
-  const SurfaceIndex paint = s.surface(kClass, "painted_metal");
-  const SurfaceIndex glass = s.surface(kClass, "glass");
-  const SurfaceIndex seat = s.surface(kClass, "cloth_dark");
+  const auto [paint, glass, seat] = s.surfaces(kClass, "painted_metal", "glass", "cloth_dark");
   s.box(paint, middle + Vec3d{0, 0, size.z / 2}, {size.x + 0.1, size.y + 0.1, 0.1});
   s.box(paint, middle - Vec3d{0, 0, size.z / 2}, {size.x, size.y, 0.1});
   for (const double sign : {-1.0, 1.0}) {
@@ -80,8 +75,7 @@ void appendCab(Shape& s, const Vec3d& middle, const Vec3d& size) {
 
 // Appends a tractor: large rear wheels, small front wheels, bonnet, cab, mudguards, exhaust and lower links.
 void appendTractor(Shape& s, Draw& draw) {
-  const SurfaceIndex paint = s.surface(kClass, "painted_metal");
-  const SurfaceIndex black = s.surface(kClass, "plastic_black");
+  const auto [paint, black] = s.surfaces(kClass, "painted_metal", "plastic_black");
   const double rearRadius = draw.in(0.75, 0.9);
   appendWheels(s, kClass, -0.7, 0.78, rearRadius, 0.45);
   appendWheels(s, kClass, 1.5, 0.72, 0.62 * rearRadius, 0.3);
@@ -96,9 +90,7 @@ void appendTractor(Shape& s, Draw& draw) {
 
 // Appends an excavator: two tracks, and on them the upper carriage, rotated at random, with cab, boom, arm and bucket.
 void appendExcavator(Shape& s, Draw& draw) {
-  const SurfaceIndex paint = s.surface(kClass, "painted_metal");
-  const SurfaceIndex track = s.surface(kClass, "rubber");
-  const SurfaceIndex metal = s.surface(kClass, "metal_weathered");
+  const auto [paint, track, metal] = s.surfaces(kClass, "painted_metal", "rubber", "metal_weathered");
   for (const double y : {-0.75, 0.75}) {
     std::vector<Point2> belt = regularPolygon(16, 0.32);  // two half circles about the ends of the track
     for (Point2& p : belt) p.x += p.x > 0 ? 0.95 : -0.95;

@@ -191,17 +191,17 @@ void placeSquares(Placer& placer) {
   const Layout& l = placer.layout;
   std::uint32_t square = 0;
   int number = 0;
-  const bool any = std::any_of(l.areas.all().begin(), l.areas.all().end(),
+  const bool any = std::any_of(l.areas.list().begin(), l.areas.list().end(),
                                [](const MapArea& area) { return area.land == Land::Paved && area.square; });
   if (!any) return;
   const Model bench = models::makeFurnishing(placer.builder, l.seed, models::Furnishing::Bench);
   const Model planter = models::makeFurnishing(placer.builder, l.seed, models::Furnishing::Planter);
-  for (const MapArea& area : l.areas.all()) {
+  for (const MapArea& area : l.areas.list()) {
     Draw draw(l.seed, Kind::Square, ++square);
     if (area.land != Land::Paved || !area.square) continue;
     const Footprint about = rectangleAbout(area.outline);
     const auto put = [&](const Model& m, const Point2& p, double yaw) {
-      if (l.areas.outsideHard(p) > -1.5 || l.areas.at(p) != Land::Paved) return;
+      if (l.areas.outsideHard(p) > -1.5 || l.areas.landAt(p) != Land::Paved) return;
       if (placer.tryPut(m, {p, yaw, 1, 0}, fmt::format("square's {}", number + 1))) ++number;
     };
     if (draw.chance(0.5)) put(anyClutter(placer, Clutter::Fountain, draw), about.center, 0);

@@ -32,24 +32,31 @@ double lengthOf(const Line& line) {
 }
 
 Point2 pointAt(const Line& line, double along) {
+  double remaining = along;
   for (std::size_t i = 1; i < line.size(); ++i) {
-    const double size = distance(line[i - 1], line[i]);
-    if (along <= size && size > 0) return models::lerp(line[i - 1], line[i], along / size);
-    along -= size;
+    const double length = distance(line[i - 1], line[i]);
+    if (remaining <= length && length > 0) return models::lerp(line[i - 1], line[i], remaining / length);
+    remaining -= length;
   }
   return line.back();
 }
 
+Point2 directionOf(const Point2& a, const Point2& b) {
+  const double length = distance(a, b);
+  return {(b.x - a.x) / length, (b.y - a.y) / length};
+}
+
 Nearest nearestOn(const Line& line, const Point2& p) {
   Nearest nearest;
-  double before = 0;
+  double travelled = 0;  // m from the start of the line to the segment
   for (std::size_t i = 1; i < line.size(); ++i) {
-    const double size = distance(line[i - 1], line[i]);
-    const Point2 h{(line[i].x - line[i - 1].x) / size, (line[i].y - line[i - 1].y) / size};
-    const double t = std::clamp((p.x - line[i - 1].x) * h.x + (p.y - line[i - 1].y) * h.y, 0.0, size);
-    const double d = distance(p, {line[i - 1].x + h.x * t, line[i - 1].y + h.y * t});
-    if (d < nearest.distance) nearest = {d, before + t, h};
-    before += size;
+    const Point2& start = line[i - 1];
+    const double length = distance(start, line[i]);
+    const Point2 heading = directionOf(start, line[i]);
+    const double t = std::clamp((p.x - start.x) * heading.x + (p.y - start.y) * heading.y, 0.0, length);
+    const double d = distance(p, {start.x + heading.x * t, start.y + heading.y * t});
+    if (d < nearest.distance) nearest = {d, travelled + t, heading};
+    travelled += length;
   }
   return nearest;
 }
@@ -58,26 +65,26 @@ Line evenLine(const Line& line, double step) {
   const double length = lengthOf(line);
   const auto count = std::max(1, static_cast<int>(std::lround(length / step)));
   Line points;
-  std::size_t segment = 1;
-  double before = 0;
+  std::size_t segment = 1;  // index of the end point of the current segment of the line
+  double travelled = 0;     // m from the start of the line to the start of the segment
   for (int k = 0; k <= count; ++k) {
-    const double at = length * k / count;
-    while (segment + 1 < line.size() && before + distance(line[segment - 1], line[segment]) < at) {
-      before += distance(line[segment - 1], line[segment]);
+    const double target = length * k / count;
+    while (segment + 1 < line.size() && travelled + distance(line[segment - 1], line[segment]) < target) {
+      travelled += distance(line[segment - 1], line[segment]);
       ++segment;
     }
-    const double size = distance(line[segment - 1], line[segment]);
-    const double part = size > 0 ? std::clamp((at - before) / size, 0.0, 1.0) : 0;
-    points.push_back(models::lerp(line[segment - 1], line[segment], part));
+    const double segmentLength = distance(line[segment - 1], line[segment]);
+    const double t = segmentLength > 0 ? std::clamp((target - travelled) / segmentLength, 0.0, 1.0) : 0;
+    points.push_back(models::lerp(line[segment - 1], line[segment], t));
   }
   return points;
 }
 
 Line denseLine(const Line& line, double step) {
-  constexpr double kSame = 0.02;  // m
+  constexpr double kLeastDistance = 0.02;  // m between two points of the result
   Line points{line.front()};
   for (const Point2& p : line) {
-    if (distance(p, points.back()) < kSame) continue;
+    if (distance(p, points.back()) < kLeastDistance) continue;
     const Line piece = evenLine({points.back(), p}, step);
     points.insert(points.end(), piece.begin() + 1, piece.end());
   }
@@ -88,17 +95,18 @@ Line smoothLine(const Line& line, double step) {
   Line points = evenLine(line, step);
   constexpr int kPasses = 8;  // together the passes average over about two points on both sides
   for (int pass = 0; pass < kPasses; ++pass) {
-    Line next = points;
+    Line averaged = points;
     for (std::size_t i = 1; i + 1 < points.size(); ++i) {
-      next[i] = {(points[i - 1].x + 2 * points[i].x + points[i + 1].x) / 4,
-                 (points[i - 1].y + 2 * points[i].y + points[i + 1].y) / 4};
+      averaged[i] = {(points[i - 1].x + 2 * points[i].x + points[i + 1].x) / 4,
+                     (points[i - 1].y + 2 * points[i].y + points[i + 1].y) / 4};
     }
-    points = std::move(next);
+    points = std::move(averaged);
   }
-  // Drops points within 0.1 m of the point before, since smoothed points may coincide where the line turns back.
+  // Smoothed points may coincide where the line turns back.
+  constexpr double kLeastDistance = 0.1;  // m between two points of the result
   Line apart;
   for (const Point2& p : points) {
-    if (apart.empty() || distance(apart.back(), p) > 0.1) apart.push_back(p);
+    if (apart.empty() || distance(apart.back(), p) > kLeastDistance) apart.push_back(p);
   }
   if (apart.size() > 1) apart.back() = points.back();
   return apart;
@@ -150,29 +158,30 @@ std::vector<Point2> pointsAlong(const Polygon& ring, double step) {
   return points;
 }
 
-double sizeOf(const Polygon& ring) {
+double areaOf(const Polygon& ring) {
   double area = 0;
   forSides(ring, [&](const Point2& p, const Point2& q) { area += (p.x * q.y - q.x * p.y) / 2; });
   return area;
 }
 
 models::Footprint rectangleAbout(const Polygon& ring) {
-  models::Footprint best;
-  double smallest = 1e18;
+  models::Footprint smallest;
+  double smallestArea = 1e18;
   forSides(ring, [&](const Point2& a, const Point2& b) {
     const double yaw = std::atan2(b.y - a.y, b.x - a.x);
     const double c = std::cos(yaw);
     const double s = std::sin(yaw);
-    Polygon turned;
-    for (const Point2& p : ring) turned.push_back({p.x * c + p.y * s, p.y * c - p.x * s});
-    const auto [low, high] = extentOf(turned);
-    if ((high.x - low.x) * (high.y - low.y) >= smallest) return;
-    smallest = (high.x - low.x) * (high.y - low.y);
+    Polygon rotated;  // in the axes of this side
+    for (const Point2& p : ring) rotated.push_back({p.x * c + p.y * s, p.y * c - p.x * s});
+    const auto [low, high] = extentOf(rotated);
+    const double area = (high.x - low.x) * (high.y - low.y);
+    if (area >= smallestArea) return;
+    smallestArea = area;
     const double u = (low.x + high.x) / 2;
     const double v = (low.y + high.y) / 2;
-    best = {{u * c - v * s, u * s + v * c}, (high.x - low.x) / 2, (high.y - low.y) / 2, yaw};
+    smallest = {{u * c - v * s, u * s + v * c}, (high.x - low.x) / 2, (high.y - low.y) / 2, yaw};
   });
-  return best;
+  return smallest;
 }
 
 Polygon cornersOf(const models::Footprint& f) {
@@ -181,17 +190,20 @@ Polygon cornersOf(const models::Footprint& f) {
 
 Polygon clipped(Polygon ring, double half) {
   for (int side = 0; side < 4; ++side) {
+    // Returns the distance (m) between a point and the line through this side of the square, positive inside.
     const auto inside = [&](const Point2& p) {
       return (side == 0 ? p.x : side == 1 ? -p.x : side == 2 ? p.y : -p.y) + half;
     };
-    Polygon cut;
+    Polygon clippedRing;
     forSides(ring, [&](const Point2& a, const Point2& b) {
-      const double of = inside(a);
-      const double next = inside(b);
-      if (of >= 0) cut.push_back(a);
-      if ((of >= 0) != (next >= 0)) cut.push_back(models::lerp(a, b, of / (of - next)));
+      const double insideA = inside(a);
+      const double insideB = inside(b);
+      if (insideA >= 0) clippedRing.push_back(a);
+      if ((insideA >= 0) != (insideB >= 0)) {
+        clippedRing.push_back(models::lerp(a, b, insideA / (insideA - insideB)));
+      }
     });
-    ring = std::move(cut);
+    ring = std::move(clippedRing);
   }
   return ring;
 }

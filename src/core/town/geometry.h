@@ -23,7 +23,8 @@ struct Extent {
 Extent extentOf(const std::vector<Point2>& points);  // of at least one point
 
 double lengthOf(const Line& line);
-Point2 pointAt(const Line& line, double along);  // returns the line's end if `along` exceeds its length
+Point2 pointAt(const Line& line, double along);        // returns the line's end if `along` exceeds its length
+Point2 directionOf(const Point2& a, const Point2& b);  // unit vector from a to b
 
 // The point of a line that is nearest to another point.
 struct Nearest {
@@ -47,14 +48,15 @@ std::vector<Line> runsWithin(const Line& line, double half);
 
 // True if the point is inside by the even-odd rule over all rings.
 bool isInside(const std::vector<const Polygon*>& rings, const Point2& p);
+// Returns the distance (m) between a point and the nearest side of any ring.
 double distanceToRings(const std::vector<const Polygon*>& rings, const Point2& p);
 // Returns the ring's corners and points between them, at most `step` apart.
 std::vector<Point2> pointsAlong(const Polygon& ring, double step);
-double sizeOf(const Polygon& ring);  // area in m^2; negative if the ring is clockwise
+double areaOf(const Polygon& ring);  // m^2; negative if the ring is clockwise
 // Returns the smallest rectangle that contains a polygon and is parallel to one of the polygon's sides.
 models::Footprint rectangleAbout(const Polygon& ring);
 Polygon cornersOf(const models::Footprint& f);
-// Returns the part of a polygon in the square about the origin with sides of 2 * half: Sutherland and Hodgman,
+// Returns the part of a polygon in the square about the origin with sides of 2 * half, by Sutherland and Hodgman,
 // "Reentrant polygon clipping", Communications of the ACM 17 (1974). If clipping separates the polygon into parts, the
 // parts stay connected along the square's sides.
 [[nodiscard]] Polygon clipped(Polygon ring, double half);

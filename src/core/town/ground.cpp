@@ -19,6 +19,7 @@ constexpr double kSmallest = 1;  // m, side of the smallest cells away from poth
 
 class GroundMaker {
  public:
+  // Adds the surfaces of all kinds of ground, which depend on the season and on random properties of the town.
   GroundMaker(SceneBuilder& builder, const Layout& layout) : layout_(layout), shape_(builder, "ground") {
     const bool paved = Draw(layout.seed, models::Kind::Terrain).chance(0.5);
     const bool dry = Draw(layout.seed, models::Kind::DrySoil).chance(0.2);
@@ -37,7 +38,7 @@ class GroundMaker {
     set(GroundKind::Driveway, "driveway", "paving");
     set(GroundKind::Path, "driveway", "concrete");
     set(GroundKind::Lawn, "terrain", lawn);
-    if (layout.areas.all().empty()) return;
+    if (layout.areas.list().empty()) return;
     set(GroundKind::Water, "water", "water");
     set(GroundKind::Lot, "parking", paved ? "paving" : "asphalt");
     set(GroundKind::Paved, "sidewalk", "paving");
@@ -55,7 +56,7 @@ class GroundMaker {
       });
     }
     cut([&](std::uint32_t p) { return layout_.outsidePatches(tiling_.points[p]); });
-    if (!layout_.areas.all().empty()) {
+    if (!layout_.areas.list().empty()) {
       cut([&](std::uint32_t p) { return layout_.areas.outsideHard(tiling_.points[p]); });
     }
     addTriangles();
@@ -63,19 +64,21 @@ class GroundMaker {
   }
 
  private:
+  // Makes the tiling: cells of kSmallest / 8 at potholes, of kSmallest near roads and sharp edges, up to 8 m elsewhere.
   void tile() {
     tiling_ = makeTiling(layout_.halfSide, kSmallest / 8, [&](double x, double y, double size) {
-      if (size > kSmallest / 8 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
+      const double radius = 0.71 * size;  // m, half of the cell's diagonal, rounded up
+      if (size > kSmallest / 8 && layout_.nearPothole({x, y}, radius)) return true;
       if (size <= kSmallest * 1.0001) return false;
-      // Parking lots, squares, water and patches have sharp edges, which need fine cells.
-      const double reach = std::min(0.71 * size, 3.9);
-      if (size > 1 && std::abs(layout_.areas.outsideHard({x, y})) < reach) return true;
-      if (size > 1 && std::abs(layout_.outsidePatches({x, y})) < reach) return true;
+      // Parking lots, squares, water and patches have sharp edges. Their distances are known up to about 4 m.
+      const double reach = std::min(radius, 3.9);
+      if (std::abs(layout_.areas.outsideHard({x, y})) < reach) return true;
+      if (std::abs(layout_.outsidePatches({x, y})) < reach) return true;
       const Beside b = layout_.besideAt({x, y});
       // Beyond kReach the distance to roads is unknown: assume kReach.
-      const double nearest = (b.nearRoad ? b.edge : RoadNetwork::kReach) - 0.71 * size;
-      const double wanted = nearest < 14 ? kSmallest : nearest < 34 ? 2 * kSmallest : 8;
-      return size > wanted * 1.0001;
+      const double toRoad = (b.nearRoad ? b.edge : RoadNetwork::kReach) - radius;
+      const double largest = toRoad < 14 ? kSmallest : toRoad < 34 ? 2 * kSmallest : 8;
+      return size > largest * 1.0001;
     });
   }
 
@@ -96,14 +99,15 @@ class GroundMaker {
     }
   }
 
-  // Returns the number in sections_ of a cross section: the road's number, or a new one at crossings.
+  // Returns the index in sections_ of a cross section: the road's number, or a new index at crossings.
   std::uint32_t numberOf(const Beside& b) {
     if (b.section == sections_[b.road]) return b.road;
     sections_.push_back(b.section);
     return static_cast<std::uint32_t>(sections_.size() - 1);
   }
 
-  // Returns what the height and the kind of the ground at a point depend on, without the place along the road.
+  // Returns the position of a point relative to the nearest road, without its road, `along` and `lateral`: the height
+  // and the kind of the ground do not depend on these.
   Beside beside(std::uint32_t point) {
     makeBesides(point);
     const auto& [edge, section] = besides_[point];
@@ -134,39 +138,40 @@ class GroundMaker {
   // Returns the index of the vertex for a point of the tiling and a kind of ground. Kinds on the same level, above or
   // below the curb, share their vertices.
   std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
-    std::vector<std::uint32_t>& made = isLow(kind) ? low_ : high_;
-    if (made[point] == 0) {
+    std::uint32_t& indexPlusOne = (isLow(kind) ? low_ : high_)[point];
+    if (indexPlusOne == 0) {
       const Point2& p = tiling_.points[point];
       const double z = layout_.heightAt(kind, beside(point), p);
       shape_.mesh.positions.push_back(Vec3f(Vec3d{p.x, p.y, z}));
-      made[point] = static_cast<std::uint32_t>(shape_.mesh.positions.size());
+      indexPlusOne = static_cast<std::uint32_t>(shape_.mesh.positions.size());
     }
-    return made[point] - 1;
+    return indexPlusOne - 1;
   }
 
+  // Adds the triangles of the tiling to the mesh, and the curbs' walls between low and high ground.
   void addTriangles() {
     shape_.mesh.positions.reserve(tiling_.points.size() + tiling_.points.size() / 8);
     shape_.mesh.triangles.reserve(tiling_.triangles.size() + tiling_.triangles.size() / 8);
     shape_.mesh.surfaceOf.reserve(tiling_.triangles.size() + tiling_.triangles.size() / 8);
     low_.assign(tiling_.points.size(), 0);
     high_.assign(tiling_.points.size(), 0);
-    std::vector<bool> low;
-    low.reserve(tiling_.triangles.size());
+    std::vector<bool> isLowTriangle;
+    isLowTriangle.reserve(tiling_.triangles.size());
     for (const std::array<std::uint32_t, 3>& t : tiling_.triangles) {
       const GroundKind kind = kindOf(t);
-      low.push_back(isLow(kind));
+      isLowTriangle.push_back(isLow(kind));
       add(surfaces_[static_cast<std::size_t>(kind)], vertex(t[0], kind), vertex(t[1], kind), vertex(t[2], kind));
     }
-    addWalls(low);
+    addWalls(isLowTriangle);
   }
 
-  // Adds the curb's vertical wall at the edges between the carriageway and higher ground.
-  void addWalls(const std::vector<bool>& low) {
+  // Adds the curb's vertical wall at each edge between a low and a high triangle. Such an edge has vertices at both
+  // heights, and leads in opposite directions around the two triangles.
+  void addWalls(const std::vector<bool>& isLowTriangle) {
     const SurfaceIndex curb = surfaces_[static_cast<std::size_t>(GroundKind::Curb)];
-    std::unordered_set<std::uint64_t> ofHigh;
-    const auto forSteps = [&](bool ofLow, const auto& visit) {
-      for (std::size_t i = 0; i < low.size(); ++i) {
-        if (low[i] != ofLow) continue;
+    const auto forEdgesAtBothHeights = [&](bool low, const auto& visit) {
+      for (std::size_t i = 0; i < isLowTriangle.size(); ++i) {
+        if (isLowTriangle[i] != low) continue;
         const std::array<std::uint32_t, 3>& t = tiling_.triangles[i];
         for (std::size_t k = 0; k < 3; ++k) {
           const std::uint32_t a = t[k];
@@ -175,9 +180,11 @@ class GroundMaker {
         }
       }
     };
-    forSteps(false, [&](std::uint32_t a, std::uint32_t b) { ofHigh.insert(std::uint64_t{a} << 32 | b); });
-    forSteps(true, [&](std::uint32_t a, std::uint32_t b) {
-      if (!ofHigh.contains(std::uint64_t{b} << 32 | a)) return;
+    std::unordered_set<std::uint64_t> highEdges;
+    forEdgesAtBothHeights(false,
+                          [&](std::uint32_t a, std::uint32_t b) { highEdges.insert(std::uint64_t{a} << 32 | b); });
+    forEdgesAtBothHeights(true, [&](std::uint32_t a, std::uint32_t b) {
+      if (!highEdges.contains(std::uint64_t{b} << 32 | a)) return;
       add(curb, low_[b] - 1, low_[a] - 1, high_[a] - 1);
       add(curb, low_[b] - 1, high_[a] - 1, high_[b] - 1);
     });

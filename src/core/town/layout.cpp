@@ -9,7 +9,52 @@ using models::smooth;
 constexpr double kFarFromRoads = 1e3;  // m, distance from a road's edge where no road is known
 constexpr double kSoftEdge = 1.5;  // m beyond pavements and hard areas to where the land is fully uneven and levelled
 
+// Returns the outline and the holes of an area.
+std::vector<const Polygon*> ringsOf(const MapArea& area) {
+  std::vector<const Polygon*> rings{&area.outline};
+  for (const Polygon& hole : area.holes) rings.push_back(&hole);
+  return rings;
+}
+
 }  // namespace
+
+void Areas::add(MapArea area) {
+  const auto [low, high] = extentOf(area.outline);
+  static constexpr double kFarthest = 2000;  // m, which no town exceeds; it bounds the number of cells
+  const auto clamped = [](double v) { return std::clamp(v, -kFarthest, kFarthest); };
+  cells_.add({clamped(low.x - kReach), clamped(low.y - kReach)}, {clamped(high.x + kReach), clamped(high.y + kReach)},
+             0, static_cast<std::uint32_t>(areas_.size()));
+  sizes_.push_back(areaOf(area.outline));
+  areas_.push_back(std::move(area));
+}
+
+std::optional<Land> Areas::landAt(const Point2& p) const {
+  const std::optional<std::uint32_t> index = indexAt(p);
+  return index ? std::optional(areas_[*index].land) : std::nullopt;
+}
+
+std::optional<std::uint32_t> Areas::indexAt(const Point2& p) const {
+  std::optional<std::uint32_t> index;
+  double smallest = 1e18;
+  for (const std::uint32_t i : cells_.at(p)) {
+    if (sizes_[i] >= smallest || !isInside(ringsOf(areas_[i]), p)) continue;
+    smallest = sizes_[i];
+    index = i;
+  }
+  return index;
+}
+
+double Areas::outsideHard(const Point2& p) const {
+  double least = kReach;
+  for (const std::uint32_t i : cells_.at(p)) {
+    const Land land = areas_[i].land;
+    if (land != Land::Water && land != Land::Lot && land != Land::Paved) continue;
+    const std::vector<const Polygon*> rings = ringsOf(areas_[i]);
+    const double distance = distanceToRings(rings, p);
+    least = std::min(least, isInside(rings, p) ? -distance : distance);
+  }
+  return least;
+}
 
 Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
     : parameters(keys), seed(townSeed), character(keys, townSeed), about(character.inWords()), halfSide(reachOf(keys)) {
@@ -33,7 +78,7 @@ bool Layout::nearPothole(const Point2& p, double reach) const {
 }
 
 // Adds the index to the grid cells of a square that contains all points within kPatchReach of the rectangle.
-void Layout::enter(const Footprint& f, std::uint32_t index, models::CellIndex& cells) {
+void Layout::addToCells(const Footprint& f, std::uint32_t index, models::CellIndex& cells) {
   const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
   for (const double y : models::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
     for (const double x : models::steps(f.center.x - reach, f.center.x + reach + kPatchCell, kPatchCell)) {
@@ -60,6 +105,7 @@ std::array<double, 5> Layout::borders(double edge, const CrossSection& section) 
           edge - section.paved()};
 }
 
+// Tests the strips of the road's cross section from the middle outwards, then the land.
 GroundKind Layout::kindAt(const Beside& beside, const Point2& p) const {
   if (!beside.nearRoad) {
     const Patch* patch = patchAt(p);
@@ -67,8 +113,8 @@ GroundKind Layout::kindAt(const Beside& beside, const Point2& p) const {
   }
   const CrossSection& s = beside.section;
   if (beside.edge < 0) {
-    const bool bays = s.parking > 1.5 && beside.edge > -s.parking;
-    return bays ? GroundKind::Parking : GroundKind::Road;
+    constexpr double kLeastBay = 1.5;  // m, least width of a lane of parking bays
+    return s.parking > kLeastBay && beside.edge > -s.parking ? GroundKind::Parking : GroundKind::Road;
   }
   if (beside.edge < s.curb) return GroundKind::Curb;
   if (const Patch* patch = patchAt(p)) {
@@ -76,13 +122,14 @@ GroundKind Layout::kindAt(const Beside& beside, const Point2& p) const {
     if (beside.edge < s.curb + s.verge || beside.edge > s.paved()) return patch->kind;
   }
   if (beside.edge < s.curb + s.verge) return s.sidewalk > 0 ? GroundKind::Verge : GroundKind::Shoulder;
-  if (beside.edge > s.outer() && !areas.all().empty() && areas.at(p)) return landAt(p);
+  if (beside.edge > s.outer() && areas.landAt(p)) return landAt(p);
   return s.sidewalk > 0 && beside.edge < s.paved() ? GroundKind::Sidewalk : landAt(p);
 }
 
+// Returns the kind of ground where there is neither a road nor a patch.
 GroundKind Layout::landAt(const Point2& p) const {
-  if (areas.all().empty() || areas.outsideHard(p) >= 0) return GroundKind::Lawn;
-  const std::optional<Land> land = areas.at(p);
+  if (areas.outsideHard(p) >= 0) return GroundKind::Lawn;
+  const std::optional<Land> land = areas.landAt(p);
   if (land == Land::Water) return GroundKind::Water;
   if (land == Land::Lot) return GroundKind::Lot;
   return land == Land::Paved ? GroundKind::Paved : GroundKind::Lawn;
@@ -97,16 +144,18 @@ double Layout::hillsAt(const Point2& p) const {
 
 // Returns a factor on the height of the curb: 1, or less where a driveway joins the road.
 double Layout::lowering(const Beside& beside, const Point2& p) const {
-  if (beside.section.step <= 0 || beside.edge > 3) return 1;
+  constexpr double kFarthest = 3;  // m from the road's edge; beyond, no driveway lowers the ground
+  if (beside.section.step <= 0 || beside.edge > kFarthest) return 1;
+  constexpr double kLeast = 0.25;                        // the factor in the middle of a driveway
+  constexpr double kRampAlong = 0.8, kRampAcross = 1.5;  // m, lengths of the slopes beside and along the driveway
   double factor = 1;
   for (const std::uint32_t i : patchCells_.at(p)) {
     if (patches[i].kind != GroundKind::Driveway) continue;
     const Footprint& f = patches[i].rectangle;
     const double across = std::abs((p.x - f.center.x) * std::cos(f.yaw) + (p.y - f.center.y) * std::sin(f.yaw));
-    const double away = smooth((across - f.halfX) / 0.8);
-    factor = std::min(factor, std::max(away, smooth(beside.edge / 1.5)));
+    factor = std::min(factor, std::max(smooth((across - f.halfX) / kRampAlong), smooth(beside.edge / kRampAcross)));
   }
-  return std::max(factor, 0.25);
+  return std::max(factor, kLeast);
 }
 
 // Returns the height (m) of a carriageway or parking lane: the hills with the road's crown, its ruts and its potholes.
@@ -152,13 +201,14 @@ double Layout::grainOf(GroundKind kind, const Beside& beside, double edge, const
          (kind == GroundKind::Sidewalk ? 0.1 : 1);
 }
 
+// Roads are smooth; all other ground is a sum of hills, pavement and the unevenness of the land, which fade out at the
+// borders between kinds of ground.
 double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) const {
   const double edge = beside.nearRoad ? beside.edge : kFarFromRoads;
   if (kind == GroundKind::Road || kind == GroundKind::Parking) return carriagewayHeight(-edge, p);
-  const double hard = areas.all().empty() ? Areas::kReach : areas.outsideHard(p);
+  const double hard = areas.outsideHard(p);
   const double outer = beside.nearRoad ? beside.section.outer() : 0;
-  // The height of curb and pavement fades out far from roads, so that the ground has no step where a road is too far to
-  // be known.
+  // The height of curb and pavement fades out far from roads, so that the ground has no step where `nearRoad` changes.
   constexpr double kFadesFrom = 18, kFades = 15;  // m from the road's edge
   constexpr double kCrossfall = 0.015;            // slope of pavements towards the road
   const double near = beside.nearRoad ? 1 - smooth((edge - kFadesFrom) / kFades) : 0;
@@ -180,21 +230,20 @@ double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) 
 // leave a bank of snow on verges and shoulders.
 double Layout::snowOn(const Beside& beside, const Point2& p) const {
   if (character.snow <= 0) return 0;
-  constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
-  constexpr double kBank = 1.3;   // m, width of the banks
-  const CrossSection& s = beside.section;
-  const double edge = beside.nearRoad ? beside.edge : kFarFromRoads;
-  const double outer = beside.nearRoad ? s.paved() : 0;
-  const double verge = edge - (beside.nearRoad ? s.curb : 0);  // m, distance of the point beyond the curb
   const double cleared = smooth(outsidePatches(p) / 0.5);
-  const bool pavement = beside.nearRoad && s.sidewalk > 0.3;
-  double depth = character.snow * smooth((edge - outer) / kSlope);
-  if (beside.nearRoad && verge > 0 && verge < s.verge) {
+  constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
+  if (!beside.nearRoad) return character.snow * cleared;
+  constexpr double kBank = 1.3, kLeastBank = 0.6;  // m, widths of the widest and the narrowest banks
+  const CrossSection& s = beside.section;
+  const double verge = beside.edge - s.curb;  // m, distance of the point beyond the curb
+  double depth = character.snow * smooth((beside.edge - s.paved()) / kSlope);
+  if (verge > 0 && verge < s.verge) {
+    const bool pavement = s.sidewalk > 0.3;
     depth = character.snow * smooth(verge / kSlope) * (pavement ? smooth((s.verge - verge) / kSlope) : 1);
   }
-  const double width = std::min(kBank, s.verge);
-  if (beside.nearRoad && width > 0.6 && verge > 0 && verge < width) {
-    const double across = std::sin(kPi * verge / width);
+  const double bank = std::min(kBank, s.verge);
+  if (bank > kLeastBank && verge > 0 && verge < bank) {
+    const double across = std::sin(kPi * verge / bank);
     const double along = 0.6 + 1.2 * field(Field::SnowHeaps, p, 3) + 0.6 * field(Field::SnowLumps, p, 0.8);
     depth += character.snowBanks * across * across * std::max(along, 0.1);
   }
@@ -204,16 +253,14 @@ double Layout::snowOn(const Beside& beside, const Point2& p) const {
 // Returns the height (m) to add to the natural height at a point, so that the ground under and beside buildings is
 // level; beyond kPatchReach from all buildings it is 0.
 double Layout::levelling(const Point2& p, double natural) const {
-  double sum = 0;
-  double weights = 0;
-  double most = 0;
+  double weightedSum = 0, sumOfWeights = 0, largestWeight = 0;
   for (const std::uint32_t i : terraceCells_.at(p)) {
     const double weight = 1 - smooth(terraces_[i].rectangle.outside(p) / kPatchReach);
-    sum += weight * (terraces_[i].height - natural);
-    weights += weight;
-    most = std::max(most, weight);
+    weightedSum += weight * (terraces_[i].height - natural);
+    sumOfWeights += weight;
+    largestWeight = std::max(largestWeight, weight);
   }
-  return weights > 0 ? most * sum / weights : 0;
+  return sumOfWeights > 0 ? largestWeight * weightedSum / sumOfWeights : 0;
 }
 
 double Layout::heightAt(const Point2& p) const {

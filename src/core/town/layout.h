@@ -24,19 +24,19 @@ namespace scanmill::town {
 class Areas {
  public:
   static constexpr double kReach = 8;  // m, largest distance that outsideHard() returns
-  static constexpr double kCell = 32;  // m, side of a grid cell
 
   void add(MapArea area);
-  const std::vector<MapArea>& all() const { return areas_; }
+  const std::vector<MapArea>& list() const { return areas_; }
 
-  // at() returns the kind of the smallest area at a point, indexAt() its index in all(); nullopt if no area
+  // landAt() returns the kind of the smallest area at a point, indexAt() its index in list(); nullopt if no area
   // contains the point.
-  std::optional<Land> at(const Point2& p) const;
+  std::optional<Land> landAt(const Point2& p) const;
   std::optional<std::uint32_t> indexAt(const Point2& p) const;
   // Returns the distance (m) to the nearest water, parking lot or square: negative inside of it, at most kReach.
   double outsideHard(const Point2& p) const;
 
  private:
+  static constexpr double kCell = 32;  // m, side of a grid cell
   std::vector<MapArea> areas_;
   std::vector<double> sizes_;       // m^2, by area
   models::CellIndex cells_{kCell};  // of areas within kReach of a cell
@@ -66,6 +66,7 @@ struct Patch {
   bool parks = false;  // true: a car may park here
 };
 
+// A piece of land along a road, with or without a building.
 struct Plot {
   std::uint32_t number = 0;
   std::uint32_t road = 0;
@@ -75,7 +76,7 @@ struct Plot {
   bool bare = false;  // true: open land, with only a hedge or fence along the road
   double depth = 9;   // m, depth of the building
   models::Fencing fencing = models::Fencing::None;
-  double setback = 0;
+  double setback = 0;  // m from the plot's edge at the road to the building
 };
 
 // A building with any outline.
@@ -89,7 +90,7 @@ struct PlacedBlock {
 // A rectangle in which the ground is level: under a building and half a metre around it.
 struct Terrace {
   TurnedRectangle rectangle;
-  double height = 0;
+  double height = 0;  // m
 };
 
 // A hole in a road's surface.
@@ -159,13 +160,14 @@ class Layout {
   void drawPlots();
   void drawPotholes();
   void drawRoundabout();
-  bool isClear(const Point2& p, double reach, std::uint32_t except) const;
+  bool isClear(const Point2& p, double reach, std::uint32_t exceptRoad) const;
   void drawLand();
-  bool addLand(Land land, const Road& road, int side, double along, double width, double depth);
+  bool tryAddLand(Land land, const Road& road, int side, double along, double width, double depth);
+  void addEntrances(Land land, const models::Footprint& area, double length);
   void addPlots(const Road& road, int side, double from, double to);
   struct PlotHouse;
   PlotHouse drawPlotHouse(Draw& draw, const Road& road, const Plot& plot) const;
-  bool buildOn(const Plot& plot, const Road& road, const PlotHouse& drawn, Draw& draw);
+  bool buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHouse, Draw& draw);
   void addGroundInFront(const models::House& house, double yaw, double width, double outer, Draw& draw);
   bool addDriveway(const models::House& house, double yaw, double outer, Draw& draw);
   models::Fencing drawFencing(Draw& draw, double setback) const;
@@ -182,7 +184,9 @@ class Layout {
   void cover(const MapBuilding& building, const models::Footprint& around);
   void arrangePlots();
   double addBarePlots(const Road& road, int side, double from, double to);
-  bool isOffRoads(const models::Footprint& f, double gap) const;
+  // True if points of the rectangle are at least `gap` metres from roads and sidewalks: its corners, and points between
+  // them at distances of `step` half sides.
+  bool isOffRoads(const models::Footprint& f, double gap, double step = 1) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;
   // Parts of heightAt(), in m; layout.cpp describes them.
@@ -191,18 +195,18 @@ class Layout {
   double rollingOfLand(const Beside& beside, double edge, double hard, const Point2& p) const;
   double bankHeight(const Beside& beside, double edge, double hard, const Point2& p) const;
   double grainOf(GroundKind kind, const Beside& beside, double edge, const Point2& p) const;
-  double field(Field of, const Point2& p, double size) const { return relief({seed, of}, p.x, p.y, size); }
+  double field(Field name, const Point2& p, double size) const { return relief({seed, name}, p.x, p.y, size); }
   double lowering(const Beside& beside, const Point2& p) const;
   double levelling(const Point2& p, double natural) const;
   double snowOn(const Beside& beside, const Point2& p) const;
-  static void enter(const models::Footprint& f, std::uint32_t index, models::CellIndex& cells);
+  static void addToCells(const models::Footprint& f, std::uint32_t index, models::CellIndex& cells);
 
   static constexpr double kPatchCell = 8;   // m, side of a cell of the grid that finds patches
   static constexpr double kPatchReach = 4;  // m, largest distance from a patch at which the patch is still found
   RoadNetwork network_;
   std::vector<Terrace> terraces_;
   models::CellIndex patchCells_{kPatchCell}, terraceCells_{kPatchCell}, potholeCells_{kPatchCell};
-  models::Occupancy taken_;          // ground that houses, garages and land of addLand() occupy
+  models::Occupancy occupied_;       // ground that houses, garages and land of tryAddLand() occupy
   std::vector<double> waterLevels_;  // m, by area; 0 for areas that are not water
 };
 

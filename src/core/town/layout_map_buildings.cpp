@@ -19,26 +19,26 @@ using models::Kind;
 
 // The position of a building relative to the nearest road.
 struct Frontage {
-  Footprint about;   // rectangle around the building; its x axis points to the road
-  double gap = 1e9;  // m from the sidewalk's outer edge to the building; 1e9: no road is near
-  Beside before;     // position of the middle of the building's front relative to the nearest road
+  Footprint about{};  // rectangle around the building; its x axis points to the road
+  double gap = 1e9;   // m from the sidewalk's outer edge to the building; 1e9: no road is near
+  Beside front{};     // position of the middle of the building's front relative to the nearest road
 
+  // Returns the point at a distance (m) in front of the middle of the building's front.
   Point2 inFront(double distance) const { return about.at(about.halfX + distance, 0); }
 };
 
+// Returns the frontage of a building: its front is the side of its rectangle that is nearest to a sidewalk.
 Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
-  Frontage best;
-  Frontage turned;
-  turned.about = rectangleAbout(outline);
+  Frontage nearest;
+  Frontage candidate{rectangleAbout(outline)};
   for (int side = 0; side < 4; ++side) {
-    const Point2 front = turned.inFront(0);
-    turned.before = roads.at(front);
-    turned.gap = turned.before.nearRoad ? turned.before.edge - turned.before.section.outer() : 1e9;
-    if (side == 0 || turned.gap < best.gap) best = turned;
-    std::swap(turned.about.halfX, turned.about.halfY);
-    turned.about.yaw += kPi / 2;
+    candidate.front = roads.at(candidate.inFront(0));
+    candidate.gap = candidate.front.nearRoad ? candidate.front.edge - candidate.front.section.outer() : 1e9;
+    if (side == 0 || candidate.gap < nearest.gap) nearest = candidate;
+    std::swap(candidate.about.halfX, candidate.about.halfY);
+    candidate.about.yaw += kPi / 2;
   }
-  return best;
+  return nearest;
 }
 
 // Returns the building or, if it has parts, its parts; without those under which a road may pass.
@@ -64,11 +64,11 @@ bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
   return false;
 }
 
+// True if a building has the shape of models::House: a rectangle of a house's size on the ground, with a house's roof.
 bool isHouse(const MapBuilding& b, const Footprint& about) {
-  const bool rectangular = isRectangular(b.outline, about) && b.courts.empty();
-  const bool plain = b.parts.empty() && b.base <= 0 && (b.roof || !b.ridge);
-  return plain && rectangular && !b.shed && about.halfY > 2.4 && about.halfY < 20 && about.halfX > 2.2 &&
-         about.halfX < 9;
+  constexpr models::Span kHalfWidth{2.4, 20}, kHalfDepth{2.2, 9};  // m
+  return !b.shed && b.parts.empty() && b.courts.empty() && b.base <= 0 && (b.roof || !b.ridge) &&
+         isRectangular(b.outline, about) && kHalfWidth.holds(about.halfY) && kHalfDepth.holds(about.halfX);
 }
 
 // True if a ridge is along the x axis of a rectangle rather than along its y axis.
@@ -80,9 +80,13 @@ bool ridgeAlong(const std::array<Point2, 2>& ridge, const Footprint& about) {
   return std::abs(x * c + y * s) > std::abs(y * c - x * s);
 }
 
-// Returns the block of a building or, if `part` is true, of a part of one. `middle` is the origin of its frame.
-models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, bool part) {
-  constexpr double kShed = 2.6, kStorey = 2.9, kLowest = 2.3;  // m, usual heights of storeys, and the least height
+enum class BlockOf { Building, Part };
+
+// Returns the block of a building or of a part of one. `middle` is the origin of its frame. `floors`: of the building;
+// parts, pitched roofs and blocks that hang have the number that fits between their base and their roof.
+models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, BlockOf what) {
+  constexpr double kShed = 2.6, kStorey = 2.9;     // m, usual heights of sheds' and of other storeys
+  constexpr double kLowest = 2.3, kParapet = 0.8;  // m, least height of a storey; of the walls above the top ceiling
   models::Block block;
   block.floors = b.shed ? 0 : floors;
   block.height = b.shed ? b.top.value_or(kShed * b.floors.value_or(1)) : b.top.value_or(0);
@@ -93,11 +97,10 @@ models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, bo
     block.height = b.eaves().value_or(b.shed ? block.height : 0);
     block.rise = b.top ? *b.top - block.height : b.rise;
   }
-  if (b.top && !b.shed && (part || b.ridge || b.base > 0)) {
-    // The floors between the base and the roof.
-    const double walls = block.height - b.base;
-    const double above = b.floors ? *b.floors * walls / block.height : walls / kStorey;
-    block.floors = std::max(0, static_cast<int>(std::min(std::round(above), (walls - 0.8) / kLowest)));
+  if (b.top && !b.shed && (what == BlockOf::Part || b.ridge || b.base > 0)) {
+    const double wallHeight = block.height - b.base;
+    const double usualFloors = b.floors ? *b.floors * wallHeight / block.height : wallHeight / kStorey;
+    block.floors = std::max(0, static_cast<int>(std::min(std::round(usualFloors), (wallHeight - kParapet) / kLowest)));
   }
   block.shop = b.shop;
   block.outline = relativeTo(middle, b.outline);
@@ -105,55 +108,56 @@ models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, bo
   return block;
 }
 
-// Returns the block of a building, or the blocks of its parts.
+// Returns the block of a building, or the blocks of its parts. The part on the ground that is nearest to the road has
+// the door.
 PlacedBlock placedBlockOf(const MapBuilding& b, const Frontage& frontage, int floors, std::uint32_t number) {
   const Point2& middle = frontage.about.center;
   PlacedBlock placed;
   placed.about = frontage.about;
   placed.entrance = frontage.inFront(0.6);
-  const auto finish = [&](models::Block block) {
+  const auto finished = [&](models::Block block) {
     block.number = number;
     block.entrance = {placed.entrance.x - middle.x, placed.entrance.y - middle.y};
     return block;
   };
-  placed.block = finish(blockOf(b, middle, floors, false));
-  models::Block* front = nullptr;  // the part with the door
-  double least = 1e9;
+  placed.block = finished(blockOf(b, middle, floors, BlockOf::Building));
   for (const MapBuilding& part : b.parts) {
-    models::Block block = finish(blockOf(part, middle, floors, true));
+    models::Block block = finished(blockOf(part, middle, floors, BlockOf::Part));
     block.parapet = block.door = false;
     placed.block.parts.push_back(std::move(block));
   }
+  models::Block* nearestPart = nullptr;
+  double leastDistance = 1e9;
   for (models::Block& part : placed.block.parts) {
     const double distance = distanceToRings({&part.outline}, part.entrance);
-    if (part.base > 0 || distance >= least) continue;
-    least = distance;
-    front = &part;
+    if (part.base > 0 || distance >= leastDistance) continue;
+    leastDistance = distance;
+    nearestPart = &part;
   }
-  if (front != nullptr) front->door = true;
+  if (nearestPart != nullptr) nearestPart->door = true;
   return placed;
 }
 
-// Returns the house of a building. `yaw`: of the house, whose front faces -y in its own frame.
-House houseOf(const MapBuilding& b, std::uint32_t number, int floors, const Frontage& frontage, double yaw,
-              Draw& draw) {
-  const Footprint& around = frontage.about;
-  House house = drawHouse(draw, number, 2 * around.halfY, 2 * around.halfX, floors);
+// Returns the house of a building. The front of a house faces -y in its frame, and x of `frontage.about` towards the
+// road.
+House houseOf(const MapBuilding& b, std::uint32_t number, int floors, const Frontage& frontage, Draw& draw) {
+  const Footprint& about = frontage.about;
+  House house = drawHouse(draw, number, 2 * about.halfY, 2 * about.halfX, floors);
   house.shop = b.shop;
   house.relation = b.relation;
   house.top = b.top;
   if (b.roof) house.roof = *b.roof;
-  if (b.riseSaid) house.rise = b.rise;
+  if (b.riseMapped) house.rise = b.rise;
   // The ridge of a gable roof is along the front, or goes away from it.
-  if (house.roof == models::Roof::Gable && b.ridge && ridgeAlong(*b.ridge, around)) {
+  if (house.roof == models::Roof::Gable && b.ridge && ridgeAlong(*b.ridge, about)) {
     house.roof = models::Roof::CrossGable;
   }
   house.forecourt = std::clamp(frontage.gap, 0.0, 30.0);
+  const double yaw = about.yaw + kPi / 2;
   const double c = std::cos(yaw);
   const double s = std::sin(yaw);
   house.pose = models::at(
-      {around.center.x - c * around.halfY + s * around.halfX, around.center.y - s * around.halfY - c * around.halfX, 0},
-      yaw);
+      {about.center.x - c * about.halfY + s * about.halfX, about.center.y - s * about.halfY - c * about.halfX, 0}, yaw);
   return house;
 }
 
@@ -162,62 +166,62 @@ House houseOf(const MapBuilding& b, std::uint32_t number, int floors, const Fron
 // Turns rectangular buildings of a house's size, except sheds, into houses, and other buildings into blocks. Leaves out
 // buildings on roads. Buildings that face a road, except sheds, get a plot.
 void Layout::takeBuildings(const MapPlace& map) {
-  int onRoads = 0;
+  constexpr double kFacing = 30;       // m; a building that is nearer to a sidewalk faces the road
+  constexpr double kBeforeDoor = 0.6;  // m from a door to the point in front of it where a path begins
+  int leftOut = 0;
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];
     if (isOnRoad(b, network_)) {
-      ++onRoads;
+      ++leftOut;
       continue;
     }
     Draw draw(seed, Kind::MapBuilding, number);
-    const int drawn = character.floorsLow + draw.below(character.floorsHigh - character.floorsLow + 1);
-    const int floors = b.floorsSaid().value_or(drawn);
+    const int randomFloors = character.floorsLow + draw.below(character.floorsHigh - character.floorsLow + 1);
+    const int floors = b.usualFloors().value_or(randomFloors);
     const Frontage frontage = frontageOf(b.outline, network_);
-    const Footprint& around = frontage.about;
-    const double yaw = around.yaw + kPi / 2;  // of a house
-    const bool house = isHouse(b, around);
+    const Footprint& rectangle = frontage.about;
+    const bool house = isHouse(b, rectangle);
     if (house) {
-      houses.push_back(houseOf(b, number, floors, frontage, yaw, draw));
+      houses.push_back(houseOf(b, number, floors, frontage, draw));
     } else {
       blocks.push_back(placedBlockOf(b, frontage, floors, number));
       blocks.back().block.relation = b.relation;
-      for (const MapBuilding* part : lowPartsOf(b)) cover(*part, around);
+      for (const MapBuilding* part : lowPartsOf(b)) cover(*part, rectangle);
     }
-    constexpr double kFacing = 30;  // m; a building that is nearer to a sidewalk faces the road
     if (b.shed || b.base > 0 || frontage.gap > kFacing) continue;
-    const Beside& before = frontage.before;
-    Plot plot;
-    plot.road = before.road;
-    plot.side = before.lateral > 0 ? 1 : -1;
-    plot.from = before.along - around.halfY - 1;
-    plot.to = before.along + around.halfY + 1;
-    plot.setback = std::max(frontage.gap, 0.0);
-    plot.depth = 2 * around.halfX;
-    plot.built = true;
-    plots.push_back(plot);
-    if (house && plot.setback > 0.6) {
-      const Vec3d door = houses.back().pose * Vec3d{houses.back().doorX(), -0.6, 0};
-      addStrip({door.x, door.y}, yaw, kPathHalf, plot.setback - 0.6 + before.section.outer(), GroundKind::Path);
+    const Beside& front = frontage.front;
+    const double setback = std::max(frontage.gap, 0.0);
+    plots.push_back({.road = front.road,
+                     .side = front.lateral > 0 ? 1 : -1,
+                     .from = front.along - rectangle.halfY - 1,
+                     .to = front.along + rectangle.halfY + 1,
+                     .built = true,
+                     .depth = 2 * rectangle.halfX,
+                     .setback = setback});
+    if (house && setback > kBeforeDoor) {
+      const Vec3d door = houses.back().pose * Vec3d{houses.back().doorX(), -kBeforeDoor, 0};
+      addStrip({door.x, door.y}, rectangle.yaw + kPi / 2, kPathHalf, setback - kBeforeDoor + front.section.outer(),
+               GroundKind::Path);
     }
   }
-  if (onRoads > 0) {
-    about += fmt::format("; {} buildings that stand on a road are left out", onRoads);
+  if (leftOut > 0) {
+    about += fmt::format("; {} buildings that stand on a road are left out", leftOut);
     warn(fmt::format("{}: left out: {} buildings that stand on a road of the town about {:.6f}, {:.6f}",
-                     parameters.map.string(), onRoads, map.origin.latitude, map.origin.longitude));
+                     parameters.map.string(), leftOut, map.origin.latitude, map.origin.longitude));
   }
   arrangePlots();
 }
 
-// Adds small rectangles to covers that together cover a building and its walls.
+// Adds small squares to `covers` that together cover a building and its walls. `around`: a rectangle around it.
 void Layout::cover(const MapBuilding& building, const Footprint& around) {
-  constexpr double kCell = 1.6;  // m, side of the small rectangles
+  constexpr double kCell = 1.6;  // m, side of the small squares
   std::vector<const Polygon*> rings{&building.outline};
   for (const Polygon& court : building.courts) rings.push_back(&court);
   for (const double v : models::steps(-around.halfY + kCell / 2, around.halfY + kCell / 2, kCell)) {
     for (const double u : models::steps(-around.halfX + kCell / 2, around.halfX + kCell / 2, kCell)) {
       const Point2 p = around.at(u, v);
       if (isInside(rings, p) || distanceToRings(rings, p) < kCell) {
-        covers.push_back({p, kCell / 2, kCell / 2, around.yaw});
+        covers.push_back(models::squareAbout(p, kCell / 2, around.yaw));
       }
     }
   }
@@ -247,12 +251,12 @@ void Layout::arrangePlots() {
   });
   std::vector<Plot> built = std::move(plots);
   plots.clear();
-  auto next = built.begin();
+  auto nextBuilt = built.begin();
   for (const Road& road : roads()) {
     for (const int side : {-1, 1}) {
       double end = kEnd;  // m along the road, of the last plot so far
-      for (; next != built.end() && next->road == road.number && next->side == side; ++next) {
-        Plot plot = *next;
+      for (; nextBuilt != built.end() && nextBuilt->road == road.number && nextBuilt->side == side; ++nextBuilt) {
+        Plot plot = *nextBuilt;
         plot.to = std::min(plot.to, road.length() - 2);
         plot.from = std::max(plot.from, end);
         if (plot.to - plot.from < 2) continue;  // the plot is behind another plot
@@ -265,8 +269,7 @@ void Layout::arrangePlots() {
   }
   std::erase_if(plots, [&](const Plot& plot) {
     const Point2 front = inPlot(plot, (plot.from + plot.to) / 2, 1.5).at;
-    const Beside b = besideAt(front);
-    return areas.outsideHard(front) < 0.5 || (b.nearRoad && b.edge < b.section.outer());
+    return areas.outsideHard(front) < 0.5 || besideAt(front).isOnRoadOrSidewalk();
   });
   for (std::uint32_t i = 0; i < plots.size(); ++i) {
     Plot& plot = plots[i];

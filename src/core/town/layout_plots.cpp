@@ -31,21 +31,21 @@ void Layout::drawPlots() {
 void Layout::setLevels() {
   constexpr double kAround = 0.5;  // m of level ground around a building
   findWaterLevels();
-  for (std::uint32_t i = 0; i < patches.size(); ++i) enter(patches[i].rectangle, i, patchCells_);
+  for (std::uint32_t i = 0; i < patches.size(); ++i) addToCells(patches[i].rectangle, i, patchCells_);
   // Reads all heights before any terrace is set. Otherwise buildings that are close together would lift each other.
   std::vector<Terrace> terraces;
-  for (models::House& house : houses) {
+  for (House& house : houses) {
     const Vec3d door = house.pose * Vec3d{house.doorX(), -kBeforeDoor, 0};
     house.pose.translation.z = heightAt({door.x, door.y});
     const double yaw = std::atan2(house.pose.linear.x.y, house.pose.linear.x.x);
-    const auto level = [&](const Vec3d& middle, double width, double depth) {
-      const Vec3d at = house.pose * middle;
-      terraces.push_back(
-          {TurnedRectangle({{at.x, at.y}, width / 2 + kAround, depth / 2 + kAround, yaw}), house.pose.translation.z});
+    const auto addTerrace = [&](const Vec3d& middle, double width, double depth) {
+      const Vec3d center = house.pose * middle;
+      terraces.push_back({TurnedRectangle({{center.x, center.y}, width / 2 + kAround, depth / 2 + kAround, yaw}),
+                          house.pose.translation.z});
       covers.push_back(terraces.back().rectangle);
     };
-    level({house.width / 2, house.depth / 2, 0}, house.width, house.depth);
-    if (house.garage) level(house.garageMiddle(), models::kGarageWidth, models::kGarageDepth);
+    addTerrace({house.width / 2, house.depth / 2, 0}, house.width, house.depth);
+    if (house.garage) addTerrace(house.garageMiddle(), models::kGarageWidth, models::kGarageDepth);
   }
   for (PlacedBlock& b : blocks) {
     b.height = heightAt(b.entrance);
@@ -53,34 +53,32 @@ void Layout::setLevels() {
         {TurnedRectangle({b.about.center, b.about.halfX + kAround, b.about.halfY + kAround, b.about.yaw}), b.height});
   }
   terraces_ = std::move(terraces);
-  for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].rectangle, i, terraceCells_);
+  for (std::uint32_t i = 0; i < terraces_.size(); ++i) addToCells(terraces_[i].rectangle, i, terraceCells_);
 }
 
-// True if the rectangle's middle, corners and middles of sides are at least `gap` metres from roads and sidewalks.
-bool Layout::isOffRoads(const Footprint& f, double gap) const {
-  for (const double u : {-1.0, 0.0, 1.0}) {
-    for (const double v : {-1.0, 0.0, 1.0}) {
-      const Point2 at = f.at(u * f.halfX, v * f.halfY);
-      const Beside beside = besideAt(at);
-      if (beside.nearRoad && beside.edge < beside.section.outer() + gap) return false;
-    }
-  }
-  return true;
+bool Layout::isOffRoads(const Footprint& f, double gap, double step) const {
+  const std::vector<double> shares = models::steps(-1, 1.1, step);
+  return std::ranges::none_of(shares, [&](double u) {
+    return std::ranges::any_of(
+        shares, [&](double v) { return besideAt(f.at(u * f.halfX, v * f.halfY)).isOnRoadOrSidewalk(gap); });
+  });
 }
 
+// Returns the fence, hedge or wall of a plot at the road; there is none in front of houses close to the sidewalk.
 Fencing Layout::drawFencing(Draw& draw, double setback) const {
+  constexpr double kLeastSetback = 1.5;  // m
   const Character& c = character;
   Fencing fencing = Fencing::None;
-  const double pick = draw.next();
-  if (pick < c.hedges) {
+  const double share = draw.next();
+  if (share < c.hedges) {
     fencing = Fencing::Hedge;
-  } else if (pick < c.hedges + c.fences) {
+  } else if (share < c.hedges + c.fences) {
     fencing = c.commercial ? draw.itemOf(std::array{Fencing::Wire, Fencing::Wire, Fencing::Bars})
               : c.country  ? draw.itemOf(std::array{Fencing::Pickets, Fencing::Wire, Fencing::Boards})
                            : draw.itemOf(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick, Fencing::Brick,
                                                    Fencing::Brick, Fencing::Boards, Fencing::Boards, Fencing::Wire});
   }
-  return setback < 1.5 ? Fencing::None : fencing;
+  return setback < kLeastSetback ? Fencing::None : fencing;
 }
 
 void Layout::addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind) {
@@ -89,7 +87,7 @@ void Layout::addStrip(const Point2& inner, double yaw, double half, double lengt
       {TurnedRectangle({{inner.x + out.x * length / 2, inner.y + out.y * length / 2}, half, length / 2, yaw}), kind});
 }
 
-// The house that is drawn for a plot, before it is known whether it has room.
+// A random house for a plot. buildOn() finds out whether it has room.
 struct Layout::PlotHouse {
   House house;
   double width = 0;       // m, width of the ground that the plot has for the house
@@ -102,7 +100,7 @@ struct Layout::PlotHouse {
 // order of the calls: the plot, its house, its fence, whether it is built, its driveway; and if the house has room,
 // what is in front of it and its garage.
 void Layout::addPlots(const Road& road, int side, double from, double to) {
-  constexpr double kLeastPlot = 8;  // m; what is left at the end of a road gets no plot
+  constexpr double kLeastPlot = 8;  // m; a shorter rest at the end of a road gets no plot
   constexpr double kIntoPlot = 6;   // m from the sidewalk to the point whose area decides about a plot
   double start = from;
   while (to - start > kLeastPlot) {
@@ -112,29 +110,29 @@ void Layout::addPlots(const Road& road, int side, double from, double to) {
     plot.to = std::min(to, start + draw.around(character.plotWidth, 0.3));
     plot.setback =
         std::max(character.terraced ? 0.35 : 1.0, character.setback + draw.in(-1, 1) * character.setbackSpread);
-    PlotHouse drawn = drawPlotHouse(draw, road, plot);
-    plot.depth = drawn.house.depth;
+    PlotHouse plotHouse = drawPlotHouse(draw, road, plot);
+    plot.depth = plotHouse.house.depth;
     plot.fencing = drawFencing(draw, plot.setback);
     constexpr double kLeastWidth = 6.5, kTight = 0.5;  // m, of a house's ground; that a driveway may lack beside it
-    drawn.wanted = draw.chance(character.built) && drawn.width >= kLeastWidth;
-    drawn.hasDriveway = !drawn.attached && draw.chance(0.6) && drawn.gap > kDriveway - kTight;
-    plot.built = buildOn(plot, road, drawn, draw);
+    plotHouse.wanted = draw.chance(character.built) && plotHouse.width >= kLeastWidth;
+    plotHouse.hasDriveway = !plotHouse.attached && draw.chance(0.6) && plotHouse.gap > kDriveway - kTight;
+    plot.built = buildOn(plot, road, plotHouse, draw);
     start = plot.to;
     // Leaves out a plot without a house if it is in an area (park, wood, parking lot, water ...). Elsewhere such a plot
     // becomes a garden.
     const double middle = (plot.from + plot.to) / 2;
-    if (!plot.built && areas.at(inPlot(plot, middle, kIntoPlot).at)) continue;
+    if (!plot.built && areas.landAt(inPlot(plot, middle, kIntoPlot).at)) continue;
     plots.push_back(plot);
   }
 }
 
-// A bend makes a plot wider or narrower than the road's line beside it. Attached houses are as wide as their plots at
-// the front; the others fit between their neighbours at the back, too.
+// Returns the random house of a plot. A bend makes a plot wider or narrower than the road's line beside it. Attached
+// houses are as wide as their plots at the front; the others fit between their neighbours at the back, too.
 Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot& plot) const {
   const Character& c = character;
   const bool halls = c.commercial;
-  PlotHouse drawn;
-  drawn.attached = c.terraced && draw.chance(0.75);
+  PlotHouse result;
+  result.attached = c.terraced && draw.chance(0.75);
   const double depth = halls ? draw.in(12, 22) : draw.in(7.5, 12.5);
   const Point2 heading = road.heading((plot.from + plot.to) / 2);
   const auto widthAt = [&](double lateral) {
@@ -143,42 +141,42 @@ Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot
     return (b.x - a.x) * heading.x + (b.y - a.y) * heading.y;
   };
   const double front = road.section.half + road.section.outer() + plot.setback;
-  drawn.width = drawn.attached ? widthAt(front) : std::min(widthAt(front), widthAt(front + depth));
-  drawn.gap = drawn.attached ? 0 : draw.in(1.2, std::max(1.5, 0.35 * drawn.width));
+  result.width = result.attached ? widthAt(front) : std::min(widthAt(front), widthAt(front + depth));
+  result.gap = result.attached ? 0 : draw.in(1.2, std::max(1.5, 0.35 * result.width));
   const int floors = c.floorsLow + draw.below(c.floorsHigh - c.floorsLow + 1);
-  const double widest = halls ? 32 : drawn.attached ? 24 : 18;  // m
-  drawn.house = drawHouse(draw, plot.number, std::clamp(drawn.width - drawn.gap, 6.0, widest), depth, floors);
-  if (halls) drawn.house.roof = Roof::Flat;
-  drawn.house.shop = c.terraced && draw.chance(0.4);
-  return drawn;
+  const double widest = halls ? 32 : result.attached ? 24 : 18;  // m
+  result.house = drawHouse(draw, plot.number, std::clamp(result.width - result.gap, 6.0, widest), depth, floors);
+  if (halls) result.house.roof = Roof::Flat;
+  result.house.shop = c.terraced && draw.chance(0.4);
+  return result;
 }
 
-// Places the house that was drawn for a plot, with the ground in front of it, driveway and garage. Returns false if no
-// house is wanted or there is no room.
-bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& drawn, Draw& draw) {
-  House house = drawn.house;
+// Builds a house on its plot, with the ground in front of it, driveway and garage. Returns false if no house is wanted
+// or there is no room.
+bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHouse, Draw& draw) {
+  House house = plotHouse.house;
   // The ends of the plot's front, from left to right as seen from the road.
   const Point2 left = inPlot(plot, plot.side > 0 ? plot.from : plot.to, plot.setback).at;
   const Point2 right = inPlot(plot, plot.side > 0 ? plot.to : plot.from, plot.setback).at;
   const double yaw = std::atan2(right.y - left.y, right.x - left.x);
   // If there is a driveway at the right end of the plot, the house is shifted towards the left end.
   const Point2 center = Footprint{models::lerp(left, right, 0.5), 0, 0, yaw}.at(
-      drawn.hasDriveway ? 0.2 - drawn.gap / 2 : 0, house.depth / 2);
+      plotHouse.hasDriveway ? 0.2 - plotHouse.gap / 2 : 0, house.depth / 2);
   const Footprint body{center, house.width / 2, house.depth / 2, yaw};
   constexpr double kApart = 0.4;  // m, half of the least distance between two houses
   // On the inner side of a bend the backs of attached houses overlap.
   constexpr double kOverlap = 0.8;  // m, half of the largest overlap
-  const Footprint free{center, body.halfX + (drawn.attached ? -kOverlap : kApart), body.halfY + kApart, yaw};
-  if (!drawn.wanted || !isOffRoads(body, 0.0) || !taken_.isFree(free)) return false;
-  taken_.add({center, body.halfX - (drawn.attached ? kOverlap : 0), body.halfY, yaw});
+  const Footprint free{center, body.halfX + (plotHouse.attached ? -kOverlap : kApart), body.halfY + kApart, yaw};
+  if (!plotHouse.wanted || !isOffRoads(body, 0.0) || !occupied_.isFree(free)) return false;
+  occupied_.add({center, body.halfX - (plotHouse.attached ? kOverlap : 0), body.halfY, yaw});
   house.forecourt = plot.setback;
   house.ivy = draw.chance(0.2 * parameters.greenery);
   // Sets the house's frame: the front wall is in the plane y = 0 and faces -y; x points to the right as seen from the
   // road.
   const Point2 corner = body.at(-body.halfX, -body.halfY);
   house.pose = models::at({corner.x, corner.y, 0}, yaw);
-  addGroundInFront(house, yaw, drawn.width, road.section.outer(), draw);
-  if (drawn.hasDriveway) house.garage = addDriveway(house, yaw, road.section.outer(), draw);
+  addGroundInFront(house, yaw, plotHouse.width, road.section.outer(), draw);
+  if (plotHouse.hasDriveway) house.garage = addDriveway(house, yaw, road.section.outer(), draw);
   houses.push_back(house);
   return true;
 }
@@ -208,8 +206,8 @@ bool Layout::addDriveway(const House& house, double yaw, double outer, Draw& dra
   patches.back().parks = true;
   const Vec3d inside = house.pose * house.garageMiddle();
   const Footprint garage{{inside.x, inside.y}, models::kGarageWidth / 2 - 0.05, models::kGarageDepth / 2, yaw};
-  const bool built = draw.chance(0.55) && isOffRoads(garage, 1) && taken_.isFree(garage);
-  if (built) taken_.add(garage);
+  const bool built = draw.chance(0.55) && isOffRoads(garage, 1) && occupied_.isFree(garage);
+  if (built) occupied_.add(garage);
   return built;
 }
 

@@ -20,17 +20,17 @@ namespace {
 // are 0.1 m too short.
 class TangentPlane {
  public:
-  TangentPlane(double latitude, double longitude, bool mirrored)
-      : latitude_(radians(latitude)),
-        longitude_(radians(longitude)),
+  TangentPlane(const OsmNode& origin, bool mirrored)
+      : latitude_(radians(origin.latitude)),
+        longitude_(radians(origin.longitude)),
         north_(mirrored ? -1 : 1),
         origin_(earthCentred(longitude_, latitude_, 0)) {}
 
   Point2 operator()(const OsmNode& n) const {
     const Vec3d d = earthCentred(radians(n.longitude), radians(n.latitude), 0) - origin_;
-    const double towards = d.x * std::cos(longitude_) + d.y * std::sin(longitude_);
+    const double outwards = d.x * std::cos(longitude_) + d.y * std::sin(longitude_);  // m from the earth's axis
     return {d.y * std::cos(longitude_) - d.x * std::sin(longitude_),
-            north_ * (d.z * std::cos(latitude_) - towards * std::sin(latitude_))};
+            north_ * (d.z * std::cos(latitude_) - outwards * std::sin(latitude_))};
   }
   bool mirrored() const { return north_ < 0; }
 
@@ -39,11 +39,12 @@ class TangentPlane {
   // of degrees.
   OsmNode degreesAt(const Point2& p) const {
     constexpr double kDegree = 111300;  // m, length of a degree of latitude
+    constexpr int kIterations = 12;
     OsmNode node{0, degrees(latitude_), degrees(longitude_)};
-    for (int i = 0; i < 12; ++i) {
-      const Point2 now = (*this)(node);
-      node.latitude += north_ * (p.y - now.y) / kDegree;
-      node.longitude += (p.x - now.x) / (kDegree * std::max(0.01, std::cos(latitude_)));
+    for (int i = 0; i < kIterations; ++i) {
+      const Point2 estimate = (*this)(node);
+      node.latitude += north_ * (p.y - estimate.y) / kDegree;
+      node.longitude += (p.x - estimate.x) / (kDegree * std::max(0.01, std::cos(latitude_)));
     }
     return node;
   }
@@ -54,16 +55,18 @@ class TangentPlane {
   Vec3d origin_;
 };
 
+// Returns a road with the properties that its tags give. Its line goes in the direction of driving if it is one-way.
 MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass kind, const TangentPlane& plane,
                TagNumbers& numbers) {
   constexpr double kLane = 3.1;                   // m, width of a lane if the map gives only the number of lanes
   constexpr double kNarrowest = 2, kWidest = 24;  // m; other widths are taken as errors of the map
+  constexpr double kLeastDistance = 0.1;          // m between two points of the line
   MapRoad road;
   road.kind = kind;
   road.name = tags["name"];
   for (const OsmNode& n : nodes) {
     const Point2 p = plane(n);
-    if (!road.line.empty() && distance(p, road.line.back()) < 0.1) continue;
+    if (!road.line.empty() && distance(p, road.line.back()) < kLeastDistance) continue;
     road.line.push_back(p);
     road.nodes.push_back(n.id);
   }
@@ -88,31 +91,30 @@ MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass
 // Returns the ring of the nodes in the plane, without points on straight walls. Outer rings stay counter-clockwise and
 // inner rings clockwise, even if the plane is mirrored.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
-  constexpr double kShortest = 0.25;  // m, least length of a wall
+  constexpr double kShortest = 0.25;     // m, least length of a wall
+  constexpr double kLeastOffset = 0.05;  // m between a corner and the straight line through its neighbours
   Polygon ring;
   for (const OsmNode& n : nodes) {
     const Point2 p = plane(n);
     if (!ring.empty() && distance(p, ring.back()) < kShortest) continue;
     ring.push_back(p);
   }
-  while (ring.size() > 1 && distance(ring.front(), ring.back()) < kShortest) {
-    ring.pop_back();
-  }
-  // Leaves out points on straight walls.
+  while (ring.size() > 1 && distance(ring.front(), ring.back()) < kShortest) ring.pop_back();
   Polygon corners;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point2& a = corners.empty() ? ring.back() : corners.back();
     const Point2& b = ring[i];
     const Point2& c = ring[(i + 1) % ring.size()];
-    const double turn = (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
-    if (std::abs(turn) >= 0.05 * std::hypot(c.x - a.x, c.y - a.y)) corners.push_back(b);
+    // The cross product of two sides is the distance of b from the line through a and c, times the distance of a and c.
+    const double product = (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
+    if (std::abs(product) >= kLeastOffset * std::hypot(c.x - a.x, c.y - a.y)) corners.push_back(b);
   }
   if (plane.mirrored()) std::reverse(corners.begin(), corners.end());
   return corners;
 }
 
-// Returns the plane that touches the earth in the middle of the bounds of all roads.
-TangentPlane planeAbout(const OsmExtract& extract, bool mirrored, Map& map) {
+// Returns the middle of the bounds of all roads.
+OsmNode middleOfRoads(const OsmExtract& extract) {
   double south = 90, north = -90, west = 180, east = -180;
   for (const OsmWay& way : extract.ways) {
     if (!roadClassOf(way.tags)) continue;
@@ -125,101 +127,118 @@ TangentPlane planeAbout(const OsmExtract& extract, bool mirrored, Map& map) {
       }
     }
   }
-  map.latitude = (south + north) / 2;
-  map.longitude = (west + east) / 2;
-  map.mirrored = mirrored;
-  return {map.latitude, map.longitude, mirrored};
+  return {0, (south + north) / 2, (west + east) / 2};
 }
 
-// Makes a map from an extract, and counts what it leaves out.
+// Makes a map from an extract, and counts the elements and properties that the town lacks.
 class MapMaker {
  public:
-  MapMaker(const OsmExtract& extract, bool mirrored) : extract_(extract), plane_(planeAbout(extract, mirrored, map_)) {}
+  MapMaker(const OsmExtract& extract, bool mirrored)
+      : extract_(extract), origin_(middleOfRoads(extract)), plane_(origin_, mirrored) {}
 
   Map make() {
-    for (const auto& [what, count] : extract_.leftOut) map_.leftOut.add(what, count);
+    map_.origin = origin_;
+    map_.mirrored = plane_.mirrored();
+    for (const auto& [element, count] : extract_.leftOut) map_.leftOut.add(element, count);
     for (const OsmWay& way : extract_.ways) addWay(way);
     map_.roads = joinRoads(roads_);
     for (const OsmArea& area : extract_.areas) addArea(area);
     joinParts(map_.buildings, std::move(parts_), map_.leftOut);
     for (const OsmPoint& point : extract_.points) addPoint(point);
-    numbers_.tell(map_.leftOut);
+    numbers_.report(map_.leftOut);
     return std::move(map_);
   }
 
  private:
+  // Adds a way as a road, a barrier or a path, in this order of preference, and counts its properties that are lost.
   void addWay(const OsmWay& way) {
     const OsmTags& tags = way.tags;
     if (isAbsent(tags) || (isHighwayArea(tags) && way.area)) return;
-    const std::optional<RoadClass> kind = roadClassOf(tags);
-    const std::optional<models::Fencing> fencing = fencingOf(tags["barrier"]);
-    if (!kind && !fencing && isPath(tags) && isSidewalk(tags)) return;
-    const char* const what = kind ? "roads" : fencing ? "fences, hedges and walls" : isPath(tags) ? "paths" : nullptr;
-    if (what == nullptr) return leaveOut(tags);
-    if (!onGround(tags)) return map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
+    const std::optional<RoadClass> road = roadClassOf(tags);
+    const std::optional<models::Fencing> barrier = fencingOf(tags["barrier"]);
+    if (!road && !barrier && isPath(tags) && isSidewalk(tags)) return;
+    if (!road && !barrier && !isPath(tags)) return leaveOut(tags);
+    const char* const elements = road ? "roads" : barrier ? "fences, hedges and walls" : "paths";
+    if (!onGround(tags)) return map_.leftOut.add(fmt::format("{} {}", elements, kOffGround));
     if (const std::string& railway = tags["railway"]; !railway.empty()) {
       leaveOut({tags.element, {{"railway", railway}}});
     }
-    if ((kind || !fencing) && !hasSurface(tags, {"asphalt", "paved", "concrete"})) map_.leftOut.add(kSurfaces);
-    if (way.incomplete) map_.leftOut.add(fmt::format("{} with missing nodes, which are built in part", what));
-    if (kind && differsFromTownRoads(tags)) {
-      map_.leftOut.add("roads with sidewalks, parking, cycleways or embankments that differ from the town's");
-    }
-    if (kind && tags["driving_side"] == (plane_.mirrored() ? "right" : "left")) {
-      map_.leftOut.add("roads on which traffic keeps to the other side than in the town");
-    }
-    if (!kind && fencing && way.area && tags["area"] == "yes") map_.leftOut.add(kHollow);
-    for (const std::vector<OsmNode>& nodes : way.runs) {
-      if (kind) {
-        MapRoad road = roadOf(tags, nodes, *kind, plane_, numbers_);
-        if (road.line.size() > 1) roads_.push_back(std::move(road));
-        continue;
+    if ((road || !barrier) && !hasSurface(tags, {"asphalt", "paved", "concrete"})) map_.leftOut.add(kSurfaces);
+    if (way.incomplete) map_.leftOut.add(fmt::format("{} with missing nodes, which are built in part", elements));
+    if (road) {
+      addRoad(way, *road);
+    } else if (barrier) {
+      if (way.area && tags["area"] == "yes") map_.leftOut.add(kHollow);
+      for (std::vector<Point2>& line : linesOf(way)) {
+        map_.barriers.push_back({*barrier, std::move(line), numbers_.read(tags, "height", metresOf, 0.1, 50)});
       }
-      std::vector<Point2> line;
-      for (const OsmNode& n : nodes) line.push_back(plane_(n));
-      if (line.size() < 2) continue;
-      if (fencing) {
-        map_.barriers.push_back({*fencing, std::move(line), numbers_.read(tags, "height", metresOf, 0.1, 50)});
-      } else {
+    } else {
+      for (std::vector<Point2>& line : linesOf(way)) {
         map_.paths.push_back({std::move(line), numbers_.read(tags, "width", metresOf, 0.3, 24)});
       }
     }
   }
 
+  void addRoad(const OsmWay& way, RoadClass kind) {
+    if (differsFromTownRoads(way.tags)) {
+      map_.leftOut.add("roads with sidewalks, parking, cycleways or embankments that differ from the town's");
+    }
+    if (way.tags["driving_side"] == (plane_.mirrored() ? "right" : "left")) {
+      map_.leftOut.add("roads on which traffic keeps to the other side than in the town");
+    }
+    for (const std::vector<OsmNode>& nodes : way.runs) {
+      MapRoad road = roadOf(way.tags, nodes, kind, plane_, numbers_);
+      if (road.line.size() > 1) roads_.push_back(std::move(road));
+    }
+  }
+
+  // Returns the runs of a way that have at least two points, in the plane.
+  std::vector<std::vector<Point2>> linesOf(const OsmWay& way) const {
+    std::vector<std::vector<Point2>> lines;
+    for (const std::vector<OsmNode>& nodes : way.runs) {
+      if (nodes.size() < 2) continue;
+      std::vector<Point2>& line = lines.emplace_back();
+      for (const OsmNode& n : nodes) line.push_back(plane_(n));
+    }
+    return lines;
+  }
+
+  // Adds an area as a building, a part of a building, or land, in this order of preference. Areas with faults, off the
+  // ground or without walls are counted instead.
   void addArea(const OsmArea& area) {
     const OsmTags& tags = area.tags;
     if (isAbsent(tags)) return;
     const std::optional<Land> land = landOf(tags);
     const bool building = !isOneOf(tags["building"], {"", "no"});
     const bool part = !building && !isOneOf(tags["building:part"], {"", "no"});
-    if (!building && !part && !land) {
-      // addWay() has counted ways with one of these keys.
-      if (isHighwayArea(tags) || tags.element.starts_with("relation") ||
-          (tags["highway"].empty() && tags["barrier"].empty())) {
-        leaveOut(tags);
-      }
-      return;
-    }
-    const char* const what = building ? "buildings" : part ? "building parts" : "areas of land";
+    if (!building && !part && !land) return leaveOutArea(tags);
+    const char* const elements = building ? "buildings" : part ? "building parts" : "areas of land";
     Polygon outline = ringOf(area.outer, plane_);
-    if (!area.fault.empty()) return map_.leftOut.add(fmt::format("{} with {}", what, area.fault));
-    if (!onGround(tags)) return map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
+    if (!area.fault.empty()) return map_.leftOut.add(fmt::format("{} with {}", elements, area.fault));
+    if (!onGround(tags)) return map_.leftOut.add(fmt::format("{} {}", elements, kOffGround));
     if (isOpenRoof(tags)) return map_.leftOut.add("open roofs and carports");
-    if (outline.size() < 3) return map_.leftOut.add(fmt::format("{} that have less than three corners", what));
+    if (outline.size() < 3) return map_.leftOut.add(fmt::format("{} that have less than three corners", elements));
     std::vector<Polygon> holes;
-    for (const std::vector<OsmNode>& inner : area.inner) {
-      Polygon hole = ringOf(inner, plane_);
-      if (hole.size() > 2) holes.push_back(std::move(hole));
-    }
+    for (const std::vector<OsmNode>& inner : area.inner) holes.push_back(ringOf(inner, plane_));
+    std::erase_if(holes, [](const Polygon& hole) { return hole.size() < 3; });
     if (!building && !part) return addLand(*land, tags, std::move(outline), std::move(holes));
     if (hasLook(tags)) {
       map_.leftOut.add("buildings with materials, colours or a state, such as ruins, which the seed draws as if whole");
     }
-    MapBuilding made = makeBuilding(tags, std::move(outline), std::move(holes), plane_.mirrored(), numbers_);
-    made.relation = area.building;
-    (part ? parts_ : map_.buildings).push_back(std::move(made));
+    std::vector<MapBuilding>& list = part ? parts_ : map_.buildings;
+    list.push_back(makeBuilding(tags, std::move(outline), std::move(holes), plane_.mirrored(), numbers_));
+    list.back().relation = area.building;
   }
 
+  // Counts an area that is neither a building nor land, unless addWay() has counted it: ways with the keys highway and
+  // barrier that are not areas of a highway.
+  void leaveOutArea(const OsmTags& tags) {
+    const bool countedAsWay = !isHighwayArea(tags) && !tags.element.starts_with("relation") &&
+                              (!tags["highway"].empty() || !tags["barrier"].empty());
+    if (!countedAsWay) leaveOut(tags);
+  }
+
+  // Adds an area of land, and counts its surface and its barrier if the town lacks them.
   void addLand(Land land, const OsmTags& tags, Polygon outline, std::vector<Polygon> holes) {
     const bool hard = land == Land::Lot || land == Land::Paved;
     if (hard && !hasSurface(tags, {"asphalt", "paved", "concrete", "paving_stones"})) map_.leftOut.add(kSurfaces);
@@ -231,6 +250,7 @@ class MapMaker {
     map_.areas.push_back({land, std::move(outline), std::move(holes), square});
   }
 
+  // Adds a node with tags if it is a tree; counts all other nodes that stand for a shape.
   void addPoint(const OsmPoint& point) {
     if (!point.tags["ele"].empty()) map_.leftOut.add("heights of nodes (ele)");
     if (isAbsent(point.tags)) return;
@@ -259,37 +279,37 @@ class MapMaker {
   static constexpr const char* kOffGround = "on bridges, in tunnels, indoors or underground";
 
   const OsmExtract& extract_;
-  Map map_;
+  OsmNode origin_;
   TangentPlane plane_;
+  Map map_;
   TagNumbers numbers_;
   std::vector<MapRoad> roads_;
   std::vector<MapBuilding> parts_;
 };
 
-// Throws InputError if a square of 100 m holds more than 10 km of roads: the ground beside a road takes a time that
-// grows with the roads near it, and car parks of five floors have about 3 km.
+// Throws InputError if a square of 100 m holds more than 10 km of roads: the time to build the ground beside a road
+// grows with the number of roads near it. Car parks of five floors have about 3 km of roads.
 void checkDensity(const Map& map) {
-  constexpr double kCell = 100;     // m
-  constexpr double kMost = 10'000;  // m
+  constexpr double kCell = 100;        // m, side of a square
+  constexpr double kLongest = 10'000;  // m
   const Location where{map.file.string()};
-  std::map<std::pair<double, double>, double> lengths;
+  std::map<std::pair<double, double>, double> lengths;  // m of road, by column and row of a square
   for (const MapRoad& road : map.roads) {
     for (std::size_t i = 1; i < road.line.size(); ++i) {
       const Point2 &a = road.line[i - 1], &b = road.line[i];
-      const double length = std::hypot(b.x - a.x, b.y - a.y);
+      const double length = distance(a, b);
       const auto pieces = static_cast<int>(std::ceil(length / kCell));
       for (int k = 0; k < pieces; ++k) {
         chargeTime(where);
-        const double share = (k + 0.5) / pieces;
-        const Point2 at{a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share};
-        double& sum = lengths[{std::floor(at.x / kCell), std::floor(at.y / kCell)}];
+        const Point2 middle = models::lerp(a, b, (k + 0.5) / pieces);
+        double& sum = lengths[{std::floor(middle.x / kCell), std::floor(middle.y / kCell)}];
         sum += length / pieces;
-        if (sum <= kMost) continue;
-        const OsmNode place = degreesAt(map, at);
+        if (sum <= kLongest) continue;
+        const OsmNode place = degreesAt(map, middle);
         throw InputError(
             where, fmt::format("has more than {:.0f} km of roads in a square of {:.0f} m, about latitude {:.6f} and "
                                "longitude {:.6f}: remove roads that are there several times",
-                               kMost / 1000, kCell, place.latitude, place.longitude));
+                               kLongest / 1000, kCell, place.latitude, place.longitude));
       }
     }
   }
@@ -324,7 +344,7 @@ const FormatSupport& osmFormat() {
 }
 
 OsmNode degreesAt(const Map& map, const Point2& p) {
-  return TangentPlane(map.latitude, map.longitude, map.mirrored).degreesAt(p);
+  return TangentPlane(map.origin, map.mirrored).degreesAt(p);
 }
 
 Map makeMap(const OsmExtract& extract, bool mirrored) {
@@ -362,14 +382,14 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   }
   checkDensity(map);
   map.leftOut.warn(file.string());
-  double reach = 0;
-  for (const MapRoad& road : map.roads) reach = std::max(reach, std::hypot(road.line[0].x, road.line[0].y));
+  double farthest = 0;  // m, largest distance of a road from the origin
+  for (const MapRoad& road : map.roads) farthest = std::max(farthest, std::hypot(road.line[0].x, road.line[0].y));
   constexpr double kFarthest = 5e5;  // m; lengths there are 0.3 % too short
-  if (reach > kFarthest) {
+  if (farthest > kFarthest) {
     warn(
         fmt::format("{}: roads are up to {:.0f} km from their middle, where lengths are too short in the plane of the "
                     "scene: cut a district out, for example with `osmium extract`",
-                    file.string(), reach / 1000));
+                    file.string(), farthest / 1000));
   }
   return map;
 }

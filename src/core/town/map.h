@@ -58,20 +58,20 @@ struct MapBuilding {
   // Ends of the ridge of a pitched roof over a building that is no house; equal ends are the top of a pyramid. Not set:
   // such a building has a flat roof.
   std::optional<std::array<Point2, 2>> ridge;
-  double rise = 0;        // m, height of the roof
-  bool riseSaid = false;  // true: the map gives the height of the roof; false: `rise` is a usual height
+  double rise = 0;          // m, height of the roof
+  bool riseMapped = false;  // true: the map gives the height of the roof; false: `rise` is a usual height
   bool shop = false;
   bool shed = false;  // true: a garage, shed or similar building without windows
   // Not empty: these parts are built, and the outline is not.
   std::vector<MapBuilding> parts;
   std::int64_t relation = 0;  // see OsmArea::building
-  std::string different;      // how the roof that is built differs from the map's; empty: it does not
+  std::string difference;     // how the roof that is built differs from the map's; empty: it does not
 
   // Returns the height of the top of the walls (m); nullopt if the map does not give the top of the roof.
   std::optional<double> eaves() const;
   // Returns the number of floors: the map's number, limited to what fits into the height. If the map gives no number,
   // returns the usual number for the height; nullopt if the map gives neither floors nor height.
-  std::optional<int> floorsSaid() const;
+  std::optional<int> usualFloors() const;
 };
 
 enum class Land { Wood, Park, Grass, Water, Lot, Paved };
@@ -110,10 +110,10 @@ struct MapContents {
 
 struct Map : MapContents {
   std::filesystem::path file;
-  double latitude = 0, longitude = 0;  // degrees; position of the frame's origin
-  bool mirrored = false;               // true: y points south
-  std::vector<MapRoad> roads;          // joined by joinRoads()
-  LeftOut leftOut;                     // what the map has, and the town has not or has otherwise
+  OsmNode origin;              // of the frame
+  bool mirrored = false;       // true: y points south
+  std::vector<MapRoad> roads;  // joined by joinRoads()
+  LeftOut leftOut;             // features of the map that the town lacks or has otherwise
 };
 
 // A square of a map, with its contents in a frame of its own (m; x east, y north).
@@ -135,7 +135,7 @@ OsmNode degreesAt(const Map& map, const Point2& p);
 // Reads an extract, and warns of what is left out. Throws an InputError at `where`, with the file's name, if the file
 // cannot be read or has no road for cars.
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
-// Builds a map from an extract in memory.
+// Builds a map from an extract in memory. `mirrored`: y points south.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
 
 // Returns a square of the map around a random point of the main road. The main road is the road that the parameters
@@ -147,7 +147,7 @@ MapPlace cutOut(const Map& map, const Parameters& parameters, std::uint64_t seed
 [[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
 
 // These functions interpret tags of OpenStreetMap. They return nullopt if the tags do not belong to such an object, or
-// do not say.
+// do not give the property.
 std::optional<RoadClass> roadClassOf(const OsmTags& tags);
 std::optional<Land> landOf(const OsmTags& tags);
 std::optional<models::Fencing> fencingOf(const std::string& barrier);
@@ -186,8 +186,8 @@ MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polyg
 bool isRectangular(const Polygon& outline, const models::Footprint& about);
 
 // Puts parts into the buildings that contain them, by relations or by place; a part outside of all buildings becomes a
-// building. If the parts of a building do not cover its outline, adds the rest of the outline as a further part.
-// Removes what has no height, and counts in `leftOut` what is built otherwise than the map says.
+// building. If the parts of a building do not cover its outline, adds the uncovered regions as further parts. Removes
+// buildings and parts without a height, and counts in `leftOut` those that differ from the map.
 void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> parts, LeftOut& leftOut);
 
 }  // namespace scanmill::town

@@ -19,8 +19,6 @@ constexpr double kSlope = 0.75;  // usual slope of a pitched roof
 constexpr double kWidest = 18;   // m, width of the widest building with a pitched roof that the map does not give
 constexpr double kUnit = 1e-3;   // m per unit of the integer coordinates of Boost.Polygon
 
-constexpr double kSquare = 0.1;  // largest difference of the half sides of a square, as a part of the smaller one
-
 enum class RoofShape { Flat, Gabled, Hipped, Pyramidal, Skillion };
 
 struct RoofEntry {
@@ -54,6 +52,7 @@ struct RoofDirection {
   double highSide;  // 1 or -1: the side of the rectangle, on this axis, where a skillion roof is high
 };
 
+// Returns the direction in which the map says that the roof slopes, or, if it does not say, from the longer sides down.
 RoofDirection roofDirection(const OsmTags& tags, const models::Footprint& about, bool mirrored, TagNumbers& numbers) {
   const auto direction = numbers.read(tags, "roof:direction", compassOf, 0, 360);
   if (!direction) return {(about.halfX < about.halfY) != (tags["roof:orientation"] == "across"), 1};
@@ -65,31 +64,34 @@ RoofDirection roofDirection(const OsmTags& tags, const models::Footprint& about,
   return {alongX, (alongX ? downX : downY) > 0 ? -1.0 : 1.0};
 }
 
-// Sets the ridge and the height of a pitched roof, and the kind of roof if a house has this kind. `slope`: height per
-// length (m/m). Outlines with points on straight walls become rectangles.
-void setPitchedRoof(MapBuilding& b, RoofShape shape, RoofDirection direction, double slope) {
-  const models::Footprint about = rectangleAbout(b.outline);
-  const double narrow = std::min(about.halfX, about.halfY);
-  const bool square = std::abs(about.halfX - about.halfY) < kSquare * narrow;
-  if (shape == RoofShape::Hipped && direction.alongX != (about.halfX < about.halfY)) {
-    direction.alongX = about.halfX < about.halfY;
-    if (std::abs(about.halfX - about.halfY) > kSquare * narrow) {
-      b.different = "hipped roofs with a ridge across, whose ridge is along the longer side";
+// Sets the ridge and the height of a pitched roof, and the kind of roof if a house has this kind. `about`: the
+// rectangle about the building; `slope`: height per length (m/m). Outlines with points on straight walls become
+// rectangles.
+void setPitchedRoof(MapBuilding& b, const models::Footprint& about, RoofShape shape, RoofDirection direction,
+                    double slope) {
+  constexpr double kSquare = 0.1;  // largest difference of the half sides of a square, as a part of the smaller one
+  const double shorter = std::min(about.halfX, about.halfY);
+  const bool square = std::abs(about.halfX - about.halfY) < kSquare * shorter;
+  const bool downShorterSide = direction.alongX == (about.halfX < about.halfY);
+  if (shape == RoofShape::Hipped && !downShorterSide) {
+    direction.alongX = !direction.alongX;
+    if (std::abs(about.halfX - about.halfY) > kSquare * shorter) {
+      b.difference = "hipped roofs with a ridge across, whose ridge is along the longer side";
     }
   }
-  const double run = direction.alongX ? about.halfX : about.halfY;  // m, from the eaves to the ridge
-  double halfRidge = direction.alongX ? about.halfY : about.halfX;  // m
-  if (shape == RoofShape::Hipped) halfRidge = std::max(0.0, halfRidge - run);
-  if (shape == RoofShape::Pyramidal) halfRidge = 0;
-  const double aside = shape == RoofShape::Skillion ? direction.highSide * run : 0;
-  b.ridge = direction.alongX ? std::array{about.at(aside, -halfRidge), about.at(aside, halfRidge)}
-                             : std::array{about.at(-halfRidge, aside), about.at(halfRidge, aside)};
-  b.rise = slope * (shape == RoofShape::Gabled || shape == RoofShape::Skillion ? run : narrow);
+  const double run = direction.alongX ? about.halfX : about.halfY;  // m, from the eaves to the middle
+  const double halfLength = direction.alongX ? about.halfY : about.halfX;
+  // Half of the length of the ridge, and its distance from the middle (m).
+  const double halfRidge = shape == RoofShape::Pyramidal ? 0
+                           : shape == RoofShape::Hipped  ? std::max(0.0, halfLength - run)
+                                                         : halfLength;
+  const double offset = shape == RoofShape::Skillion ? direction.highSide * run : 0;
+  b.ridge = direction.alongX ? std::array{about.at(offset, -halfRidge), about.at(offset, halfRidge)}
+                             : std::array{about.at(-halfRidge, offset), about.at(halfRidge, offset)};
+  b.rise = slope * (shape == RoofShape::Gabled || shape == RoofShape::Skillion ? run : shorter);
   if (shape == RoofShape::Gabled) b.roof = models::Roof::Gable;
   if (shape == RoofShape::Hipped || (shape == RoofShape::Pyramidal && square)) b.roof = models::Roof::Hip;
-  if (shape != RoofShape::Pyramidal && b.outline.size() != 4) {
-    b.outline = cornersOf(about);
-  }
+  if (shape != RoofShape::Pyramidal && b.outline.size() != 4) b.outline = cornersOf(about);
 }
 
 // Sets the shape of the roof that the map gives; if it gives none, only the height of a roof that the seed draws.
@@ -98,34 +100,34 @@ void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& num
   const double narrow = std::min(about.halfX, about.halfY);
   const bool rectangular = isRectangular(b.outline, about);
   const auto* const entry = std::ranges::find(kRoofs, tags["roof:shape"], &RoofEntry::name);
-  const auto angle = numbers.read(tags, "roof:angle", numberOf, 1, 85);
+  const auto angle = numbers.read(tags, "roof:angle", numberOf, 1, 85);  // degrees
   const double slope = angle ? std::tan(radians(*angle)) : 2 * narrow < kWidest ? kSlope : kSlope / 3;
+  b.riseMapped = angle.has_value();
   if (entry == std::end(kRoofs)) {
-    if (!tags["roof:shape"].empty()) b.different = "roofs with an unknown roof:shape, which the seed draws";
+    if (!tags["roof:shape"].empty()) b.difference = "roofs with an unknown roof:shape, which the seed draws";
     if (rectangular && 2 * narrow < kWidest) b.rise = slope * narrow;
-    b.riseSaid = angle && b.rise > 0;
+    b.riseMapped = angle && b.rise > 0;
     return;
   }
   if (!entry->as.empty()) {
-    b.different = fmt::format("roofs with roof:shape={}, which are built {}", entry->name, entry->as);
+    b.difference = fmt::format("roofs with roof:shape={}, which are built {}", entry->name, entry->as);
   }
   RoofShape shape = entry->built;
   const bool pyramid = shape == RoofShape::Pyramidal && isInside({&b.outline}, about.center);
-  const bool fits = b.courts.empty() && (rectangular || pyramid);
-  if (shape != RoofShape::Flat && !fits) {
-    b.different = "pitched roofs over outlines that are no rectangles, which are built flat";
+  if (shape != RoofShape::Flat && (!b.courts.empty() || (!rectangular && !pyramid))) {
+    b.difference = "pitched roofs over outlines that are no rectangles, which are built flat";
     shape = RoofShape::Flat;
   }
   if (shape == RoofShape::Flat) {
     b.roof = models::Roof::Flat;
+    b.riseMapped = false;
     return;
   }
-  setPitchedRoof(b, shape, roofDirection(tags, about, mirrored, numbers), slope);
-  if (angle && shape == RoofShape::Skillion) b.rise *= 2;  // it rises over the complete width
-  b.riseSaid = angle.has_value();
+  setPitchedRoof(b, about, shape, roofDirection(tags, about, mirrored, numbers), slope);
+  if (angle && shape == RoofShape::Skillion) b.rise *= 2;  // a skillion roof rises over the complete width
 }
 
-// Sets the heights of a building whose roof has a shape.
+// Sets the floors, the top, the base and the height of the roof. setRoof() must have been called.
 void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
   constexpr double kHighest = 1000;  // m
   constexpr double kMostFloors = 200;
@@ -135,18 +137,17 @@ void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
     if (!b.top) b.top = numbers.read(tags, key, metresOf, 0.1, kHighest);
   }
   std::optional<double> rise = numbers.read(tags, "roof:height", metresOf, 0, kHighest);
-  if (const auto levels = numbers.read(tags, "roof:levels", numberOf, 0, kMostFloors); levels && !rise && *levels > 0) {
-    rise = kStorey * *levels;
-  }
+  const auto roofLevels = numbers.read(tags, "roof:levels", numberOf, 0, kMostFloors);
+  if (!rise && roofLevels.value_or(0) > 0) rise = kStorey * *roofLevels;
   const bool part = tags["building"].empty();
-  const double wanted = rise.value_or(b.rise);
+  const double mappedRise = rise.value_or(b.rise);
   if (b.roof == models::Roof::Flat || (part && !b.ridge)) {
     b.rise = 0;
-    b.riseSaid = false;
+    b.riseMapped = false;
   } else if (rise) {
     b.rise = *rise;
-    b.riseSaid = true;
-  } else if (b.top && b.riseSaid) {
+    b.riseMapped = true;
+  } else if (b.top && b.riseMapped) {
     b.rise = std::min(b.rise, *b.top);
   } else if (b.top) {
     b.rise = std::min(b.rise, std::max(*b.top / 2, *b.top - 2));
@@ -155,14 +156,15 @@ void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
   const auto level = numbers.read(tags, "building:min_level", numberOf, 0, kMostFloors);
   const double storey = b.top && floors ? std::max(*b.top - b.rise, 0.0) / *floors : kStorey;
   b.base = base ? *base : level ? storey * *level : 0;
-  if (b.different.empty() && b.riseSaid && b.top && wanted > *b.top - b.base + 0.05) {
-    b.different = "roofs higher than their buildings by roof:height or roof:angle, which end at the building's foot";
+  if (b.difference.empty() && b.riseMapped && b.top && mappedRise > *b.top - b.base + 0.05) {
+    b.difference = "roofs higher than their buildings by roof:height or roof:angle, which end at the building's foot";
   }
-  if (!b.top && floors && (part || b.base > 0 || b.riseSaid)) {
-    b.top = kStorey * *floors + (b.ridge || b.riseSaid ? b.rise : 0);
+  if (!b.top && floors && (part || b.base > 0 || b.riseMapped)) {
+    b.top = kStorey * *floors + (b.ridge || b.riseMapped ? b.rise : 0);
   }
 }
 
+// Returns the ground plan of a building in units of kUnit, relative to `origin`.
 Region regionOf(const MapBuilding& b, const Point2& origin) {
   const auto ring = [&](const Polygon& points) {
     std::vector<gtl::point_data<int>> corners;
@@ -182,6 +184,7 @@ double squareMetres(const Region& region) {
   return kUnit * kUnit * static_cast<double>(gtl::area(region));
 }
 
+// Returns the area (m^2) that two ground plans have in common.
 double overlap(const MapBuilding& a, const MapBuilding& b) {
   using namespace gtl::operators;
   const Point2& origin = a.outline.front();
@@ -190,36 +193,37 @@ double overlap(const MapBuilding& a, const MapBuilding& b) {
 
 template <class Ring>
 Polygon polygonOf(const Ring& ring, const Point2& origin) {
-  Polygon made;
+  Polygon polygon;
   for (auto p = gtl::begin_points(ring); p != gtl::end_points(ring); ++p) {
-    made.push_back({origin.x + kUnit * gtl::x(*p), origin.y + kUnit * gtl::y(*p)});
+    polygon.push_back({origin.x + kUnit * gtl::x(*p), origin.y + kUnit * gtl::y(*p)});
   }
-  return made;
+  return polygon;
 }
 
-// Adds the rest of the outline as further parts, if the parts do not cover it. Returns whether it did.
-bool addRest(MapBuilding& b) {
-  constexpr double kCovered = 0.9;  // parts that cover this share of an outline stand for all of it
-  constexpr double kLeastRest = 1;  // m^2
+// Adds the regions of the outline that no part covers as further parts. Does nothing, and returns false, if the parts
+// cover nearly all of it.
+bool addUncoveredRegions(MapBuilding& b) {
+  constexpr double kCovered = 0.9;    // parts that cover this share of an outline stand for all of it
+  constexpr double kLeastRegion = 1;  // m^2
   using namespace gtl::operators;
   const Point2 origin = b.outline.front();
-  Region rest = regionOf(b, origin);
-  const double complete = squareMetres(rest);
-  for (const MapBuilding& part : b.parts) rest -= regionOf(part, origin);
-  if (squareMetres(rest) <= (1 - kCovered) * complete) return false;
-  // Removes what is thinner than two seams, such as the strip between an outline and a part whose points lie a
-  // centimetre beside it: the rest is shrunk by a seam and grown again.
+  Region uncovered = regionOf(b, origin);
+  const double totalArea = squareMetres(uncovered);
+  for (const MapBuilding& part : b.parts) uncovered -= regionOf(part, origin);
+  if (squareMetres(uncovered) <= (1 - kCovered) * totalArea) return false;
+  // Removes strips that are thinner than two seams, such as the one between an outline and a part whose points lie a
+  // centimetre beside it: the region is shrunk by a seam and grown again.
   constexpr int kSeam = 80;  // units of kUnit; more than ringOf() and the rounding of degrees move points
-  Region wide = rest;
-  wide.resize(-kSeam);
-  wide.resize(kSeam);
-  rest &= wide;
+  Region withoutStrips = uncovered;
+  withoutStrips.resize(-kSeam);
+  withoutStrips.resize(kSeam);
+  uncovered &= withoutStrips;
   std::vector<gtl::polygon_with_holes_data<int>> pieces;
-  rest.get(pieces);
+  uncovered.get(pieces);
   for (const auto& piece : pieces) {
     MapBuilding part;
     part.outline = polygonOf(piece, origin);
-    if (part.outline.size() < 3 || sizeOf(part.outline) < kLeastRest) continue;
+    if (part.outline.size() < 3 || areaOf(part.outline) < kLeastRegion) continue;
     for (auto hole = gtl::begin_holes(piece); hole != gtl::end_holes(piece); ++hole) {
       part.courts.push_back(polygonOf(*hole, origin));
     }
@@ -249,12 +253,12 @@ class OwnerFinder {
   // without such a relation, of the building that contains most of it, at least half; nullopt if there is none.
   std::optional<std::size_t> operator()(const MapBuilding& part) const {
     std::optional<std::size_t> owner;
-    double most = 0;
-    const auto consider = [&](std::size_t i, double least) {
-      const double shared = overlap(part, buildings_[i]);
-      if (shared < least || (owner && shared <= most)) return;
+    double largestOverlap = 0;
+    const auto consider = [&](std::size_t i, double leastOverlap) {
+      const double area = overlap(part, buildings_[i]);
+      if (area < leastOverlap || (owner && area <= largestOverlap)) return;
       owner = i;
-      most = shared;
+      largestOverlap = area;
     };
     const auto related = byRelation_.find(part.relation);
     if (part.relation != 0 && related != byRelation_.end()) {
@@ -262,21 +266,22 @@ class OwnerFinder {
       return owner;
     }
     const Extent extent = extentOf(part.outline);
-    for (auto at = std::lower_bound(byWest_.begin(), byWest_.end(), std::pair(extent.low.x - widest_, std::size_t{0}));
-         at != byWest_.end() && at->first < extent.high.x; ++at) {
-      const Extent& other = extents_[at->second];
-      const bool apart = other.high.x < extent.low.x || other.high.y < extent.low.y || other.low.y > extent.high.y;
-      if (!apart) consider(at->second, sizeOf(part.outline) / 2);
+    // Buildings that begin farther west than the widest building is wide end before the part begins.
+    auto entry = std::lower_bound(byWest_.begin(), byWest_.end(), std::pair(extent.low.x - widest_, std::size_t{0}));
+    for (; entry != byWest_.end() && entry->first < extent.high.x; ++entry) {
+      const auto& [low, high] = extents_[entry->second];
+      const bool apart = high.x < extent.low.x || high.y < extent.low.y || low.y > extent.high.y;
+      if (!apart) consider(entry->second, areaOf(part.outline) / 2);
     }
     return owner;
   }
 
  private:
   const std::vector<MapBuilding>& buildings_;
-  std::vector<Extent> extents_;
-  std::vector<std::pair<double, std::size_t>> byWest_;
-  std::map<std::int64_t, std::vector<std::size_t>> byRelation_;
-  double widest_ = 0;
+  std::vector<Extent> extents_;                                  // by building
+  std::vector<std::pair<double, std::size_t>> byWest_;           // west ends (m) and indices of buildings, sorted
+  std::map<std::int64_t, std::vector<std::size_t>> byRelation_;  // indices of buildings
+  double widest_ = 0;                                            // m, from west to east
 };
 
 }  // namespace
@@ -284,10 +289,10 @@ class OwnerFinder {
 std::optional<double> MapBuilding::eaves() const {
   constexpr double kLowest = 2;  // m, lowest eaves that the map does not give
   if (!top) return std::nullopt;
-  return std::max(*top - rise, base > 0 ? base : riseSaid ? std::min(*top, 0.1) : std::min(*top, kLowest));
+  return std::max(*top - rise, base > 0 ? base : riseMapped ? std::min(*top, 0.1) : std::min(*top, kLowest));
 }
 
-std::optional<int> MapBuilding::floorsSaid() const {
+std::optional<int> MapBuilding::usualFloors() const {
   constexpr double kLeast = 2.4;
   if (floors && top) return std::min(*floors, std::max(1, static_cast<int>(*top / kLeast)));
   if (floors) return floors;
@@ -296,7 +301,7 @@ std::optional<int> MapBuilding::floorsSaid() const {
 
 bool isRectangular(const Polygon& outline, const models::Footprint& about) {
   constexpr double kSkewed = 0.9, kCutOut = 0.98;  // least shares of the rectangle
-  return sizeOf(outline) > (outline.size() == 4 ? kSkewed : kCutOut) * 4 * about.halfX * about.halfY;
+  return areaOf(outline) > (outline.size() == 4 ? kSkewed : kCutOut) * 4 * about.halfX * about.halfY;
 }
 
 MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,
@@ -316,13 +321,13 @@ MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polyg
 
 void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> parts, LeftOut& leftOut) {
   const OwnerFinder ownerOf(buildings);
-  std::vector<MapBuilding> alone;
-  std::vector<std::pair<std::size_t, MapBuilding>> owned;
+  std::vector<MapBuilding> unowned;
+  std::vector<std::pair<std::size_t, MapBuilding>> owned;  // with the indices of their buildings
   for (MapBuilding& part : parts) {
     if (const std::optional<std::size_t> owner = ownerOf(part)) {
       owned.emplace_back(*owner, std::move(part));
     } else {
-      alone.push_back(std::move(part));
+      unowned.push_back(std::move(part));
     }
   }
   for (auto& [owner, part] : owned) {
@@ -334,22 +339,24 @@ void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> par
     }
     building.parts.push_back(std::move(part));
   }
-  buildings.insert(buildings.end(), std::make_move_iterator(alone.begin()), std::make_move_iterator(alone.end()));
-  const auto hasNoHeight = [&](MapBuilding& b) {
+  buildings.insert(buildings.end(), std::make_move_iterator(unowned.begin()), std::make_move_iterator(unowned.end()));
+  // Sets the top of a hanging building that lacks one, and counts how the building differs from the map. Returns true
+  // if it has no height.
+  const auto countAndTestHeight = [&](MapBuilding& b) {
     if (b.base > 0 && !b.top) b.top = b.base + kStorey;
-    const bool none = b.base > 0 && *b.top < b.base + 0.05;
-    if (none) leftOut.add("buildings and building parts that are no higher than their min_height");
-    if (!none && !b.different.empty()) leftOut.add(b.different);
-    return none;
+    const bool flat = b.base > 0 && *b.top < b.base + 0.05;
+    if (flat) leftOut.add("buildings and building parts that are no higher than their min_height");
+    if (!flat && !b.difference.empty()) leftOut.add(b.difference);
+    return flat;
   };
   for (MapBuilding& building : buildings) {
     if (building.parts.empty()) continue;
-    if (addRest(building)) {
+    if (addUncoveredRegions(building)) {
       leftOut.add("building outlines that their parts cover in part, and that are built beside them");
     }
-    std::erase_if(building.parts, hasNoHeight);
+    std::erase_if(building.parts, countAndTestHeight);
   }
-  std::erase_if(buildings, [&](MapBuilding& b) { return b.parts.empty() && hasNoHeight(b); });
+  std::erase_if(buildings, [&](MapBuilding& b) { return b.parts.empty() && countAndTestHeight(b); });
 }
 
 }  // namespace scanmill::town

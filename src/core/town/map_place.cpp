@@ -39,57 +39,60 @@ constexpr double kAroundLand = 30;    // m that areas of land may extend beyond 
       where, fmt::format("{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest, kLeastLength));
 }
 
-// Returns the index of the main road: a random road with a probability proportional to its length.
+// Returns the index of the main road: one of the named roads or, without a name, of the roads of residential class or
+// wider. It is at least kLeastLength long, and drawn with a probability proportional to its length.
 std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
-  std::vector<std::size_t> fit;
-  double sum = 0;
+  std::vector<std::size_t> candidates;
+  double totalLength = 0;
   double longest = 0;
   for (std::size_t i = 0; i < map.roads.size(); ++i) {
     const MapRoad& road = map.roads[i];
-    const bool wanted = parameters.road.empty() ? road.kind <= RoadClass::Residential : road.name == parameters.road;
-    if (!wanted || road.ring) continue;
+    const bool allowed = parameters.road.empty() ? road.kind <= RoadClass::Residential : road.name == parameters.road;
+    if (!allowed || road.ring) continue;
     longest = std::max(longest, road.length());
     if (road.length() < kLeastLength) continue;
-    fit.push_back(i);
-    sum += road.length();
+    candidates.push_back(i);
+    totalLength += road.length();
   }
-  if (fit.empty()) refuse(map, parameters, longest, where);
-  double pick = draw.next() * sum;
-  for (const std::size_t i : fit) {
-    pick -= map.roads[i].length();
-    if (pick <= 0) return i;
+  if (candidates.empty()) refuse(map, parameters, longest, where);
+  double remainingLength = draw.next() * totalLength;
+  for (const std::size_t i : candidates) {
+    remainingLength -= map.roads[i].length();
+    if (remainingLength <= 0) return i;
   }
-  return fit.back();
+  return candidates.back();
 }
 
-// Returns the district: it follows from how much of the land beside the main road is built on, and from the number of
-// floors.
+// Returns the value of the key `district` for a place: it follows from how much of the land beside the main road is
+// built on, and from the mean number of floors. The limits are by eye.
 std::string districtAbout(const MapPlace& place) {
   constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
   const std::vector<Point2>& main = place.roads.front().line;
-  double built = 0;
-  double floors = 0;
+  double groundArea = 0;  // m^2 of all buildings
+  double floorArea = 0;
   for (const MapBuilding& b : place.buildings) {
     const Nearest n = nearestOn(main, b.outline.front());
     if (n.distance > kBeside || n.along < place.mainFrom || n.along > place.mainTo) continue;
-    const double size = sizeOf(b.outline);
-    built += size;
-    floors += size * b.floorsSaid().value_or(2);
+    const double area = areaOf(b.outline);
+    groundArea += area;
+    floorArea += area * b.usualFloors().value_or(2);
   }
-  const double share = built / (2 * kBeside * (place.mainTo - place.mainFrom));
+  const double share = groundArea / (2 * kBeside * (place.mainTo - place.mainFrom));
   if (share < 0.03) return "rural";
-  return share > 0.3 || (share > 0.2 && floors > 2.6 * built) ? "dense" : "suburban";
+  return share > 0.3 || (share > 0.2 && floorArea > 2.6 * groundArea) ? "dense" : "suburban";
 }
 
+// Cuts the square of a town out of a map. Points of the map are in its frame, points of place_ are relative to origin_.
 class Cutter {
  public:
   Cutter(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where)
       : map_(map), parameters_(parameters), reach_(reach), where_(where), draw_(seed, Kind::Map) {
-    main_ = drawMainRoad(map, parameters, draw_, where);
+    mainIndex_ = drawMainRoad(map, parameters, draw_, where);
   }
 
+  // Sets the origin first: a random point of the main road. All other steps need it.
   MapPlace cut() {
-    const MapRoad& main = map_.roads[main_];
+    const MapRoad& main = map_.roads[mainIndex_];
     warnOfInterruption(main);
     const double halfLength = std::min(parameters_.length, main.length()) / 2;
     const double middle = draw_.in(halfLength, std::max(halfLength, main.length() - halfLength));
@@ -98,23 +101,24 @@ class Cutter {
     addMain(main);
     setBuiltUp(halfLength);
     for (std::size_t i = 0; i < map_.roads.size(); ++i) {
-      if (i != main_) addOther(map_.roads[i]);
+      if (i != mainIndex_) addOtherRoad(map_.roads[i]);
     }
     addJoints();
-    addLines();
-    addContents();
+    addPathsAndBarriers();
+    addBuildingsAndAreas();
     place_.district = districtAbout(place_);
     return std::move(place_);
   }
 
  private:
-  Point2 moved(const Point2& p) const { return {p.x - origin_.x, p.y - origin_.y}; }
-  std::vector<Point2> moved(const std::vector<Point2>& line) const { return relativeTo(origin_, line); }
-  MapBuilding moved(MapBuilding building) const {
-    building.outline = moved(building.outline);
-    for (Polygon& court : building.courts) court = moved(court);
-    if (building.ridge) building.ridge = {moved(building.ridge->front()), moved(building.ridge->back())};
-    for (MapBuilding& part : building.parts) part = moved(std::move(part));
+  // Return points and buildings of the map relative to origin_.
+  Point2 relative(const Point2& p) const { return {p.x - origin_.x, p.y - origin_.y}; }
+  std::vector<Point2> relative(const std::vector<Point2>& line) const { return relativeTo(origin_, line); }
+  MapBuilding relative(MapBuilding building) const {
+    building.outline = relative(building.outline);
+    for (Polygon& court : building.courts) court = relative(court);
+    if (building.ridge) building.ridge = {relative(building.ridge->front()), relative(building.ridge->back())};
+    for (MapBuilding& part : building.parts) part = relative(std::move(part));
     return building;
   }
   bool isWithin(const Point2& p, double half) const { return std::max(std::abs(p.x), std::abs(p.y)) < half; }
@@ -142,7 +146,7 @@ class Cutter {
   // Adds the parts of the main road in the square. The part through the origin comes first and is the town's main road;
   // if the road leaves the square and comes back, each further part is another road.
   void addMain(const MapRoad& main) {
-    std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(moved(main.line), kRoadStep), reach_);
+    std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(relative(main.line), kRoadStep), reach_);
     std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });
     std::ranges::stable_sort(runs, {}, [](const auto& run) { return nearestOn(run, {0, 0}).distance; });
     const double length = runs.empty() ? 0 : lengthOf(runs.front());
@@ -174,32 +178,29 @@ class Cutter {
 
   // Adds the pieces of a road between its nodes on the main road; leaves out pieces away from the square. A piece that
   // only ends at the main road is reversed.
-  void addOther(const MapRoad& road) {
-    std::size_t from = 0;
-    const auto meets = [&](std::size_t i) { return mainNodes_.contains(road.nodes[i]); };
-    for (std::size_t i = 1; i < road.line.size(); ++i) {
-      if (i + 1 < road.line.size() && !meets(i)) continue;
-      std::vector<Point2> line(road.line.begin() + static_cast<std::ptrdiff_t>(from),
-                               road.line.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-      line = moved(line);
-      if (!mayReach(line)) {
-        from = i;
-        continue;
-      }
+  void addOtherRoad(const MapRoad& road) {
+    const auto isOnMain = [&](std::ptrdiff_t i) {
+      return mainNodes_.contains(road.nodes[static_cast<std::size_t>(i)]);
+    };
+    std::ptrdiff_t first = 0;  // indices of the first and the last point of a piece
+    for (std::ptrdiff_t last = 1; last < std::ssize(road.line); ++last) {
+      if (last + 1 < std::ssize(road.line) && !isOnMain(last)) continue;
+      std::vector<Point2> line = relative({road.line.begin() + first, road.line.begin() + last + 1});
+      const bool begins = isOnMain(first);
+      const bool ends = !begins && isOnMain(last);
+      first = last;
+      if (!mayReach(line)) continue;
       MapRoad piece = road;
-      piece.nodes.clear();
-      const bool begins = meets(from);
-      const bool ends = !begins && meets(i);
-      from = i;
       if (ends) {
-        std::reverse(line.begin(), line.end());
+        std::ranges::reverse(line);
         piece.against = piece.oneWay;
       }
       addPiece(piece, line, begins || ends);
     }
   }
 
-  // Adds the parts of a piece in the square. `joined`: true if the piece begins at the main road.
+  // Adds the parts of a piece in the square, with the properties of `piece` and points of `line`. `joined`: true if the
+  // piece begins at the main road.
   void addPiece(const MapRoad& piece, const std::vector<Point2>& line, bool joined) {
     const std::vector<Point2> smooth = piece.ring ? evenLine(line, kRoadStep) : smoothLine(line, kRoadStep);
     bool first = true;
@@ -215,43 +216,47 @@ class Cutter {
   // Makes a road that begins at the main road one of its side roads, unless their angle is flat: no vehicle turns
   // there.
   void joinMain(MapRoad& road) const {
-    constexpr std::size_t kAhead = 6;                // points from the junction to where the angle is measured
-    constexpr double kFlattest = 0.5, kNearest = 3;  // sine of the least angle; m, largest gap between the lines
+    constexpr std::size_t kAhead = 6;   // points from the junction to where the angle is measured
+    constexpr double kLeastSine = 0.5;  // of the angle between the roads
+    constexpr double kLargestGap = 3;   // m between the start of the road and the main road's line
     const Nearest n = nearestOn(place_.roads.front().line, road.line.front());
-    const Point2& on = road.line[std::min(road.line.size() - 1, kAhead)];
-    const double x = on.x - road.line.front().x;
-    const double y = on.y - road.line.front().y;
-    const double left = (n.heading.x * y - n.heading.y * x) / std::hypot(x, y);
-    if (n.distance >= kNearest || std::abs(left) <= kFlattest) return;
+    const Point2 direction = directionOf(road.line.front(), road.line[std::min(road.line.size() - 1, kAhead)]);
+    const double sine = n.heading.x * direction.y - n.heading.y * direction.x;  // positive to the left
+    if (n.distance >= kLargestGap || std::abs(sine) <= kLeastSine) return;
     if (n.along <= place_.mainFrom || n.along >= place_.mainTo) return;
     road.joins = n.along;
-    road.joinsLeft = left > 0;
+    road.joinsLeft = sine > 0;
   }
 
+  // Adds the nodes that several roads, or one road several times, have.
   void addJoints() {
-    std::map<std::int64_t, std::pair<Point2, int>> uses;
+    constexpr double kAround = 40;  // m; corners are rounded within this distance of a joint
+    struct Node {
+      Point2 position;
+      int uses = 0;
+    };
+    std::map<std::int64_t, Node> nodes;  // by id
     for (const MapRoad& road : map_.roads) {
       for (std::size_t i = 0; i < road.nodes.size(); ++i) {
-        std::pair<Point2, int>& use = uses[road.nodes[i]];
-        use.first = road.line[i];
-        ++use.second;
+        Node& node = nodes[road.nodes[i]];
+        node.position = relative(road.line[i]);
+        ++node.uses;
       }
     }
-    for (const auto& [node, use] : uses) {
-      constexpr double kAround = 40;  // m; corners are rounded within this distance of a joint
-      const Point2 at = moved(use.first);
-      if (use.second > 1 && isWithin(at, reach_ + kAround)) place_.joints.push_back(at);
+    for (const auto& [id, node] : nodes) {
+      if (node.uses > 1 && isWithin(node.position, reach_ + kAround)) place_.joints.push_back(node.position);
     }
   }
 
-  void addLines() {
-    const auto addRuns = [&](const auto& all, const auto& divided, auto& placed) {
-      for (const auto& one : all) {
-        const std::vector<Point2> line = moved(one.line);
+  // Adds the parts of paths, whose corners are rounded, and of barriers in the square.
+  void addPathsAndBarriers() {
+    const auto addRuns = [&](const auto& mapped, const auto& divided, auto& placed) {
+      for (const auto& object : mapped) {
+        const std::vector<Point2> line = relative(object.line);
         if (!mayReach(line)) continue;
         for (std::vector<Point2>& run : runsWithin(divided(line, kRoadStep), reach_)) {
           if (run.size() < 2) continue;
-          placed.push_back(one);
+          placed.push_back(object);
           placed.back().line = std::move(run);
         }
       }
@@ -260,26 +265,26 @@ class Cutter {
     addRuns(map_.barriers, denseLine, place_.barriers);
   }
 
-  // Adds the buildings that are completely in the square, and the areas and trees.
-  void addContents() {
+  // Adds the buildings that are completely in the square, the parts of areas in a larger square, and the trees.
+  void addBuildingsAndAreas() {
     for (const MapBuilding& b : map_.buildings) {
-      MapBuilding placed = moved(b);
+      MapBuilding placed = relative(b);
       const auto within = [&](const Point2& p) { return isWithin(p, reach_); };
       if (std::ranges::all_of(placed.outline, within)) place_.buildings.push_back(std::move(placed));
     }
     for (const MapArea& a : map_.areas) {
-      MapArea placed{a.land, moved(a.outline), {}, a.square};
+      MapArea placed{a.land, relative(a.outline), {}, a.square};
       if (!mayReach(placed.outline)) continue;
       placed.outline = clipped(placed.outline, reach_ + kAroundLand);
       if (placed.outline.size() < 3) continue;
       for (const Polygon& hole : a.holes) {
-        Polygon cut = clipped(moved(hole), reach_ + kAroundLand);
-        if (cut.size() > 2) placed.holes.push_back(std::move(cut));
+        Polygon clippedHole = clipped(relative(hole), reach_ + kAroundLand);
+        if (clippedHole.size() > 2) placed.holes.push_back(std::move(clippedHole));
       }
       place_.areas.push_back(std::move(placed));
     }
     for (MapTree tree : map_.trees) {
-      tree.at = moved(tree.at);
+      tree.at = relative(tree.at);
       if (isWithin(tree.at, reach_)) place_.trees.push_back(tree);
     }
   }
@@ -289,7 +294,7 @@ class Cutter {
   double reach_;  // m, half of the side of the square
   const Location& where_;
   Draw draw_;
-  std::size_t main_ = 0;
+  std::size_t mainIndex_ = 0;
   Point2 origin_;
   std::set<std::int64_t> mainNodes_;
   MapPlace place_;

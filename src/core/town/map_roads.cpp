@@ -25,6 +25,7 @@ struct Piece {
   std::optional<End> next[2];
 };
 
+// Returns the change of direction (rad, 0 to pi) at a point of a road's line other than its ends.
 double turnAt(const MapRoad& road, std::size_t i) {
   const Point2& a = road.line[i - 1];
   const Point2& b = road.line[i];
@@ -32,27 +33,26 @@ double turnAt(const MapRoad& road, std::size_t i) {
   return std::abs(wrapped(std::atan2(c.y - b.y, c.x - b.x) - std::atan2(b.y - a.y, b.x - a.x)));
 }
 
-// Cuts roads into pieces: at crossings, and where a road turns back on itself.
-std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
-  std::map<std::int64_t, int> uses;
+// Cuts roads into pieces: at nodes that several roads (or one road several times) have, and where a road turns back on
+// itself.
+std::vector<Piece> cutIntoPieces(const std::vector<MapRoad>& roads) {
+  std::map<std::int64_t, int> uses;  // by node
   for (const MapRoad& road : roads) {
     for (const std::int64_t node : road.nodes) ++uses[node];
   }
   std::vector<Piece> pieces;
   for (const MapRoad& road : roads) {
-    MapRoad without = road;  // a road may have thousands of pieces
-    without.line.clear();
-    without.nodes.clear();
-    std::size_t from = 0;
-    for (std::size_t i = 1; i < road.line.size(); ++i) {
+    MapRoad properties = road;  // without the points: a road may have thousands of pieces
+    properties.line.clear();
+    properties.nodes.clear();
+    std::ptrdiff_t first = 0;  // indices of the first and the last point of a piece
+    for (std::ptrdiff_t last = 1; last < std::ssize(road.line); ++last) {
+      const auto i = static_cast<std::size_t>(last);
       if (i + 1 < road.line.size() && uses[road.nodes[i]] < 2 && turnAt(road, i) < kSharpest) continue;
-      Piece piece{without, {}};
-      piece.road.line.assign(road.line.begin() + static_cast<std::ptrdiff_t>(from),
-                             road.line.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-      piece.road.nodes.assign(road.nodes.begin() + static_cast<std::ptrdiff_t>(from),
-                              road.nodes.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-      pieces.push_back(std::move(piece));
-      from = i;
+      Piece& piece = pieces.emplace_back(Piece{properties, {}});
+      piece.road.line.assign(road.line.begin() + first, road.line.begin() + last + 1);
+      piece.road.nodes.assign(road.nodes.begin() + first, road.nodes.begin() + last + 1);
+      first = last;
     }
   }
   return pieces;
@@ -69,9 +69,12 @@ double headingFrom(const MapRoad& road, int end) {
   return std::atan2(at(i).y - start.y, at(i).x - start.x);
 }
 
-// Returns how poorly two pieces with a common node fit together as one road (lower is better); nullopt if they cannot
-// be one road.
+// Returns how poorly two pieces that meet at their ends a and b fit together as one road (lower is better): the change
+// of direction (rad), plus penalties for another name and other classes. nullopt if they cannot be one road. `alone`:
+// true if no other piece ends there.
 std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, const End& b, bool alone) {
+  constexpr double kSharpestCrossing = 0.8;             // rad, where other roads join or the name changes
+  constexpr double kOtherName = 0.5, kClassStep = 0.3;  // penalties, by eye
   const MapRoad& p = pieces[a.piece].road;
   const MapRoad& q = pieces[b.piece].road;
   if (p.ring != q.ring || p.oneWay != q.oneWay) return std::nullopt;
@@ -84,23 +87,25 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
   // Outside of roundabouts, a road continues around a sharp corner only if its name and class stay the same
   // and no other road joins it there.
   const bool corner = p.ring || (alone && p.kind == q.kind && p.name == q.name);
-  if (turn > (corner ? kSharpest : 0.8)) return std::nullopt;
-  return turn + (sameName ? 0 : 0.5) + 0.3 * std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));
+  if (turn > (corner ? kSharpest : kSharpestCrossing)) return std::nullopt;
+  const int classSteps = std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));
+  return turn + (sameName ? 0 : kOtherName) + kClassStep * classSteps;
 }
 
-void match(std::vector<Piece>& pieces) {
-  std::map<std::int64_t, std::vector<End>> meetings;
+// Sets Piece::next: at each node, joins pairs of ends, the pairs that fit best first.
+void joinEnds(std::vector<Piece>& pieces) {
+  std::map<std::int64_t, std::vector<End>> endsByNode;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const MapRoad& road = pieces[i].road;
-    meetings[road.nodes.front()].push_back({i, 0});
-    meetings[road.nodes.back()].push_back({i, 1});
+    endsByNode[road.nodes.front()].push_back({i, 0});
+    endsByNode[road.nodes.back()].push_back({i, 1});
   }
   struct Pair {
     double misfit;
     End a, b;
   };
   constexpr std::size_t kMostEnds = 100;  // more ends than any junction has; each pair of ends is compared
-  for (const auto& [node, ends] : meetings) {
+  for (const auto& [node, ends] : endsByNode) {
     if (ends.size() > kMostEnds) continue;
     std::vector<Pair> pairs;
     for (std::size_t i = 0; i < ends.size(); ++i) {
@@ -110,7 +115,7 @@ void match(std::vector<Piece>& pieces) {
         if (fit) pairs.push_back({*fit, ends[i], ends[j]});
       }
     }
-    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) { return x.misfit < y.misfit; });
+    std::ranges::stable_sort(pairs, {}, &Pair::misfit);
     for (const Pair& pair : pairs) {
       std::optional<End>& afterA = pieces[pair.a.piece].next[pair.a.end];
       std::optional<End>& afterB = pieces[pair.b.piece].next[pair.b.end];
@@ -121,53 +126,50 @@ void match(std::vector<Piece>& pieces) {
   }
 }
 
-// Joins the pieces that continue each other, beginning at the end `from` of a piece.
-MapRoad follow(const std::vector<Piece>& pieces, const End& from, std::vector<bool>& used) {
-  MapRoad whole;
-  double longest = 0;
-  for (std::optional<End> at = from; at && !used[at->piece]; at = pieces[at->piece].next[1 - at->end]) {
-    used[at->piece] = true;
-    MapRoad part = pieces[at->piece].road;
-    if (at->end == 1) {
-      std::reverse(part.line.begin(), part.line.end());
-      std::reverse(part.nodes.begin(), part.nodes.end());
+// Returns the road of the pieces that continue each other, beginning at the end `start` of a piece, and marks them in
+// `used`. The properties of the road are those of the longest piece.
+MapRoad joinPieces(const std::vector<Piece>& pieces, const End& start, std::vector<bool>& used) {
+  std::vector<Point2> line;
+  std::vector<std::int64_t> nodes;
+  MapRoad longest;
+  for (std::optional<End> begin = start; begin && !used[begin->piece];
+       begin = pieces[begin->piece].next[1 - begin->end]) {
+    used[begin->piece] = true;
+    MapRoad piece = pieces[begin->piece].road;
+    if (begin->end == 1) {
+      std::ranges::reverse(piece.line);
+      std::ranges::reverse(piece.nodes);
     }
-    // All properties except the line and its nodes come from the longest piece.
-    std::vector<Point2> line = std::move(whole.line);
-    std::vector<std::int64_t> nodes = std::move(whole.nodes);
-    const std::size_t skip = line.empty() ? 0 : 1;
-    line.insert(line.end(), part.line.begin() + static_cast<std::ptrdiff_t>(skip), part.line.end());
-    nodes.insert(nodes.end(), part.nodes.begin() + static_cast<std::ptrdiff_t>(skip), part.nodes.end());
-    if (part.length() > longest) {
-      longest = part.length();
-      whole = part;
-    }
-    whole.line = std::move(line);
-    whole.nodes = std::move(nodes);
+    const std::ptrdiff_t common = line.empty() ? 0 : 1;  // points that the road has already
+    line.insert(line.end(), piece.line.begin() + common, piece.line.end());
+    nodes.insert(nodes.end(), piece.nodes.begin() + common, piece.nodes.end());
+    if (longest.line.empty() || piece.length() > longest.length()) longest = std::move(piece);
   }
-  return whole;
+  longest.line = std::move(line);
+  longest.nodes = std::move(nodes);
+  return longest;
 }
 
 }  // namespace
 
 std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads) {
-  std::vector<Piece> pieces = cut(roads);
-  match(pieces);
+  std::vector<Piece> pieces = cutIntoPieces(roads);
+  joinEnds(pieces);
   std::vector<bool> used(pieces.size(), false);
   std::vector<MapRoad> joined;
-  const auto begin = [&](bool loops) {
+  const auto joinFromEnds = [&](bool loops) {
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       if (used[i]) continue;
       // One-way roads are followed only from their start.
       if (loops || !pieces[i].next[0]) {
-        joined.push_back(follow(pieces, {i, 0}, used));
+        joined.push_back(joinPieces(pieces, {i, 0}, used));
       } else if (!pieces[i].next[1] && !pieces[i].road.oneWay) {
-        joined.push_back(follow(pieces, {i, 1}, used));
+        joined.push_back(joinPieces(pieces, {i, 1}, used));
       }
     }
   };
-  begin(false);
-  begin(true);
+  joinFromEnds(false);
+  joinFromEnds(true);
   return joined;
 }
 

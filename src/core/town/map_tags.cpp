@@ -17,7 +17,7 @@ const std::initializer_list<std::string_view> kNotParked = {"no",          "none
 const std::initializer_list<std::string_view> kPaved = {"both", "left", "right", "yes", "separate"};
 const std::initializer_list<std::string_view> kNotPaved = {"no", "none"};
 
-// Tags of what is not there, not on the ground, or has no shape of its own.
+// Tags of elements that do not exist (yet), are not on the ground, or have no shape of their own.
 constexpr std::string_view kShapeless =
     "highway=proposed highway=planned highway=construction highway=razed highway=demolished highway=abandoned "
     "highway=disused highway=services highway=rest_area highway=crossing highway=turning_circle highway=turning_loop "
@@ -29,30 +29,35 @@ constexpr std::string_view kShapeless =
     "landuse=industrial landuse=education landuse=institutional landuse=religious leisure=nature_reserve "
     "natural=valley natural=cape natural=peninsula natural=strait natural=peak natural=saddle natural=spring "
     "man_made=survey_point";
-// Tags of things, of keys that mostly stand for places.
-constexpr std::string_view kThings =
+// Tags that stand for an object, of keys that mostly stand for places: see kPlaceKeys.
+constexpr std::string_view kObjects =
     "amenity=parking amenity=parking_space amenity=bench amenity=waste_basket amenity=recycling amenity=post_box "
     "amenity=fountain amenity=shelter amenity=telephone amenity=vending_machine amenity=bicycle_parking "
     "amenity=charging_station emergency=fire_hydrant golf=bunker military=bunker parking=rooftop place=square "
     "public_transport=platform tourism=artwork";
 
-bool hasWord(std::string_view words, std::string_view wanted) {
+// Keys most of whose values are places without a shape of their own.
+const std::initializer_list<std::string_view> kPlaceKeys = {
+    "amenity", "emergency", "golf", "military", "parking", "place", "public_transport", "tourism"};
+
+// True if a list of words with spaces between them has this word.
+bool hasWord(std::string_view words, std::string_view searched) {
   for (std::string_view word = takeWord(words); !word.empty(); word = takeWord(words)) {
-    if (word == wanted) return true;
+    if (word == searched) return true;
   }
   return false;
 }
 
 // Returns whether a road has a feature, from tags with keys such as `sidewalk`, `parking:lane:both` or `parking:left`:
 // true if the value of a key is in `yes`; otherwise false if a value is in `no`; nullopt if no value is in either list.
-std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<std::string_view> keys,
-                           std::initializer_list<std::string_view> yes, std::initializer_list<std::string_view> no) {
-  std::optional<bool> said;
+std::optional<bool> featureOf(const OsmTags& tags, std::initializer_list<std::string_view> keys,
+                              std::initializer_list<std::string_view> yes, std::initializer_list<std::string_view> no) {
+  std::optional<bool> feature;
   for (const std::string_view key : keys) {
     if (isOneOf(tags[key], yes)) return true;
-    if (isOneOf(tags[key], no)) said = false;
+    if (isOneOf(tags[key], no)) feature = false;
   }
-  return said;
+  return feature;
 }
 
 }  // namespace
@@ -100,6 +105,7 @@ bool isHighwayArea(const OsmTags& tags) {
   return !tags["highway"].empty() && (tags["area"] == "yes" || tags.element.starts_with("relation"));
 }
 
+// The kinds are tested in the order Wood, Water, Lot, Park, Grass, Paved.
 std::optional<Land> landOf(const OsmTags& tags) {
   if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"}) ||
       tags["landcover"] == "trees") {
@@ -109,9 +115,9 @@ std::optional<Land> landOf(const OsmTags& tags) {
       isOneOf(tags["waterway"], {"riverbank", "dock"})) {
     return Land::Water;
   }
-  const bool covered =
+  const bool builtOver =
       isOneOf(tags["parking"], {"multi-storey", "underground", "rooftop", "carports", "garage_boxes", "sheds"});
-  if (tags["amenity"] == "parking" && !covered) return Land::Lot;
+  if (tags["amenity"] == "parking" && !builtOver) return Land::Lot;
   if (isOneOf(tags["leisure"], {"park", "garden", "dog_park"}) || tags["amenity"] == "grave_yard" ||
       isOneOf(tags["landuse"], {"village_green", "recreation_ground", "cemetery"})) {
     return Land::Park;
@@ -122,8 +128,10 @@ std::optional<Land> landOf(const OsmTags& tags) {
     return Land::Grass;
   }
   // OpenStreetMap represents squares as areas of roads and paths, or as marketplaces.
-  const bool walked = isOneOf(tags["highway"], {"pedestrian", "footway", "path", "cycleway", "bridleway", "steps"});
-  if ((isHighwayArea(tags) && (walked || roadClassOf(tags))) || isOneOf(tags["amenity"], {"marketplace", "fuel"}) ||
+  const bool forPedestrians =
+      isOneOf(tags["highway"], {"pedestrian", "footway", "path", "cycleway", "bridleway", "steps"});
+  if ((isHighwayArea(tags) && (forPedestrians || roadClassOf(tags))) ||
+      isOneOf(tags["amenity"], {"marketplace", "fuel"}) ||
       isOneOf(tags["aeroway"], {"apron", "helipad", "runway", "taxiway"})) {
     return Land::Paved;
   }
@@ -146,11 +154,11 @@ bool isOpenRoof(const OsmTags& tags) {
 }
 
 std::optional<bool> sidewalkOf(const OsmTags& tags) {
-  return saidOf(tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}, kPaved, kNotPaved);
+  return featureOf(tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"}, kPaved, kNotPaved);
 }
 
 std::optional<bool> parkingOf(const OsmTags& tags) {
-  return saidOf(tags, kParkingKeys, kParked, kNotParked);
+  return featureOf(tags, kParkingKeys, kParked, kNotParked);
 }
 
 bool hasLook(const OsmTags& tags) {
@@ -161,26 +169,29 @@ bool hasLook(const OsmTags& tags) {
 }
 
 bool differsFromTownRoads(const OsmTags& tags) {
-  const auto isAnyOf = [&](std::initializer_list<const char*> keys, std::initializer_list<std::string_view> values) {
-    return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return isOneOf(tags[key], values); });
+  const auto hasAny = [&](std::initializer_list<const char*> keys, std::initializer_list<std::string_view> values) {
+    return std::ranges::any_of(keys, [&](const char* key) { return isOneOf(tags[key], values); });
   };
-  const auto differ = [&](const char* left, const char* right, std::initializer_list<std::string_view> yes) {
-    return isOneOf(tags[left], yes) != isOneOf(tags[right], yes);
+  // True if one of two keys, those of the left and the right side, has one of the values and the other has not.
+  const auto onlyOneHas = [&](const char* left, const char* right, std::initializer_list<std::string_view> values) {
+    return isOneOf(tags[left], values) != isOneOf(tags[right], values);
   };
-  const bool oneSided =
+  const bool oneSidewalk =
       isOneOf(tags["sidewalk"], {"left", "right"}) ||
-      (!isAnyOf({"sidewalk", "sidewalk:both"}, kPaved) && differ("sidewalk:left", "sidewalk:right", kPaved)) ||
-      (!isAnyOf({"parking:both", "parking:lane:both"}, kParked) &&
-       (differ("parking:left", "parking:right", kParked) ||
-        differ("parking:lane:left", "parking:lane:right", kParked)));
-  const bool parked = std::ranges::any_of(tags.pairs, [](const auto& tag) {
+      (!hasAny({"sidewalk", "sidewalk:both"}, kPaved) && onlyOneHas("sidewalk:left", "sidewalk:right", kPaved));
+  const bool parkingAtOneSide = !hasAny({"parking:both", "parking:lane:both"}, kParked) &&
+                                (onlyOneHas("parking:left", "parking:right", kParked) ||
+                                 onlyOneHas("parking:lane:left", "parking:lane:right", kParked));
+  // Towns have only parking lanes along the road.
+  const bool otherParking = std::ranges::any_of(tags.pairs, [](const auto& tag) {
     const auto& [key, value] = tag;
     return (key.starts_with("parking:") && isOneOf(value, {"perpendicular", "diagonal"})) ||
            (isOneOf(key, kParkingKeys) && !isOneOf(value, kParked) && !isOneOf(value, kNotParked));
   });
-  return oneSided || parked || isAnyOf({"embankment", "cutting"}, {"yes", "left", "right", "both"}) ||
-         isAnyOf({"cycleway", "cycleway:left", "cycleway:right", "cycleway:both"},
-                 {"track", "lane", "opposite_track", "opposite_lane"});
+  return oneSidewalk || parkingAtOneSide || otherParking ||
+         hasAny({"embankment", "cutting"}, {"yes", "left", "right", "both"}) ||
+         hasAny({"cycleway", "cycleway:left", "cycleway:right", "cycleway:both"},
+                {"track", "lane", "opposite_track", "opposite_lane"});
 }
 
 std::string shapeTagOf(const OsmTags& tags) {
@@ -188,16 +199,13 @@ std::string shapeTagOf(const OsmTags& tags) {
   if (tags["location"] == "underground" || tags["parking"] == "underground") return {};
   const bool node = tags.element.starts_with("node");
   for (const auto& [key, value] : tags.pairs) {
-    const bool mapped = std::find(std::begin(kMappedKeys), std::end(kMappedKeys), key) != std::end(kMappedKeys);
-    // Ways have the key traffic_sign too, without a sign there; nodes with the key place are names.
-    if (!mapped || value == "no" || key == (node ? "place" : "traffic_sign")) continue;
+    if (std::ranges::find(kMappedKeys, key) == std::end(kMappedKeys) || value == "no") continue;
+    // Ways have the key traffic_sign without a sign where they are; nodes with the key place are names.
+    if (key == (node ? "place" : "traffic_sign")) continue;
     if (node && isOneOf(key, {"landuse", "landcover", "leisure"})) continue;
     std::string tag = key + "=" + value;
     if (hasWord(kShapeless, tag)) continue;
-    // Most values of these keys are places without a shape of their own.
-    const bool few =
-        isOneOf(key, {"amenity", "emergency", "golf", "military", "parking", "place", "public_transport", "tourism"});
-    if (!few || hasWord(kThings, tag)) return tag;
+    if (!isOneOf(key, kPlaceKeys) || hasWord(kObjects, tag)) return tag;
   }
   return {};
 }

@@ -156,8 +156,7 @@ void placeMarkings(Placer& placer) {
 void placeCovers(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "manholes and repairs");
-  const models::SurfaceIndex iron = s.surface("road", "metal_bare");
-  const models::SurfaceIndex fresh = s.surface("road", "asphalt_new");
+  const auto [iron, fresh] = s.surfaces("road", "metal_bare", "asphalt_new");
   int count = 0;
   for (const Road& road : l.roads()) {
     Draw draw(l.seed, Kind::Cover, road.number);

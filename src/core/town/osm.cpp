@@ -26,7 +26,7 @@ std::optional<double> takeNumber(std::string_view& text) {
 }  // namespace
 
 bool isOneOf(std::string_view value, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), value) != words.end();
+  return std::ranges::find(words, value) != words.end();
 }
 
 std::optional<double> metresOf(std::string_view value) {
@@ -66,7 +66,7 @@ std::optional<double> TagNumbers::read(const OsmTags& tags, const char* key, Par
   return std::nullopt;
 }
 
-void TagNumbers::tell(LeftOut& leftOut) const {
+void TagNumbers::report(LeftOut& leftOut) const {
   for (const auto& [key, unusable] : unusable_) {
     leftOut.add(fmt::format("values of {} that cannot be used, such as {}", key, unusable.example), unusable.count);
   }

@@ -106,8 +106,8 @@ class TagNumbers {
   // Returns the value of a tag; nullopt if there is no such tag, or if its value cannot be parsed or is not from
   // `least` to `most`, which is counted.
   std::optional<double> read(const OsmTags& tags, const char* key, Parse parse, double least, double most);
-  // Adds what was counted, with an example of each key.
-  void tell(LeftOut& leftOut) const;
+  // Adds the numbers of unusable values, with an example of each key.
+  void report(LeftOut& leftOut) const;
 
  private:
   struct Unusable {

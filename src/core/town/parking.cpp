@@ -109,7 +109,7 @@ bool isOnLot(const Placer& placer, const Point2& p) {
   constexpr double kFromEdge = 1.2;  // m
   const Areas& areas = placer.layout.areas;
   const Beside b = placer.layout.besideAt(p);
-  return placer.isOnGround(p) && areas.outsideHard(p) < -kFromEdge && areas.at(p) == Land::Lot &&
+  return placer.isOnGround(p) && areas.outsideHard(p) < -kFromEdge && areas.landAt(p) == Land::Lot &&
          (!b.nearRoad || b.edge > b.section.outer() + kFromEdge);
 }
 
@@ -153,7 +153,7 @@ void placeLots(Placer& placer) {
   std::uint32_t lot = 0;
   int lines = 0;
   int number = 0;
-  for (const MapArea& area : l.areas.all()) {
+  for (const MapArea& area : l.areas.list()) {
     if (area.land != Land::Lot) continue;
     Draw draw(l.seed, Kind::Lot, ++lot);
     // Few lots are full.

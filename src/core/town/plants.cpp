@@ -122,7 +122,7 @@ void plantPark(Placer& placer, const MapArea& park, Draw& draw, int& number) {
     const double v = draw.in(-about.halfY, about.halfY);
     const Point2 p = about.at(u, v);
     const bool far = !l.besideAt(p).nearRoad;
-    if (far || l.areas.at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
+    if (far || l.areas.landAt(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
     if (plant(placer, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;
   }
 }
@@ -208,7 +208,7 @@ void placeTrees(Placer& placer) {
   }
   placePits(placer, pits);
   std::uint32_t area = 0;
-  for (const MapArea& park : l.areas.all()) {
+  for (const MapArea& park : l.areas.list()) {
     Draw draw(l.seed, Kind::ParkTrees, ++area);
     if (park.land == Land::Park && l.trees.empty()) plantPark(placer, park, draw, number);
   }
@@ -241,7 +241,7 @@ void placeWoods(Placer& placer) {
       if (!b.nearRoad || b.edge < b.section.outer() + std::max(b.section.apron, 0.4)) continue;
       const double density = relief({l.seed, Field::Woods}, spot.at.x, spot.at.y, 45) +
                              0.4 * relief({l.seed, Field::Clearings}, spot.at.x, spot.at.y, 12);
-      const std::optional<Land> land = l.areas.at(spot.at);
+      const std::optional<Land> land = l.areas.landAt(spot.at);
       if (land ? *land != Land::Wood : density < threshold) continue;
       if (draw.chance(0.55)) {
         const Model& bush = draw.itemOf(bushes);

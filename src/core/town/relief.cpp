@@ -5,7 +5,8 @@
 namespace scanmill::town {
 namespace {
 
-// SplitMix64's finaliser (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
+// Returns a hash of 64 bits by SplitMix64's finaliser (Steele, Lea and Flood, "Fast splittable pseudorandom number
+// generators", OOPSLA 2014).
 std::uint64_t mixed(std::uint64_t v) {
   v = (v ^ (v >> 30)) * 0xBF58476D1CE4E5B9u;
   v = (v ^ (v >> 27)) * 0x94D049BB133111EBu;
@@ -27,6 +28,7 @@ double sloped(std::uint64_t lattice, std::int64_t ix, std::int64_t iy, double dx
   return g[0] * dx + g[1] * dy;
 }
 
+// Returns the quintic step from 0 to 1 of Perlin's improved noise.
 double faded(double t) {
   return t * t * t * (t * (t * 6 - 15) + 10);
 }
@@ -52,7 +54,8 @@ double relief(const FieldAddress& address, double x, double y, double size) {
   const double s = faded(dx);
   const double low = a + (b - a) * s;
   const double high = c + (d - c) * s;
-  return (low + (high - low) * faded(dy)) * 1.4142135623730951;
+  constexpr double kSqrtTwo = 1.4142135623730951;  // scales the largest value, at a cell's centre, to 1
+  return (low + (high - low) * faded(dy)) * kSqrtTwo;
 }
 
 }  // namespace scanmill::town

@@ -9,27 +9,12 @@ namespace scanmill::town {
 
 // The purpose of a random field. Each value is used in one place of the code. The towns of a seed depend on the values:
 // append new ones, never renumber.
+// clang-format off
 enum class Field : std::uint32_t {
-  Hills = 1,
-  Slopes,
-  Knolls,
-  Ruts,
-  WornSpots,
-  Swells,
-  Bumps,
-  Banks,
-  Roughness,
-  Grain,
-  SnowHeaps,
-  SnowLumps,
-  Woods,
-  Clearings,
-  Grass,
-  MainRoadBehind,
-  MainRoadAhead,
-  SideRoad,
-  Count
+  Hills = 1, Slopes, Knolls, Ruts, WornSpots, Swells, Bumps, Banks, Roughness, Grain, SnowHeaps, SnowLumps, Woods,
+  Clearings, Grass, MainRoadBehind, MainRoadAhead, SideRoad, Count
 };
+// clang-format on
 
 // The address of a random field. Two different addresses give independent fields.
 struct FieldAddress {

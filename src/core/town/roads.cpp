@@ -7,19 +7,19 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kCell = 8;       // m, side of a grid cell
-constexpr std::size_t kRun = 4;   // number of successive segments that share a bounding box
-constexpr double kRounding = 10;  // m, rounding of corners at joints: see at()
-constexpr double kRingRounding = 4;
-constexpr double kFull = 28;  // m from a joint; nearer corners are fully rounded
-constexpr double kFade = 12;  // m beyond kFull, over which the rounding decreases to zero
+constexpr std::size_t kRun = 4;      // number of successive segments that share a bounding box
+constexpr double kRounding = 10;     // m, rounding of corners at joints: see at()
+constexpr double kRingRounding = 4;  // m, at roundabouts
+constexpr double kFull = 28;         // m from a joint; nearer corners are fully rounded
+constexpr double kFade = 12;         // m beyond kFull, over which the rounding decreases to zero
 
-CrossSection mixed(const CrossSection& a, const CrossSection& b, double part) {
-  return {models::lerp(a.half, b.half, part),         models::lerp(a.parking, b.parking, part),
-          models::lerp(a.curb, b.curb, part),         models::lerp(a.verge, b.verge, part),
-          models::lerp(a.sidewalk, b.sidewalk, part), models::lerp(a.step, b.step, part),
-          models::lerp(a.apron, b.apron, part),       models::lerp(a.shoulder, b.shoulder, part),
-          models::lerp(a.median, b.median, part),     part < 0.5 ? a.lanes : b.lanes};
+// Returns a mixture of two cross sections: `a` at t = 0, `b` at t = 1.
+CrossSection mixed(const CrossSection& a, const CrossSection& b, double t) {
+  return {models::lerp(a.half, b.half, t),         models::lerp(a.parking, b.parking, t),
+          models::lerp(a.curb, b.curb, t),         models::lerp(a.verge, b.verge, t),
+          models::lerp(a.sidewalk, b.sidewalk, t), models::lerp(a.step, b.step, t),
+          models::lerp(a.apron, b.apron, t),       models::lerp(a.shoulder, b.shoulder, t),
+          models::lerp(a.median, b.median, t),     t < 0.5 ? a.lanes : b.lanes};
 }
 
 }  // namespace
@@ -27,25 +27,19 @@ CrossSection mixed(const CrossSection& a, const CrossSection& b, double part) {
 Point2 Road::point(double distance) const {
   const double d = std::clamp(distance, 0.0, length());
   const auto next = static_cast<std::size_t>(std::upper_bound(at.begin() + 1, at.end() - 1, d) - at.begin());
-  const double part = (d - at[next - 1]) / (at[next] - at[next - 1]);
-  return models::lerp(line[next - 1], line[next], part);
+  return models::lerp(line[next - 1], line[next], (d - at[next - 1]) / (at[next] - at[next - 1]));
 }
 
 Point2 Road::heading(double distance) const {
   const double d = std::clamp(distance, 0.0, length());
-  const Point2 a = point(d - kRoadStep);
-  const Point2 b = point(d + kRoadStep);
-  const double size = std::hypot(b.x - a.x, b.y - a.y);
-  return {(b.x - a.x) / size, (b.y - a.y) / size};
+  return directionOf(point(d - kRoadStep), point(d + kRoadStep));
 }
 
 models::Spot besideRoad(const Road& road, double along, double lateral) {
   const Point2 p = road.point(along);
   const Point2 h = road.heading(along);
-  return {{p.x - h.y * lateral, p.y + h.x * lateral}, std::atan2(h.y, h.x), 1, 0};
+  return {.at = {p.x - h.y * lateral, p.y + h.x * lateral}, .yaw = std::atan2(h.y, h.x)};
 }
-
-RoadNetwork::RoadNetwork() : jointCells_(kCell) {}
 
 void RoadNetwork::add(Road road) {
   road.number = static_cast<std::uint32_t>(roads_.size());
@@ -55,14 +49,9 @@ void RoadNetwork::add(Road road) {
   }
   for (std::size_t first = 0; first + 1 < road.line.size(); first += kRun) {
     const std::size_t last = std::min(first + kRun, road.line.size() - 1);
-    Run run{road.number, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last), road.line[first],
-            road.line[first]};
-    for (std::size_t i = first + 1; i <= last; ++i) {
-      const Point2& p = road.line[i];
-      run.low = {std::min(run.low.x, p.x), std::min(run.low.y, p.y)};
-      run.high = {std::max(run.high.x, p.x), std::max(run.high.y, p.y)};
-    }
-    runs_.push_back(run);
+    const auto begin = road.line.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto [low, high] = extentOf({begin, begin + static_cast<std::ptrdiff_t>(last - first) + 1});
+    runs_.push_back({road.number, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last), low, high});
     enterLastRun();
   }
   roads_.push_back(std::move(road));
@@ -80,10 +69,13 @@ void RoadNetwork::enterLastRun() {
       const Point2 out = run.outside(middle(column), middle(row));
       const auto least = static_cast<float>(std::hypot(out.x, out.y) - kHalfDiagonal);
       if (least > kReach) continue;
+      // Keeps the runs of this road, which are the last ones of the cell, sorted by their distances.
       std::vector<RunOfCell>& cell = cells_[models::cellKey(column, row)];
-      auto place = cell.end();
-      while (place != cell.begin() && runs_[place[-1].run].road == run.road && place[-1].least > least) --place;
-      cell.insert(place, {index, least});
+      auto position = cell.end();
+      while (position != cell.begin() && runs_[position[-1].run].road == run.road && position[-1].least > least) {
+        --position;
+      }
+      cell.insert(position, {index, least});
     }
   }
 }
@@ -102,74 +94,81 @@ double RoadNetwork::roundingAt(const Point2& p) const {
   return kRounding * (1 - models::smooth((nearest - kFull) / kFade));
 }
 
-void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
-  found.clear();
+void RoadNetwork::findNearest(double x, double y, std::vector<NearestPoint>& nearest) const {
+  nearest.clear();
   const auto cell = cells_.find(models::cellKeyAt({x, y}, kCell));
   if (cell == cells_.end()) return;
-  constexpr double kRounded = 1e-6;  // m^2, bound on the rounding error of squared distances
-  std::uint32_t nearestSegment = 0;  // of the last road in `found`
-  for (const auto [index, nearness] : cell->second) {
+  constexpr double kRoundingError = 1e-6;  // m^2, bound on the error of squared distances
+  for (const auto [index, least] : cell->second) {
     const Run& run = runs_[index];
-    const bool known = !found.empty() && found.back().road == run.road;
-    const double most = known ? found.back().distance : kReach * kReach;
-    if (nearness > 0 && nearness * nearness - kRounded > most) continue;
-    const Point2 out = run.outside(x, y);
-    if (out.x * out.x + out.y * out.y - kRounded > most) continue;
-    const Road& road = roads_[run.road];
-    for (std::uint32_t i = run.first; i < run.last; ++i) {
-      const Point2& a = road.line[i];
-      const Point2& b = road.line[i + 1];
-      const double dx = b.x - a.x;
-      const double dy = b.y - a.y;
-      const double size = road.at[i + 1] - road.at[i];
-      const double projected = ((x - a.x) * dx + (y - a.y) * dy) / (size * size);
-      const double part = std::clamp(projected, 0.0, 1.0);
-      const double px = x - (a.x + dx * part);
-      const double py = y - (a.y + dy * part);
-      const double square = px * px + py * py;
-      if (square > kReach * kReach) continue;
-      if (found.empty() || found.back().road != run.road) found.push_back({1e9, run.road, 0, false, 0});
-      // If segments are equally far, the first one in the line counts.
-      if (square > found.back().distance || (square == found.back().distance && i > nearestSegment)) continue;
-      nearestSegment = i;
-      const bool isEnd = projected < 0 ? i == 0 : i + 2 == road.line.size();
-      const double behind = isEnd ? std::abs(projected - part) * size : 0;
-      found.back() = {square, run.road, road.at[i] + size * part, dx * py - dy * px >= 0, behind};
-    }
+    const bool sameRoad = !nearest.empty() && nearest.back().road == run.road;
+    const double farthest = sameRoad ? nearest.back().squaredDistance : kReach * kReach;
+    if (least > 0 && least * least - kRoundingError > farthest) continue;
+    const Point2 outside = run.outside(x, y);
+    if (outside.x * outside.x + outside.y * outside.y - kRoundingError > farthest) continue;
+    findNearestOnRun(run, x, y, nearest);
   }
-  for (Near& n : found) n.distance = std::sqrt(n.distance);
+}
+
+// Replaces the last point of `nearest`, if it is on the run's road, or else appends a point, if the run has a nearer
+// one. Among points that are equally far, the first one along the road counts.
+void RoadNetwork::findNearestOnRun(const Run& run, double x, double y, std::vector<NearestPoint>& nearest) const {
+  const Road& road = roads_[run.road];
+  for (std::uint32_t i = run.first; i < run.last; ++i) {
+    const Point2& a = road.line[i];
+    const Point2& b = road.line[i + 1];
+    const double dx = b.x - a.x;
+    const double dy = b.y - a.y;
+    const double length = road.at[i + 1] - road.at[i];
+    const double projected = ((x - a.x) * dx + (y - a.y) * dy) / (length * length);  // 0 at a, 1 at b
+    const double t = std::clamp(projected, 0.0, 1.0);
+    const double px = x - (a.x + dx * t);
+    const double py = y - (a.y + dy * t);
+    const double squaredDistance = px * px + py * py;
+    if (squaredDistance > kReach * kReach) continue;
+    if (nearest.empty() || nearest.back().road != run.road) nearest.push_back({1e9, run.road, 0, 0, false, 0});
+    NearestPoint& best = nearest.back();
+    if (squaredDistance > best.squaredDistance || (squaredDistance == best.squaredDistance && i > best.segment))
+      continue;
+    const bool isEnd = projected < 0 ? i == 0 : i + 2 == road.line.size();
+    const double beyondEnd = isEnd ? std::abs(projected - t) * length : 0;
+    best = {squaredDistance, run.road, i, road.at[i] + length * t, dx * py - dy * px >= 0, beyondEnd};
+  }
 }
 
 // `edge` is the distance to the nearest road's edge, as a polynomial smooth minimum over all roads, which rounds
 // corners: if the distances to two edges differ by less than the rounding, the result is less than both distances, by
 // at most a quarter of the rounding.
 Beside RoadNetwork::at(const Point2& p) const {
-  thread_local std::vector<Near> found;
-  nearest(p.x, p.y, found);
-  Beside beside;
-  double least = 1e9;
-  const double corner = found.size() > 1 ? std::max(roundingAt(p), 1e-3) : 1;
-  const bool ring = std::any_of(found.begin(), found.end(), [&](const Near& n) { return roads_[n.road].ring; });
+  thread_local std::vector<NearestPoint> nearest;
+  findNearest(p.x, p.y, nearest);
+  const bool severalRoads = nearest.size() > 1;
+  const double corner = severalRoads ? std::max(roundingAt(p), 1e-3) : 1;
+  const bool ring = std::ranges::any_of(nearest, [&](const NearestPoint& n) { return roads_[n.road].ring; });
   const double rounding = ring ? std::min(corner, kRingRounding) : corner;
-  for (const Near& n : found) {
-    const CrossSection& own = roads_[n.road].section;
+  Beside beside;
+  double leastEdge = 1e9;
+  for (const NearestPoint& n : nearest) {
+    const CrossSection& section = roads_[n.road].section;
+    const double distance = std::sqrt(n.squaredDistance);
+    const double lateral = n.left ? distance : -distance;
     // A road that ends at a joint must not widen the other roads on their far side. Therefore the distance to its edge
     // grows steeply beyond its end.
-    constexpr double kSteep = 3;
-    const double edge = n.distance - own.half + kSteep * n.behind * corner / kRounding * (found.size() > 1 ? 1 : 0);
+    constexpr double kSteepness = 3;
+    const double edge = distance - section.half + (severalRoads ? kSteepness * n.beyondEnd * corner / kRounding : 0);
     if (!beside.nearRoad) {
-      beside = {true, edge, n.road, n.along, n.left ? n.distance : -n.distance, own};
-      least = edge;
+      beside = {true, edge, n.road, n.along, lateral, section};
+      leastEdge = edge;
       continue;
     }
-    const double part = std::clamp(0.5 + (beside.edge - edge) / (2 * rounding), 0.0, 1.0);
-    beside.section = mixed(beside.section, own, part);
-    beside.edge = models::lerp(beside.edge, edge, part) - rounding * part * (1 - part);
-    if (edge < least) {
-      least = edge;
+    const double t = std::clamp(0.5 + (beside.edge - edge) / (2 * rounding), 0.0, 1.0);
+    beside.section = mixed(beside.section, section, t);
+    beside.edge = models::lerp(beside.edge, edge, t) - rounding * t * (1 - t);
+    if (edge < leastEdge) {
+      leastEdge = edge;
       beside.road = n.road;
       beside.along = n.along;
-      beside.lateral = n.left ? n.distance : -n.distance;
+      beside.lateral = lateral;
     }
   }
   // The island inside a roundabout, at the left of the ring's line, has no pavements, although the roads that join the

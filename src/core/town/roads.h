@@ -38,16 +38,16 @@ struct CrossSection {
 };
 
 struct Road {
-  std::uint32_t number = 0;  // index among the roads of the network
-  std::vector<Point2> line;  // centre line, in steps of about kRoadStep
-  std::vector<double> at;    // m along `line`, for each of its points
-  CrossSection section;
+  std::uint32_t number = 0;    // index among the roads of the network
+  std::vector<Point2> line{};  // centre line, in steps of about kRoadStep
+  std::vector<double> at{};    // m along `line`, for each of its points
+  CrossSection section{};
   bool main = false;
   bool minor = false;  // true: a service road or track, without lamps and without parked or waiting vehicles
   bool ring = false;   // true: a roundabout
   // For side roads of the main road: the distance along the main road at which this road begins (m), and whether this
   // road is at the left of the main road's line.
-  std::optional<double> joins;
+  std::optional<double> joins{};
   bool joinsLeft = false;
   // `along` is true if vehicles may drive in the direction of the line, `against` if they may drive against it.
   bool along = true, against = true;
@@ -68,7 +68,8 @@ constexpr double kRoadStep = 2;  // m between the points of a road's line
 // direction of the line.
 models::Spot besideRoad(const Road& road, double along, double lateral);
 
-// The position of a point relative to the nearest road: beside that road or on it.
+// The position of a point relative to the nearest road: beside that road or on it. The other members are not set unless
+// `nearRoad` is true.
 struct Beside {
   bool nearRoad = false;  // true: a road's centre line is within RoadNetwork::kReach
   double edge = 1e9;      // m beyond the edge of the carriageway, negative on it; corners at joints are rounded
@@ -76,12 +77,13 @@ struct Beside {
   double along = 0;      // m along the road's centre line
   double lateral = 0;    // m to the left of the centre line
   CrossSection section;  // at a crossing, a mixture of the roads' cross sections
+
+  // True if the point is on a road or its sidewalk, or less than `gap` metres beyond them.
+  bool isOnRoadOrSidewalk(double gap = 0) const { return nearRoad && edge < section.outer() + gap; }
 };
 
 class RoadNetwork {
  public:
-  RoadNetwork();
-
   static constexpr double kReach = 48;  // m, largest distance from which at() finds a road's centre line
 
   void add(Road road);
@@ -90,10 +92,11 @@ class RoadNetwork {
   void addJoint(const Point2& joint);
   const std::vector<Road>& roads() const { return roads_; }
 
+  // Returns the position of a point relative to the nearest road.
   Beside at(const Point2& p) const;
 
  private:
-  double roundingAt(const Point2& p) const;
+  double roundingAt(const Point2& p) const;  // m, rounding of corners near joints: see at()
 
   // Successive segments of a road's line, and their bounding box.
   struct Run {
@@ -110,23 +113,27 @@ class RoadNetwork {
     std::uint32_t run;
     float least;  // m, no point of the cell is nearer to the run; may be negative
   };
-  struct Near {
-    double distance;
-    std::uint32_t road;
-    double along;
-    bool left;
-    double behind;  // m beyond the road's first or last point, in the direction of its line
+  // The point of a road that is nearest to another point (m).
+  struct NearestPoint {
+    double squaredDistance;       // m^2
+    std::uint32_t road, segment;  // indices of the road, and of a segment of its line
+    double along;                 // along the road's centre line
+    bool left;                    // true: the other point is to the left of the line
+    double beyondEnd;             // beyond the road's first or last point, in the direction of its line
   };
   void enterLastRun();  // adds the last of runs_ to cells_
-  // Finds the nearest point of each road within kReach, in the order of the roads.
-  void nearest(double x, double y, std::vector<Near>& found) const;
+  // Sets `nearest` to the nearest point of each road within kReach, in the order of the roads.
+  void findNearest(double x, double y, std::vector<NearestPoint>& nearest) const;
+  void findNearestOnRun(const Run& run, double x, double y, std::vector<NearestPoint>& nearest) const;
+
+  static constexpr double kCell = 8;  // m, side of a grid cell
 
   std::vector<Road> roads_;
   std::vector<Run> runs_;
   // The runs within kReach of a cell: roads in their order, and the runs of each road by RunOfCell::least.
   std::unordered_map<std::uint64_t, std::vector<RunOfCell>> cells_;
   std::vector<Point2> joints_;
-  models::CellIndex jointCells_;  // of joints whose rounding of corners reaches a cell
+  models::CellIndex jointCells_{kCell};  // of joints whose rounding of corners reaches a cell
 };
 
 }  // namespace scanmill::town

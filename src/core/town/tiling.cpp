@@ -14,7 +14,8 @@ const Location kGround{"the ground of the town"};  // of errors
 
 constexpr double kOnLine = 1e-4;  // m; if the field of cutAlong() has a smaller absolute value, it counts as zero
 
-// Corners are on a lattice whose spacing is half the smallest leaf's side, so that leaves' centres are on it, too.
+// A quadtree over the square. Corners of its leaves are on a lattice whose spacing is half of the smallest leaf's side,
+// so that leaves' centres are on it, too. Coordinates x, y and sizes are in steps of this lattice.
 class Quadtree {
  public:
   Quadtree(double half, double smallest, const std::function<bool(double, double, double)>& divided)
@@ -39,6 +40,7 @@ class Quadtree {
     std::array<std::uint32_t, 4> corners;  // numbers of the corners, counter-clockwise from the low corner
   };
 
+  // Returns the number of lattice steps along a side of the square, a power of 2.
   static std::int64_t stepsOf(double half, double smallest) {
     std::int64_t steps = 2;
     while (4 * half / static_cast<double>(steps) > smallest * 1.0001) steps *= 2;
@@ -46,6 +48,7 @@ class Quadtree {
   }
   double coordinate(std::int64_t i) const { return -half_ + static_cast<double>(i) * step_; }
 
+  // Divides the square with the low corner (x, y) as far as divided_ wants, and adds its leaves.
   void divide(std::int64_t x, std::int64_t y, std::int64_t size) {
     const double side = static_cast<double>(size) * step_;
     chargeTime(kGround);
@@ -61,12 +64,13 @@ class Quadtree {
     const std::uint32_t left = corner(x, y + size);
     const std::uint32_t right = corner(x + size, y);
     const std::uint32_t high = corner(x + size, y + size);
-    leaves_.push_back({static_cast<std::int32_t>(x),
-                       static_cast<std::int32_t>(y),
-                       static_cast<std::int32_t>(size),
-                       {low, right, high, left}});
+    leaves_.push_back({.x = static_cast<std::int32_t>(x),
+                       .y = static_cast<std::int32_t>(y),
+                       .size = static_cast<std::int32_t>(size),
+                       .corners = {low, right, high, left}});
   }
 
+  // Returns the index of the point at a position of the lattice, which is added if it is new.
   std::uint32_t corner(std::int64_t x, std::int64_t y) {
     const auto [found, isNew] =
         corners_.try_emplace(models::cellKey(x, y), static_cast<std::uint32_t>(tiling_.points.size()));
@@ -86,6 +90,7 @@ class Quadtree {
     addSide(middle->second, mx, my, bx, by);
   }
 
+  // Adds the triangles of a leaf: two, or a fan about its centre if neighbours divide its sides.
   void addLeaf(const Leaf& l) {
     around_.clear();
     addSide(l.corners[0], l.x, l.y, l.x + l.size, l.y);
@@ -110,9 +115,92 @@ class Quadtree {
   std::int64_t steps_;
   double step_ = 1;
   std::vector<Leaf> leaves_;
-  std::vector<std::uint32_t> around_;
+  std::vector<std::uint32_t> around_;                         // points around the leaf of addLeaf(), counter-clockwise
   std::unordered_map<std::uint64_t, std::uint32_t> corners_;  // indices of points, by their cells in the lattice
   Tiling tiling_;
+};
+
+// Divides the triangles of a tiling along the line on which a field is zero. Two steps: cutTriangles() finds the
+// pieces, insertPieces() puts them into the list of triangles.
+class LineCutter {
+ public:
+  // `field`: see cutAlong().
+  LineCutter(Tiling& tiling, std::vector<double> field)
+      : tiling_(tiling), field_(std::move(field)), sides_(field_.size()) {
+    for (std::size_t p = 0; p < field_.size(); ++p) {
+      if (std::abs(field_[p]) < kOnLine) field_[p] = 0;
+      sides_[p] = field_[p] > 0 ? kAbove : field_[p] < 0 ? kBelow : 0;
+    }
+  }
+
+  void cutTriangles() {
+    for (std::size_t i = 0; i < tiling_.triangles.size(); ++i) {
+      const Corners& t = tiling_.triangles[i];
+      if ((sides_[t[0]] | sides_[t[1]] | sides_[t[2]]) != (kAbove | kBelow)) continue;
+      // Rotates the corners so that the first corner is on the line, or is the only corner on its side of the line.
+      const bool onLine = sides_[t[0]] == 0 || sides_[t[1]] == 0 || sides_[t[2]] == 0;
+      std::size_t first = 0;
+      while (onLine ? sides_[t[first]] != 0 : sides_[t[(first + 1) % 3]] != sides_[t[(first + 2) % 3]]) ++first;
+      const std::uint32_t a = t[first];
+      const std::uint32_t b = t[(first + 1) % 3];
+      const std::uint32_t c = t[(first + 2) % 3];
+      cuts_.push_back({i, onLine ? 2 : 3});
+      if (onLine) {
+        const std::uint32_t bc = crossing(b, c);
+        pieces_.insert(pieces_.end(), {{a, b, bc}, {a, bc, c}});
+      } else {
+        const std::uint32_t ab = crossing(a, b);
+        const std::uint32_t ac = crossing(a, c);
+        pieces_.insert(pieces_.end(), {{a, ab, ac}, {ab, b, c}, {ab, c, ac}});
+      }
+    }
+  }
+
+  // Puts the pieces in the place of their triangles. Goes from the last triangle to the first, so that no triangle is
+  // overwritten before it has moved.
+  void insertPieces() {
+    std::vector<Corners>& triangles = tiling_.triangles;
+    auto unmovedEnd = static_cast<std::ptrdiff_t>(triangles.size());
+    triangles.resize(triangles.size() + pieces_.size() - cuts_.size());
+    auto target = triangles.end();  // what is inserted next ends here
+    auto pieceEnd = pieces_.end();
+    for (; !cuts_.empty(); cuts_.pop_back()) {
+      const auto index = static_cast<std::ptrdiff_t>(cuts_.back().triangle);
+      const auto pieceBegin = pieceEnd - cuts_.back().pieces;
+      target = std::move_backward(triangles.begin() + index + 1, triangles.begin() + unmovedEnd, target);
+      target = std::move_backward(pieceBegin, pieceEnd, target);
+      unmovedEnd = index;
+      pieceEnd = pieceBegin;
+    }
+  }
+
+ private:
+  using Corners = std::array<std::uint32_t, 3>;
+  // The side of the line on which a point is; 0: on the line. The sides of a triangle's corners are combined by `or`.
+  static constexpr std::uint8_t kAbove = 1, kBelow = 2;
+  struct Cut {
+    std::size_t triangle;
+    std::ptrdiff_t pieces;  // number of the triangle's pieces
+  };
+
+  // Returns the index of the point on the edge between a and b where the field is zero, which is added if it is new.
+  std::uint32_t crossing(std::uint32_t a, std::uint32_t b) {
+    if (a > b) std::swap(a, b);
+    const auto next = static_cast<std::uint32_t>(tiling_.points.size());
+    const auto [entry, isNew] = crossings_.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, next);
+    if (isNew) {
+      const double t = field_[a] / (field_[a] - field_[b]);
+      tiling_.points.push_back(models::lerp(tiling_.points[a], tiling_.points[b], t));
+    }
+    return entry->second;
+  }
+
+  Tiling& tiling_;
+  std::vector<double> field_;
+  std::vector<std::uint8_t> sides_;                             // by point
+  std::unordered_map<std::uint64_t, std::uint32_t> crossings_;  // index of the new point, by edge
+  std::vector<Cut> cuts_;                                       // in the order of the triangles
+  std::vector<Corners> pieces_;                                 // of all cuts, in their order
 };
 
 }  // namespace
@@ -122,66 +210,9 @@ Tiling makeTiling(double half, double smallest, const std::function<bool(double 
 }
 
 void cutAlong(Tiling& tiling, std::vector<double> field) {
-  // The sides of the line on which points are. The sides of a triangle's corners are combined by `or`.
-  constexpr std::uint8_t kAbove = 1;
-  constexpr std::uint8_t kBelow = 2;
-  std::vector<std::uint8_t> sides(field.size());
-  for (std::size_t p = 0; p < field.size(); ++p) {
-    if (std::abs(field[p]) < kOnLine) field[p] = 0;
-    sides[p] = field[p] > 0 ? kAbove : field[p] < 0 ? kBelow : 0;
-  }
-  std::unordered_map<std::uint64_t, std::uint32_t> middles;  // index of the new point, by edge
-  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    if (a > b) std::swap(a, b);
-    const auto [found, made] =
-        middles.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, static_cast<std::uint32_t>(tiling.points.size()));
-    if (made) {
-      const double part = field[a] / (field[a] - field[b]);
-      tiling.points.push_back(models::lerp(tiling.points[a], tiling.points[b], part));
-    }
-    return found->second;
-  };
-  using Corners = std::array<std::uint32_t, 3>;
-  std::vector<Corners>& triangles = tiling.triangles;
-  struct Cut {
-    std::size_t triangle;
-    std::ptrdiff_t pieces;
-  };
-  std::vector<Cut> cuts;
-  std::vector<Corners> added;  // the pieces of all cuts
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const Corners& t = triangles[i];
-    if ((sides[t[0]] | sides[t[1]] | sides[t[2]]) != (kAbove | kBelow)) continue;
-    // Rotates the corners so that the first corner is on the line, or is the only corner on its side of the line.
-    const bool onLine = sides[t[0]] == 0 || sides[t[1]] == 0 || sides[t[2]] == 0;
-    std::size_t first = 0;
-    while (onLine ? sides[t[first]] != 0 : sides[t[(first + 1) % 3]] != sides[t[(first + 2) % 3]]) ++first;
-    const std::uint32_t a = t[first];
-    const std::uint32_t b = t[(first + 1) % 3];
-    const std::uint32_t c = t[(first + 2) % 3];
-    cuts.push_back({i, onLine ? 2 : 3});
-    if (onLine) {
-      const std::uint32_t m = middle(b, c);
-      added.insert(added.end(), {{a, b, m}, {a, m, c}});
-      continue;
-    }
-    const std::uint32_t ab = middle(a, b);
-    const std::uint32_t ac = middle(a, c);
-    added.insert(added.end(), {{a, ab, ac}, {ab, b, c}, {ab, c, ac}});
-  }
-  // Puts the pieces in the place of their triangles, from the last to the first.
-  auto from = static_cast<std::ptrdiff_t>(triangles.size());
-  triangles.resize(triangles.size() + added.size() - cuts.size());
-  auto to = triangles.end();
-  auto piece = added.end();
-  for (; !cuts.empty(); cuts.pop_back()) {
-    const Cut& cut = cuts.back();
-    const auto index = static_cast<std::ptrdiff_t>(cut.triangle);
-    to = std::move_backward(triangles.begin() + index + 1, triangles.begin() + from, to);
-    to = std::move_backward(piece - cut.pieces, piece, to);
-    from = index;
-    piece -= cut.pieces;
-  }
+  LineCutter lineCutter(tiling, std::move(field));
+  lineCutter.cutTriangles();
+  lineCutter.insertPieces();
 }
 
 }  // namespace scanmill::town

@@ -10,10 +10,10 @@ TEST(Areas, TheSmallestAreaIsTold) {
   Areas areas;
   areas.add({Land::Grass, {{-100, -100}, {100, -100}, {100, 100}, {-100, 100}}, {}});
   areas.add({Land::Water, kPlot, {kPond}});
-  EXPECT_EQ(areas.at({50, 50}), Land::Grass);
-  EXPECT_EQ(areas.at({2, 2}), Land::Water);
-  EXPECT_EQ(areas.at({5, 5}), Land::Grass) << "an island";
-  EXPECT_EQ(areas.at({500, 0}), std::nullopt);
+  EXPECT_EQ(areas.landAt({50, 50}), Land::Grass);
+  EXPECT_EQ(areas.landAt({2, 2}), Land::Water);
+  EXPECT_EQ(areas.landAt({5, 5}), Land::Grass) << "an island";
+  EXPECT_EQ(areas.landAt({500, 0}), std::nullopt);
   EXPECT_NEAR(areas.outsideHard({2, 5}), -2, 1e-12);
   EXPECT_NEAR(areas.outsideHard({13, 5}), 3, 1e-12);
   EXPECT_NEAR(areas.outsideHard({5, 5}), 1, 1e-12);

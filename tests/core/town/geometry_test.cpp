@@ -13,8 +13,8 @@ TEST(Polygons, InsideAndDistanceOfASquareWithAHole) {
   EXPECT_FALSE(isInside(rings, {11, 5}));
   EXPECT_NEAR(distanceToRings(rings, {5, 5}), 1, 1e-12);
   EXPECT_NEAR(distanceToRings(rings, {13, 14}), 5, 1e-12);
-  EXPECT_NEAR(sizeOf(kSquare), 100, 1e-12);
-  EXPECT_NEAR(sizeOf(kHole), -4, 1e-12);
+  EXPECT_NEAR(areaOf(kSquare), 100, 1e-12);
+  EXPECT_NEAR(areaOf(kHole), -4, 1e-12);
 }
 
 // Whatever the turn, a rectangle is its own, and that of an L is the rectangle it was cut from.
@@ -38,12 +38,12 @@ TEST(Polygons, AreClippedToASquare) {
       Polygon l{{0, 0}, {30, 0}, {30, 5}, {5, 5}, {5, 30}, {0, 30}};
       for (Point2& p : l) p = {sx * (p.x - 2), sy * (p.y - 3)};
       if (sx * sy < 0) std::reverse(l.begin(), l.end());
-      EXPECT_NEAR(sizeOf(clipped(l, 10)), 12 * 5 + 5 * (13 - 5), 1e-9);
-      EXPECT_NEAR(sizeOf(clipped(l, 100)), sizeOf(l), 1e-9);
+      EXPECT_NEAR(areaOf(clipped(l, 10)), 12 * 5 + 5 * (13 - 5), 1e-9);
+      EXPECT_NEAR(areaOf(clipped(l, 100)), areaOf(l), 1e-9);
     }
   }
   EXPECT_TRUE(clipped({{50, 50}, {60, 50}, {60, 60}}, 10).empty());
-  EXPECT_NEAR(sizeOf(clipped({{-50, -50}, {50, -50}, {50, 50}, {-50, 50}}, 10)), 400, 1e-9) << "all of the square";
+  EXPECT_NEAR(areaOf(clipped({{-50, -50}, {50, -50}, {50, 50}, {-50, 50}}, 10)), 400, 1e-9) << "all of the square";
 }
 
 TEST(Lines, RoundsCornersAndKeepsEnds) {

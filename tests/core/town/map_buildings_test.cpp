@@ -68,11 +68,11 @@ TEST(MapBuildings, PartsStandInPlaceOfTheirOutline) {
   EXPECT_DOUBLE_EQ(parts[0].base, 0);
   EXPECT_EQ(parts[0].floors, 3);
   EXPECT_TRUE(parts[0].door);
-  EXPECT_NEAR(sizeOf(parts[0].outline), 1600, 2);
+  EXPECT_NEAR(areaOf(parts[0].outline), 1600, 2);
   EXPECT_DOUBLE_EQ(parts[1].height, 100);
   EXPECT_DOUBLE_EQ(parts[1].base, 10);
   EXPECT_FALSE(parts[1].door);
-  EXPECT_NEAR(sizeOf(parts[1].outline), 256, 1);
+  EXPECT_NEAR(areaOf(parts[1].outline), 256, 1);
 }
 
 // A relation joins a part to its building wherever it is; a part outside of all buildings is a building.
@@ -102,9 +102,9 @@ TEST(MapBuildings, TheRestOfAnOutlineIsBuiltBesideItsParts) {
   ASSERT_EQ(parts.size(), 3u);
   EXPECT_THAT(parts[1].top, Optional(9)) << "as high as the building";
   EXPECT_THAT(parts[2].top, Optional(9));
-  EXPECT_NEAR(sizeOf(parts[2].outline), 400, 2);
+  EXPECT_NEAR(areaOf(parts[2].outline), 400, 2);
   ASSERT_EQ(parts[2].courts.size(), 1u);
-  EXPECT_NEAR(sizeOf(parts[2].courts[0]), -25, 0.5) << "clockwise";
+  EXPECT_NEAR(areaOf(parts[2].courts[0]), -25, 0.5) << "clockwise";
   EXPECT_THAT(map.leftOut.text(), HasSubstr("1 building outlines that their parts cover in part"));
 }
 
@@ -142,10 +142,10 @@ TEST(MapBuildings, PartsAtTheEdgeOfATurnedOutlineLeaveItsRest) {
     const MapBuilding& b = map.buildings[0];
     double built = 0;
     for (const MapBuilding& part : b.parts) {
-      built += sizeOf(part.outline);
-      for (const Polygon& court : part.courts) built += sizeOf(court);
+      built += areaOf(part.outline);
+      for (const Polygon& court : part.courts) built += areaOf(court);
     }
-    EXPECT_NEAR(built, sizeOf(b.outline), 0.02 * sizeOf(b.outline)) << i;
+    EXPECT_NEAR(built, areaOf(b.outline), 0.02 * areaOf(b.outline)) << i;
     const Layout layout = layOut(map);
     ASSERT_EQ(layout.blocks.size(), 1u);
     SceneBuilder builder = labelledBuilder();

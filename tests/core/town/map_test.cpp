@@ -57,7 +57,7 @@ TEST(Osm, PlacesAreInMetresOnTheEllipsoid) {
   EXPECT_NEAR(right[2].x - right[0].x, 2 * step * across * std::cos(kLatitude * kPi / 180), 1e-3);
   EXPECT_NEAR(up[1].x, 0, 1e-6);
   EXPECT_NEAR(up[1].y, 0, 1e-6);
-  EXPECT_NEAR(map.latitude, kLatitude, 1e-9);
+  EXPECT_NEAR(map.origin.latitude, kLatitude, 1e-9);
   const OsmNode there = degreesAt(map, right[2]);
   EXPECT_NEAR(there.latitude, kLatitude, 1e-9);
   EXPECT_NEAR(there.longitude, 9 + kStep, 1e-9);

@@ -33,7 +33,7 @@ TEST(OsmTags, ValuesThatCannotBeUsedAreCounted) {
   EXPECT_EQ(height("5000", "way 3"), std::nullopt);
   EXPECT_EQ(numbers.read({"way 4", {}}, "height", metresOf, 0, 1), std::nullopt) << "not counted";
   LeftOut leftOut;
-  numbers.tell(leftOut);
+  numbers.report(leftOut);
   EXPECT_EQ(leftOut.text(), "2 values of height that cannot be used, such as 'tall' of way 2");
 }
 

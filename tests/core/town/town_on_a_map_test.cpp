@@ -228,7 +228,7 @@ TEST(Town, StandsWhereTheMapSays) {
     }
   }
   EXPECT_EQ(inside, one.houses.size());
-  EXPECT_EQ(one.areas.all().size(), two.areas.all().size());
+  EXPECT_EQ(one.areas.list().size(), two.areas.list().size());
   ASSERT_EQ(one.roads().size(), two.roads().size());
   for (std::size_t r = 0; r < one.roads().size(); ++r) {
     EXPECT_EQ(one.roads()[r].length(), two.roads()[r].length());
