@@ -43,9 +43,9 @@ std::vector<T> copied(const Array<V>& array) {
 template <class T, class V>
 pybind11::array_t<T> arrayOf(std::vector<V>&& values, const std::vector<pybind11::ssize_t>& shape) {
   static_assert(sizeof(V) % sizeof(T) == 0);
-  auto kept = std::make_unique<std::vector<V>>(std::move(values));
-  auto* const data = reinterpret_cast<T*>(kept->data());
-  const pybind11::capsule owner(kept.release(), [](void* own) { delete static_cast<std::vector<V>*>(own); });
+  auto elements = std::make_unique<std::vector<V>>(std::move(values));
+  auto* const data = reinterpret_cast<T*>(elements->data());
+  const pybind11::capsule owner(elements.release(), [](void* vector) { delete static_cast<std::vector<V>*>(vector); });
   return pybind11::array_t<T>(shape, data, owner);
 }
 
@@ -69,14 +69,10 @@ pybind11::array columnArray(std::vector<T>&& values, const std::vector<pybind11:
 // an array with the column's name, and the shape (points,). If the scan is organised, the shapes are
 // (planes * rings, columns, 3) and (planes * rings, columns).
 inline pybind11::dict arraysOf(Scan&& scan) {
-  std::vector<pybind11::ssize_t> shape;
-  if (scan.organised) {
-    shape = {static_cast<pybind11::ssize_t>(scan.height()), static_cast<pybind11::ssize_t>(scan.width())};
-  } else {
-    shape = {static_cast<pybind11::ssize_t>(scan.size())};
-  }
+  std::vector<pybind11::ssize_t> shape{scan.width()};  // the width of a dense scan is its number of points
+  if (scan.organised) shape.insert(shape.begin(), scan.height());
   pybind11::dict arrays;
-  arrays["xyz"] = pybind11::none();  // the first
+  arrays["xyz"] = pybind11::none();  // so that xyz is the first key
   visitColumns(scan, [&]<class T>(std::string_view name, std::vector<T>& values) {
     arrays[pybind11::str(std::string(name))] = columnArray(std::move(values), shape);
   });

@@ -88,53 +88,56 @@ std::optional<std::string> manifestOf(const ScanStore& store) {
 const SampleRecord* recordOf(const ScanStore& store, std::size_t sample) {
   if (store.manifest() == nullptr) return nullptr;
   const std::string& key = store.keys().at(sample);
-  const std::vector<SampleRecord>& all = store.manifest()->samples;
-  if (sample < all.size() && all[sample].key == key) return &all[sample];
-  const auto found = std::find_if(all.begin(), all.end(), [&](const SampleRecord& s) { return s.key == key; });
-  return found == all.end() ? nullptr : &*found;
+  const std::vector<SampleRecord>& records = store.manifest()->samples;
+  if (sample < records.size() && records[sample].key == key) return &records[sample];
+  const auto record = std::ranges::find(records, key, &SampleRecord::key);
+  return record == records.end() ? nullptr : &*record;
 }
 
+// Removes the columns that are not in `columns`. Throws InputError for a name that the scan lacks.
+void keepColumns(const ScanStore& store, std::size_t sample, const std::vector<std::string>& columns, Scan& scan) {
+  std::vector<std::string> names =
+      scan.size() == 0 && store.manifest() != nullptr ? store.manifest()->columns : columnNames(scan);
+  names.erase(names.begin(), names.begin() + 3);  // removes x, y and z, which come first
+  for (const std::string& name : columns) {
+    if (std::ranges::find(names, name) != names.end()) continue;
+    throw InputError({store.path().string()}, "the scan of " + store.keys().at(sample) + " has no column '" + name +
+                                                  "'" + suggestion(name, names));
+  }
+  visitColumns(scan, [&](std::string_view name, auto& values) {
+    if (std::ranges::find(columns, name) == columns.end()) values.clear();
+  });
+  std::erase_if(scan.foreign, [](const ForeignColumn& column) {
+    return std::visit([](const auto& values) { return values.empty(); }, column.values);
+  });
+}
+
+// Returns the arrays of a scan of a sample. `sensor`: empty for the first sensor. `columns`: nothing for all columns.
 py::dict readScan(const ScanStore& store, std::size_t sample, const std::string& sensor,
                   const std::optional<std::vector<std::string>>& columns, std::uint32_t revolution) {
   Scan scan;
   {
     const py::gil_scoped_release released;
     const std::vector<StoredScan> scans = store.scans(sample, sensor);
-    const std::string own = lowerCase(scans.front().sensor);
-    const auto wanted = std::find_if(scans.begin(), scans.end(), [&](const StoredScan& one) {
-      return one.revolution == revolution && lowerCase(one.sensor) == own;
-    });
-    if (wanted == scans.end()) {
+    const std::string sensorName = lowerCase(scans.front().sensor);
+    const auto stored = std::ranges::find_if(
+        scans, [&](const StoredScan& s) { return s.revolution == revolution && lowerCase(s.sensor) == sensorName; });
+    if (stored == scans.end()) {
       throw InputError({store.path().string()}, "the sample " + store.keys().at(sample) + " has no revolution " +
                                                     std::to_string(revolution) + " of the sensor '" +
                                                     scans.front().sensor + "'");
     }
-    scan = store.decode(sample, *wanted);
-    if (columns) {
-      std::vector<std::string> there =
-          scan.size() == 0 && store.manifest() != nullptr ? store.manifest()->columns : columnNames(scan);
-      there.erase(there.begin(), there.begin() + 3);  // removes x, y and z, which come first
-      for (const std::string& name : *columns) {
-        if (std::find(there.begin(), there.end(), name) != there.end()) continue;
-        throw InputError({store.path().string()}, "the scan of " + store.keys().at(sample) + " has no column '" + name +
-                                                      "'" + suggestion(name, there));
-      }
-      visitColumns(scan, [&](std::string_view name, auto& values) {
-        if (std::find(columns->begin(), columns->end(), name) == columns->end()) values.clear();
-      });
-      std::erase_if(scan.foreign, [](const ForeignColumn& column) {
-        return std::visit([](const auto& values) { return values.empty(); }, column.values);
-      });
-    }
+    scan = store.decode(sample, *stored);
+    if (columns) keepColumns(store, sample, *columns, scan);
   }
   const bool empty = scan.size() == 0;
   py::dict arrays = arraysOf(std::move(scan));
   if (empty && store.manifest() != nullptr) addEmptyColumns(store.manifest()->columns, arrays);
   if (!empty || !columns) return arrays;
-  py::dict wanted;
-  wanted["xyz"] = arrays["xyz"];
-  for (const std::string& name : *columns) wanted[py::str(name)] = arrays[py::str(name)];
-  return wanted;
+  py::dict selected;
+  selected["xyz"] = arrays["xyz"];
+  for (const std::string& name : *columns) selected[py::str(name)] = arrays[py::str(name)];
+  return selected;
 }
 
 void defineStore(py::module_& module) {

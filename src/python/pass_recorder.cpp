@@ -23,6 +23,7 @@ namespace {
 
 constexpr const char* kTrajectory = "cameras";
 
+// Returns the pose of a quaternion w, x, y, z and a translation.
 Pose poseOf(const std::array<double, 7>& p) {
   return {{p[0], p[1], p[2], p[3]}, {p[4], p[5], p[6]}};
 }

@@ -29,12 +29,14 @@ SceneChanges changesOf(std::vector<ArrayPart> parts, bool placeable) {
   return changes;
 }
 
-Surface surfaceOf(SceneBuilder& builder, const ArraySurface& given) {
-  Surface surface = builder.surface(given.className, given.material);
-  if (given.object >= 0) surface.object = static_cast<std::uint32_t>(given.object);
-  if (given.reflectance >= 0) {
-    Material material = builder.library().require(given.material, {});
-    material.reflectance = material.least = material.greatest = given.reflectance;
+// Returns the surface of the builder's scene with this class, material and thing; a surface with a reflectance of its
+// own gets a new material.
+Surface addSurface(SceneBuilder& builder, const ArraySurface& arraySurface) {
+  Surface surface = builder.surface(arraySurface.className, arraySurface.material);
+  if (arraySurface.object >= 0) surface.object = static_cast<std::uint32_t>(arraySurface.object);
+  if (arraySurface.reflectance >= 0) {
+    Material material = builder.library().require(arraySurface.material, {});
+    material.reflectance = material.least = material.greatest = arraySurface.reflectance;
     material.source = "given as an array";
     surface.material = builder.addMaterial(material);
   }
@@ -65,10 +67,10 @@ void addParts(SceneBuilder& builder, const std::vector<ArrayPart>& parts) {
     try {
       Mesh mesh = part.mesh;
       mesh.name = part.name;
-      for (const ArraySurface& given : part.surfaces) mesh.surfaces.push_back(surfaceOf(builder, given));
-      const std::uint32_t added = builder.addMesh(std::move(mesh));
-      if (builder.soFar().meshes[added].triangles.empty()) throw InputError("none of its triangles has an area");
-      builder.place(added, part.worldFromMesh, part.name);
+      for (const ArraySurface& surface : part.surfaces) mesh.surfaces.push_back(addSurface(builder, surface));
+      const std::uint32_t meshIndex = builder.addMesh(std::move(mesh));
+      if (builder.soFar().meshes[meshIndex].triangles.empty()) throw InputError("none of its triangles has an area");
+      builder.place(meshIndex, part.worldFromMesh, part.name);
     } catch (const InputError& e) {
       throw InputError(fmt::format("part '{}': {}", part.name, e.what()));
     }
@@ -97,32 +99,33 @@ Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& f
 
 // Returns the indices of an object's instances: of those with this name, or else of all copies of the object.
 const std::vector<std::uint32_t>& Simulator::instancesOf(const std::string& name) const {
-  for (const auto* named : {&instances_, &copies_}) {
-    if (const auto found = named->find(name); found != named->end()) return found->second;
+  for (const auto* indicesByName : {&instances_, &copies_}) {
+    if (const auto entry = indicesByName->find(name); entry != indicesByName->end()) return entry->second;
   }
   std::vector<std::string> names;
-  for (const auto& [known, indices] : instances_) names.push_back(known);
+  for (const auto& [instanceName, indices] : instances_) names.push_back(instanceName);
   throw InputError(fmt::format("poses: the scene has no object '{}'{}", name, suggestion(name, names)));
 }
 
-std::shared_ptr<const Placements> Simulator::placementsOf(const SimulatedShot& wanted) const {
-  if (wanted.objects.empty()) return nullptr;
-  auto placed = std::make_shared<Placements>(wanted.time);
-  for (const ObjectPose& object : wanted.objects) {
+// Returns the motions of all instances of the objects of a shot; null if there are no such objects.
+std::shared_ptr<const Placements> Simulator::placementsOf(const SimulatedShot& simulated) const {
+  if (simulated.objects.empty()) return nullptr;
+  auto placed = std::make_shared<Placements>(simulated.time);
+  for (const ObjectPose& object : simulated.objects) {
     const std::vector<std::uint32_t>& instances = instancesOf(object.name);
-    Affine moved;  // takes the object from its pose in the scene to the given pose
+    Affine moved;  // from the object's pose in the scene to its pose in the shot
     if (object.worldFromObject) {
-      const Affine inScene = scene_.instances[instances.front()].worldFromMeshAt(wanted.time);
+      const Affine inScene = scene_.instances[instances.front()].worldFromMeshAt(simulated.time);
       moved = *object.worldFromObject * inverse(rigidPartOf(inScene));
     }
     for (const std::uint32_t index : instances) {
       RigidMotion motion;
       motion.hidden = !object.worldFromObject;
-      motion.worldFromMesh = moved * scene_.instances[index].worldFromMeshAt(wanted.time);
+      motion.worldFromMesh = moved * scene_.instances[index].worldFromMeshAt(simulated.time);
       motion.turning = object.turning;
       if (!motion.hidden) {
-        const Vec3d arm = motion.worldFromMesh.translation - object.worldFromObject->translation;
-        motion.velocity = object.velocity + cross(object.turning, arm);
+        const Vec3d lever = motion.worldFromMesh.translation - object.worldFromObject->translation;
+        motion.velocity = object.velocity + cross(object.turning, lever);
       }
       placed->set(index, motion);
     }
@@ -130,18 +133,18 @@ std::shared_ptr<const Placements> Simulator::placementsOf(const SimulatedShot& w
   return placed;
 }
 
-std::vector<SimulatedScan> Simulator::scan(const SimulatedShot& wanted) const {
+std::vector<SimulatedScan> Simulator::scan(const SimulatedShot& simulated) const {
   std::vector<SimulatedScan> scans;
-  const std::shared_ptr<const FrameSettings> settings = source_.settings(0, wanted.frame);
-  const std::shared_ptr<const Placements> placed = placementsOf(wanted);
+  const std::shared_ptr<const FrameSettings> settings = source_.settings(0, simulated.frame);
+  const std::shared_ptr<const Placements> placed = placementsOf(simulated);
   for (Shot& shot : source_.frame(0, 0).shots) {
-    shot.frame = wanted.frame;
-    shot.time = wanted.time;
-    shot.beams = beamsAt(plan_.sensors[shot.sensor].beams, wanted.time);
-    if (wanted.moving) shot.duration = shot.beams->columnPeriod() * shot.beams->columns;
+    shot.frame = simulated.frame;
+    shot.time = simulated.time;
+    shot.beams = beamsAt(plan_.sensors[shot.sensor].beams, simulated.time);
+    if (simulated.moving) shot.duration = shot.beams->columnPeriod() * shot.beams->columns;
     shot.placed = placed;
     shot.worldFromSensor.clear();
-    for (const Pose& worldFromVehicle : wanted.worldFromVehicle.at(shot.sensor)) {
+    for (const Pose& worldFromVehicle : simulated.worldFromVehicle.at(shot.sensor)) {
       shot.worldFromSensor.push_back(worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor);
     }
     shot.sensorVelocity = velocitiesOf(shot.worldFromSensor, shot.beams->columnPeriod() * shot.beams->columns);
@@ -154,9 +157,9 @@ std::vector<SimulatedScan> Simulator::scan(const SimulatedShot& wanted) const {
 }
 
 std::unordered_map<std::string, SceneObject> Simulator::objects(double time) const {
-  std::unordered_map<std::string, SceneObject> all;
+  std::unordered_map<std::string, SceneObject> objects;
   for (const auto& [name, indices] : instances_) {
-    SceneObject& object = all[name];
+    SceneObject& object = objects[name];
     object.worldFromObject = rigidPartOf(scene_.instances[indices.front()].worldFromMeshAt(time));
     for (const std::uint32_t index : indices) {
       const Instance& instance = scene_.instances[index];
@@ -168,7 +171,7 @@ std::unordered_map<std::string, SceneObject> Simulator::objects(double time) con
     std::sort(object.things.begin(), object.things.end());
     object.things.erase(std::unique(object.things.begin(), object.things.end()), object.things.end());
   }
-  return all;
+  return objects;
 }
 
 }  // namespace scanmill

@@ -50,11 +50,11 @@ struct ObjectPose {
 };
 
 struct SimulatedShot {
-  std::vector<std::vector<Pose>> worldFromVehicle;  // for each sensor, the poses at equal steps of its revolution
-  double time = 0;                                  // s since the drive began, at the start of the revolution
-  std::uint32_t frame = 0;                          // selects the noise
-  std::vector<ObjectPose> objects;                  // the objects that are not where the scene places them
-  bool moving = false;                              // true: objects move during the revolution
+  std::vector<std::vector<Pose>> worldFromVehicle = {};  // for each sensor, the poses at equal steps of its revolution
+  double time = 0;                                       // s since the drive began, at the start of the revolution
+  std::uint32_t frame = 0;                               // selects the noise
+  std::vector<ObjectPose> objects = {};                  // the objects that are not where the scene places them
+  bool moving = false;                                   // true: objects move during the revolution
 };
 
 // An object of the scene: all instances that share a name.
@@ -75,7 +75,7 @@ class Simulator {
   // Returns one scan per sensor. If all objects are where the scene places them and stand still during the revolution,
   // they are equal to those that `scanmill generate` makes with this pipeline for the frame number `frame`, but with
   // the vehicle at these poses. Throws InputError for an unknown object.
-  std::vector<SimulatedScan> scan(const SimulatedShot& wanted) const;
+  std::vector<SimulatedScan> scan(const SimulatedShot& simulated) const;
 
   // Returns the objects of the scene, by their names, at a time (s since the drive began).
   std::unordered_map<std::string, SceneObject> objects(double time) const;
@@ -84,7 +84,7 @@ class Simulator {
   const Scene& scene() const { return scene_; }
 
  private:
-  std::shared_ptr<const Placements> placementsOf(const SimulatedShot& wanted) const;
+  std::shared_ptr<const Placements> placementsOf(const SimulatedShot& simulated) const;
   const std::vector<std::uint32_t>& instancesOf(const std::string& name) const;
 
   Plan plan_;

@@ -37,6 +37,7 @@ py::array_t<double> matrixOf(const Affine& a) {
 // Surfaces are tuples (class, material, reflectance or None, number of the thing or -1).
 using SurfaceTuple = std::tuple<std::string, std::string, std::optional<float>, std::int64_t>;
 
+// Converts a part from the dictionary that the Python class Part makes.
 ArrayPart partOf(const py::dict& given) {
   ArrayPart part;
   part.name = given["name"].cast<std::string>();
@@ -52,7 +53,8 @@ ArrayPart partOf(const py::dict& given) {
   return part;
 }
 
-// The objects with these names are placed: poses (n, 4, 4), velocities (n, 6), and whether they are left out (n,).
+// Returns the poses of objects by their names, from arrays: matrices (n, 4, 4), linear and angular velocities (n, 6),
+// and whether they are left out (n,).
 std::vector<ObjectPose> objectPosesOf(const std::vector<std::string>& names, const Array<double>& matrices,
                                       const Array<double>& velocities, const Array<bool>& hidden) {
   const auto v = velocities.unchecked<2>();
@@ -68,7 +70,7 @@ std::vector<ObjectPose> objectPosesOf(const std::vector<std::string>& names, con
   return poses;
 }
 
-// Poses are arrays (n, 7) of quaternions w, x, y, z and translations.
+// Returns poses from an array (n, 7) of quaternions w, x, y, z and translations.
 std::vector<Pose> posesOf(const Array<double>& rows) {
   const auto r = rows.unchecked<2>();
   std::vector<Pose> poses;
@@ -80,29 +82,28 @@ std::vector<Pose> posesOf(const Array<double>& rows) {
   return poses;
 }
 
+// Returns a dictionary of arrays for each sensor. `poses`: for each sensor an array as for posesOf(); the others as for
+// objectPosesOf() and SimulatedShot.
 py::list simulate(const Simulator& simulator, const std::vector<Array<double>>& poses, double time, std::uint32_t frame,
                   const std::vector<std::string>& names, const Array<double>& matrices, const Array<double>& velocities,
                   const Array<bool>& hidden, bool moving) {
-  SimulatedShot wanted;
-  for (const Array<double>& rows : poses) wanted.worldFromVehicle.push_back(posesOf(rows));
-  wanted.time = time;
-  wanted.frame = frame;
-  wanted.moving = moving;
-  wanted.objects = objectPosesOf(names, matrices, velocities, hidden);
+  SimulatedShot shot{
+      .time = time, .frame = frame, .objects = objectPosesOf(names, matrices, velocities, hidden), .moving = moving};
+  for (const Array<double>& rows : poses) shot.worldFromVehicle.push_back(posesOf(rows));
   std::vector<SimulatedScan> scans;
   {
     const py::gil_scoped_release released;
-    scans = simulator.scan(wanted);
+    scans = simulator.scan(shot);
   }
-  py::list all;
+  py::list scansOfSensors;
   for (SimulatedScan& simulated : scans) {
     const bool empty = simulated.scan.size() == 0;
     py::dict arrays = arraysOf(std::move(simulated.scan));
     if (empty) addEmptyColumns(scanColumnNames(simulator.plan().columns()), arrays);
     arrays["world_from_sensor"] = matricesOf(simulated.worldFromSensor);
-    all.append(std::move(arrays));
+    scansOfSensors.append(std::move(arrays));
   }
-  return all;
+  return scansOfSensors;
 }
 
 }  // namespace

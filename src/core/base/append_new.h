@@ -6,10 +6,10 @@
 
 namespace scanmill {
 
-// Appends the lines of `from` that are not yet in `to`, in their order.
-inline void appendNew(const std::vector<std::string>& from, std::vector<std::string>& to) {
-  for (const std::string& line : from) {
-    if (std::find(to.begin(), to.end(), line) == to.end()) to.push_back(line);
+// Appends the lines of `added` that `lines` does not have yet, in their order.
+inline void appendNew(const std::vector<std::string>& added, std::vector<std::string>& lines) {
+  for (const std::string& line : added) {
+    if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
   }
 }
 

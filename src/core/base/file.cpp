@@ -33,9 +33,8 @@ std::string reason() {
 // Returns the ending of a temporary name. The random part tells processes of one number in several containers apart.
 std::string temporarySuffix() {
   std::string host = hostName().substr(0, 32);
-  for (char& c : host) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-  }
+  std::ranges::replace_if(
+      host, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return fmt::format(".partial-{}-{:08x}-{}", ::getpid(), std::random_device{}(), host);
 }
 
@@ -46,7 +45,7 @@ void Descriptor::close() {
   number = -1;
 }
 
-void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take) {
+void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& visit) {
   // O_NONBLOCK: if the file is a named pipe, the call does not wait for a writer; the pipe is refused below.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.number < 0) throw InputError({path.string()}, "cannot be read: " + reason());
@@ -59,7 +58,7 @@ void readBlocks(const std::filesystem::path& path, const std::function<void(std:
     if (n == 0) return;
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) throw InputError({path.string()}, "cannot be read: " + reason());
-    take({block.data(), static_cast<std::size_t>(n)});
+    visit({block.data(), static_cast<std::size_t>(n)});
   }
 }
 
@@ -91,9 +90,9 @@ AtomicFile::AtomicFile(const std::filesystem::path& folder, std::filesystem::pat
   folder_ = openFolderOf(folder, path_, "cannot be written");
   do {
     temporary_ = path_.filename().string() + temporarySuffix();
-    constexpr int kHow = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+    constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
     constexpr mode_t kMode = 0644;
-    file_ = Descriptor(::openat(folder_.number, temporary_.c_str(), kHow, kMode));
+    file_ = Descriptor(::openat(folder_.number, temporary_.c_str(), kFlags, kMode));
   } while (!file_.open() && errno == EEXIST);
   if (!file_.open()) failBySystem(path_, "cannot be written");
 }

@@ -43,8 +43,8 @@ inline bool isFolder(const std::filesystem::path& path) {
 // larger than the memory that is allowed.
 std::string readFile(const std::filesystem::path& path);
 
-// Reads a file as readFile() does, but block by block, and passes each block to `take`.
-void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take);
+// Reads a file as readFile() does, but block by block: calls visit(bytes) for each block.
+void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& visit);
 
 // A file that is written under a temporary name in its folder, NAME.partial-PID-RANDOM-HOST, which no other process can
 // have. commit() flushes it to the disk and gives it its final name, also where a link had this name. Without commit(),

@@ -74,8 +74,8 @@ std::unique_ptr<FolderLock> FolderLock::tryTake(const std::filesystem::path& fol
 bool FolderLock::isStillThere() const {
   struct stat opened {};
   struct stat named {};
-  return ::fstat(descriptor_, &opened) == 0 && ::lstat(file_.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
-         opened.st_dev == named.st_dev;
+  return ::fstat(descriptor_.number, &opened) == 0 && ::lstat(file_.c_str(), &named) == 0 &&
+         opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
 // Removes the lock file, unless its path now leads to another file or through a link.
@@ -92,20 +92,20 @@ void FolderLock::remove() const {
 void FolderLock::open() {
   constexpr mode_t kMode = 0644;
   // O_NONBLOCK: if the file is a named pipe, the call does not wait for another process; the pipe is refused below.
-  constexpr int kHow = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
-  const Descriptor inFolder = openFolderOf(folder_, file_, "cannot be made");
-  descriptor_ = ::openat(inFolder.number, file_.filename().c_str(), kHow, kMode);
+  constexpr int kFlags = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  const Descriptor parent = openFolderOf(folder_, file_, "cannot be made");
+  descriptor_ = Descriptor(::openat(parent.number, file_.filename().c_str(), kFlags, kMode));
   struct stat status {};
-  if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
+  if (!descriptor_.open() || ::fstat(descriptor_.number, &status) != 0) {
     const int failure = errno;
-    release();
+    descriptor_.close();
     if (failure == ELOOP) refuseForeign(file_, "a link");
     if (failure == EISDIR) refuseForeign(file_, "a folder");
     errno = failure;
     failBySystem(file_, "cannot be made");
   }
   if (S_ISREG(status.st_mode) && status.st_nlink <= 1) return;
-  release();
+  descriptor_.close();
   refuseForeign(file_, S_ISREG(status.st_mode) ? "a file that has another name, too" : "not a file");
 }
 
@@ -115,19 +115,19 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
   file_ = file;
   kind_ = kind;
   const auto refuse = [&](const std::string& text) {
-    release();
+    descriptor_.close();
     holder = text.empty() ? "another process" : text;
     return false;
   };
   for (open();; open()) {
-    locked_ = ::flock(descriptor_, (kind == LockKind::Alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0;
+    locked_ = ::flock(descriptor_.number, (kind == LockKind::Alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0;
     const int failure = locked_ ? 0 : errno;
-    if (failure == EWOULDBLOCK) return refuse(readLockText(descriptor_));
+    if (failure == EWOULDBLOCK) return refuse(readLockText(descriptor_.number));
     if (failure != 0 && failure != EINTR) {  // no locks on this file system: the file's text says who holds it
-      if (const std::string text = readLockText(descriptor_); mayBeHeld(text)) return refuse(text);
+      if (const std::string text = readLockText(descriptor_.number); mayBeHeld(text)) return refuse(text);
     }
     if (failure != EINTR && isStillThere()) break;  // not there: the process that held the lock has just removed it
-    release();
+    descriptor_.close();
   }
   // A shared lock without flock() writes no text, because another process would take it for that of an exclusive lock.
   if (kind == LockKind::Alone || locked_) writeLockText();
@@ -137,14 +137,14 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
 // Replaces the text of the lock file by that of this process.
 void FolderLock::writeLockText() {
   const std::string text = ownLockText();
-  ssize_t n = ::ftruncate(descriptor_, 0);
+  ssize_t n = ::ftruncate(descriptor_.number, 0);
   for (std::size_t done = 0; n >= 0 && done < text.size(); done += static_cast<std::size_t>(std::max<ssize_t>(n, 0))) {
-    n = ::pwrite(descriptor_, text.data() + done, text.size() - done, static_cast<off_t>(done));
+    n = ::pwrite(descriptor_.number, text.data() + done, text.size() - done, static_cast<off_t>(done));
     if (n < 0 && errno == EINTR) n = 0;
   }
   if (n >= 0) return;
   const int failure = errno;
-  release();
+  descriptor_.close();
   errno = failure;
   failBySystem(file_, "cannot be written");
 }
@@ -153,24 +153,17 @@ bool FolderLock::makeAlone() {
   if (kind_ == LockKind::Alone) return true;
   // Releases the shared lock first, because a network file system that cannot grant the exclusive lock would keep the
   // shared one. Between the two calls another process may take the lock, and may remove the file when it ends.
-  if (!locked_ || ::flock(descriptor_, LOCK_UN) != 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 ||
+  if (!locked_ || ::flock(descriptor_.number, LOCK_UN) != 0 || ::flock(descriptor_.number, LOCK_EX | LOCK_NB) != 0 ||
       !isStillThere()) {
-    release();
+    descriptor_.close();
     return false;
   }
   kind_ = LockKind::Alone;
   return true;
 }
 
-void FolderLock::release() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-  descriptor_ = -1;
-}
-
 FolderLock::~FolderLock() {
-  if (descriptor_ < 0 || !makeAlone()) return;
-  remove();
-  release();
+  if (descriptor_.open() && makeAlone()) remove();
 }
 
 }  // namespace scanmill

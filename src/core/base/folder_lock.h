@@ -45,19 +45,19 @@ class [[nodiscard]] FolderLock {
 
  private:
   FolderLock() = default;
+  // Takes the lock as tryTake() does. Returns false if another process holds it.
   [[nodiscard]] bool take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind,
                           std::string& holder);
   void open();
   void writeLockText();
   bool isStillThere() const;
   void remove() const;
-  void release();
 
   std::filesystem::path folder_;
   std::filesystem::path file_;
   LockKind kind_ = LockKind::Alone;
-  bool locked_ = false;
-  int descriptor_ = -1;
+  bool locked_ = false;    // true: the operating system holds the lock; false: the file system has no locks
+  Descriptor descriptor_;  // the lock file; closing it releases the lock
 };
 
 }  // namespace scanmill

@@ -13,10 +13,10 @@ namespace scanmill {
 
 const FormatElements* FormatSupport::find(std::string_view keyword) const {
   for (const FormatElements& row : elements) {
-    for (std::size_t at = 0; at < row.names.size();) {
-      const std::size_t end = std::min(row.names.find(' ', at), row.names.size());
-      if (row.names.substr(at, end - at) == keyword) return &row;
-      at = end + 1;
+    for (std::size_t begin = 0; begin < row.names.size();) {
+      const std::size_t end = std::min(row.names.find(' ', begin), row.names.size());
+      if (row.names.substr(begin, end - begin) == keyword) return &row;
+      begin = end + 1;
     }
   }
   return nullptr;
@@ -62,12 +62,12 @@ void LeftOut::warn(const std::string& file) const {
   static std::mutex mutex;
   static std::map<std::string, std::set<std::string>> filesOf;  // by folder and text
   const std::scoped_lock lock(mutex);
-  constexpr std::size_t kNamed = 3;
+  constexpr std::size_t kMostNamed = 3;  // files of a folder that are named for the same text
   const std::size_t slash = file.rfind('/');
   std::set<std::string>& files = filesOf[file.substr(0, slash == std::string::npos ? 0 : slash) + "\n" + text()];
-  if (files.size() > kNamed) return;
+  if (files.size() > kMostNamed) return;
   files.insert(file);
-  scanmill::warn(files.size() <= kNamed
+  scanmill::warn(files.size() <= kMostNamed
                      ? fmt::format("{}: left out: {}", file, text())
                      : fmt::format("{} and other files, not named one by one: left out in each: {}", file, text()));
 }

@@ -70,10 +70,10 @@ std::string sha256OfFile(const std::filesystem::path& file) {
 }
 
 std::string base64(std::string_view bytes) {
-  std::string out((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL appends a zero byte
-  EVP_EncodeBlock(bytesOf(out), bytesOf(bytes), countOf(bytes));
-  out.pop_back();
-  return out;
+  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL appends a zero byte
+  EVP_EncodeBlock(bytesOf(text), bytesOf(bytes), countOf(bytes));
+  text.pop_back();
+  return text;
 }
 
 std::optional<std::string> fromBase64(std::string_view text) {
@@ -84,10 +84,10 @@ std::optional<std::string> fromBase64(std::string_view text) {
   const std::size_t padding = (4 - text.size() % 4) % 4;
   std::string padded(text);
   padded.append(padding, '=');
-  std::string out(padded.size() / 4 * 3, '\0');
-  if (EVP_DecodeBlock(bytesOf(out), bytesOf(std::string_view(padded)), countOf(padded)) < 0) return std::nullopt;
-  out.resize(out.size() - padding);
-  return out;
+  std::string bytes(padded.size() / 4 * 3, '\0');
+  if (EVP_DecodeBlock(bytesOf(bytes), bytesOf(std::string_view(padded)), countOf(padded)) < 0) return std::nullopt;
+  bytes.resize(bytes.size() - padding);
+  return bytes;
 }
 
 }  // namespace scanmill

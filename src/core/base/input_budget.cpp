@@ -145,14 +145,12 @@ FilesRead::~FilesRead() {
 }
 
 std::map<std::filesystem::path, std::string> FilesRead::hashes() const {
-  std::map<std::filesystem::path, std::string> all = hashes_;
-  std::erase_if(all, [](const auto& entry) {  // readers go on without some files that are missing, such as textures
-    return !isFile(entry.first);
-  });
-  for (auto& [file, hash] : all) {
-    if (hash.empty()) hash = xxh3OfFile(file);
+  std::map<std::filesystem::path, std::string> hashes;
+  for (const auto& [file, hash] : hashes_) {
+    if (!isFile(file)) continue;  // readers go on without some files that are missing, such as textures
+    hashes[file] = hash.empty() ? xxh3OfFile(file) : hash;
   }
-  return all;
+  return hashes;
 }
 
 void recordFile(const std::filesystem::path& file) {

@@ -21,13 +21,14 @@ namespace fs = std::filesystem;
 // limit.
 std::uint64_t leastLimit(const fs::path& root, const std::string& group, const char* file) {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
-  for (fs::path at = fs::path(group).relative_path();; at = at.parent_path()) {
+  for (fs::path folder = fs::path(group).relative_path();; folder = folder.parent_path()) {
     std::uint64_t limit = 0;
-    if (std::ifstream(root / at / file) >> limit) least = std::min(least, limit);
-    if (at.empty()) return least;
+    if (std::ifstream(root / folder / file) >> limit) least = std::min(least, limit);
+    if (folder.empty()) return least;
   }
 }
 
+// Returns the least limit of memory (bytes) of the program's control groups.
 std::uint64_t groupLimit() {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   std::ifstream groups("/proc/self/cgroup");
@@ -60,8 +61,8 @@ std::uint64_t pageBytes() {
 std::uint64_t memoryLimitBytes() {
   static const std::uint64_t limit = std::min(
       {static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * pageBytes(), groupLimit(), addressSpaceLimit()});
-  const std::uint64_t ofUser = userLimit;
-  return ofUser > 0 ? std::min(limit, ofUser) : limit;
+  const std::uint64_t usersLimit = userLimit;
+  return usersLimit > 0 ? std::min(limit, usersLimit) : limit;
 }
 
 MemoryLimit::MemoryLimit(std::uint64_t bytes) : previous_(userLimit.exchange(bytes)) {}

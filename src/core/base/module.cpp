@@ -28,13 +28,13 @@ std::string lastError() {
 // with a sanitizer, the sanitizer's library calls dlopen(), which then searches the RUNPATH of this library.
 std::vector<std::string> programLibraryFolders() {
   void* program = ::dlopen(nullptr, RTLD_LAZY);
-  Dl_serinfo need{};
-  if (program == nullptr || ::dlinfo(program, RTLD_DI_SERINFOSIZE, &need) != 0) {
+  Dl_serinfo header{};  // states the size of the list of folders, and how many there are
+  if (program == nullptr || ::dlinfo(program, RTLD_DI_SERINFOSIZE, &header) != 0) {
     throw Error(fmt::format("the folders of this program's libraries are unknown: {}", lastError()));
   }
-  const auto storage = std::make_unique<std::max_align_t[]>(need.dls_size / sizeof(std::max_align_t) + 1);
+  const auto storage = std::make_unique<std::max_align_t[]>(header.dls_size / sizeof(std::max_align_t) + 1);
   auto* info = reinterpret_cast<Dl_serinfo*>(storage.get());
-  *info = need;
+  *info = header;
   if (::dlinfo(program, RTLD_DI_SERINFO, info) != 0) {
     throw Error(fmt::format("the folders of this program's libraries are unknown: {}", lastError()));
   }
@@ -48,11 +48,11 @@ std::vector<std::string> programLibraryFolders() {
 }
 
 const void* loadModuleObject(const ModuleFile& module, const std::vector<std::string>& folders) {
-  std::vector<std::string> sought;
+  std::vector<std::string> searchedFolders;
   for (const std::string& folder : folders) {
     const std::string file = fmt::format("{}/{}", folder, module.name);
     if (!pathExists(file)) {
-      sought.push_back(folder);
+      searchedFolders.push_back(folder);
       continue;
     }
     // The module is loaded locally, so that no symbol of its libraries replaces a symbol of the program. It is never
@@ -70,14 +70,14 @@ const void* loadModuleObject(const ModuleFile& module, const std::vector<std::st
     }
     return entry->object;
   }
-  constexpr std::size_t kTold = 2;
-  const std::size_t more = sought.size() - std::min(sought.size(), kTold);
-  sought.resize(sought.size() - more);
+  constexpr std::size_t kMostNamed = 2;
+  const std::size_t unnamed = searchedFolders.size() - std::min(searchedFolders.size(), kMostNamed);
+  searchedFolders.resize(searchedFolders.size() - unnamed);
   throw Error(
       fmt::format("{}, since {} is missing. It is not in every wheel; the archive and the Debian packages have it. "
                   "Elsewhere, {}. It was looked for in {}{}",
-                  module.without, module.name, kInstallAgain, fmt::join(sought, ", "),
-                  more > 0 ? fmt::format(" and {} more folders", more) : ""));
+                  module.without, module.name, kInstallAgain, fmt::join(searchedFolders, ", "),
+                  unnamed > 0 ? fmt::format(" and {} more folders", unnamed) : ""));
 }
 
 }  // namespace scanmill

@@ -16,31 +16,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Opens the folder `below`, step by step from `folder`. Where this fails, what the caller wants, such as "a.txt: cannot
-// be written", is the beginning of the message. If `isNew` is given, creates the folders that are missing and sets it
-// to true if the last one is new.
+// Opens the folder `below`, step by step from `folder`. If `isNew` is given, creates the folders that are missing, and
+// sets it to true if the last one is new. `file` and `what` begin the message if this fails: "a.txt: cannot be
+// written".
 Descriptor openFolder(const fs::path& folder, const fs::path& below, const fs::path& file, const char* what,
                       bool* isNew = nullptr) {
-  constexpr int kHow = O_PATH | O_DIRECTORY | O_CLOEXEC;
+  constexpr int kFlags = O_PATH | O_DIRECTORY | O_CLOEXEC;
   constexpr mode_t kMode = 0777;
-  Descriptor at(::open(folder.empty() ? "." : folder.c_str(), kHow));
-  if (!at.open()) failBySystem(file, what);
+  Descriptor parent(::open(folder.empty() ? "." : folder.c_str(), kFlags));
+  if (!parent.open()) failBySystem(file, what);
   fs::path path = folder;
   for (const fs::path& step : below.lexically_relative(folder)) {
     if (step == "." || step.empty()) continue;
     path /= step;
     if (isNew != nullptr) {
-      *isNew = ::mkdirat(at.number, step.c_str(), kMode) == 0;
+      *isNew = ::mkdirat(parent.number, step.c_str(), kMode) == 0;
       if (!*isNew && errno != EEXIST) failBySystem(file, what);
     }
-    Descriptor next(::openat(at.number, step.c_str(), kHow | O_NOFOLLOW));
-    if (!next.open() && (errno == ELOOP || errno == ENOTDIR)) {
+    Descriptor child(::openat(parent.number, step.c_str(), kFlags | O_NOFOLLOW));
+    if (!child.open() && (errno == ELOOP || errno == ENOTDIR)) {
       throw ForeignFile({path.string()}, "is a link or a file, where this program has a folder: remove it");
     }
-    if (!next.open()) failBySystem(file, what);
-    at = std::move(next);
+    if (!child.open()) failBySystem(file, what);
+    parent = std::move(child);
   }
-  return at;
+  return parent;
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 
 namespace scanmill {
 
-// Returns the length of the curve between two parameters: the integral of the derivative's length, by Gauss-Legendre
-// quadrature with five points (Abramowitz and Stegun, table 25.4).
-double Path::Segment::travelled(double from, double to) const {
+// The length is the integral of the derivative's length, by Gauss-Legendre quadrature with five points (Abramowitz and
+// Stegun, table 25.4).
+double Path::Segment::lengthOf(double from, double to) const {
   constexpr std::array<double, 5> kNode = {0.0, -0.538469310105683, 0.538469310105683, -0.906179845938664,
                                            0.906179845938664};
   constexpr std::array<double, 5> kWeight = {0.568888888888889, 0.478628670499366, 0.478628670499366, 0.236926885056189,
@@ -23,8 +23,8 @@ double Path::Segment::travelled(double from, double to) const {
 Path::Path(const std::vector<Vec3d>& points) {
   const std::size_t count = points.size() - 1;
   // Centripetal knots: the parameter grows by the square root of the chord.
-  std::vector<double> knot(count);
-  std::vector<Vec3d> slope(count);
+  std::vector<double> knot(count);  // growth of the parameter from each point to the next
+  std::vector<Vec3d> slope(count);  // derivative of the chord by the parameter
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3d chord = points[i + 1] - points[i];
     knot[i] = std::sqrt(scanmill::length(chord));
@@ -54,25 +54,25 @@ constexpr double kShortest = 1e-9;  // m; a shorter straight line is left out
 
 Path Path::lines(const std::vector<Vec3d>& points, double rounding) {
   Path path;
-  const auto line = [&](const Vec3d& from, const Vec3d& to) {
+  const auto addLine = [&](const Vec3d& from, const Vec3d& to) {
     if (scanmill::length(to - from) > kShortest) path.add({from, to - from, {}, {}});
   };
-  Vec3d at = points.front();
+  Vec3d position = points.front();  // end of the path so far
   path.partOfPoint_.push_back(0);
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     const Vec3d& corner = points[i];
-    const Vec3d back = points[i - 1] - corner;
-    const Vec3d on = points[i + 1] - corner;
-    const double reach = std::min({rounding, scanmill::length(back) / 2, scanmill::length(on) / 2});
-    const Vec3d start = corner + normalized(back) * reach;
-    const Vec3d end = corner + normalized(on) * reach;
-    line(at, start);
+    const Vec3d toPrevious = points[i - 1] - corner;
+    const Vec3d toNext = points[i + 1] - corner;
+    const double cut = std::min({rounding, scanmill::length(toPrevious) / 2, scanmill::length(toNext) / 2});
+    const Vec3d start = corner + normalized(toPrevious) * cut;
+    const Vec3d end = corner + normalized(toNext) * cut;
+    addLine(position, start);
     path.partOfPoint_.push_back(path.segments_.size() * kParts + kParts / 2);
     // Adds the quadratic Bezier curve of start, corner and end.
     path.add({start, (corner - start) * 2, start - corner * 2 + end, {}});
-    at = end;
+    position = end;
   }
-  line(at, points.back());
+  addLine(position, points.back());
   path.partOfPoint_.push_back(path.segments_.size() * kParts);
   return path;
 }
@@ -81,22 +81,22 @@ void Path::add(const Segment& segment) {
   segments_.push_back(segment);
   for (std::size_t part = 0; part < kParts; ++part) {
     const double from = static_cast<double>(part) / kParts;
-    travelled_.push_back(travelled_.back() + segment.travelled(from, from + 1.0 / kParts));
+    distances_.push_back(distances_.back() + segment.lengthOf(from, from + 1.0 / kParts));
   }
 }
 
 Pose Path::pose(double distance) const {
   distance = std::clamp(distance, 0.0, length());
-  const auto after = std::upper_bound(travelled_.begin() + 1, travelled_.end() - 1, distance);
-  const std::size_t part = static_cast<std::size_t>(after - travelled_.begin()) - 1;
+  const auto after = std::upper_bound(distances_.begin() + 1, distances_.end() - 1, distance);
+  const std::size_t part = static_cast<std::size_t>(after - distances_.begin()) - 1;
   const Segment& segment = segments_[part / kParts];
   const double from = static_cast<double>(part % kParts) / kParts;
 
-  // Finds u by Newton's method: the distance travelled within the part is a smooth and increasing function of u.
-  const double wanted = distance - travelled_[part];
-  double u = from + wanted / (travelled_[part + 1] - travelled_[part]) / kParts;
+  // Finds u by Newton's method: the distance from the start of the part is a smooth and increasing function of u.
+  const double distanceInPart = distance - distances_[part];
+  double u = from + distanceInPart / (distances_[part + 1] - distances_[part]) / kParts;
   for (int i = 0; i < 4; ++i) {
-    u -= (segment.travelled(from, u) - wanted) / scanmill::length(segment.derivative(u));
+    u -= (segment.lengthOf(from, u) - distanceInPart) / scanmill::length(segment.derivative(u));
     u = std::clamp(u, from, from + 1.0 / kParts);
   }
   const Vec3d heading = segment.derivative(u);

@@ -24,7 +24,7 @@ class Path {
   // off each line.
   static Path lines(const std::vector<Vec3d>& points, double rounding);
 
-  double length() const { return travelled_.back(); }  // length of the path (m)
+  double length() const { return distances_.back(); }  // length of the path (m)
   // Returns the pose at a distance along the path (m): x heads along the path, without roll. A distance before the
   // start or beyond the end gives the pose at that end.
   Pose pose(double distance) const;
@@ -33,7 +33,7 @@ class Path {
   double curvature(double distance, double reach) const;
   // Returns the distance along the path (m) at which the path passes the waypoint with this index, or is nearest to it
   // if the corner is rounded.
-  double distanceOfPoint(std::size_t point) const { return travelled_[partOfPoint_[point]]; }
+  double distanceOfPoint(std::size_t point) const { return distances_[partOfPoint_[point]]; }
 
  private:
   // position = a + u (b + u (c + u d)), u in [0, 1].
@@ -41,16 +41,17 @@ class Path {
     Vec3d a, b, c, d;
     Vec3d position(double u) const { return a + (b + (c + d * u) * u) * u; }
     Vec3d derivative(double u) const { return b + (c * 2 + d * (3 * u)) * u; }
-    double travelled(double from, double to) const;
+    // Returns the length of the curve (m) from u = from to u = to.
+    double lengthOf(double from, double to) const;
   };
-  static constexpr std::size_t kParts = 16;
+  static constexpr std::size_t kParts = 16;  // number of parts of a segment, of equal steps of u
 
   Path() = default;
   void add(const Segment& segment);
 
   std::vector<Segment> segments_;
-  std::vector<double> travelled_{0};  // m along the path to the start of each part (kParts per segment) and to the end
-  std::vector<std::size_t> partOfPoint_;  // for each waypoint, its index into travelled_
+  std::vector<double> distances_{0};  // m along the path to the start of each part (kParts per segment) and to the end
+  std::vector<std::size_t> partOfPoint_;  // for each waypoint, its index into distances_
 };
 
 }  // namespace scanmill

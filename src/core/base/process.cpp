@@ -12,47 +12,31 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 
+#include "base/stage_clock.h"
 #include "base/text_scan.h"
 
 namespace scanmill {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::size_t kMostLineBytes = std::size_t{16} << 20;
-constexpr double kLongestPoll =
-    0.05;  // s, longest wait for a child's output before it is checked whether the child has ended
-
-std::string reason(int code) {
-  return std::strerror(code);
-}
-
-class Deadline {
- public:
-  explicit Deadline(double seconds)
-      : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
-  double remaining() const { return std::max(0.0, std::chrono::duration<double>(end_ - Clock::now()).count()); }
-
- private:
-  Clock::time_point end_;
-};
+constexpr double kLongestPoll = 0.05;  // s; after this time without output it is checked whether the child has ended
 
 // Creates a temporary file without a name.
 Descriptor makeFile() {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
-  if (file == nullptr) throw Error("no temporary file: " + reason(errno));
+  if (file == nullptr) throw Error("no temporary file: " + std::string(std::strerror(errno)));
   return Descriptor(::fcntl(::fileno(file.get()), F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
 }
 
-// Owns the arguments of posix_spawn().
+// Owns the arguments of posix_spawn(). The child gets a process group of its own, no blocked signal, and each signal's
+// default action.
 struct SpawnActions {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
@@ -84,14 +68,15 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
   return pointers;
 }
 
+// Returns this program's environment with changed and added variables, as texts NAME=VALUE.
 std::vector<std::string> environmentWith(const std::map<std::string, std::string>& changes) {
-  std::vector<std::string> all;
+  std::vector<std::string> variables;
   for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
     const std::string_view text = *entry;
-    if (!changes.contains(std::string(text.substr(0, text.find('='))))) all.emplace_back(text);
+    if (!changes.contains(std::string(text.substr(0, text.find('='))))) variables.emplace_back(text);
   }
-  for (const auto& [name, value] : changes) all.push_back(name + "=" + value);
-  return all;
+  for (const auto& [name, value] : changes) variables.push_back(name + "=" + value);
+  return variables;
 }
 
 bool isProgram(const std::filesystem::path& path) {
@@ -110,14 +95,15 @@ std::filesystem::path findProgram(const std::string& name) {
   if (name.empty()) return {};
   if (name.find('/') != std::string::npos) return isProgram(name) ? std::filesystem::path(name) : "";
   const char* path = std::getenv("PATH");
-  std::string_view folders = path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin";
-  while (true) {
-    const std::size_t end = std::min(folders.find(':'), folders.size());
-    const std::filesystem::path folder = end == 0 ? "." : folders.substr(0, end);
+  const std::string_view folders = path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin";
+  for (std::size_t begin = 0; begin <= folders.size();) {
+    const std::size_t end = std::min(folders.find(':', begin), folders.size());
+    // An empty name in PATH means the current folder.
+    const std::filesystem::path folder = end == begin ? "." : folders.substr(begin, end - begin);
     if (isProgram(folder / name)) return folder / name;
-    if (end == folders.size()) return {};
-    folders.remove_prefix(end + 1);
+    begin = end + 1;
   }
+  return {};
 }
 
 Process::Process(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment)
@@ -125,12 +111,12 @@ Process::Process(const std::vector<std::string>& command, const std::map<std::st
   // Not a pipe: writing to a pipe without a reader raises a fatal signal.
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
-    throw Error("no socket: " + reason(errno));
+    throw Error("no socket: " + std::string(std::strerror(errno)));
   const Descriptor ownEnd(ends[0]);
   const Descriptor childEnd(ends[1]);
   // The socket may have the number of one of our standard streams, if that is closed. What we print would go there.
   socket_ = Descriptor(::fcntl(ownEnd.number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
-  if (!socket_.open()) throw Error("no socket: " + reason(errno));
+  if (!socket_.open()) throw Error("no socket: " + std::string(std::strerror(errno)));
   SpawnActions actions;
   ::posix_spawn_file_actions_adddup2(&actions.files, childEnd.number, STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions.files, childEnd.number, STDOUT_FILENO);
@@ -140,7 +126,7 @@ Process::Process(const std::vector<std::string>& command, const std::map<std::st
   std::vector<std::string> variables = environmentWith(environment);
   const int failure = ::posix_spawnp(&pid_, words[0].c_str(), &actions.files, &actions.attributes,
                                      pointersTo(words).data(), pointersTo(variables).data());
-  if (failure != 0) throw Error(fmt::format("{}: cannot be started: {}", name_, reason(failure)));
+  if (failure != 0) throw Error(fmt::format("{}: cannot be started: {}", name_, std::strerror(failure)));
 }
 
 Process::~Process() {
@@ -172,7 +158,7 @@ void Process::receive(double seconds) {
   pollfd polled{socket_.number, POLLIN, 0};
   const int ready = ::poll(&polled, 1, ended ? 0 : static_cast<int>(std::ceil(seconds * 1000)));
   if (ready < 0 && errno == EINTR) return;
-  if (ready < 0) throw Error(fmt::format("{}: cannot be waited for: {}", name_, reason(errno)));
+  if (ready < 0) throw Error(fmt::format("{}: cannot be waited for: {}", name_, std::strerror(errno)));
   std::array<char, 1 << 16> block;
   const ssize_t n = ready > 0 ? ::recv(socket_.number, block.data(), block.size(), MSG_DONTWAIT) : 0;
   if (n > 0 && output_.size() <= kMostLineBytes) output_.append(block.data(), static_cast<std::size_t>(n));
@@ -190,7 +176,7 @@ void Process::write(std::string_view text) {
 }
 
 std::optional<std::string> Process::readLine(double seconds) {
-  const Deadline deadline(seconds);
+  const WallTimer timer;
   while (true) {
     const std::size_t newline = output_.find('\n');
     if (newline != std::string::npos || (!socket_.open() && !output_.empty())) {
@@ -200,16 +186,18 @@ std::optional<std::string> Process::readLine(double seconds) {
     }
     if (output_.size() > kMostLineBytes) throw Error(fmt::format("{}: a line of its output has no end", name_));
     if (!socket_.open()) return std::nullopt;
-    if (deadline.remaining() <= 0) throw TimeOut(fmt::format("{}: no answer within {} s", name_, seconds));
-    receive(std::min(deadline.remaining(), kLongestPoll));
+    const double remaining = seconds - timer.seconds();
+    if (remaining <= 0) throw TimeOut(fmt::format("{}: no answer within {} s", name_, seconds));
+    receive(std::min(remaining, kLongestPoll));
   }
 }
 
 std::string Process::wait(double seconds) {
-  const Deadline deadline(seconds);
+  const WallTimer timer;
   while (!reap(false)) {
-    if (deadline.remaining() <= 0) throw TimeOut(fmt::format("{}: did not end within {} s", name_, seconds));
-    receive(std::min(deadline.remaining(), kLongestPoll));
+    const double remaining = seconds - timer.seconds();
+    if (remaining <= 0) throw TimeOut(fmt::format("{}: did not end within {} s", name_, seconds));
+    receive(std::min(remaining, kLongestPoll));
   }
   if (!WIFSIGNALED(status_)) return fmt::format("exit code {}", WEXITSTATUS(status_));
   const char* meaning = ::sigdescr_np(WTERMSIG(status_));
@@ -217,19 +205,19 @@ std::string Process::wait(double seconds) {
 }
 
 std::string Process::lastLines() const {
-  constexpr std::size_t kMost = 4096;  // bytes
-  constexpr std::size_t kLines = 12;
-  std::string text(kMost, '\0');
+  constexpr std::size_t kMostBytes = 4096;
+  constexpr std::size_t kMostLines = 12;
+  std::string text(kMostBytes, '\0');
   const int file = errors_.number;
-  const off_t from = std::max<off_t>(0, ::lseek(file, 0, SEEK_END) - off_t{kMost});
-  text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::pread(file, text.data(), kMost, from))));
+  const off_t begin = std::max<off_t>(0, ::lseek(file, 0, SEEK_END) - off_t{kMostBytes});
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::pread(file, text.data(), kMostBytes, begin))));
   std::string_view rest = text;
-  if (from > 0) takeLine(rest);  // the end of a line
+  if (begin > 0) takeLine(rest);  // skips the end of a line
   std::vector<std::string_view> lines;
   while (!rest.empty()) {
     if (const std::string_view line = takeLine(rest); !line.empty()) lines.push_back(line);
   }
-  lines.erase(lines.begin(), lines.end() - static_cast<std::ptrdiff_t>(std::min(kLines, lines.size())));
+  lines.erase(lines.begin(), lines.end() - static_cast<std::ptrdiff_t>(std::min(kMostLines, lines.size())));
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 

@@ -58,6 +58,7 @@ constexpr std::pair<double, const char*> kSiPrefixes[]{{1e12, "T"},        {1e9,
                                                        {1e3, "k"},         {1.0, ""},   {1e-3, "m"},
                                                        {1e-6, "\xC2\xB5"}, {1e-9, "n"}, {1e-12, "p"}};
 
+// Returns a number with up to six digits; exponents have no leading zero.
 std::string plainNumber(double value) {
   std::string text = fmt::format("{:.6g}", value);
   if (const std::size_t e = text.find("e-0"); e != std::string::npos) text.erase(e + 2, 1);
@@ -76,12 +77,13 @@ double niceStep(double least) {
 
 std::string axisNumber(double value, const std::string& unit) {
   if (unit == "%") return plainNumber(value * 100) + " %";
-  const double size = std::abs(value);
+  const double magnitude = std::abs(value);
   const std::string space = unit.empty() ? "" : " ";
-  if (size == 0) return "0" + space + unit;
-  if (!(size < 1 && unit.empty()) && size < 1e16) {
+  if (magnitude == 0) return "0" + space + unit;
+  // Numbers below 1 without a unit get no prefix, because "5 m" would read as 5 metres.
+  if (!(magnitude < 1 && unit.empty()) && magnitude < 1e16) {
     for (const auto& [factor, prefix] : kSiPrefixes) {
-      if (size < factor * (1 - 1e-9)) continue;
+      if (magnitude < factor * (1 - 1e-9)) continue;
       const std::string unitText = prefix + unit;
       return plainNumber(value / factor) + (unitText.empty() ? "" : " " + unitText);
     }

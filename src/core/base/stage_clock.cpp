@@ -16,10 +16,6 @@ double secondsOfClock(clockid_t clock) {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::int64_t nanoseconds(double seconds) {
-  return std::llround(seconds * 1e9);
-}
-
 }  // namespace
 
 double threadSeconds() {
@@ -71,7 +67,7 @@ StageTask::StageTask(StageTimer* timer) : timer_(timer == innermost ? nullptr : 
 
 StageTask::~StageTask() {
   if (timer_ == nullptr) return;
-  const std::int64_t taken = nanoseconds(threadSeconds() - start_);
+  const std::int64_t taken = std::llround((threadSeconds() - start_) * 1e9);
   innermost = previous_;
   timer_->otherThreads_ += taken;
   if (previous_ != nullptr) previous_->otherThreads_ -= taken;

@@ -76,19 +76,20 @@ inline void splitCells(std::string_view line, char separator, std::vector<std::s
   cells.clear();
   line = trimmed(line);
   const bool hasQuotes = line.find('"') != line.npos;
-  for (bool more = true; more;) {
-    std::size_t from = 0;
+  for (bool hasNext = true; hasNext;) {
+    std::size_t searchBegin = 0;  // of the separator: behind a cell in quotation marks
     if (hasQuotes) {
       const std::size_t begin = std::min(line.find_first_not_of(" \t"), line.size());
       const std::size_t quote = line.substr(begin).starts_with('"') ? line.find('"', begin + 1) : line.npos;
-      if (quote != line.npos) from = quote;
+      if (quote != line.npos) searchBegin = quote;
     }
-    const std::size_t end = separator == ' ' ? line.find_first_of(" \t", from) : line.find(separator, from);
-    more = end != line.npos;
+    const std::size_t end =
+        separator == ' ' ? line.find_first_of(" \t", searchBegin) : line.find(separator, searchBegin);
+    hasNext = end != line.npos;
     std::string_view cell = trimmed(line.substr(0, end));
     if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = trimmed(cell.substr(1, cell.size() - 2));
     cells.push_back(cell);
-    if (more) line.remove_prefix(end + 1);
+    if (hasNext) line.remove_prefix(end + 1);
     if (separator == ' ') line = trimmed(line);
   }
 }
@@ -102,10 +103,10 @@ bool parseNumber(std::string_view text, T& number) {
   const auto [stop, error] = std::from_chars(text.data(), end, number);
   if (stop != end) return false;
   if constexpr (std::is_floating_point_v<T>) {
-    if (error == std::errc::result_out_of_range) {
-      const double wide = std::strtod(std::string(text).c_str(), nullptr);
-      if (wide > -1 && wide < 1) number = 0;
-      return wide > -1 && wide < 1;
+    if (error == std::errc::result_out_of_range) {  // strtod() tells too small from too large
+      const double value = std::strtod(std::string(text).c_str(), nullptr);
+      if (value > -1 && value < 1) number = 0;
+      return value > -1 && value < 1;
     }
   }
   return error == std::errc();

@@ -180,15 +180,15 @@ inline double headingOf(const Quat& q) {
 
 // Interpolates spherically along the shorter arc: t = 0 gives a, t = 1 gives b.
 [[nodiscard]] inline Quat slerp(const Quat& a, Quat b, double t) {
-  double c = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
-  if (c < 0) {
+  double cosine = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
+  if (cosine < 0) {  // b and -b are the same rotation; take the nearer one
     b = {-b.w, -b.x, -b.y, -b.z};
-    c = -c;
+    cosine = -cosine;
   }
-  double wa = 1 - t;
+  double wa = 1 - t;  // weights
   double wb = t;
-  if (c < 1 - 1e-8) {
-    const double angle = std::acos(c);
+  if (cosine < 1 - 1e-8) {
+    const double angle = std::acos(cosine);
     wa = std::sin((1 - t) * angle) / std::sin(angle);
     wb = std::sin(t * angle) / std::sin(angle);
   }
