@@ -26,7 +26,7 @@
 #include "gpu/device.h"
 #include "images/images.h"
 #include "methods/method.h"
-#include "pipeline/read/corruption.h"
+#include "pipeline/read/effects.h"
 #include "rasters/raster.h"
 #include "scan/columns.h"
 #include "scene/material.h"

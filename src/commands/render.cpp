@@ -1,4 +1,4 @@
-#include "pipeline/run/render.h"
+#include "pipeline/run/recorder.h"
 
 #include <fmt/format.h>
 

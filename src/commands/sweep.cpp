@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "config/value.h"
-#include "pipeline/read/corruption.h"
+#include "pipeline/read/effects.h"
 
 namespace scanmill {
 

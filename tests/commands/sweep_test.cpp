@@ -5,7 +5,7 @@
 #include <set>
 
 #include "dataset/manifest.h"
-#include "pipeline/read/corruption.h"
+#include "pipeline/read/effects.h"
 #include "tests/commands/program.h"
 
 namespace scanmill {

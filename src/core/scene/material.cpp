@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "config/fields.h"
 #include "config/file_kind.h"
@@ -45,39 +46,20 @@ void readRange(Fields& fields, float reflectanceAt905nm, Material& material) {
       std::min(1.0f, static_cast<float>(material.reflectance * leastAndGreatest[1] / reflectanceAt905nm));
 }
 
-// The key of a list of maps, each with `size_m` and one other number.
-struct SizeList {
-  std::string_view key;
-  std::size_t mostItems;
-  std::string_view number;  // key of the other number
-  Range range;              // of the other number
-  std::string_view example;
-};
-constexpr SizeList kVariations{.key = "variations",
-                               .mostItems = kMostVariations,
-                               .number = "contrast",
-                               .range = {0, 2},
-                               .example = "{size_m: 2, contrast: 0.15}"};
-constexpr SizeList kRelief{.key = "relief",
-                           .mostItems = kMostReliefs,
-                           .number = "height_m",
-                           .range = {0, 1},
-                           .example = "{size_m: 0.1, height_m: 0.02}"};
-
-// Reads a list of Variation or Relief, whose members are the size and the other number; empty without the key.
+// Reads a list of Variation or Relief, maps such as `example`; empty for null. `read` reads the number beside `size_m`.
 template <class Item>
-std::vector<Item> readSizes(Fields& material, const SizeList& form) {
+std::vector<Item> readSizes(const Value* list, std::string_view key, std::size_t mostItems, std::string_view example,
+                            const std::function<double(Fields&)>& read) {
   std::vector<Item> items;
-  const Value* list = material.find(form.key);
   if (list == nullptr) return items;
-  if (list->kind != Value::Kind::Sequence || list->items.size() > form.mostItems) {
-    throw InputError(list->where, fmt::format("{} must be a list of at most {} maps such as {}", form.key,
-                                              form.mostItems, form.example));
+  if (list->kind != Value::Kind::Sequence || list->items.size() > mostItems) {
+    throw InputError(list->where,
+                     fmt::format("{} must be a list of at most {} maps such as {}", key, mostItems, example));
   }
   for (const Value& value : list->items) {
-    Fields fields(value, std::string(form.key));
+    Fields fields(value, std::string(key));
     const auto size = static_cast<float>(fields.number("size_m", {0.001, 1000}));
-    items.push_back({size, static_cast<float>(fields.number(form.number, form.range))});
+    items.push_back({size, static_cast<float>(read(fields))});
     fields.finish();
   }
   return items;
@@ -120,8 +102,14 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
     material.transmission = static_cast<float>(fields.number("transmission", {0, 1}, 0));
     material.index = static_cast<float>(fields.number("index", {1, 4}, 1.52));
     material.textured = fields.boolean("textured", false);
-    material.variations = readSizes<Variation>(fields, kVariations);
-    material.relief = readSizes<Relief>(fields, kRelief);
+    material.variations = readSizes<Variation>(fields.find("variations"), "variations", kMostVariations,
+                                               "{size_m: 2, contrast: 0.15}", [](Fields& variation) {
+                                                 return variation.number("contrast", {0, 2});
+                                               });
+    material.relief = readSizes<Relief>(fields.find("relief"), "relief", kMostReliefs, "{size_m: 0.1, height_m: 0.02}",
+                                        [](Fields& relief) {
+                                          return relief.number("height_m", {0, 1});
+                                        });
     fields.finish();
     if (std::ranges::find(library.materials, material.name, &Material::name) != library.materials.end()) {
       throw InputError(item.where, fmt::format("material '{}' is there twice", material.name));

@@ -65,10 +65,9 @@ void readMovingOf(const Value& movingOf, Ontology& ontology, std::size_t index) 
                      "moving_of names the class of the same things while they stand still: both need "
                      "`thing: true`");
   }
-  for (const SemanticClass& c : ontology.classes) {
-    if (c.movingOf == still.id) {
-      throw InputError(movingOf.where, fmt::format("the class '{}' is moving_of '{}' already", c.name, still.name));
-    }
+  const auto other = std::ranges::find(ontology.classes, still.id, &SemanticClass::movingOf);
+  if (other != ontology.classes.end()) {
+    throw InputError(movingOf.where, fmt::format("the class '{}' is moving_of '{}' already", other->name, still.name));
   }
   moving.movingOf = still.id;
 }
@@ -76,10 +75,8 @@ void readMovingOf(const Value& movingOf, Ontology& ontology, std::size_t index) 
 }  // namespace
 
 const SemanticClass* Ontology::find(std::uint16_t id) const {
-  for (const SemanticClass& c : classes) {
-    if (c.id == id) return &c;
-  }
-  return nullptr;
+  const auto found = std::ranges::find(classes, id, &SemanticClass::id);
+  return found == classes.end() ? nullptr : &*found;
 }
 
 const SemanticClass* Ontology::find(std::string_view nameOrAlias) const {
@@ -159,7 +156,6 @@ Ontology readOntology(const std::filesystem::path& path) {
 std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
                                     const Location& where) {
   std::vector<std::uint16_t> ids;
-  ids.reserve(names.size());
   for (const std::string& name : names) ids.push_back(ontology.require(name, where).id);
   return ids;
 }

@@ -67,7 +67,6 @@ std::vector<std::uint64_t> Scene::copies() const {
 Box Scene::bounds() const {
   if (unreduced != nullptr) return unreduced->bounds;
   std::vector<Box> meshBounds;
-  meshBounds.reserve(meshes.size());
   for (const Mesh& mesh : meshes) meshBounds.push_back(mesh.bounds());
   Box box;
   for (const Instance& instance : instances) {

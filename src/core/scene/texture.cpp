@@ -139,7 +139,6 @@ CompactMaterial compact(const Material& material) {
 
 std::vector<CompactMaterial> compactMaterials(const Scene& scene) {
   std::vector<CompactMaterial> materials;
-  materials.reserve(scene.materials.size());
   for (const Material& material : scene.materials) materials.push_back(compact(material));
   return materials;
 }

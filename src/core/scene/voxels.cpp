@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "scene/triangle_pieces.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 
@@ -134,7 +134,6 @@ std::uint64_t SceneVoxels::memoryBytes() const {
 // Returns the class of each surface of an instance's mesh. Objects that ever move get their class for moving objects.
 std::vector<std::uint16_t> SceneVoxels::classesOf(const Instance& instance, const Mesh& mesh) const {
   std::vector<std::uint16_t> classes;
-  classes.reserve(mesh.surfaces.size());
   for (const Surface& surface : mesh.surfaces) {
     classes.push_back(surface.semantic);
     if (surface.object == 0 || !movingIds_.contains(instanceId(instance, surface))) continue;

@@ -243,7 +243,6 @@ std::vector<Rule> readRules(const Value& value) {
   if (value.kind == Value::Kind::Null) return {};
   if (value.kind != Value::Kind::Sequence) throw InputError(value.where, "rules must be a list of rules");
   std::vector<Rule> rules;
-  rules.reserve(value.items.size());
   for (const Value& item : value.items) rules.push_back(readRule(item));
   return rules;
 }

@@ -1,4 +1,4 @@
-#include "scene/triangle_pieces.h"
+#include "scene/triangles.h"
 
 #include <map>
 #include <random>

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "scene/triangle_pieces.h"
 #include "scene/triangles.h"
 
 namespace scanmill {

@@ -105,7 +105,6 @@ std::vector<std::string> damageWarnings(const Scene& scene) {
 
 std::vector<std::string> sizeWarnings(const Scene& scene) {
   std::vector<Box> boxes;
-  boxes.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) boxes.push_back(mesh.bounds());
   std::vector<std::string> lines;
   std::set<std::uint32_t> reported;

@@ -1,9 +1,9 @@
-#include "pipeline/run/object_list.h"
-
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
+
+#include "pipeline/run/sample_maker.h"
 
 namespace scanmill {
 
@@ -107,7 +107,6 @@ std::shared_ptr<const BeamGrid> SceneObjects::gridOf(const std::shared_ptr<const
 
 ObjectList::ObjectList(const SceneObjects& objects, std::string key, double time)
     : objects_(objects), key_(std::move(key)), time_(time), views_(objects.boxes().things().size()) {
-  boxes_.reserve(views_.size());
   for (std::size_t i = 0; i < views_.size(); ++i) boxes_.push_back(objects.boxes().at(i, time));
 }
 

@@ -1,16 +1,20 @@
 #pragma once
 
-// Records what a run traces (hits) or draws (passes).
+// Records what a run traces (hits) or draws (passes); render() draws passes without making scans.
 
+#include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/stage_clock.h"
 #include "dataset/recording.h"
 #include "methods/depth_camera/depth_camera.h"
+#include "passes/pass_image.h"
 #include "pipeline/plan/plan.h"
 #include "scan/hits.h"
 
@@ -61,5 +65,26 @@ class Recorder {
   std::map<std::size_t, Entered> entered_;  // keys: indices in Pipeline::sequences
   StageClock clock_;
 };
+
+struct RenderOptions {
+  std::filesystem::path folder;
+  PassChoice passes{};
+  bool overwrite = false;
+  bool quiet = false;
+  const std::atomic<bool>* stop = nullptr;  // may be null; once it is true, rendering stops with an Error
+};
+
+struct RenderSummary {
+  std::uint64_t shots = 0;
+  std::uint64_t images = 0;
+  std::uint64_t bytes = 0;
+  double seconds = 0;
+  std::map<std::string, double> stages;
+  std::vector<std::string> warnings;
+};
+
+// Renders and records the passes of all frames. Throws InputError if the pipeline's method renders no passes, and Error
+// if the work fails.
+RenderSummary render(const Plan& plan, const RenderOptions& options);
 
 }  // namespace scanmill

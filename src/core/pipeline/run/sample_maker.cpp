@@ -9,8 +9,6 @@
 #include "config/version.h"
 #include "formats/reasons_png.h"
 #include "pipeline/read/drawn_sensors.h"
-#include "pipeline/run/object_list.h"
-#include "pipeline/run/voxel_view.h"
 
 namespace scanmill {
 

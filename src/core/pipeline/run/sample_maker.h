@@ -1,9 +1,10 @@
 #pragma once
 
-// Makes the samples of a dataset: loads the scenes, traces the shots of all sensors of a frame, makes their scans and
-// encodes these.
+// Makes the samples of a dataset: loads the scenes, traces the shots of all sensors of a frame, makes their scans,
+// lists the objects that the sensors see, labels voxels, and encodes all of these.
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -14,21 +15,79 @@
 #include <utility>
 #include <vector>
 
+#include "base/recently_used.h"
 #include "base/stage_clock.h"
+#include "dataset/objects.h"
 #include "dataset/parts.h"
 #include "dataset/shard_writer.h"
+#include "dataset/voxels.h"
 #include "methods/method.h"
+#include "methods/ray_tracing/unobstructed.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/plan/shard_jobs.h"
-#include "pipeline/run/object_list.h"
 #include "pipeline/run/recorder.h"
 #include "pipeline/run/run_shot.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "pipeline/scenes/shot_source.h"
+#include "scan/hits.h"
+#include "scan/scan.h"
 #include "scene/scene.h"
+#include "scene/thing_boxes.h"
 #include "scene/voxels.h"
+#include "sense/returns.h"
+#include "sensors/beam_grid.h"
+#include "sensors/shot.h"
 
 namespace scanmill {
+
+// The objects of a scene, with the data that tests of their visibility need. Built once; safe to use from several
+// threads.
+class SceneObjects {
+ public:
+  // Tests visibility with the ray-tracing hierarchies (Worlds) of the method, or builds them if the method has none.
+  // Scene and method must outlive this object.
+  SceneObjects(const Scene& scene, const Method& method);
+
+  const ThingBoxes& boxes() const { return boxes_; }
+  const Unobstructed& unobstructed() const { return unobstructed_; }
+  // Returns the memory of the hierarchies that this object has built (bytes); 0 if it uses those of the method.
+  std::uint64_t memoryBytes() const;
+  std::shared_ptr<const BeamGrid> gridOf(const std::shared_ptr<const BeamTable>& beams) const;
+
+ private:
+  struct Grid {
+    std::shared_ptr<const BeamTable> beams;
+    std::shared_ptr<const BeamGrid> grid;
+  };
+
+  ThingBoxes boxes_;
+  std::unique_ptr<const Worlds> own_;  // null: the method's Worlds are used
+  Unobstructed unobstructed_;
+  mutable std::mutex mutex_;
+  mutable RecentlyUsed<Grid> grids_;
+};
+
+// The object list of one sample.
+class ObjectList {
+ public:
+  // `time`: the time of the sample (s since the start of the sequence), for which the boxes are computed.
+  ObjectList(const SceneObjects& objects, std::string key, double time);
+
+  // Adds what a shot sees of each object that it hits or has within the sensor's range. `hits`, `returns`: the hits and
+  // returns from which the shot's scan was made; hits need the channel Instance. `raysPerBeam`: number of rays per
+  // beam; the first ray of each beam is its axis.
+  void add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns);
+
+  // Returns the objects that at least one shot hits or has within its sensor's range, sorted by id.
+  [[nodiscard]] SampleObjects finish() const;
+
+ private:
+  const SceneObjects& objects_;
+  std::string key_;
+  double time_;
+  std::vector<OrientedBox> boxes_;              // one per object instance, in the order of SceneObjects::boxes()
+  std::vector<std::vector<ObjectView>> views_;  // for each object instance, one view per shot that reaches it
+};
 
 // Facts about a scene that are needed after it is unloaded.
 struct SceneFacts {
@@ -151,5 +210,24 @@ class SampleMaker {
   std::vector<std::unique_ptr<ShotBuffers>> idle_;  // reused for later frames, so that memory use stays constant
   StageClock clock_;
 };
+
+// Returns the voxels of a scan. `labels`: the labels of the grid, whose frame is the sensor's frame at the start of the
+// revolution. `hits`: the hits from which the scan was made. `raysPerBeam`: number of rays per beam; the first ray of
+// each beam is its axis.
+//
+// - `input` is set for voxels that contain points of the scan, after all effects. The points of a moving sensor are
+//   transformed from the sensor's frame at the time of their column to the grid's frame; if the scan is dense, it needs
+//   the column `column` for this. Deskewed points are in the grid's frame already.
+// - `unseen` is set for voxels that no beam's axis passes through or ends in, empty or not. The axis goes from the
+//   sensor, at the time when the beam fires, to the first hit; if the beam has a single ray, it continues through clear
+//   glass. If there is no hit, the axis goes to the sensor's maximum range, even if a surface nearer than the minimum
+//   range may block the beam. Beams that are unresolved, or without a hit because of the ego vehicle, are ignored.
+// - `invalid` is set for unseen voxels that no sensor could see, and for voxels whose surfaces have no class. An empty
+//   voxel is called open if a chain of empty voxels that share faces connects it to a voxel that a beam passes through.
+//   Unseen empty voxels are invalid if they are not open: they are under ground or inside of closed solids. Unseen
+//   voxels with surfaces are invalid if none of the voxels that share a face with them is open: they are inside of
+//   objects. Voxels with surfaces without a class are invalid since their label would say that they are empty.
+ScanVoxels viewVoxels(const VoxelGrid& grid, VoxelLabels labels, const Shot& shot, std::uint32_t raysPerBeam,
+                      const Hits& hits, const Scan& scan);
 
 }  // namespace scanmill

@@ -1,5 +1,3 @@
-#include "pipeline/run/voxel_view.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "pipeline/run/sample_maker.h"
 
 namespace scanmill {
 

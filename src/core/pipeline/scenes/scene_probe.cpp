@@ -41,18 +41,15 @@ double SceneProbe::endOf(const Ray& ray) const {
                    slabExit(box.low.z, box.high.z, ray.from.z, ray.direction.z)});
 }
 
-std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<Ray>& rays, double reach) const {
-  return first(rays, reach, rays.empty() ? Vec3d{} : rays.front().from);
-}
-
 std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<Ray>& rays, double reach,
-                                                              const Vec3d& anchor) const {
+                                                              const std::optional<Vec3d>& anchor) const {
   std::vector<std::optional<Hit>> firstHits(rays.size());
   // Rays end with the scene, so that the method need not look farther.
   double end = -1;
   for (const Ray& ray : rays) end = std::max(end, endOf(ray));
   reach = std::min(reach, end);
   if (!(reach > 0)) return firstHits;
+  const Vec3d sensor = anchor.value_or(rays.front().from);
   auto table = std::make_shared<BeamTable>();
   table->rings = 1;
   table->columns = static_cast<std::uint32_t>(rays.size());
@@ -60,11 +57,11 @@ std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<
   table->maxRange = reach;
   for (const Ray& ray : rays) {
     table->direction.push_back(ray.direction);
-    table->origin.emplace_back(Vec3f(ray.from - anchor));
+    table->origin.emplace_back(Vec3f(ray.from - sensor));
     table->time.push_back(0);
   }
   Shot shot;
-  shot.worldFromSensor = {{{}, anchor}};
+  shot.worldFromSensor = {{{}, sensor}};
   shot.beams = table;
   Hits hits;
   method_->trace(shot, Channels(Channel::Range) | Channel::Normal | Channel::Semantic | Channel::Instance, hits);

@@ -38,7 +38,9 @@ class SceneProbe {
   const Box& bounds() const { return bounds_; }  // Scene::bounds(): m, world frame at time 0
   // Returns the first hit of each ray within `reach` (m); nothing for rays without a hit. Faster than calls for single
   // rays.
-  std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach) const;
+  // The method sees a sensor at `anchor`, a position near the rays; by default, the start of the first ray.
+  std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach,
+                                        const std::optional<Vec3d>& anchor = {}) const;
   std::optional<Hit> first(const Ray& ray, double reach) const { return first(std::vector{ray}, reach).front(); }
   // Returns the hits along a ray within `reach` (m), the nearest first, at most a hundred.
   std::vector<Hit> all(const Ray& ray, double reach) const;
@@ -46,8 +48,6 @@ class SceneProbe {
  private:
   // Returns the distance (m) along a ray beyond which it does not hit the scene; may be negative.
   double endOf(const Ray& ray) const;
-  // Returns the result of the public function; the method sees a sensor at `anchor`, a position near the rays.
-  std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach, const Vec3d& anchor) const;
 
   const Scene& scene_;
   Box bounds_;

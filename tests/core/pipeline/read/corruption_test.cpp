@@ -1,4 +1,4 @@
-#include "pipeline/read/corruption.h"
+#include "pipeline/read/effects.h"
 
 #include "tests/core/pipeline/small_world.h"
 

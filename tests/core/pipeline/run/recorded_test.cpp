@@ -2,7 +2,6 @@
 
 #include "passes/exr/hits_exr.h"
 #include "pipeline/run/recorder.h"
-#include "pipeline/run/render.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/gl.h"
 #include "tests/support/lines_of.h"

@@ -1,4 +1,4 @@
-#include "pipeline/run/voxel_view.h"
+#include "pipeline/run/sample_maker.h"
 
 #include <set>
 
