@@ -13,7 +13,7 @@
 #include "commands/sweep.h"
 #include "commands/table.h"
 #include "dataset/dataset_folder.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/recorder.h"
 #include "pipeline/scenes/shot_source.h"

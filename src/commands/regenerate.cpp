@@ -5,7 +5,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "dataset/folder_contents.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/generate.h"
 

@@ -310,12 +310,6 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
   writePicture(outputs.screenshot, session.picture(), source->title());
 }
 
-std::string keyHelp() {
-  std::string out = "\nKeys and pointer:\n";
-  for (const auto& [keys, what] : viewKeys()) out += fmt::format("  {:42} {}\n", keys, what);
-  return out;
-}
-
 void addOptions(cxxopts::Options& options) {
   cxxopts::OptionAdder add = options.add_options();
   add("sample",
@@ -375,6 +369,8 @@ int runView(const std::vector<std::string>& arguments) {
   CommandOptions options("view");
   addOptions(options);
   addInputLimit(options);
+  std::string keyHelp = "\nKeys and pointer:\n";
+  for (const auto& [keys, action] : viewKeys()) keyHelp += fmt::format("  {:42} {}\n", keys, action);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill view out/quickstart\n"
@@ -391,7 +387,7 @@ int runView(const std::vector<std::string>& arguments) {
                      "  scanmill view out/quickstart --at 6.5,-2.7,-1 --within 2.5 --screenshot car.png\n"
                      "  scanmill view out/quickstart --range-image-alone --color range --screenshot ranges.png\n"
                      "  scanmill view scenes/street.yaml\n" +
-                         keyHelp());
+                         keyHelp);
   if (parsed.help) return 0;
   const InputLimitFactor limits(inputLimit(parsed));
   ViewInput input;

@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "dataset/manifest.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 #include "tests/commands/program.h"
 #include "tests/support/described_beside.h"
 

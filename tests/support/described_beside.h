@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "dataset/manifest.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 
 namespace scanmill {
 

@@ -10,7 +10,7 @@
 
 #include "base/hash.h"
 #include "dataset/dataset_folder.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 #include "dataset/shard_writer.h"
 
 namespace scanmill {
@@ -23,7 +23,7 @@ class PackedDataset {
 
   void add(const Sample& sample) {
     std::uint64_t bytes = 2048;  // of the sample's description
-    for (const Member& m : sample.members) bytes += ShardFile::memberBytes(120, m.bytes.size());
+    for (const Member& m : sample.files) bytes += ShardFile::memberBytes(120, m.bytes.size());
     std::unique_ptr<ShardWriter>& shard = open_[sample.split];
     if (shard && shard->bytes() + bytes > shardBytes_) close(sample.split);
     if (!shard) {

@@ -13,8 +13,8 @@
 
 #include "base/short_text.h"
 #include "dataset/json_text.h"
+#include "dataset/names.h"
 #include "dataset/objects.h"
-#include "dataset/sample_names.h"
 #include "dataset/voxels.h"
 #include "formats/reasons_png.h"
 #include "scan/columns.h"
@@ -175,29 +175,16 @@ OrderedJson sampleField(const char* name, const char* description, const char* s
   return field;
 }
 
-// Returns the meanings of the keys, as Croissant 1.0 states them.
-OrderedJson croissantContext() {
-  return {{"@language", "en"},
-          {"@vocab", "https://schema.org/"},
-          {"citeAs", "cr:citeAs"},
-          {"conformsTo", "dct:conformsTo"},
-          {"cr", "http://mlcommons.org/croissant/"},
-          {"data", {{"@id", "cr:data"}, {"@type", "@json"}}},
-          {"dct", "http://purl.org/dc/terms/"},
-          {"sc", "https://schema.org/"},
-          {"dataType", {{"@id", "cr:dataType"}, {"@type", "@vocab"}}},
-          {"excludes", "cr:excludes"},
-          {"extract", "cr:extract"},
-          {"field", "cr:field"},
-          {"fileProperty", "cr:fileProperty"},
-          {"fileSet", "cr:fileSet"},
-          {"includes", "cr:includes"},
-          {"key", "cr:key"},
-          {"recordSet", "cr:recordSet"},
-          {"regex", "cr:regex"},
-          {"source", "cr:source"},
-          {"transform", "cr:transform"}};
-}
+// The meanings of the keys, as Croissant 1.0 states them.
+constexpr const char* kCroissantContext = R"({
+  "@language": "en", "@vocab": "https://schema.org/", "citeAs": "cr:citeAs", "conformsTo": "dct:conformsTo",
+  "cr": "http://mlcommons.org/croissant/", "data": {"@id": "cr:data", "@type": "@json"},
+  "dct": "http://purl.org/dc/terms/", "sc": "https://schema.org/",
+  "dataType": {"@id": "cr:dataType", "@type": "@vocab"}, "excludes": "cr:excludes", "extract": "cr:extract",
+  "field": "cr:field", "fileProperty": "cr:fileProperty", "fileSet": "cr:fileSet", "includes": "cr:includes",
+  "key": "cr:key", "recordSet": "cr:recordSet", "regex": "cr:regex", "source": "cr:source",
+  "transform": "cr:transform"
+})";
 
 // Returns the files of the dataset, and the members of its shards as sets of files.
 OrderedJson croissantFiles(const Manifest& manifest) {
@@ -358,7 +345,7 @@ std::string cardText(const Manifest& manifest) {
 
 std::string croissantJson(const Manifest& manifest) {
   const ScanTotals totals = totalsOf(manifest);
-  OrderedJson json{{"@context", croissantContext()},
+  OrderedJson json{{"@context", OrderedJson::parse(kCroissantContext)},
                    {"@type", "sc:Dataset"},
                    {"conformsTo", "http://mlcommons.org/croissant/1.0"},
                    {"name", manifest.name},

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "dataset/manifest.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 
 namespace scanmill {
 

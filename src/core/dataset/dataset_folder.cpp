@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 #include <exception>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -17,7 +18,7 @@
 #include "base/own_folder.h"
 #include "dataset/card.h"
 #include "dataset/folder_contents.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 
 namespace scanmill {
 
@@ -374,17 +375,6 @@ void DatasetFolder::removeReplaced() const {
   for (const std::string& name : contentsOf(folder_).leftovers) removeFile(folder_, folder_ / name);
 }
 
-// Moves the shards to their final paths. Returns the folders that they are in.
-std::set<fs::path> DatasetFolder::moveShards(const std::vector<ShardRecord>& shards) const {
-  std::set<fs::path> folders;
-  for (const ShardRecord& shard : shards) {
-    requireSameFolder();
-    if (fs::exists(staging_ / shard.file)) moveFile(folder_, staging_ / shard.file, folder_ / shard.file);
-    folders.insert((folder_ / shard.file).parent_path());
-  }
-  return folders;
-}
-
 // Writes a file under a temporary name, calls check(), and then gives the file its name. check() may throw.
 void DatasetFolder::writeChecked(std::string_view name, const std::string& bytes,
                                  const std::function<void()>& check) const {
@@ -406,12 +396,17 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
       throw Error(fmt::format("{}: has changed since it was written: --resume makes it again", file.string()));
     }
     removeReplaced();
-    const std::set<fs::path> folders = moveShards(manifest.shards);
+    std::set<fs::path> shardFolders;
+    for (const ShardRecord& shard : manifest.shards) {
+      requireSameFolder();
+      if (fs::exists(staging_ / shard.file)) moveFile(folder_, staging_ / shard.file, folder_ / shard.file);
+      shardFolders.insert((folder_ / shard.file).parent_path());
+    }
     writeChecked(kCardName, cardText(manifest), [] {});
     writeChecked(kCroissantName, croissantJson(manifest), [] {});
     const std::string text = manifestText(folder_, mostSampleBytes, manifest);
     syncFolder(folder_);
-    for (const fs::path& folder : folders) syncFolder(folder);
+    for (const fs::path& folder : shardFolders) syncFolder(folder);
     // The manifest is the last file. Once it has its name, the dataset counts as complete.
     writeChecked(kManifestName, text, [&] {
       for (const ShardRecord& shard : manifest.shards) {

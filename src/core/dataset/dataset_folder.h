@@ -12,7 +12,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -97,7 +96,6 @@ class DatasetFolder {
   std::unique_ptr<FolderLock> lockStart() const;
   void writeOrMatchPlan(FolderUse use);
   void removeReplaced() const;
-  std::set<std::filesystem::path> moveShards(const std::vector<ShardRecord>& shards) const;
   void writeChecked(std::string_view name, const std::string& bytes, const std::function<void()>& check) const;
   std::filesystem::path shardPath(const std::string& name) const;
 

@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "dataset/manifest.h"
+#include "dataset/names.h"
 #include "dataset/recording.h"
-#include "dataset/shard_name.h"
 
 namespace scanmill {
 

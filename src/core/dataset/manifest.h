@@ -86,9 +86,9 @@ struct SampleRecord {
   std::string key;  // scene-seed-trajectory-frame, without dots
   std::string split;
   std::uint32_t shard = 0;  // index into Manifest::shards
-  std::vector<ScanRecord> scans;
-  std::vector<std::string> members;    // names of the members in the shard, in order
-  std::vector<std::string> xxh3 = {};  // hash of each member's bytes; empty in manifests of earlier versions
+  std::vector<ScanRecord> scans = {};
+  std::vector<std::string> members = {};  // names of the members in the shard, in order
+  std::vector<std::string> xxh3 = {};     // hash of each member's bytes; empty in manifests of earlier versions
   // Returns the hash of the member's bytes; empty if the manifest does not state it.
   std::string xxh3Of(const std::string& member) const;
   // Counts of the objects in the member `<key>.objects.json`, by class; nothing if the pipeline does not ask for

@@ -17,8 +17,7 @@
 #include "dataset/folder_contents.h"
 #include "dataset/json_record.h"
 #include "dataset/manifest.h"
-#include "dataset/sample_names.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 
 namespace scanmill {
 

@@ -3,7 +3,7 @@
 
 #include "base/terminal.h"
 #include "dataset/json_record.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 
 namespace scanmill {
 

@@ -12,7 +12,7 @@
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"
 #include "dataset/json_record.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 
 namespace scanmill {
 

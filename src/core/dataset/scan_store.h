@@ -31,6 +31,7 @@ struct StoredScan {
   const ScanRecord* record = nullptr;  // record in the manifest; null: there is no manifest
 };
 
+// All functions may be called from any thread.
 class ScanStore {
  public:
   // Compared: the bytes of a member are compared with the XXH3 that the manifest states for it, if any, and reading a
@@ -51,8 +52,7 @@ class ScanStore {
   const Ontology* ontology() const;
   std::filesystem::path folder() const { return folder_; }  // folder of the manifest
   // Returns the beam table of a sensor, filled by fillBeams() if it has at most 2^23 beams; null if the sensor's beams
-  // are unknown. `time`: time of the scan (s), for sensors whose beams differ from scan to scan. May be called from any
-  // thread.
+  // are unknown. `time`: time of the scan (s), for sensors whose beams differ from scan to scan.
   std::shared_ptr<const BeamTable> beams(const std::string& sensor, double time) const;
 
   // Returns the keys of all samples; for a single scan, the name of its file.
@@ -63,20 +63,19 @@ class ScanStore {
   std::vector<std::string> sensors() const;
 
   // Returns the scans of a sample that have a known format, for one sensor or, if `sensor` is empty, for all, the
-  // revolutions of a sensor in their order. May be called from any thread. If there is no such scan, throws InputError
-  // with the sensors that the sample has.
+  // revolutions of a sensor in their order. If there is no such scan, throws InputError with the sample's sensors.
   std::vector<StoredScan> scans(std::size_t sample, const std::string& sensor = {}) const;
-  // Decodes a scan from the first of its members that can be decoded. May be called from any thread. If no member can
-  // be decoded, throws an InputError with the problem of each member.
+  // Decodes a scan from the first of its members that can be decoded. If no member can be decoded, throws an InputError
+  // with the problem of each member.
   Scan decode(std::size_t sample, const StoredScan& scan) const;
-  // Returns the object instances near the sensors of a sample; nothing if the dataset lists no objects. May be called
-  // from any thread. Throws InputError if the list is damaged.
+  // Returns the object instances near the sensors of a sample; nothing if the dataset lists no objects. Throws
+  // InputError if the list is damaged.
   std::optional<SampleObjects> objects(std::size_t sample) const;
   // Returns the bytes of the member with the voxels around a sensor, see dataset/voxels.h; nothing if the dataset has
-  // no voxels. May be called from any thread. Throws InputError if the member is damaged.
+  // no voxels. Throws InputError if the member is damaged.
   std::optional<std::string> voxels(std::size_t sample, const std::string& sensor) const;
   // Returns the known damage of the sample's shard, even if the sample itself is intact. Empty if no damage is known,
-  // or if the shard cannot be opened at all. May be called from any thread.
+  // or if the shard cannot be opened at all.
   [[nodiscard]] std::string damage(std::size_t sample) const;
 
  private:
@@ -126,13 +125,9 @@ struct ScanSource {
   std::optional<Ontology> ontology;        // from the dataset's manifest or the folder's layout; none: unknown classes
 };
 
-// Finds and decodes a scan. `path`: a dataset's folder, a shard, a folder of recorded scans, or a single scan in any
-// known format. `sample`: in a dataset or a shard, a key, an index from 0, or a part of exactly one key; if empty, the
-// middle sample. `sensor`: name of one of the sample's sensors; if empty, the first. If a sample contains a scan in
-// several formats, the most exact format that can be decoded is used. The manifest of a shard is searched for in the
-// shard's folder and the folder above it; a shard without a manifest can also be read. Throws InputError for a file of
-// unknown kind, an unknown sample (with the most similar key), an unknown sensor (with the known sensors), and if a
-// sample or a sensor is given for a single scan.
+// Finds and decodes a scan. `path`: see ScanStore. `sample`: see findKey(); if empty, the middle sample or, if that has
+// no scan of the sensor, the next one that does. `sensor`: name of one of the sample's sensors; if empty, the first.
+// Throws InputError also if a sample or a sensor is given for the file of a single scan.
 ScanSource findScan(const std::filesystem::path& path, const std::string& sample, const std::string& sensor);
 
 }  // namespace scanmill

@@ -15,7 +15,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/own_folder.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 
 namespace scanmill {
 
@@ -49,8 +49,8 @@ void checkNames(const Sample& sample) {
   }
   if (!isSplitName(sample.split)) refuse(sample, fmt::format("'{}' is not a name of a split", sample.split));
   std::set<std::string_view> suffixes{kJsonSuffix};
-  for (const Member& member : sample.members) {
-    const std::string& suffix = member.suffix;
+  for (const Member& file : sample.files) {
+    const std::string& suffix = file.suffix;
     if (suffix.empty() || suffix.front() == '.' ||
         !std::ranges::all_of(suffix, [&](char c) { return isAllowed(c) && !(c >= 'A' && c <= 'Z'); })) {
       refuse(sample,
@@ -58,17 +58,6 @@ void checkNames(const Sample& sample) {
     }
     if (!suffixes.insert(suffix).second) refuse(sample, fmt::format("the suffix '{}' is used twice", suffix));
   }
-}
-
-// Returns the sample's record without the members, of which the writer adds names and hashes.
-SampleRecord recordOf(const Sample& sample) {
-  return {.key = sample.key,
-          .split = sample.split,
-          .scans = sample.scans,
-          .members = {},
-          .objects = sample.objects,
-          .draws = sample.draws,
-          .time = sample.time};
 }
 
 // Creates the folder and the folders between it and the file. Returns the file.
@@ -187,8 +176,8 @@ std::uint64_t bytesInShard(const Sample& sample) {
   const auto bytesOf = [&](std::string_view suffix, std::size_t size) {
     return ShardFile::memberBytes(sample.key.size() + 1 + suffix.size(), size);
   };
-  std::uint64_t bytes = bytesOf(kJsonSuffix, sampleJson(recordOf(sample)).size());
-  for (const Member& member : sample.members) bytes += bytesOf(member.suffix, member.bytes.size());
+  std::uint64_t bytes = bytesOf(kJsonSuffix, sampleJson(sample).size());
+  for (const Member& file : sample.files) bytes += bytesOf(file.suffix, file.bytes.size());
   return bytes;
 }
 
@@ -202,13 +191,13 @@ void ShardWriter::add(const Sample& sample) {
   if (sample.split != part_.shard.split) {
     refuse(sample, fmt::format("it belongs to the split {}, but the shard to {}", sample.split, part_.shard.split));
   }
-  SampleRecord record = recordOf(sample);
+  SampleRecord record = sample;
   const std::string json = sampleJson(record);
   std::vector<std::string_view> contents{json};  // of the members, in their order
   record.members.push_back(fmt::format("{}.{}", sample.key, kJsonSuffix));
-  for (const Member& member : sample.members) {
-    record.members.push_back(fmt::format("{}.{}", sample.key, member.suffix));
-    contents.push_back(member.bytes);
+  for (const Member& file : sample.files) {
+    record.members.push_back(fmt::format("{}.{}", sample.key, file.suffix));
+    contents.push_back(file.bytes);
   }
   broken_ = true;
   for (std::size_t i = 0; i < contents.size(); ++i) {

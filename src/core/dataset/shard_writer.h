@@ -5,9 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,16 +50,9 @@ struct Member {
   std::string bytes;
 };
 
-// All scans of a frame, and the files that describe them.
-struct Sample {
-  std::string key;
-  std::string split;
-  std::vector<ScanRecord> scans;
-  std::vector<Member> members;
-  // These are as in SampleRecord.
-  std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
-  std::vector<DrawnValue> draws = {};
-  std::optional<double> time = {};
+// A sample to write: its record, to which the writer adds the shard and the members' names and hashes, and its files.
+struct Sample : SampleRecord {
+  std::vector<Member> files;
 };
 
 // Returns the number of bytes that the sample takes in its shard, including its description and all headers.

@@ -13,10 +13,9 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "dataset/names.h"
 #include "dataset/objects.h"
 #include "dataset/reader.h"
-#include "dataset/sample_names.h"
-#include "dataset/shard_name.h"
 #include "dataset/voxels.h"
 #include "formats/reasons_png.h"
 
@@ -35,8 +34,8 @@ class ShardCheck {
       : manifest_(manifest),
         record_(manifest.shards[shard]),
         file_(folder / record_.file),
-        described_(samples != nullptr),
-        samples_(described_ ? samples->size() : record_.samples) {
+        described_(samples != nullptr) {
+    result_.samples = described_ ? samples->size() : record_.samples;
     if (!described_) return;
     for (const SampleRecord* sample : *samples) {
       for (const std::string& member : sample->members) {
@@ -46,9 +45,10 @@ class ShardCheck {
     }
   }
 
-  void run(Verification& result) {
-    if (samples_ != record_.samples) {
-      problem(fmt::format("its entry states {} samples, but the manifest lists {}", record_.samples, samples_));
+  // Returns the shard's numbers of samples, scans and points, and the problems; the other members are 0.
+  Verification run() {
+    if (result_.samples != record_.samples) {
+      problem(fmt::format("its entry states {} samples, but the manifest lists {}", record_.samples, result_.samples));
     }
     std::error_code failure;
     if (!fs::exists(fs::symlink_status(file_, failure))) {
@@ -61,14 +61,11 @@ class ShardCheck {
       checkBytes();
       if (described_) checkMembers();
     }
-    result.samples += samples_;
-    result.scans += scans_;
-    result.points += points_;
-    result.problems.insert(result.problems.end(), problems_.begin(), problems_.end());
+    return std::move(result_);
   }
 
  private:
-  void problem(std::string_view text) { problems_.push_back(fmt::format("{}: {}", record_.file, text)); }
+  void problem(std::string_view text) { result_.problems.push_back(fmt::format("{}: {}", record_.file, text)); }
 
   // Returns the error's text without the shard's path at its start, because problem() adds the shard's name.
   std::string withoutPath(const InputError& error) const {
@@ -102,9 +99,9 @@ class ShardCheck {
         names.push_back(name);
         const auto entry = sampleOfMember_.find(name);
         if (entry == sampleOfMember_.end()) return;  // checkNames() reports this member
-        const std::size_t problemsBefore = problems_.size();
+        const std::size_t problemsBefore = result_.problems.size();
         checkMember(name, bytes, *entry->second);
-        if (problems_.size() == problemsBefore) checkDigest(name, bytes, *entry->second);
+        if (result_.problems.size() == problemsBefore) checkDigest(name, bytes, *entry->second);
       });
     } catch (const InputError& error) {
       problem(withoutPath(error));
@@ -155,11 +152,11 @@ class ShardCheck {
 
   // Checks a scan that was decoded from a member.
   void checkDecoded(const std::string& name, const Scan& scan, const SampleRecord& sample) {
-    ++scans_;
+    ++result_.scans;
     const std::string format = name.substr(name.rfind('.') + 1);
     const ScanRecord* const record = recordOf(name, format, sample);
     if (record == nullptr) return;
-    points_ += record->points;
+    result_.points += record->points;
     if (objects_ != nullptr && objects_->key == sample.key && countedSensors_.insert(record->sensor).second) {
       checkObjectPoints(name, scan, record->sensor);
     }
@@ -225,7 +222,7 @@ class ShardCheck {
   // Checks that the shard has exactly the members that the manifest lists, in their order. `names`: its members.
   void checkNames(const std::vector<std::string>& names) {
     if (names == expectedNames_) return;
-    const std::size_t problemsBefore = problems_.size();
+    const std::size_t problemsBefore = result_.problems.size();
     std::set<std::string> distinctNames;
     for (const std::string& name : names) {
       if (!distinctNames.insert(name).second) problem(fmt::format("{}: is in the shard twice", name));
@@ -234,7 +231,7 @@ class ShardCheck {
     for (const std::string& name : expectedNames_) {
       if (!distinctNames.contains(name)) problem(fmt::format("{}: is missing", name));
     }
-    if (problems_.size() > problemsBefore) return;
+    if (result_.problems.size() > problemsBefore) return;
     // Both lists have the same names, so that they have the same length and differ in their order alone.
     const auto [actual, expected] = std::ranges::mismatch(names, expectedNames_);
     problem(fmt::format("the members are out of order: '{}' is in the place of '{}'", *actual, *expected));
@@ -244,14 +241,11 @@ class ShardCheck {
   const ShardRecord& record_;
   fs::path file_;
   bool described_;
-  std::uint64_t samples_;                                      // number of samples
   std::vector<std::string> expectedNames_;                     // of the members, in the order of the manifest
   std::map<std::string, const SampleRecord*> sampleOfMember_;  // by name of the member
-  std::vector<std::string> problems_;
-  std::unique_ptr<const SampleObjects> objects_;  // latest list of objects; null: it is damaged
-  std::set<std::string> countedSensors_;          // sensors whose points were compared with objects_
-  std::uint64_t scans_ = 0;
-  std::uint64_t points_ = 0;
+  std::unique_ptr<const SampleObjects> objects_;               // latest list of objects; null: it is damaged
+  std::set<std::string> countedSensors_;                       // sensors whose points were compared with objects_
+  Verification result_;
 };
 
 // Checks that the manifest does not contradict itself.
@@ -341,7 +335,7 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
   parallelFor(parts.size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const auto shard = static_cast<std::uint32_t>(i);
-      ShardCheck(folder, manifest, shard, undescribed.contains(shard) ? nullptr : &samples[i]).run(parts[i]);
+      parts[i] = ShardCheck(folder, manifest, shard, undescribed.contains(shard) ? nullptr : &samples[i]).run();
       if (!progress) continue;
       const std::scoped_lock lock(mutex);
       progress(++done, parts.size());

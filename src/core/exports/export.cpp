@@ -21,9 +21,8 @@
 #include "config/resources.h"
 #include "config/version.h"
 #include "dataset/json_text.h"
-#include "dataset/sample_names.h"
+#include "dataset/names.h"
 #include "dataset/scan_store.h"
-#include "dataset/shard_name.h"
 
 namespace scanmill {
 

@@ -2,6 +2,8 @@
 
 // Numbers the instances of each sequence anew, for layouts that cannot store the dataset's instance ids.
 
+#include <fmt/core.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -11,6 +13,7 @@
 #include <string>
 #include <utility>
 
+#include "base/error.h"
 #include "exports/layout.h"
 
 namespace scanmill {
@@ -26,13 +29,39 @@ class InstanceNumbers {
 
   // `most`: the largest number. `groupName`: what a group is called in messages, such as "instances of car".
   InstanceNumbers(std::string layout, std::size_t most, InstancesOf instancesOf,
-                  std::function<std::string(const ExportPlan&, std::uint16_t)> groupName);
+                  std::function<std::string(const ExportPlan&, std::uint16_t)> groupName)
+      : layout_(std::move(layout)),
+        most_(most),
+        instancesOf_(std::move(instancesOf)),
+        groupName_(std::move(groupName)) {}
 
   // Throws InputError if a group of the sample's sequence has more than `most` instances.
-  void add(const ExportPlan& plan, const ExportSample& sample);
+  void add(const ExportPlan& plan, const ExportSample& sample) {
+    std::set<Instance> instances;
+    for (const ExportScan& scan : sample.scans) instances.merge(instancesOf_(plan, scan.scan));
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [group, id] : instances) {
+      std::set<std::uint32_t>& ids = idsOfSequence_[sample.sequence][group];
+      ids.insert(id);
+      if (ids.size() <= most_) continue;
+      throw InputError(
+          {plan.dataset.string()},
+          fmt::format("the sample {} belongs to a sequence with more than {} {}, the most that {} can number: generate "
+                      "shorter sequences or fewer objects, or leave the column instance out",
+                      sample.record->key, most_, groupName_(plan, group), layout_));
+    }
+  }
 
   // Returns the numbers of a sequence's instances. All of its samples must have been added.
-  std::map<Instance, std::uint16_t> numbersOf(std::size_t sequence);
+  std::map<Instance, std::uint16_t> numbersOf(std::size_t sequence) {
+    const std::scoped_lock lock(mutex_);
+    std::map<Instance, std::uint16_t> numbers;
+    for (const auto& [group, ids] : idsOfSequence_[sequence]) {
+      std::uint16_t number = 0;
+      for (const std::uint32_t id : ids) numbers[{group, id}] = ++number;
+    }
+    return numbers;
+  }
 
  private:
   using IdsByGroup = std::map<std::uint16_t, std::set<std::uint32_t>>;  // the dataset's instance ids

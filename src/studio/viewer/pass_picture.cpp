@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "dataset/names.h"
 #include "dataset/recording.h"
-#include "dataset/sample_names.h"
 #include "passes/exr/exr_file.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"

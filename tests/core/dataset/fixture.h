@@ -141,14 +141,14 @@ inline std::string encode(const std::string& format, const Scan& scan) {
 
 inline Sample testSample(const Manifest& manifest, std::uint32_t number, const std::string& key,
                          const std::string& split) {
-  Sample sample{key, split, {}, {}};
+  Sample sample{{.key = key, .split = split}, {}};
   for (std::size_t s = 0; s < manifest.sensors.size(); ++s) {
     const SensorRecord& sensor = manifest.sensors[s];
     const Scan dense = testScan(sensor.beams, number * 10 + static_cast<std::uint32_t>(s));
     const Scan scan = manifest.organised ? organised(dense) : dense;
     sample.scans.push_back(testRecord(sensor, scan, 0.1 * number));
     for (const FormatRecord& format : manifest.formats) {
-      sample.members.push_back({memberSuffix(sample.scans.back(), format.suffix), encode(format.name, scan)});
+      sample.files.push_back({memberSuffix(sample.scans.back(), format.suffix), encode(format.name, scan)});
     }
   }
   return sample;
@@ -179,7 +179,7 @@ inline std::vector<std::string> filesOf(const std::filesystem::path& folder) {
 }
 
 inline Sample plainSample(const std::string& key, std::size_t bytes, const std::string& split = "train") {
-  return {key, split, {}, {{"bin", std::string(bytes, 'x')}}};
+  return {{.key = key, .split = split}, {{"bin", std::string(bytes, 'x')}}};
 }
 
 using Members = std::vector<std::pair<std::string, std::string>>;
@@ -242,7 +242,7 @@ inline Manifest filledManifest() {
   for (std::uint32_t i = 0; i < 2; ++i) {
     const Sample sample = testSample(m, i, "street-1-drive-00000" + std::to_string(i), i == 0 ? "train" : "val");
     SampleRecord record{sample.key, sample.split, i, sample.scans, {sample.key + ".json"}};
-    for (const Member& member : sample.members) record.members.push_back(sample.key + "." + member.suffix);
+    for (const Member& member : sample.files) record.members.push_back(sample.key + "." + member.suffix);
     m.samples.push_back(record);
   }
   return m;

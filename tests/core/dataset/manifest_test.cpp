@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "dataset/sample_names.h"
+#include "dataset/names.h"
 #include "tests/core/dataset/fixture.h"
 #include "tests/support/json_places.h"
 

@@ -1,9 +1,9 @@
+#include "dataset/names.h"
+
 #include <random>
 #include <set>
 
 #include "base/file.h"
-#include "dataset/sample_names.h"
-#include "dataset/shard_name.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -46,7 +46,7 @@ TEST_F(FindScan, PassesOverSamplesWithoutTheFirstSensor) {
     Sample sample = testSample(slow, i, "drive-00000" + std::to_string(i), "train");
     if (i == 1) {
       std::erase_if(sample.scans, [&](const ScanRecord& s) { return s.sensor == slow.sensors[0].name; });
-      std::erase_if(sample.members, [](const auto& m) { return m.suffix.starts_with("top."); });
+      std::erase_if(sample.files, [](const auto& m) { return m.suffix.starts_with("top."); });
     }
     writer.add(sample);
   }

@@ -40,7 +40,7 @@ TEST(ShardWriter, FollowsTheLawOfWebDataset) {
       EXPECT_TRUE(suffixes.insert(suffix).second) << name;
       EXPECT_EQ(std::count_if(suffix.begin(), suffix.end(), [](char c) { return c >= 'A' && c <= 'Z'; }), 0) << name;
       const Sample sample = testSample(testManifest(), static_cast<std::uint32_t>(next - 1), key, shard.split);
-      for (const Member& member : sample.members) {
+      for (const Member& member : sample.files) {
         if (member.suffix != suffix) continue;
         EXPECT_EQ(member.bytes, bytes) << name;
       }

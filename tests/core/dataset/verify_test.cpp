@@ -82,9 +82,9 @@ TEST(Verify, ScansMayBeEmpty) {
   Scan empty;
   empty.rings = 4;
   empty.columns = 16;
-  Sample sample{"night-0", "train", {testRecord(manifest.sensors[0], empty, 0)}, {}};
+  Sample sample{{.key = "night-0", .split = "train", .scans = {testRecord(manifest.sensors[0], empty, 0)}}, {}};
   for (const FormatRecord& f : manifest.formats) {
-    sample.members.push_back({memberSuffix(sample.scans[0], f.suffix), encode(f.name, empty)});
+    sample.files.push_back({memberSuffix(sample.scans[0], f.suffix), encode(f.name, empty)});
   }
   PackedDataset writer(folder.path() / "data", false, 1 << 20);
   writer.add(sample);

@@ -81,7 +81,7 @@ TEST_F(Exports, EveryRevolutionIsWrittenOrRefused) {
     ScanRecord second = other.scans.front();
     second.revolution = 1;
     for (const FormatRecord& format : manifest.formats) {
-      sample.members.push_back(
+      sample.files.push_back(
           {memberSuffix(second, format.suffix), other.members[&format - manifest.formats.data()].bytes});
     }
     sample.scans.push_back(second);

@@ -133,7 +133,7 @@ void measure(const Plan& plan, SampleCosts& costs) {
       for (std::size_t i = first; i < last; ++i) {
         const MadeSample sample = maker.make({0, static_cast<std::uint32_t>(i), i});
         Sha256 hash;  // a shard's hash is part of the cost of writing
-        for (const Member& member : sample.sample.members) hash.add(member.bytes);
+        for (const Member& file : sample.sample.files) hash.add(file.bytes);
         hash.hex();
         bytes[i] = static_cast<double>(bytesInShard(sample.sample));
       }

@@ -13,8 +13,8 @@
 #include "base/parallel.h"
 #include "config/version.h"
 #include "dataset/folder_contents.h"
+#include "dataset/names.h"
 #include "dataset/parts.h"
-#include "dataset/shard_name.h"
 #include "pipeline/run/generate.h"
 
 namespace scanmill {

@@ -173,8 +173,8 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   if (objects) {
     const SampleObjects listed = objects->finish();
     made.sample.objects = listed.counts();
-    std::vector<Member>& members = made.sample.members;
-    members.insert(members.begin(), {std::string(kObjectsSuffix), objectsJson(listed, loaded->scene.ontology)});
+    std::vector<Member>& files = made.sample.files;
+    files.insert(files.begin(), {std::string(kObjectsSuffix), objectsJson(listed, loaded->scene.ontology)});
   }
   {
     const std::scoped_lock lock(idleMutex_);
@@ -186,16 +186,16 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
 }
 
 // Encodes a scan in all formats, and the reasons of its beams if the pipeline asks for them, and adds the results to
-// the sample's members. The scan's record must be the last in `sample.scans`.
+// the sample's files. The scan's record must be the last in `sample.scans`.
 void SampleMaker::addFormats(const Scan& scan, Sample& sample) {
   const StageTimer timer(clock_, "encode");
   const Pipeline& pipeline = plan_.pipeline;
   for (const ChosenFormat& f : pipeline.output.formats) {
-    sample.members.push_back({memberSuffix(sample.scans.back(), f.entry->suffix), f.format->encode(scan)});
+    sample.files.push_back({memberSuffix(sample.scans.back(), f.entry->suffix), f.format->encode(scan)});
   }
   if (pipeline.output.layout.reasons) {
-    sample.members.push_back({memberSuffix(sample.scans.back(), kReasonsSuffix),
-                              encodeReasons(scan.reasonOfBeam, scan.rings, scan.columns)});
+    sample.files.push_back({memberSuffix(sample.scans.back(), kReasonsSuffix),
+                            encodeReasons(scan.reasonOfBeam, scan.rings, scan.columns)});
   }
 }
 
@@ -203,9 +203,9 @@ void SampleMaker::addVoxels(const SceneVoxels& voxels, const Shot& shot, const S
   const StageTimer timer(clock_, "voxels");
   const Pipeline& pipeline = plan_.pipeline;
   VoxelLabels labels = voxels.labels(*pipeline.output.voxels, shot.worldFromSensor.front(), shot.time);
-  sample.members.push_back({memberSuffix(sample.scans.back(), kVoxelsSuffix),
-                            encodeVoxels(viewVoxels(*pipeline.output.voxels, std::move(labels), shot,
-                                                    pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
+  sample.files.push_back({memberSuffix(sample.scans.back(), kVoxelsSuffix),
+                          encodeVoxels(viewVoxels(*pipeline.output.voxels, std::move(labels), shot,
+                                                  pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
 }
 
 StageSeconds SampleMaker::stageSeconds() const {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/append_new.h"
-#include "dataset/sample_names.h"
+#include "dataset/names.h"
 #include "viewer/color_map.h"
 
 namespace scanmill {

@@ -10,7 +10,7 @@
 #include "config/fields.h"
 #include "config/value.h"
 #include "dataset/manifest.h"
-#include "dataset/shard_name.h"
+#include "dataset/names.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/read/effects.h"
 #include "study/compare/compare.h"

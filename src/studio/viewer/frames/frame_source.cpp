@@ -7,7 +7,7 @@
 #include "config/file_kind.h"
 #include "config/resources.h"
 #include "config/value.h"
-#include "dataset/sample_names.h"
+#include "dataset/names.h"
 #include "formats/cloud_file.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "scene/scene.h"

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "config/text.h"
-#include "dataset/sample_names.h"
+#include "dataset/names.h"
 #include "dataset/world_positions.h"
 
 namespace scanmill {

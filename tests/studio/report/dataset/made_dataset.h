@@ -57,10 +57,11 @@ inline Manifest writeMadeDataset(const std::filesystem::path& folder, const std:
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const MadeSample& made = samples[i];
     const Scan scan = madeScan(manifest.sensors[0].beams, made.points);
-    Sample sample{made.key, made.split, {testRecord(manifest.sensors[0], scan, 0.1 * double(i))}, {}};
+    Sample sample{
+        {.key = made.key, .split = made.split, .scans = {testRecord(manifest.sensors[0], scan, 0.1 * double(i))}}, {}};
     sample.scans[0].unresolved = made.unresolved;
     for (const FormatRecord& format : manifest.formats) {
-      sample.members.push_back({memberSuffix(sample.scans[0], format.suffix), encode(format.name, scan)});
+      sample.files.push_back({memberSuffix(sample.scans[0], format.suffix), encode(format.name, scan)});
     }
     writer.add(std::move(sample));
   }

@@ -94,9 +94,9 @@ TEST(ObjectCounts, AreByClassDistanceAndVisibility) {
     for (int i = 0; i < 2; ++i) {
       SampleObjects objects{"street-s1-lane-00000" + std::to_string(i), 0, {}};
       objects.objects = {carAt(5, 10, 10, 10), carAt(15, 9, 3, 10), carAt(45, 0, 0, 10), carAt(300, 1, 7, 10)};
-      Sample sample{objects.key, "train", {}, {}};
+      Sample sample{{.key = objects.key, .split = "train"}, {}};
       sample.objects = objects.counts();
-      sample.members.push_back({std::string(kObjectsSuffix), objectsJson(objects, manifest.ontology)});
+      sample.files.push_back({std::string(kObjectsSuffix), objectsJson(objects, manifest.ontology)});
       writer.add(sample);
     }
     writer.finish(manifest);

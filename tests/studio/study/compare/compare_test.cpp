@@ -210,7 +210,7 @@ TEST(Compare, PassesOverSamplesWithoutTheFirstSensor) {
     Sample sample = testSample(manifest, i, "drive-00000" + std::to_string(i), "train");
     if (i == 0) {
       std::erase_if(sample.scans, [&](const ScanRecord& s) { return s.sensor == manifest.sensors[0].name; });
-      std::erase_if(sample.members, [](const auto& m) { return m.suffix.starts_with("top."); });
+      std::erase_if(sample.files, [](const auto& m) { return m.suffix.starts_with("top."); });
     }
     writer.add(sample);
   }

@@ -25,7 +25,7 @@ inline Manifest writeChangedDataset(const std::filesystem::path& folder, const D
   changes.manifest(manifest);
   PackedDataset writer(folder, false, 1 << 20);
   for (std::uint32_t i = 0; i < changes.frames; ++i) {
-    Sample sample{changes.sequence + "-00000" + std::to_string(i), "train", {}, {}};
+    Sample sample{{.key = changes.sequence + "-00000" + std::to_string(i), .split = "train"}, {}};
     for (std::size_t s = 0; s < manifest.sensors.size(); ++s) {
       for (std::uint32_t r = 0; r < changes.revolutions; ++r) {
         for (const std::string& method : changes.methods) {
@@ -36,7 +36,7 @@ inline Manifest writeChangedDataset(const std::filesystem::path& folder, const D
           record.revolution = r;
           sample.scans.push_back(record);
           for (const FormatRecord& format : manifest.formats) {
-            sample.members.push_back({memberSuffix(record, format.suffix), encode(format.name, scan)});
+            sample.files.push_back({memberSuffix(record, format.suffix), encode(format.name, scan)});
           }
         }
       }
