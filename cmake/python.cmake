@@ -2,7 +2,7 @@
 
 set(package_folder ${PROJECT_BINARY_DIR}/python/scanmill)
 pybind11_add_module(scanmill_python MODULE NO_EXTRAS src/python/bindings.cpp
-                    src/python/pass_recorder.cpp src/python/simulator.cpp src/python/simulator_bindings.cpp)
+                    src/python/pass_recorder.cpp src/python/simulator.cpp)
 target_link_libraries(scanmill_python PRIVATE ${core_libraries} nlohmann_json::nlohmann_json)
 target_include_directories(scanmill_python PRIVATE ${PROJECT_SOURCE_DIR}/src)
 set_target_properties(scanmill_python PROPERTIES OUTPUT_NAME _core LIBRARY_OUTPUT_DIRECTORY ${package_folder}

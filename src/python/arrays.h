@@ -20,7 +20,7 @@
 namespace scanmill {
 
 // Functions that add a class to the extension module: PassRecorder writes images of depth cameras as a recording of
-// passes; for Simulator see python/simulator.h.
+// passes; Simulator makes scans (simulator.cpp).
 void definePassRecorder(pybind11::module_& module);
 void defineSimulator(pybind11::module_& module);
 

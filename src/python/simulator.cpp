@@ -1,32 +1,114 @@
-#include "python/simulator.h"
+// The Python class Simulator, which holds a scene, its sensors and a simulation method, and makes scans from any pose.
 
 #include <fmt/format.h>
+#include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "config/fields.h"
+#include "dataset/json_text.h"
+#include "dataset/manifest.h"
+#include "pipeline/plan/plan.h"
+#include "pipeline/run/run_shot.h"
+#include "python/arrays.h"
+#include "scene/builder.h"
+
+namespace py = pybind11;
 
 namespace scanmill {
-
 namespace {
+
+// Objects of a scene that Python gives as arrays. The module scanmill.parts checks the arrays before they come here.
+
+// One class, material and thing of a part's triangles.
+struct ArraySurface {
+  std::string className, material;
+  float reflectance = -1;    // replaces the material's; negative: the material's own
+  std::int64_t object = -1;  // see Surface::object; negative: 1 for a class of things, 0 for a class of stuff
+};
+
+struct ArrayPart {
+  std::string name;
+  Mesh mesh;                           // without surfaces
+  std::vector<ArraySurface> surfaces;  // Mesh::surfaceOf indexes them
+  Affine worldFromMesh;
+};
+
+struct SimulatedScan {
+  Scan scan;
+  std::vector<Pose> worldFromSensor;  // sensor pose at each step of the revolution
+};
+
+// States where an object of the scene is at the start of a scan, and how it moves during the scan.
+struct ObjectPose {
+  std::string name;
+  std::optional<Affine> worldFromObject;  // without scale; none: the object is left out of the scan
+  Vec3d velocity;                         // m/s, world axes
+  Vec3d turning;                          // rad/s, world axes, about the object's origin
+};
+
+struct SimulatedShot {
+  std::vector<std::vector<Pose>> worldFromVehicle = {};  // for each sensor, the poses at equal steps of its revolution
+  double time = 0;                                       // s since the drive began, at the start of the revolution
+  std::uint32_t frame = 0;                               // selects the noise
+  std::vector<ObjectPose> objects = {};                  // the objects that are not where the scene places them
+  bool moving = false;                                   // true: objects move during the revolution
+};
+
+// An object of the scene: all instances that share a name.
+struct SceneObject {
+  Affine worldFromObject;             // without scale; that of its first instance
+  std::vector<std::uint32_t> things;  // ids of its things, ascending
+  bool moves = false;                 // true: it moves by itself
+};
+
+// Makes scans of one scene. Safe to use from several threads.
+class Simulator {
+ public:
+  // `pipeline`: text of a pipeline with one sequence. Relative paths in the text start at `folder`. `parts` are added
+  // to the scene. If `placeable`, scans may place objects. Throws InputError.
+  Simulator(const std::string& pipeline, const std::filesystem::path& folder, std::vector<ArrayPart> parts = {},
+            bool placeable = false);
+
+  // Returns one scan per sensor. If all objects are where the scene places them and stand still during the revolution,
+  // they are equal to those that `scanmill generate` makes with this pipeline for the frame number `frame`, but with
+  // the vehicle at these poses. Throws InputError for an unknown object.
+  std::vector<SimulatedScan> scan(const SimulatedShot& simulated) const;
+
+  // Returns the objects of the scene, by their names, at a time (s since the drive began).
+  std::unordered_map<std::string, SceneObject> objects(double time) const;
+
+  const Plan& plan() const { return plan_; }
+  const Scene& scene() const { return scene_; }
+
+ private:
+  std::shared_ptr<const Placements> placementsOf(const SimulatedShot& simulated) const;
+  const std::vector<std::uint32_t>& instancesOf(const std::string& name) const;
+
+  Plan plan_;
+  mutable ShotSource source_;  // its functions may be called from any thread
+  Scene scene_;
+  std::unique_ptr<Method> method_;
+  // The indices of the instances with each name, and of the copies NAME#1, NAME#2, ... of each NAME.
+  std::unordered_map<std::string, std::vector<std::uint32_t>> instances_, copies_;
+};
 
 Pipeline pipelineOf(const std::string& text, const std::filesystem::path& folder) {
   Pipeline pipeline = readPipelineText(text, folder / "simulation.yaml");
   if (pipeline.sequences.size() != 1)
     throw InputError("a simulation must have one scene with one seed and one trajectory");
   return pipeline;
-}
-
-SceneChanges changesOf(std::vector<ArrayPart> parts, bool placeable) {
-  SceneChanges changes{.add = nullptr, .placeable = placeable};
-  if (!parts.empty()) {
-    changes.add = [parts = std::move(parts)](SceneBuilder& builder) { addParts(builder, parts); };
-  }
-  return changes;
 }
 
 // Returns the surface of the builder's scene with this class, material and thing; a surface with a reflectance of its
@@ -55,8 +137,8 @@ std::vector<Vec3d> velocitiesOf(const std::vector<Pose>& poses, double duration)
   return velocities;
 }
 
-}  // namespace
-
+// Adds the parts to a scene. Throws an InputError that names the part, for a name that the scene or another part has
+// already, and for unknown classes and materials.
 void addParts(SceneBuilder& builder, const std::vector<ArrayPart>& parts) {
   std::unordered_set<std::string> names;
   for (const Instance& i : builder.soFar().instances) names.insert(i.name);
@@ -75,6 +157,14 @@ void addParts(SceneBuilder& builder, const std::vector<ArrayPart>& parts) {
       throw InputError(fmt::format("part '{}': {}", part.name, e.what()));
     }
   }
+}
+
+SceneChanges changesOf(std::vector<ArrayPart> parts, bool placeable) {
+  SceneChanges changes{.add = nullptr, .placeable = placeable};
+  if (!parts.empty()) {
+    changes.add = [parts = std::move(parts)](SceneBuilder& builder) { addParts(builder, parts); };
+  }
+  return changes;
 }
 
 Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& folder, std::vector<ArrayPart> parts,
@@ -172,6 +262,133 @@ std::unordered_map<std::string, SceneObject> Simulator::objects(double time) con
     object.things.erase(std::unique(object.things.begin(), object.things.end()), object.things.end());
   }
   return objects;
+}
+
+// Returns the transform of a matrix of 4 x 4, which is stored row by row.
+Affine affineOf(const double* m) {
+  const auto column = [&](int k) { return Vec3d{m[k], m[4 + k], m[8 + k]}; };
+  return {{column(0), column(1), column(2)}, column(3)};
+}
+
+py::array_t<double> matrixOf(const Affine& a) {
+  std::vector<double> values;
+  for (const auto row : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    for (const Vec3d* column : {&a.linear.x, &a.linear.y, &a.linear.z, &a.translation}) values.push_back(column->*row);
+  }
+  values.insert(values.end(), {0, 0, 0, 1});
+  return arrayOf<double>(std::move(values), {4, 4});
+}
+
+// Surfaces are tuples (class, material, reflectance or None, number of the thing or -1).
+using SurfaceTuple = std::tuple<std::string, std::string, std::optional<float>, std::int64_t>;
+
+// Converts a part from the dictionary that the Python class Part makes.
+ArrayPart partOf(const py::dict& given) {
+  ArrayPart part;
+  part.name = given["name"].cast<std::string>();
+  part.mesh.positions = copied<Vec3f>(given["vertices"].cast<Array<float>>());
+  part.mesh.triangles = copied<Triangle>(given["triangles"].cast<Array<std::uint32_t>>());
+  part.mesh.surfaceOf = copied<std::uint16_t>(given["surface_of"].cast<Array<std::uint16_t>>());
+  for (const auto& [name, material, reflectance, object] : given["surfaces"].cast<std::vector<SurfaceTuple>>()) {
+    part.surfaces.push_back({name, material, reflectance.value_or(-1), object});
+  }
+  const auto pose = given["pose"].cast<Array<double>>();
+  if (pose.size() != 16) throw InputError(fmt::format("part '{}': pose must be a matrix of 4 x 4", part.name));
+  part.worldFromMesh = affineOf(pose.data());
+  return part;
+}
+
+// Returns the poses of objects by their names, from arrays: matrices (n, 4, 4), linear and angular velocities (n, 6),
+// and whether they are left out (n,).
+std::vector<ObjectPose> objectPosesOf(const std::vector<std::string>& names, const Array<double>& matrices,
+                                      const Array<double>& velocities, const Array<bool>& hidden) {
+  const auto v = velocities.unchecked<2>();
+  const auto h = hidden.unchecked<1>();
+  std::vector<ObjectPose> poses;
+  for (py::ssize_t i = 0; i < static_cast<py::ssize_t>(names.size()); ++i) {
+    ObjectPose& pose = poses.emplace_back();
+    pose.name = names[static_cast<std::size_t>(i)];
+    if (!h(i)) pose.worldFromObject = affineOf(matrices.data(i));
+    pose.velocity = {v(i, 0), v(i, 1), v(i, 2)};
+    pose.turning = {v(i, 3), v(i, 4), v(i, 5)};
+  }
+  return poses;
+}
+
+// Returns poses from an array (n, 7) of quaternions w, x, y, z and translations.
+std::vector<Pose> posesOf(const Array<double>& rows) {
+  const auto r = rows.unchecked<2>();
+  std::vector<Pose> poses;
+  for (py::ssize_t i = 0; i < r.shape(0); ++i) {
+    const double norm = std::sqrt(r(i, 0) * r(i, 0) + r(i, 1) * r(i, 1) + r(i, 2) * r(i, 2) + r(i, 3) * r(i, 3));
+    if (!(std::abs(norm - 1) < 1e-6)) throw InputError("rotation must be a unit quaternion w, x, y, z");
+    poses.push_back({{r(i, 0) / norm, r(i, 1) / norm, r(i, 2) / norm, r(i, 3) / norm}, {r(i, 4), r(i, 5), r(i, 6)}});
+  }
+  return poses;
+}
+
+// Returns a dictionary of arrays for each sensor. `poses`: for each sensor an array as for posesOf(); the others as for
+// objectPosesOf() and SimulatedShot.
+py::list simulate(const Simulator& simulator, const std::vector<Array<double>>& poses, double time, std::uint32_t frame,
+                  const std::vector<std::string>& names, const Array<double>& matrices, const Array<double>& velocities,
+                  const Array<bool>& hidden, bool moving) {
+  SimulatedShot shot{
+      .time = time, .frame = frame, .objects = objectPosesOf(names, matrices, velocities, hidden), .moving = moving};
+  for (const Array<double>& rows : poses) shot.worldFromVehicle.push_back(posesOf(rows));
+  std::vector<SimulatedScan> scans;
+  {
+    const py::gil_scoped_release released;
+    scans = simulator.scan(shot);
+  }
+  py::list scansOfSensors;
+  for (SimulatedScan& simulated : scans) {
+    const bool empty = simulated.scan.size() == 0;
+    py::dict arrays = arraysOf(std::move(simulated.scan));
+    if (empty) addEmptyColumns(scanColumnNames(simulator.plan().columns()), arrays);
+    arrays["world_from_sensor"] = matricesOf(simulated.worldFromSensor);
+    scansOfSensors.append(std::move(arrays));
+  }
+  return scansOfSensors;
+}
+
+}  // namespace
+
+void defineSimulator(py::module_& module) {
+  py::class_<Simulator>(module, "Simulator")
+      .def(py::init([](const std::string& pipeline, const std::string& folder, const std::vector<py::dict>& given,
+                       bool placeable) {
+             std::vector<ArrayPart> parts;
+             parts.reserve(given.size());
+             for (const py::dict& part : given) parts.push_back(partOf(part));
+             const py::gil_scoped_release released;
+             return std::make_unique<Simulator>(pipeline, folder, std::move(parts), placeable);
+           }),
+           py::arg("pipeline"), py::arg("folder"), py::arg("parts") = std::vector<py::dict>(),
+           py::arg("placeable") = false)
+      .def_property_readonly("sensors",
+                             [](const Simulator& s) {
+                               py::list sensors;
+                               for (std::size_t i = 0; i < s.plan().sensors.size(); ++i) {
+                                 const BeamTable& beams = *s.plan().sensors[i].beams;
+                                 sensors.append(py::make_tuple(s.plan().pipeline.sensors[i].name,
+                                                               py::make_tuple(beams.rings, beams.columns),
+                                                               staggerOf(beams), beams.columnPeriod() * beams.columns));
+                               }
+                               return sensors;
+                             })
+      .def_property_readonly("classes", [](const Simulator& s) { return layOut(ontologyJson(s.scene().ontology)); })
+      .def(
+          "objects",
+          [](const Simulator& s, double time) {
+            py::dict all;
+            for (const auto& [name, object] : s.objects(time)) {
+              all[py::str(name)] = py::make_tuple(matrixOf(object.worldFromObject), object.things, object.moves);
+            }
+            return all;
+          },
+          py::arg("time") = 0.0)
+      .def("scan", &simulate, py::arg("poses"), py::arg("time"), py::arg("frame"), py::arg("names"),
+           py::arg("matrices"), py::arg("velocities"), py::arg("hidden"), py::arg("moving"));
 }
 
 }  // namespace scanmill

@@ -19,10 +19,6 @@ int countOf(std::string_view text) {
   return static_cast<int>(text.size());
 }
 
-unsigned char* bytesOf(std::string& text) {
-  return reinterpret_cast<unsigned char*>(text.data());
-}
-
 const unsigned char* bytesOf(std::string_view text) {
   return reinterpret_cast<const unsigned char*>(text.data());
 }
@@ -71,7 +67,7 @@ std::string sha256OfFile(const std::filesystem::path& file) {
 
 std::string base64(std::string_view bytes) {
   std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL appends a zero byte
-  EVP_EncodeBlock(bytesOf(text), bytesOf(bytes), countOf(bytes));
+  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytesOf(bytes), countOf(bytes));
   text.pop_back();
   return text;
 }
@@ -85,7 +81,8 @@ std::optional<std::string> fromBase64(std::string_view text) {
   std::string padded(text);
   padded.append(padding, '=');
   std::string bytes(padded.size() / 4 * 3, '\0');
-  if (EVP_DecodeBlock(bytesOf(bytes), bytesOf(std::string_view(padded)), countOf(padded)) < 0) return std::nullopt;
+  auto* const decoded = reinterpret_cast<unsigned char*>(bytes.data());
+  if (EVP_DecodeBlock(decoded, bytesOf(padded), countOf(padded)) < 0) return std::nullopt;
   bytes.resize(bytes.size() - padding);
   return bytes;
 }

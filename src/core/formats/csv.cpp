@@ -192,9 +192,6 @@ class CsvReader {
 
 class Csv : public Format {
  public:
-  double maxError() const override { return 0; }
-  bool keepsMisses() const override { return true; }
-
   double mostBytes(const ScanOutline& outline) const override {
     const std::string header = fmt::format("x,y,z,{}\n", fmt::join(outline.held.names(), ","));
     return static_cast<double>(header.size()) +

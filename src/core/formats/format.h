@@ -31,8 +31,8 @@ class Format {
  public:
   virtual ~Format() = default;
   // Returns the largest Euclidean error of a position that encode() makes (m); 0: the format is lossless.
-  virtual double maxError() const = 0;
-  virtual bool keepsMisses() const = 0;  // true if encode() can store an organised scan
+  virtual double maxError() const { return 0; }
+  virtual bool keepsMisses() const { return true; }  // true if encode() can store an organised scan
   // Returns an upper bound of the bytes that encode() produces for a scan with this outline.
   virtual double mostBytes(const ScanOutline& outline) const = 0;
   // Turns a scan, also one without points, into the bytes of a file. Several threads may call this at once. Throws

@@ -159,9 +159,6 @@ class Pcd : public Format {
  public:
   explicit Pcd(Encoding encoding) : encoding_(encoding) {}
 
-  double maxError() const override { return 0; }
-  bool keepsMisses() const override { return true; }
-
   double mostBytes(const ScanOutline& outline) const override {
     const auto points = static_cast<double>(outline.points);
     if (encoding_ == Encoding::Ascii) {

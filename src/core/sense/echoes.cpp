@@ -1,5 +1,3 @@
-#include "sense/echoes.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <utility>
 
 #include "base/instruction_sets.h"
+#include "sense/returns.h"
 
 namespace scanmill {
 

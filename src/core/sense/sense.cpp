@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "methods/interface/light_paths.h"
-#include "sense/echoes.h"
 #include "sensors/footprint.h"
 
 namespace scanmill {

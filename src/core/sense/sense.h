@@ -81,7 +81,7 @@ class InstanceMotions {
 Channels channelsFor(EffectList effects, ColumnSet columns);
 
 // Starts the table of returns. If beams fire one ray, each ray becomes a row. If they fire several, each echo becomes a
-// row (sense/echoes.h), with the power that the effects compute; if the sensor file gives no pulse length, each ray is
+// row (sense/returns.h), with the power that the effects compute; if the sensor file gives no pulse length, each ray is
 // a separate echo.
 void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
             Returns& returns);

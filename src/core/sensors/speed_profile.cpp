@@ -1,11 +1,10 @@
-#include "sensors/speed_profile.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/path.h"
 #include "base/random.h"
 #include "config/fields.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 
@@ -63,22 +62,16 @@ SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, 
   }
 }
 
-double SpeedProfile::distance(double time) const {
-  if (time <= 0) return 0;
-  if (time >= duration()) return nodes_.back().distance;
+SpeedProfile::Node SpeedProfile::stateAt(double time) const {
+  if (time <= 0) return nodes_.front();
+  if (time >= duration()) return nodes_.back();
   const auto b = std::ranges::upper_bound(nodes_, time, {}, &Node::time);
   const auto a = b - 1;
   const double t = time - a->time;
   const double acceleration = (b->speed - a->speed) / (b->time - a->time);
-  return std::clamp(a->distance + t * (a->speed + acceleration * t / 2), a->distance, b->distance);
-}
-
-double SpeedProfile::speed(double time) const {
-  if (time <= 0) return nodes_.front().speed;
-  if (time >= duration()) return nodes_.back().speed;
-  const auto b = std::ranges::upper_bound(nodes_, time, {}, &Node::time);
-  const auto a = b - 1;
-  return a->speed + (b->speed - a->speed) * (time - a->time) / (b->time - a->time);
+  return {.time = time,
+          .distance = std::clamp(a->distance + t * (a->speed + acceleration * t / 2), a->distance, b->distance),
+          .speed = a->speed + (b->speed - a->speed) * t / (b->time - a->time)};
 }
 
 double SpeedProfile::timeAt(double distance) const {

@@ -14,8 +14,8 @@ namespace scanmill {
 namespace {
 
 struct TimeUnit {
-  std::string_view name;
-  double seconds;
+  std::string_view name;  // of the column
+  double seconds;         // per unit
 };
 constexpr TimeUnit kTimes[] = {{"time", 1}, {"time_s", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
 
@@ -126,13 +126,9 @@ double TextTable::number(std::size_t row, std::string_view name, Range range) co
 }
 
 double TextTable::time(std::size_t row, Range range) const {
-  const std::string_view name = timeName();
-  for (const TimeUnit& unit : kTimes) {
-    if (unit.name == name) {
-      return number(row, name, {range.low / unit.seconds, range.high / unit.seconds}) * unit.seconds;
-    }
-  }
-  return 0;
+  const auto* const unit = std::ranges::find(kTimes, timeName(), &TimeUnit::name);
+  if (unit == std::end(kTimes)) return 0;
+  return number(row, unit->name, {range.low / unit->seconds, range.high / unit->seconds}) * unit->seconds;
 }
 
 std::string_view TextTable::timeName() const {

@@ -1,6 +1,5 @@
-#include "sense/echoes.h"
-
 #include "base/random.h"
+#include "sense/returns.h"
 #include "sensors/footprint.h"
 #include "tests/support/test_scene.h"
 

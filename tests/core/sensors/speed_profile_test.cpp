@@ -1,6 +1,5 @@
-#include "sensors/speed_profile.h"
-
 #include "base/path.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 namespace {

@@ -7,7 +7,7 @@
 // between theirs: these are the mixed pixels at edges. The column `range_true` is the range of the echo's strongest
 // ray, so it differs from the range there without any noise; the column `share` is below 1 where rays of another class
 // gave a part of the power. Other rays form separate echoes; the effect `detection` decides how many of the echoes are
-// reported. (The code: sensors/footprint.h and sense/echoes.h.)
+// reported. (The code: sensors/footprint.h and sense/echoes.cpp.)
 
 #include "sensors/footprint.h"
 
