@@ -237,6 +237,7 @@ struct Box {
     }
   }
   Vec3d center() const { return (low + high) * 0.5; }
+  bool operator==(const Box&) const = default;
 };
 
 constexpr double kPi = 3.14159265358979323846;

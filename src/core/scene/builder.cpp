@@ -25,8 +25,7 @@ SceneBuilder::SceneBuilder(std::string name, std::uint64_t seed, Ontology ontolo
   scene_.name = std::move(name);
   scene_.seed = seed;
   scene_.ontology = std::move(ontology);
-  const auto tableDefault =
-      std::ranges::find_if(library_.materials, [](const Material& m) { return m.name == "default"; });
+  const auto tableDefault = std::ranges::find(library_.materials, "default", &Material::name);
   scene_.materials.push_back(tableDefault != library_.materials.end() ? *tableDefault : Material{.name = "default"});
 }
 

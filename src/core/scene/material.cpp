@@ -32,18 +32,16 @@ void readRange(Fields& fields, float reflectanceAt905nm, Material& material) {
   const Value* range = fields.find("range");
   if (range == nullptr) return;
   fields.text("range_source");
-  const std::vector<double> leastAndGreatest = readNumbers(*range, "range", {0, 1});
-  if (leastAndGreatest.size() != 2 || leastAndGreatest[0] <= 0 ||
-      static_cast<float>(leastAndGreatest[0]) > reflectanceAt905nm ||
-      static_cast<float>(leastAndGreatest[1]) < reflectanceAt905nm) {
+  const std::vector<double> limits = readNumbers(*range, "range", {0, 1});
+  if (limits.size() != 2 || limits[0] <= 0 || static_cast<float>(limits[0]) > reflectanceAt905nm ||
+      static_cast<float>(limits[1]) < reflectanceAt905nm) {
     throw InputError(range->where,
                      fmt::format("range must be two reflectances at 905 nm, above 0, the first at most {0} "
                                  "and the second at least {0}, which is the material's reflectance",
                                  reflectanceAt905nm));
   }
-  material.least = static_cast<float>(material.reflectance * leastAndGreatest[0] / reflectanceAt905nm);
-  material.greatest =
-      std::min(1.0f, static_cast<float>(material.reflectance * leastAndGreatest[1] / reflectanceAt905nm));
+  material.least = static_cast<float>(material.reflectance * limits[0] / reflectanceAt905nm);
+  material.greatest = std::min(1.0f, static_cast<float>(material.reflectance * limits[1] / reflectanceAt905nm));
 }
 
 // Reads a list of Variation or Relief, maps such as `example`; empty for null. `read` reads the number beside `size_m`.

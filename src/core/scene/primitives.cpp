@@ -50,7 +50,7 @@ struct ProfilePoint {
 // Appends a closed solid of revolution about z. The profile starts at the bottom on the axis and ends at the top on the
 // axis. Each profile point on the axis becomes a single vertex, so that no triangle is degenerate and no edge is open.
 void appendRevolution(Appender& appender, const std::vector<ProfilePoint>& profile, int segments) {
-  const auto segmentCount = static_cast<std::uint32_t>(std::max(segments, 3));
+  const auto sides = static_cast<std::uint32_t>(std::max(segments, 3));
   struct Ring {
     std::uint32_t first;  // index of its first vertex
     bool onAxis;          // true: it is a single vertex
@@ -60,20 +60,17 @@ void appendRevolution(Appender& appender, const std::vector<ProfilePoint>& profi
   for (const ProfilePoint& p : profile) {
     const bool onAxis = !(p.radius > 0);
     rings.push_back({appender.vertex({onAxis ? 0 : p.radius, 0, p.z}), onAxis});
-    for (std::uint32_t k = 1; k < segmentCount && !onAxis; ++k) {
-      const double angle = 2 * kPi * k / segmentCount;
+    for (std::uint32_t k = 1; k < sides && !onAxis; ++k) {
+      const double angle = 2 * kPi * k / sides;
       appender.vertex({p.radius * std::cos(angle), p.radius * std::sin(angle), p.z});
     }
   }
   for (std::size_t i = 0; i + 1 < rings.size(); ++i) {
     const Ring& low = rings[i];
     const Ring& high = rings[i + 1];
-    for (std::uint32_t k = 0; k < segmentCount; ++k) {
-      if (!low.onAxis)
-        appender.triangle(low.vertex(k, segmentCount), low.vertex(k + 1, segmentCount), high.vertex(k, segmentCount));
-      if (!high.onAxis)
-        appender.triangle(low.vertex(k + 1, segmentCount), high.vertex(k + 1, segmentCount),
-                          high.vertex(k, segmentCount));
+    for (std::uint32_t k = 0; k < sides; ++k) {
+      if (!low.onAxis) appender.triangle(low.vertex(k, sides), low.vertex(k + 1, sides), high.vertex(k, sides));
+      if (!high.onAxis) appender.triangle(low.vertex(k + 1, sides), high.vertex(k + 1, sides), high.vertex(k, sides));
     }
   }
 }

@@ -127,12 +127,12 @@ void compact(Mesh& mesh) {
   std::vector<unsigned> newIndices(vertexCount);
   const std::size_t usedCount =
       meshopt_optimizeVertexFetchRemap(newIndices.data(), corners, mesh.triangles.size() * 3, vertexCount);
-  const auto keepUsed = [&](auto& vertexData) {
-    if (vertexData.empty()) return;
-    std::decay_t<decltype(vertexData)> compacted(usedCount);
-    meshopt_remapVertexBuffer(compacted.data(), vertexData.data(), vertexCount, sizeof compacted.front(),
+  const auto keepUsed = [&](auto& values) {
+    if (values.empty()) return;
+    std::decay_t<decltype(values)> compacted(usedCount);
+    meshopt_remapVertexBuffer(compacted.data(), values.data(), vertexCount, sizeof compacted.front(),
                               newIndices.data());
-    vertexData = std::move(compacted);
+    values = std::move(compacted);
   };
   keepUsed(mesh.positions);
   keepUsed(mesh.uvs);

@@ -45,33 +45,6 @@ Quat rotationOf(const Mat3& linear) {
   return fromMatrix({x, cross(z, x), z});
 }
 
-// The triangles of a mesh by object, so that a mesh of thousands of objects is not searched once for each object.
-class ObjectTriangles {
- public:
-  explicit ObjectTriangles(const Mesh& mesh) : mesh_(mesh), firstByObject_(mesh.objects + std::size_t{2}) {
-    const auto objectOf = [&](std::size_t t) { return mesh.surfaces[mesh.surfaceOf[t]].object; };
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++firstByObject_[objectOf(t) + std::size_t{1}];
-    for (std::size_t i = 1; i < firstByObject_.size(); ++i) firstByObject_[i] += firstByObject_[i - 1];
-    triangles_.resize(mesh.triangles.size());
-    std::vector<std::uint32_t> nextIndex(firstByObject_.begin(), firstByObject_.end() - 1);
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) triangles_[nextIndex[objectOf(t)]++] = t;
-  }
-
-  // Calls visit(position) for each corner of each triangle of an object, in the mesh's frame (m).
-  template <class Visit>
-  void forEachCorner(std::uint32_t object, const Visit& visit) const {
-    for (std::uint32_t i = firstByObject_[object]; i < firstByObject_[object + std::size_t{1}]; ++i) {
-      for (const std::uint32_t corner : mesh_.triangles[triangles_[i]]) visit(Vec3d(mesh_.positions[corner]));
-    }
-  }
-
- private:
-  const Mesh& mesh_;
-  std::vector<std::uint32_t> firstByObject_;  // first index into triangles_, by object (0: stuff); last entry: size of
-                                              // triangles_
-  std::vector<std::uint32_t> triangles_;      // indices of triangles, ordered by their objects
-};
-
 struct ObjectFacts {
   std::uint64_t triangles = 0;  // number of the object's triangles
   std::map<std::uint16_t, std::uint64_t> trianglesByClass;
@@ -169,8 +142,7 @@ class ThingBoxes::Builder {
       for (const auto& [semantic, count] : factsOf(part).trianglesByClass) trianglesByClass[semantic] += count;
       nodes.insert(factsOf(part).nodes.begin(), factsOf(part).nodes.end());
     }
-    thing.semantic =
-        std::ranges::max_element(trianglesByClass, {}, [](const auto& entry) { return entry.second; })->first;
+    thing.semantic = std::ranges::max_element(trianglesByClass, {}, [](const auto& e) { return e.second; })->first;
     thing.parts.assign(nodes.begin(), nodes.end());
     return thing;
   }
@@ -186,7 +158,7 @@ class ThingBoxes::Builder {
       const Pose partFromWorld = inverse(pose);
       for (const Part& part : parts) {
         const Instance& instance = instanceOf(part);
-        trianglesOf(instance.mesh).forEachCorner(part.object, [&](const Vec3d& corner) {
+        forEachCorner(instance.mesh, part.object, [&](const Vec3d& corner) {
           const Vec3d p = partFromWorld * (instance.worldFromMesh * corner);
           footprint.push_back({p.x, p.y});
         });
@@ -204,20 +176,30 @@ class ThingBoxes::Builder {
     const std::vector<std::uint32_t> onlyMesh{instance.mesh};
     for (const std::uint32_t mesh : instance.animation == nullptr ? onlyMesh : instance.animation->meshes) {
       Box& box = part.boxes.emplace_back();
-      trianglesOf(mesh).forEachCorner(part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
+      forEachCorner(mesh, part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
     }
   }
 
  private:
   const Instance& instanceOf(const Part& part) const { return scene_.instances[part.instance]; }
   const ObjectFacts& factsOf(const Part& part) const { return objectFacts_[instanceOf(part).mesh][part.object - 1]; }
-  const ObjectTriangles& trianglesOf(std::uint32_t mesh) {
-    return triangles_.try_emplace(mesh, scene_.meshes[mesh]).first->second;
+  // Calls visit(position) for each corner of each triangle of an object, in the mesh's frame (m).
+  template <class Visit>
+  void forEachCorner(std::uint32_t meshIndex, std::uint32_t object, const Visit& visit) {
+    const Mesh& mesh = scene_.meshes[meshIndex];
+    const auto [entry, isNew] = triangles_.try_emplace(meshIndex, mesh.objects + std::size_t{1});
+    for (std::uint32_t t = 0; isNew && t < mesh.triangles.size(); ++t) {
+      entry->second[mesh.surfaces[mesh.surfaceOf[t]].object].push_back(t);
+    }
+    for (const std::uint32_t t : entry->second[object]) {
+      for (const std::uint32_t corner : mesh.triangles[t]) visit(Vec3d(mesh.positions[corner]));
+    }
   }
 
   const Scene& scene_;
-  std::vector<std::vector<ObjectFacts>> objectFacts_;   // by mesh and object
-  std::map<std::uint32_t, ObjectTriangles> triangles_;  // by mesh
+  std::vector<std::vector<ObjectFacts>> objectFacts_;  // by mesh and object
+  // Indices of triangles, by mesh and object (0: stuff), so that a mesh of thousands of objects is searched once.
+  std::map<std::uint32_t, std::vector<std::vector<std::uint32_t>>> triangles_;
 };
 
 ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {

@@ -143,8 +143,7 @@ std::vector<std::uint16_t> SceneVoxels::classesOf(const Instance& instance, cons
   return classes;
 }
 
-SceneVoxels::Candidates SceneVoxels::candidatesFor(const VoxelGrid& grid, const Pose& worldFromGrid,
-                                                   double time) const {
+SceneVoxels::Candidates SceneVoxels::candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const {
   const VoxelRange gridRange{{0, 0, 0}, {grid.counts[0], grid.counts[1], grid.counts[2]}};
   Candidates candidates;
   for (const Instance& instance : scene_.instances) {
@@ -197,7 +196,7 @@ void SceneVoxels::labelLayers(const VoxelGrid& grid, const Candidates& candidate
 }
 
 VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const {
-  const Candidates candidates = candidatesFor(grid, worldFromGrid, time);
+  const Candidates candidates = candidatesIn(grid, worldFromGrid, time);
   const std::uint32_t slabs = (grid.counts[0] + kSlab - 1) / kSlab;
   VoxelLabels labels;
   labels.label.resize(grid.voxels());

@@ -42,7 +42,7 @@ class SceneVoxels {
   struct Candidates;
 
   // Returns what may be in a grid at a time (s since the drive began).
-  Candidates candidatesFor(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
+  Candidates candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
   static void labelLayers(const VoxelGrid& grid, const Candidates& candidates, std::uint32_t firstX,
                           std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled);
   std::vector<std::uint16_t> classesOf(const Instance& instance, const Mesh& mesh) const;

@@ -230,13 +230,11 @@ bool isRegex(std::string_view pattern) {
 }
 
 bool Rule::operator==(const Rule& other) const {
-  const auto fieldsExceptBox = [](const Rule& r) {
-    return std::tie(r.node, r.material, r.texture, r.file, r.colors, r.within, r.height, r.slope, r.size, r.className,
-                    r.materialName, r.drop);
+  const auto comparedFields = [](const Rule& r) {
+    return std::tie(r.node, r.material, r.texture, r.file, r.colors, r.within, r.box, r.height, r.slope, r.size,
+                    r.className, r.materialName, r.drop);
   };
-  const bool sameBox = box.has_value() == other.box.has_value() &&
-                       (!box || (box->low == other.box->low && box->high == other.box->high));
-  return sameBox && fieldsExceptBox(*this) == fieldsExceptBox(other);
+  return comparedFields(*this) == comparedFields(other);
 }
 
 std::vector<Rule> readRules(const Value& value) {
@@ -313,29 +311,28 @@ bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {
 }
 
 std::string describe(const Rule& rule) {
-  std::vector<std::string> conditions;
+  std::vector<std::string> terms;
   for (const auto& [key, pattern] : {std::pair{"node", &rule.node},
                                      {"material", &rule.material},
                                      {"texture", &rule.texture},
                                      {"file", &rule.file}}) {
-    if (!pattern->empty()) conditions.push_back(fmt::format("{}: {}", key, *pattern));
+    if (!pattern->empty()) terms.push_back(fmt::format("{}: {}", key, *pattern));
   }
   if (!rule.colors.empty()) {
     std::vector<std::string> hexadecimal;
     for (const Rgb& c : rule.colors) hexadecimal.push_back(fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]));
-    conditions.push_back(fmt::format("color: {}", fmt::join(hexadecimal, " ")));
+    terms.push_back(fmt::format("color: {}", fmt::join(hexadecimal, " ")));
   }
   if (rule.box) {
     const auto& [low, high] = *rule.box;
-    conditions.push_back(
-        fmt::format("box: {:g} {:g} {:g} to {:g} {:g} {:g}", low.x, low.y, low.z, high.x, high.y, high.z));
+    terms.push_back(fmt::format("box: {:g} {:g} {:g} to {:g} {:g} {:g}", low.x, low.y, low.z, high.x, high.y, high.z));
   }
-  if (rule.height) conditions.push_back(fmt::format("height: {:g} to {:g}", rule.height->low, rule.height->high));
+  if (rule.height) terms.push_back(fmt::format("height: {:g} to {:g}", rule.height->low, rule.height->high));
   if (rule.slope) {
-    conditions.push_back(fmt::format("slope_deg: {:g} to {:g}", degrees(rule.slope->low), degrees(rule.slope->high)));
+    terms.push_back(fmt::format("slope_deg: {:g} to {:g}", degrees(rule.slope->low), degrees(rule.slope->high)));
   }
-  if (rule.size) conditions.push_back(fmt::format("size: {:g} to {:g}", rule.size->low, rule.size->high));
-  return conditions.empty() ? "any" : fmt::format("{}", fmt::join(conditions, ", "));
+  if (rule.size) terms.push_back(fmt::format("size: {:g} to {:g}", rule.size->low, rule.size->high));
+  return terms.empty() ? "any" : fmt::format("{}", fmt::join(terms, ", "));
 }
 
 }  // namespace scanmill

@@ -259,11 +259,7 @@ std::vector<std::uint32_t> groupIntoThings(const std::vector<Box>& boxes) {
   constexpr double kLeastShare = 0.25;     // least overlap, as a fraction of the smaller part's footprint
   constexpr double kSmallDiagonal = 0.15;  // largest diagonal of a small part, as a fraction of the larger part's
   Box bounds;
-  for (const Box& box : boxes) {
-    if (box.empty()) continue;
-    bounds.add(box.low);
-    bounds.add(box.high);
-  }
+  for (const Box& box : boxes) bounds.add(box);
   if (bounds.empty()) return std::vector<std::uint32_t>(boxes.size());
   const auto diagonal = [&](std::uint32_t i) { return boxes[i].empty() ? 0 : length(boxes[i].high - boxes[i].low); };
   // Larger boxes come first. Boxes of equal size are ordered by position, so that the result does not depend on the

@@ -1,10 +1,9 @@
-#include "pipeline/checks/box_sweep.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <unordered_map>
 
+#include "pipeline/checks/warnings.h"
 #include "scene/triangles.h"
 
 namespace scanmill {

@@ -167,10 +167,9 @@ PlannedSensor planSensor(const Pipeline& pipeline, std::size_t index) {
   for (const Effects* effects : pipeline.effectCases(index)) {
     for (const ChosenEffect& effect : *effects) effect->check(*beams);
   }
-  const std::uint32_t raysPerBeam = pipeline.raysPerBeam(index);
-  if (raysPerBeam == 1) return {beams, nullptr};
-  if (beams->rosette() == nullptr)
-    return {beams, std::make_shared<const Footprint>(makeFootprint(*beams, raysPerBeam))};
+  const std::uint32_t rays = pipeline.raysPerBeam(index);
+  if (rays == 1) return {beams, nullptr};
+  if (beams->rosette() == nullptr) return {beams, std::make_shared<const Footprint>(makeFootprint(*beams, rays))};
   throw InputError(sensor.description.where,
                    fmt::format("the effect footprint cannot be applied to '{0}', whose beams change from revolution "
                                "to revolution: leave it out, or write `effects: sensor` and give each sensor its "
@@ -250,7 +249,7 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   std::uint64_t beamCount = 0;
   std::uint64_t scanCount = 0;
   for (const MountedSensor& s : pipeline.sensors) {
-    beamCount += s.size.rings * s.size.columns * s.revolutions;
+    beamCount += s.beams() * s.revolutions;
     scanCount += s.revolutions;
   }
   const std::uint64_t returnBytes = bytesPerReturn * pipeline.mostReturns() * beamCount;

@@ -103,8 +103,7 @@ Effects inOrder(std::vector<ListedEffect> effects) {
   Effects ordered;
   bool hasIntensity = false;
   bool hasSnr = false;
-  const bool usesPower =
-      std::ranges::any_of(effects, [](const ListedEffect& effect) { return effect->setsIntensity(); });
+  const bool usesPower = std::ranges::any_of(effects, [](const ListedEffect& e) { return e->setsIntensity(); });
   for (ListedEffect& effect : effects) {
     if (effect->setsGain() && !usesPower) {
       throw InputError(effect.where,
@@ -231,10 +230,9 @@ Value withKeysOf(const NamedOptions& effect, const NamedOptions& change) {
   options.where = change.options.where;
   if (options.kind == Value::Kind::Null) options.kind = change.options.kind;
   for (const Value::Entry& entry : change.options.entries) {
-    const auto option =
-        std::ranges::find_if(options.entries, [&](const Value::Entry& e) { return e.key == entry.key; });
-    if (option != options.entries.end()) {
-      option->value = entry.value;
+    const auto match = std::ranges::find_if(options.entries, [&](const Value::Entry& e) { return e.key == entry.key; });
+    if (match != options.entries.end()) {
+      match->value = entry.value;
     } else {
       options.entries.push_back(entry);
     }

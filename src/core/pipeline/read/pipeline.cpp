@@ -69,9 +69,8 @@ void takeRecordedMounts(Pipeline& pipeline, const Recording& recording, const Va
 }
 
 // Returns a sensor's name, which becomes part of file names: that in `fields` or, without one, `fallback`. Throws
-// InputError if it is empty, has other characters than file names, or is the name of one of `earlierSensors`.
-std::string readSensorName(Fields& fields, const std::string& fallback,
-                           const std::vector<MountedSensor>& earlierSensors) {
+// InputError if it is empty, has other characters than file names, or is the name of one of the `earlier` sensors.
+std::string readSensorName(Fields& fields, const std::string& fallback, const std::vector<MountedSensor>& earlier) {
   const std::string name = fields.text("name", fallback);
   const Value* const nameValue = fields.find("name");
   if (name.empty())
@@ -82,7 +81,7 @@ std::string readSensorName(Fields& fields, const std::string& fallback,
                                  "digits, '-' and '_', such as '{}'",
                                  keyPart(name)));
   }
-  if (std::ranges::any_of(earlierSensors, [&](const MountedSensor& sensor) { return sensor.name == name; })) {
+  if (std::ranges::any_of(earlier, [&](const MountedSensor& sensor) { return sensor.name == name; })) {
     throw InputError(fields.where(), fmt::format("two sensors are named '{}'", name));
   }
   return name;
@@ -288,15 +287,13 @@ std::uint64_t Pipeline::frames() const {
 
 std::uint64_t Pipeline::beamsPerFrame() const {
   std::uint64_t count = 0;
-  for (const MountedSensor& s : sensors) count += s.size.rings * s.size.columns;
+  for (const MountedSensor& s : sensors) count += s.beams();
   return count;
 }
 
 std::uint64_t Pipeline::raysPerFrame() const {
   std::uint64_t count = 0;
-  for (std::size_t s = 0; s < sensors.size(); ++s) {
-    count += sensors[s].size.rings * sensors[s].size.columns * raysPerBeam(s);
-  }
+  for (std::size_t s = 0; s < sensors.size(); ++s) count += sensors[s].beams() * raysPerBeam(s);
   return count;
 }
 
@@ -305,7 +302,7 @@ double Pipeline::rays() const {
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     double revolutions = 0;
     for (const Sequence& sequence : sequences) revolutions += sequence.totalRevolutions(sensors[s].period, periods);
-    count += revolutions * static_cast<double>(sensors[s].size.rings * sensors[s].size.columns * raysPerBeam(s));
+    count += revolutions * static_cast<double>(sensors[s].beams() * raysPerBeam(s));
   }
   return count;
 }

@@ -92,6 +92,8 @@ struct MountedSensor {
   std::uint32_t revolutions = 1;  // greatest number of revolutions in one sample
   // Never null; all sensors share one list unless the pipeline's list contains `sensor`.
   std::shared_ptr<const Effects> effects;
+
+  std::uint64_t beams() const { return size.rings * size.columns; }  // in a revolution
 };
 
 struct MethodChoice {

@@ -109,11 +109,11 @@ std::uint64_t leastFrames(const Value& list) {
   return least;
 }
 
-constexpr double kRevolutionRounding = 1e-6;  // revolutions; exceeds the rounding errors of times
+constexpr double kTimeRounding = 1e-6;  // revolutions; exceeds the rounding errors of times
 
 // Returns how many revolutions of a sensor have ended by `time` (s).
 std::uint64_t endedRevolutions(double time, double period) {
-  return static_cast<std::uint64_t>(time / period + kRevolutionRounding);
+  return static_cast<std::uint64_t>(time / period + kTimeRounding);
 }
 
 }  // namespace
@@ -222,8 +222,7 @@ std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fiel
 bool Sequence::turnsWithoutBreak(const Periods& periods) const {
   if (periods.shortest == periods.longest || trajectory == nullptr || !trajectory->regular()) return false;
   const double interval = trajectory->interval();
-  return interval >= periods.shortest * (1 - kRevolutionRounding) &&
-         interval <= periods.longest * (1 + kRevolutionRounding);
+  return interval >= periods.shortest * (1 - kTimeRounding) && interval <= periods.longest * (1 + kTimeRounding);
 }
 
 std::vector<double> Sequence::revolutions(std::uint32_t frame, double period, const Periods& periods) const {
@@ -248,10 +247,9 @@ double Sequence::totalRevolutions(double period, const Periods& periods) const {
 
 std::uint32_t Sequence::mostRevolutions(double period, const Periods& periods) const {
   if (turnsWithoutBreak(periods)) {
-    return static_cast<std::uint32_t>(std::ceil(trajectory->interval() / period - kRevolutionRounding));
+    return static_cast<std::uint32_t>(std::ceil(trajectory->interval() / period - kTimeRounding));
   }
-  const bool framesOverlap =
-      trajectory != nullptr && trajectory->interval() < periods.longest * (1 - kRevolutionRounding);
+  const bool framesOverlap = trajectory != nullptr && trajectory->interval() < periods.longest * (1 - kTimeRounding);
   return framesOverlap ? 1 : static_cast<std::uint32_t>(endedRevolutions(periods.longest, period));
 }
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "pipeline/scenes/ego_vehicle.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 

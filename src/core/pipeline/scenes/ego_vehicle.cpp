@@ -1,7 +1,7 @@
-#include "pipeline/scenes/ego_vehicle.h"
-
 #include <algorithm>
 #include <memory>
+
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 

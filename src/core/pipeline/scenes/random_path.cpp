@@ -302,14 +302,14 @@ class PathSearch {
     s.position.z = *height;
     const double left = surface_.edgeDistance(s, 1);
     const double right = surface_.edgeDistance(s, -1);
-    if (left >= kOpenWidth && right >= kOpenWidth)
-      return kWishCost * kLeastRadius * std::fabs(curvature - wishedCurvature);
+    const double wishCost = kWishCost * kLeastRadius * std::fabs(curvature - wishedCurvature);
+    if (left >= kOpenWidth && right >= kOpenWidth) return wishCost;
     const double edge = request_.keep == RoadSide::Left ? left : right;  // m, distance to the edge to keep to
     const double halfWidth = (left + right) / 2;
     const double preferred = request_.keep == RoadSide::Middle ? halfWidth : std::min(kSideDistance, halfWidth);
     const double offset = std::fabs(edge - preferred);
-    const double wish = edge >= kOpenWidth ? kWishCost / 2 * kLeastRadius * std::fabs(curvature - wishedCurvature) : 0;
-    return (offset < kQuadratic ? offset * offset : kQuadratic * (2 * offset - kQuadratic)) + wish;
+    return (offset < kQuadratic ? offset * offset : kQuadratic * (2 * offset - kQuadratic)) +
+           (edge >= kOpenWidth ? wishCost / 2 : 0);
   }
 
   // Tests five arcs that start at a state. Returns the longest distance (m, at most kLook) that a vehicle can drive on

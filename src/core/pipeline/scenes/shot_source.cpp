@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "base/path.h"
 #include "pipeline/read/drawn_sensors.h"
-#include "pipeline/scenes/ego_vehicle.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "scene/surface_heights.h"
 #include "scenefile/scene_file.h"
@@ -241,23 +240,21 @@ Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, st
 }
 
 Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions revolutions) {
-  const Sequence& sequenceOfFrame = pipeline_.sequences[sequence];
+  const Sequence& drive = pipeline_.sequences[sequence];
   const bool isRecorded = pipeline_.recording != nullptr;
-  const std::string sample = sequenceOfFrame.key(number);
-  const std::shared_ptr<const Trajectory> frameTrajectory = isRecorded ? nullptr : trajectory(sequence);
-  Frame frame{settings(sequence, number), isRecorded ? 0 : frameTrajectory->frameTime(number), {}};
+  const std::string sample = drive.key(number);
+  const std::shared_ptr<const Trajectory> path = isRecorded ? nullptr : trajectory(sequence);
+  Frame frame{settings(sequence, number), isRecorded ? 0 : path->frameTime(number), {}};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
     const double period = pipeline_.sensors[s].period;
     std::vector<double> starts{0};  // s after the frame's time, of the sensor's revolutions
-    if (revolutions == Revolutions::All && !isRecorded)
-      starts = sequenceOfFrame.revolutions(number, period, pipeline_.periods);
+    if (revolutions == Revolutions::All && !isRecorded) starts = drive.revolutions(number, period, pipeline_.periods);
     for (std::size_t revolution = 0; revolution < starts.size(); ++revolution) {
       Shot shot = isRecorded
                       ? recordedShot(sample, number, s)
-                      : makeShot(plan_.sensors[s].beams, *frameTrajectory, number,
-                                 frame.settings->sensors[s].vehicleFromSensor, pipeline_.motion, starts[revolution]);
-      if (revolution + 1 < starts.size() || sequenceOfFrame.turnsWithoutBreak(pipeline_.periods))
-        shot.untilNext = period;
+                      : makeShot(plan_.sensors[s].beams, *path, number, frame.settings->sensors[s].vehicleFromSensor,
+                                 pipeline_.motion, starts[revolution]);
+      if (revolution + 1 < starts.size() || drive.turnsWithoutBreak(pipeline_.periods)) shot.untilNext = period;
       if (revolution > 0) shot.untilNext = std::max(shot.untilNext, period);  // its frame has no next one
       shot.sample = sample;
       shot.seed = pipeline_.seed;

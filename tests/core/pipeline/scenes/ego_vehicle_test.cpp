@@ -1,4 +1,3 @@
-#include "pipeline/scenes/ego_vehicle.h"
 
 #include <set>
 
