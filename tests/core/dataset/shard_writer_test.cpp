@@ -104,13 +104,14 @@ TEST(ShardWriter, RefusesNamesThatReadersWouldMisread) {
     EXPECT_THAT(refusal(plainSample(key, 1)), HasSubstr("sample '" + std::string(key) + "'"));
   }
   for (const char* suffix : {"", ".pcd", "PCD", "a/b", "json", "a b"}) {
-    EXPECT_THAT(refusal({"key", "train", {}, {{suffix, "x"}}}), HasSubstr("sample 'key'")) << suffix;
+    EXPECT_THAT(refusal({{.key = "key", .split = "train"}, {{suffix, "x"}}}), HasSubstr("sample 'key'")) << suffix;
   }
-  EXPECT_THAT(refusal({"key", "train", {}, {{"pcd", "x"}, {"pcd", "y"}}}), HasSubstr("'pcd' is used twice"));
+  EXPECT_THAT(refusal({{.key = "key", .split = "train"}, {{"pcd", "x"}, {"pcd", "y"}}}),
+              HasSubstr("'pcd' is used twice"));
   for (const char* split : {"", "../x", "Train", "a.b"}) {
-    EXPECT_THAT(refusal({"key", split, {}, {}}), HasSubstr("not a name of a split"));
+    EXPECT_THAT(refusal({{.key = "key", .split = split}, {}}), HasSubstr("not a name of a split"));
   }
-  EXPECT_THAT(refusal({"key", "val", {}, {}}), HasSubstr("the split val"));
+  EXPECT_THAT(refusal({{.key = "key", .split = "val"}, {}}), HasSubstr("the split val"));
   // None of these left a trace.
   writer.add(plainSample("good-0", 1));
   EXPECT_EQ(writer.finish().samples.size(), 1u);

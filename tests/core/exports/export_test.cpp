@@ -82,7 +82,7 @@ TEST_F(Exports, EveryRevolutionIsWrittenOrRefused) {
     second.revolution = 1;
     for (const FormatRecord& format : manifest.formats) {
       sample.files.push_back(
-          {memberSuffix(second, format.suffix), other.members[&format - manifest.formats.data()].bytes});
+          {memberSuffix(second, format.suffix), other.files[&format - manifest.formats.data()].bytes});
     }
     sample.scans.push_back(second);
     dataset.add(sample);

@@ -391,7 +391,8 @@ TEST_F(MadeDataset, OtherLayoutsAreShownToo) {
   record.worldFromSensor = {Pose{}};
   record.beams = 64;
   record.points = 2;
-  writer.add({"a-s1-b-000000", "train", {record}, {{memberSuffix(record, "pcd"), encode("pcd", scan)}}});
+  writer.add({{.key = "a-s1-b-000000", .split = "train", .scans = {record}},
+              {{memberSuffix(record, "pcd"), encode("pcd", scan)}}});
   writer.finish(bare);
   const DatasetReport report = examined(at(), 1);
   EXPECT_TRUE(report.warnings.empty());
