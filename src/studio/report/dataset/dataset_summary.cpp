@@ -16,11 +16,15 @@ namespace {
 
 using ClassPoints = std::map<std::uint16_t, std::uint64_t>;
 
-auto& entryNamed(auto& list, const std::string& name, auto make) {
+// Returns the entry with this name; appends one with this name if there is none.
+auto& entryNamed(auto& list, const std::string& name) {
   const auto found = std::ranges::find_if(list, [&](const auto& e) { return e.name == name; });
-  return found == list.end() ? list.emplace_back(make()) : *found;
+  if (found != list.end()) return *found;
+  list.emplace_back().name = name;
+  return list.back();
 }
 
+// Returns the median; for an even number of values, the mean of the two middle values; 0 if there are none.
 double medianOf(std::vector<std::uint64_t> values) {
   if (values.empty()) return 0;
   std::ranges::sort(values);
@@ -29,42 +33,45 @@ double medianOf(std::vector<std::uint64_t> values) {
   return values.size() % 2 == 1 ? upper : (static_cast<double>(values[middle - 1]) + upper) / 2;
 }
 
+// Returns the name of a sample's sequence; the sample's key if the key names none.
 std::string sequenceOf(const SampleRecord& sample) {
   const std::string sequence = partsOfKey(sample.key).sequence;
   return sequence.empty() ? sample.key : sequence;
 }
 
+// Computes a summary: addManifest() first, then addCounts(), then result().
 class SummaryMaker {
  public:
   SummaryMaker(const Manifest& manifest, const RangeSteps& steps) : manifest_(manifest) {
     sum_.steps = steps;
     for (const SemanticClass& c : manifest.ontology.classes) addClass(c.id, c.name, c.thing, true);
-    for (const SensorRecord& s : manifest.sensors) sensorEntry(s.name);
+    for (const SensorRecord& s : manifest.sensors) entryNamed(sum_.sensors, s.name).ranges.assign(steps.count, 0);
     for (const SequenceRecord& s : manifest.sequences) recordOf_[s.name] = &s;
   }
 
   // Adds the figures that the manifest has for all scans.
   void addManifest() {
-    const auto has = [&](const char* column) {
+    const auto hasColumn = [&](const char* column) {
       return std::ranges::find(manifest_.columns, column) != manifest_.columns.end();
     };
-    sum_.labelled = has("label");
-    sum_.instanced = has("instance");
+    sum_.labelled = hasColumn("label");
+    sum_.instanced = hasColumn("instance");
     sum_.samples = manifest_.samples.size();
-    std::map<std::string, std::pair<double, double>> times;  // first and last time of each sequence (s)
+    std::map<std::string, std::pair<double, double>> timesOf;  // first and last time of each sequence (s)
     std::map<std::string, std::set<std::string>> splitsOf;
     for (const SampleRecord& sample : manifest_.samples) {
       const std::string name = sequenceOf(sample);
       SequenceSummary& sequence = sequenceEntry(name);
-      SplitSummary& split = splitEntry(sample.split);
+      SplitSummary& split = entryNamed(sum_.splits, sample.split);
       if (splitsOf[name].insert(sample.split).second) {
         sequence.split += (sequence.split.empty() ? "" : ", ") + sample.split;
       }
       ++sequence.samples;
       ++split.samples;
       for (const ScanRecord& scan : sample.scans) {
-        auto [time, first] = times.try_emplace(name, scan.time, scan.time);
-        time->second = {std::min(time->second.first, scan.time), std::max(time->second.second, scan.time)};
+        auto& [firstTime, lastTime] = timesOf.try_emplace(name, scan.time, scan.time).first->second;
+        firstTime = std::min(firstTime, scan.time);
+        lastTime = std::max(lastTime, scan.time);
         ++sequence.scans;
         ++split.scans;
         sequence.points += scan.points;
@@ -73,17 +80,18 @@ class SummaryMaker {
       }
     }
     for (SequenceSummary& s : sum_.sequences) {
-      const auto time = times.find(s.name);
-      if (time != times.end()) s.seconds = time->second.second - time->second.first;
+      const auto times = timesOf.find(s.name);
+      if (times != timesOf.end()) s.seconds = times->second.second - times->second.first;
     }
     for (const ShardRecord& shard : manifest_.shards) {
-      SplitSummary& split = splitEntry(shard.split);
+      SplitSummary& split = entryNamed(sum_.splits, shard.split);
       ++split.shards;
       split.bytes += shard.bytes;
     }
     findScansOfFewPoints();
   }
 
+  // Adds the figures of the scans that were read; see summarise().
   void addCounts(const std::vector<ScanIndex>& places, const std::vector<std::optional<ScanCounts>>& counts) {
     sum_.scansChosen = places.size();
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -113,26 +121,17 @@ class SummaryMaker {
   }
 
   SequenceSummary& sequenceEntry(const std::string& name) {
-    const auto [at, added] = sequenceAt_.try_emplace(name, sum_.sequences.size());
-    if (added) {
-      sum_.sequences.push_back({name, {}, {}, {}, {}, 0, 0, 0, 0});
+    const auto [index, isNew] = sequenceAt_.try_emplace(name, sum_.sequences.size());
+    if (isNew) {
+      SequenceSummary& sequence = sum_.sequences.emplace_back();
+      sequence.name = name;
       if (const auto record = recordOf_.find(name); record != recordOf_.end()) {
-        sum_.sequences.back().scene = record->second->scene;
-        sum_.sequences.back().seed = std::to_string(record->second->seed);
-        sum_.sequences.back().trajectory = record->second->trajectory;
+        sequence.scene = record->second->scene;
+        sequence.seed = std::to_string(record->second->seed);
+        sequence.trajectory = record->second->trajectory;
       }
     }
-    return sum_.sequences[at->second];
-  }
-
-  SplitSummary& splitEntry(const std::string& name) {
-    return entryNamed(sum_.splits, name, [&] { return SplitSummary{name, 0, 0, 0, 0, 0}; });
-  }
-
-  SensorSummary& sensorEntry(const std::string& name) {
-    return entryNamed(sum_.sensors, name, [&] {
-      return SensorSummary{.name = name, .ranges = std::vector<std::uint64_t>(sum_.steps.count, 0)};
-    });
+    return sum_.sequences[index->second];
   }
 
   void addRecord(const SampleRecord& sample, const ScanRecord& scan) {
@@ -141,7 +140,7 @@ class SummaryMaker {
     sum_.points += scan.points;
     sum_.beams += scan.beams;
     sum_.unresolved += scan.unresolved;
-    SensorSummary& sensor = sensorEntry(scan.sensor);
+    SensorSummary& sensor = entryNamed(sum_.sensors, scan.sensor);
     ++sensor.scans;
     sensor.points += scan.points;
     sensor.beams += scan.beams;
@@ -174,7 +173,7 @@ class SummaryMaker {
 
   void addScan(const ScanIndex& index, const ScanCounts& counts) {
     const SampleRecord& sample = manifest_.samples[index.sample];
-    SensorSummary& sensor = sensorEntry(sample.scans[index.scan].sensor);
+    SensorSummary& sensor = entryNamed(sum_.sensors, sample.scans[index.scan].sensor);
     ++sum_.scansRead;
     ++sensor.scansRead;
     for (const auto& [id, ranges] : counts.rangesOfClass) {
@@ -202,8 +201,8 @@ class SummaryMaker {
   void findMixedInstances() {
     // Least number of instances with both classes that counts as usual; two are enough if one class never occurs alone.
     constexpr std::uint64_t kFewest = 3;
-    std::map<std::uint16_t, std::uint64_t> instancesWith;
-    std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> shared;
+    std::map<std::uint16_t, std::uint64_t> instancesWith;                     // number of instances with the class
+    std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> shared;  // number with both classes
     for (const auto& [key, points] : objects_) {
       for (auto a = points.begin(); a != points.end(); ++a) {
         ++instancesWith[a->first];
@@ -212,18 +211,18 @@ class SummaryMaker {
     }
     for (const auto& [key, points] : objects_) {
       if (points.size() < 2) continue;
-      bool usual = true;
-      std::uint16_t rarest = points.begin()->first;
+      bool isUsual = true;
       for (auto a = points.begin(); a != points.end(); ++a) {
-        if (a->second < points.at(rarest)) rarest = a->first;
         for (auto b = std::next(a); b != points.end(); ++b) {
           const std::uint64_t both = shared[{a->first, b->first}];
-          const std::uint64_t either = std::min(instancesWith[a->first], instancesWith[b->first]);
-          usual = usual && ((both >= kFewest && 2 * both > either) || (both > 1 && both == either));
+          const std::uint64_t rarer = std::min(instancesWith[a->first], instancesWith[b->first]);
+          isUsual = isUsual && ((both >= kFewest && 2 * both > rarer) || (both > 1 && both == rarer));
         }
       }
-      if (usual) continue;
-      sum_.mixed.push_back({manifest_.samples[sampleShowing_[key].at(rarest)].key, key.second, points});
+      if (isUsual) continue;
+      const std::uint16_t rarestClass =
+          std::ranges::min_element(points, {}, [](const auto& entry) { return entry.second; })->first;
+      sum_.mixed.push_back({manifest_.samples[sampleShowing_[key].at(rarestClass)].key, key.second, points});
     }
   }
 

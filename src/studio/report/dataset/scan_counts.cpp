@@ -32,29 +32,29 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
   ScanCounts counts;
   // Neighbouring points mostly have the same class and instance, so the counts of the previous point are looked up only
   // if they differ.
-  std::uint16_t lastClass = 0;
-  std::vector<std::uint64_t>* ranges = nullptr;            // counts of lastClass
-  std::unordered_map<std::uint64_t, std::uint64_t> pairs;  // (id, class) -> number of points
-  std::uint64_t lastPair = 0;
-  std::uint64_t* pairPoints = nullptr;  // count of lastPair
-  std::vector<std::uint64_t> intensities(scan[kIntensity].empty() ? 0 : std::size_t{1} << 16, 0);
+  std::uint16_t previousClass = 0;
+  std::vector<std::uint64_t>* ranges = nullptr;                   // counts of previousClass
+  std::unordered_map<std::uint64_t, std::uint64_t> pointsOfPair;  // key: instance id << 16 | class
+  std::uint64_t previousPair = 0;
+  std::uint64_t* pairPoints = nullptr;  // count of previousPair
+  std::vector<std::uint64_t> intensities(scan[kIntensity].empty() ? 0 : std::size_t{1} << 16, 0);  // by intensityKey()
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3f& p = scan.position[i];
     if (!isFinite(p)) continue;
     ++counts.points;
     const std::uint16_t label = scan[kLabel].empty() ? std::uint16_t{0} : scan[kLabel][i];
-    if (ranges == nullptr || label != lastClass) {
+    if (ranges == nullptr || label != previousClass) {
       ranges = &counts.rangesOfClass.try_emplace(label, steps.count, 0).first->second;
-      lastClass = label;
+      previousClass = label;
     }
     ++(*ranges)[steps.of(length(Vec3d(p)))];
     if (!scan[kIntensity].empty() && std::isfinite(scan[kIntensity][i]))
       ++intensities[intensityKey(scan[kIntensity][i])];
     if (scan[kInstance].empty()) continue;
     const std::uint64_t pair = std::uint64_t{scan[kInstance][i]} << 16 | label;
-    if (pairPoints == nullptr || pair != lastPair) {
-      pairPoints = &pairs[pair];
-      lastPair = pair;
+    if (pairPoints == nullptr || pair != previousPair) {
+      pairPoints = &pointsOfPair[pair];
+      previousPair = pair;
     }
     ++*pairPoints;
   }
@@ -62,23 +62,22 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
     if (intensities[key] > 0) counts.intensities.emplace(static_cast<std::uint16_t>(key), intensities[key]);
   }
   std::map<std::uint32_t, InstanceCounts> instances;
-  for (const auto& [pair, points] : pairs) {
+  for (const auto& [pair, points] : pointsOfPair) {
     const auto id = static_cast<std::uint32_t>(pair >> 16);
     const auto label = static_cast<std::uint16_t>(pair & 0xFFFF);
     if (id == 0) {
       counts.withoutId[label] = points;
-      continue;
+    } else {
+      instances.try_emplace(id, InstanceCounts{.id = id}).first->second.pointsOfClass[label] = points;
     }
-    InstanceCounts& own = instances[id];
-    own.id = id;
-    own.pointsOfClass[label] = points;
   }
-  for (auto& [id, own] : instances) counts.instances.push_back(std::move(own));
+  for (auto& [id, instance] : instances) counts.instances.push_back(std::move(instance));
   return counts;
 }
 
 namespace {
 
+// Returns the index in kVisibilitySteps.
 std::size_t visibilityStep(const ObjectView& view) {
   if (view.points == 0) return 0;
   const double visibility = view.visibility().value_or(0);

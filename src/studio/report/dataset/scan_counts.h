@@ -2,6 +2,7 @@
 
 // Counts the contents of one scan. All counts are integers, so that sums do not depend on the order of addition.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -19,9 +20,9 @@ struct RangeSteps {
   double step = 1;  // width of a bin (m)
   std::size_t count = 1;
 
+  // Returns the index of the bin that contains a distance (m).
   std::size_t of(double distance) const {
-    const double place = distance / step;
-    return place < static_cast<double>(count - 1) ? static_cast<std::size_t>(place) : count - 1;
+    return static_cast<std::size_t>(std::min(distance / step, static_cast<double>(count - 1)));
   }
 };
 
@@ -36,7 +37,7 @@ float intensityOfKey(std::uint16_t key);  // returns the smallest intensity with
 
 struct InstanceCounts {
   std::uint32_t id = 0;
-  std::map<std::uint16_t, std::uint64_t> pointsOfClass;
+  std::map<std::uint16_t, std::uint64_t> pointsOfClass{};
 };
 
 struct ScanCounts {

@@ -17,8 +17,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kBatchScans = 64;
+constexpr std::size_t kBatchScans = 64;  // scans that are read before progress is reported
 
+// Returns what is wrong with a shard; empty if nothing is.
 std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed) {
   std::error_code failure;
   if (!fs::is_regular_file(file, failure)) return "is missing";
@@ -55,7 +56,7 @@ std::uint64_t randomNumber(std::uint64_t seed, std::size_t sample) {
 // The samples of a split that have points and are not in damaged shards.
 struct SplitSamples {
   std::string split;
-  std::vector<std::pair<std::uint64_t, std::size_t>> drawn;  // pairs of random number and index of the sample
+  std::vector<std::pair<std::uint64_t, std::size_t>> shuffled;  // pairs of random number and index of the sample
 };
 
 }  // namespace
@@ -111,13 +112,13 @@ std::vector<std::string> readScans(const ScanStore& store, const std::vector<Sca
 }
 
 std::vector<ScanIndex> spreadScans(const Manifest& manifest, std::size_t most) {
-  std::vector<ScanIndex> all;
+  std::vector<ScanIndex> scans;
   for (std::size_t s = 0; s < manifest.samples.size(); ++s) {
-    for (std::size_t i = 0; i < manifest.samples[s].scans.size(); ++i) all.push_back({s, i});
+    for (std::size_t i = 0; i < manifest.samples[s].scans.size(); ++i) scans.push_back({s, i});
   }
-  if (all.size() <= most) return all;
-  std::vector<ScanIndex> spread;
-  for (std::size_t k = 0; k < most; ++k) spread.push_back(all[(2 * k + 1) * all.size() / (2 * most)]);
+  if (scans.size() <= most) return scans;
+  std::vector<ScanIndex> spread;  // the middles of `most` equal parts
+  for (std::size_t k = 0; k < most; ++k) spread.push_back(scans[(2 * k + 1) * scans.size() / (2 * most)]);
   return spread;
 }
 
@@ -126,26 +127,24 @@ std::vector<ScanIndex> randomScans(const Manifest& manifest, const std::vector<b
   std::vector<SplitSamples> splits;
   for (std::size_t s = 0; s < manifest.samples.size(); ++s) {
     const SampleRecord& sample = manifest.samples[s];
-    const bool any = std::ranges::any_of(sample.scans, [](const auto& r) { return r.points > 0; });
-    if (!any || !sound[sample.shard]) continue;
-    auto split = std::ranges::find_if(splits, [&](const auto& p) { return p.split == sample.split; });
+    const bool hasPoints = std::ranges::any_of(sample.scans, [](const auto& r) { return r.points > 0; });
+    if (!hasPoints || !sound[sample.shard]) continue;
+    auto split = std::ranges::find(splits, sample.split, &SplitSamples::split);
     if (split == splits.end()) split = splits.insert(splits.end(), {sample.split, {}});
-    split->drawn.emplace_back(randomNumber(seed, s), s);
+    split->shuffled.emplace_back(randomNumber(seed, s), s);
   }
-  for (SplitSamples& split : splits) std::ranges::sort(split.drawn);
+  for (SplitSamples& split : splits) std::ranges::sort(split.shuffled);
+  // Take the first sample of each split, then the second and so on.
   std::vector<ScanIndex> chosen;
-  for (std::size_t turn = 0; chosen.size() < count; ++turn) {
-    bool more = false;
+  for (std::size_t k = 0; k < manifest.samples.size(); ++k) {
     for (const SplitSamples& split : splits) {
-      if (turn >= split.drawn.size() || chosen.size() == count) continue;
-      more = true;
-      const std::size_t sample = split.drawn[turn].second;
+      if (k >= split.shuffled.size() || chosen.size() >= count) continue;
+      const std::size_t sample = split.shuffled[k].second;
       const std::vector<ScanRecord>& scans = manifest.samples[sample].scans;
       std::size_t scan = chosen.size() % scans.size();
       while (scans[scan].points == 0) scan = (scan + 1) % scans.size();
       chosen.push_back({sample, scan});
     }
-    if (!more) break;
   }
   return chosen;
 }
