@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kBarHeight = 21, kAround = 120;
+constexpr int kBarHeight = 21, kAxesHeight = 120;  // pixels: of a bar, and of a chart without its bars
 constexpr std::size_t kMostClasses = 12;  // number of classes that a stacked bar shows if it combines further classes
 constexpr const char* kOtherFill = "#8b949e";
 
@@ -42,7 +42,9 @@ struct DistanceRing {
   std::size_t first = 0, last = 0;  // indices of steps; `last` is excluded
 };
 
-// Returns few enough rings for a bar chart, which together reach to the last step with points.
+// Returns few enough rings for a bar chart, which samplesPerMark reach to the last step with points. Rings are narrower
+// near the sensor, where most points are. The last step of DatasetSummary::steps, which has all larger distances, is a
+// ring.
 std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
   const std::size_t count = summary.steps.count;
   std::size_t last = 0;
@@ -51,17 +53,16 @@ std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
       if (s.ranges[i] > 0) last = std::max(last, i + 1);
     }
   }
-  // Rings of distance are narrower near the sensor, where most points are. The last ring has all larger distances.
-  std::vector<std::size_t> ends;
+  std::vector<std::size_t> ends;  // of the rings
   for (const std::size_t end : {5, 10, 20, 30, 40, 50, 60, 80, 100}) {
     if (end < count - 1) ends.push_back(end);
   }
   ends.insert(ends.end(), {count - 1, count});
   std::vector<DistanceRing> rings;
   for (std::size_t first = 0, i = 0; first < last; first = ends[i++]) {
-    const double from = static_cast<double>(first) * summary.steps.step;
-    const double to = static_cast<double>(ends[i]) * summary.steps.step;
-    rings.push_back({ends[i] == count ? fmt::format("from {:g} m", from) : fmt::format("{:g} to {:g} m", from, to),
+    const double low = static_cast<double>(first) * summary.steps.step;
+    const double high = static_cast<double>(ends[i]) * summary.steps.step;
+    rings.push_back({ends[i] == count ? fmt::format("from {:g} m", low) : fmt::format("{:g} to {:g} m", low, high),
                      first, ends[i]});
   }
   return rings;
@@ -84,7 +85,8 @@ Chart ringsChart(const DatasetSummary& summary) {
               .width = kHalfWidth,
               .height = 420};
   for (const DistanceRing& ring : rings) chart.x.names.push_back(ring.name);
-  const auto add = [&](const std::string& name, const std::string& fill, const std::vector<std::uint64_t>& ranges) {
+  // Adds a series to the chart. `ranges`: see pointsIn(). `fill`: colour; empty: the series' own.
+  const auto addBars = [&](const std::string& name, const std::string& fill, const std::vector<std::uint64_t>& ranges) {
     ChartSeries bars{.name = name, .mark = ChartMark::Bars};
     for (std::size_t i = 0; i < rings.size(); ++i) {
       const double value = shareOf(pointsIn(ranges, rings[i]), summary.scansRead);
@@ -97,22 +99,20 @@ Chart ringsChart(const DatasetSummary& summary) {
   if (!summary.labelled) {
     std::vector<std::uint64_t> all(summary.steps.count, 0);
     for (const SensorSummary& s : summary.sensors) addTo(all, s.ranges);
-    add("points", "", all);
+    addBars("points", "", all);
     return chart;
   }
   const auto classes = classesWith(summary, [](const ClassSummary& c) {
     return std::accumulate(c.ranges.begin(), c.ranges.end(), std::uint64_t{0});
   });
-  const bool most = classes.size() > kMostClasses + 1;
+  // A single further class is shown by itself.
+  const std::size_t shown = classes.size() > kMostClasses + 1 ? kMostClasses : classes.size();
   std::vector<std::uint64_t> others(summary.steps.count, 0);
   for (std::size_t i = 0; i < classes.size(); ++i) {
-    if (most && i >= kMostClasses) {
-      addTo(others, classes[i]->ranges);
-    } else {
-      add(classes[i]->name, htmlColor(classes[i]->color), classes[i]->ranges);
-    }
+    if (i < shown) addBars(classes[i]->name, htmlColor(classes[i]->color), classes[i]->ranges);
+    if (i >= shown) addTo(others, classes[i]->ranges);
   }
-  if (most) add("other classes", kOtherFill, others);
+  if (shown < classes.size()) addBars("other classes", kOtherFill, others);
   return chart;
 }
 
@@ -134,7 +134,7 @@ Chart classChart(const DatasetSummary& summary) {
   }
   // Extends the axis to leave space for the labels of the longest bars.
   if (!classes.empty()) chart.x.high = 4 * static_cast<double>(classes.front()->points);
-  chart.height = kAround + kBarHeight * static_cast<int>(classes.size());
+  chart.height = kAxesHeight + kBarHeight * static_cast<int>(classes.size());
   chart.series.push_back(std::move(bars));
   return chart;
 }
@@ -160,40 +160,44 @@ Chart stepsChart(const DatasetSummary& summary, Chart chart, double step,
   return chart;
 }
 
+// Returns a line for each sensor: points per scan by intensity.
 Chart intensitiesChart(const DatasetSummary& summary) {
   constexpr std::size_t kBins = 128;
-  float most = 0;
+  float largest = 0;
   for (const SensorSummary& s : summary.sensors) {
-    if (!s.intensities.empty()) most = std::max(most, intensityOfKey(s.intensities.rbegin()->first));
+    if (!s.intensities.empty()) largest = std::max(largest, intensityOfKey(s.intensities.rbegin()->first));
   }
   // The axis ends at a power of two: then each intensity key lies completely in one bin.
-  const double high = most > 0 ? std::exp2(std::floor(std::log2(double{most})) + 1) : 1;
+  const double high = largest > 0 ? std::exp2(std::floor(std::log2(double{largest})) + 1) : 1;
   return stepsChart(
       summary, {.name = "intensities", .title = "Intensities", .note = "of intensity", .x = {.title = "intensity"}},
       high / kBins, [&](const SensorSummary& sensor) {
         std::vector<std::uint64_t> bins(kBins, 0);
         for (const auto& [key, points] : sensor.intensities) {
-          const double place = std::clamp(double{intensityOfKey(key)} / high, 0.0, 1.0) * kBins;
-          bins[std::min(static_cast<std::size_t>(place), kBins - 1)] += points;
+          const double bin = std::clamp(double{intensityOfKey(key)} / high, 0.0, 1.0) * kBins;
+          bins[std::min(static_cast<std::size_t>(bin), kBins - 1)] += points;
         }
         return bins;
       });
 }
 
+// Returns a line for each sensor: points of the scans in the order of the samples, of which several are averaged if
+// they are many.
 Chart scanPointsChart(const Manifest& manifest) {
-  constexpr std::size_t kMostMarks = 400;
-  const std::size_t together = (manifest.samples.size() + kMostMarks - 1) / kMostMarks;
+  constexpr std::size_t kMostMarks = 400;  // of a line
+  const std::size_t samplesPerMark = (manifest.samples.size() + kMostMarks - 1) / kMostMarks;
   Chart chart{.name = "scan_points",
               .title = "Points a scan",
-              .note = together > 1 ? fmt::format("in the order of the samples; the mean of {} each", together)
-                                   : "in the order of the samples"};
+              .note = samplesPerMark > 1
+                          ? fmt::format("in the order of the samples; the mean of {} each", samplesPerMark)
+                          : "in the order of the samples"};
   chart.x = {.title = "sample"};
   chart.y = {.title = "points", .low = 0};
   for (std::size_t s = 0; s < manifest.sensors.size(); ++s) {
     ChartSeries line{.name = manifest.sensors[s].name, .color = s, .mark = ChartMark::LineAndDots};
     if (manifest.samples.size() > 80) line.mark = ChartMark::Line;
-    for (std::size_t first = 0; first < manifest.samples.size(); first += together) {
-      const std::size_t last = std::min(first + together, manifest.samples.size());
+    for (std::size_t first = 0; first < manifest.samples.size(); first += samplesPerMark) {
+      const std::size_t last = std::min(first + samplesPerMark, manifest.samples.size());
       std::uint64_t points = 0, scans = 0;
       for (std::size_t i = first; i < last; ++i) {
         for (const ScanRecord& scan : manifest.samples[i].scans) {

@@ -30,6 +30,7 @@ namespace {
 constexpr std::size_t kMostRows = 2000;   // maximum number of rows in a table; browsers are slow with more
 constexpr std::size_t kMostPlaces = 200;  // maximum number of lines below a warning
 
+// Returns unit and meaning of a column; empty if it is not known.
 std::string meaningOf(const std::string& name) {
   const std::size_t axis = std::string_view("xyz").find(name);
   if (name.size() == 1 && axis < 3) {
@@ -66,12 +67,14 @@ class DatasetPage {
     const std::string& folder = report_.folder;
     std::uint64_t bytes = 0;
     for (const ShardRecord& shard : manifest_.shards) bytes += shard.bytes;
-    const auto holds = [&](const char* split) {
+    const auto hasSamples = [&](const char* split) {
       return std::ranges::any_of(summary_.splits,
                                  [&](const SplitSummary& s) { return s.name == split && s.samples > 0; });
     };
     std::set<std::string> methods;
-    for (const SensorSummary& r : summary_.sensors) methods.insert(r.methods.begin(), r.methods.end());
+    for (const SensorSummary& s : summary_.sensors) methods.insert(s.methods.begin(), s.methods.end());
+    std::vector<std::string> modelledLines;
+    for (const ModelledItem& item : manifest_.modelled) modelledLines.push_back(lineOf(item));
     page_ = {
         {"title", "Dataset " + (folder.empty() || folder == manifest_.name ? manifest_.name
                                                                            : manifest_.name + " (" + folder + ")")},
@@ -92,13 +95,13 @@ class DatasetPage {
         {"chosen_few", summary_.scansChosen < summary_.scans},
         {"scans_read", summary_.scansRead},
         {"labelled", summary_.labelled},
-        {"validated", holds("train") && holds("val")},
+        {"validated", hasSamples("train") && hasSamples("val")},
         {"path", shellWord(report_.path)},
         {"first_sample", manifest_.samples.empty() ? "" : shellWord(manifest_.samples.front().key)},
         {"view", report_.view},
         {"picture_seed", report_.seed},
         {"hashed", report_.hashed},
-        {"modelled", alikeLines(modelledLines())},
+        {"modelled", alikeLines(modelledLines)},
         {"pipeline_sha256", manifest_.pipelineSha256},
         {"pipeline_text", manifest_.pipelineText}};
     for (const SplitSummary& s : summary_.splits)
@@ -108,12 +111,7 @@ class DatasetPage {
     }
   }
 
-  std::vector<std::string> modelledLines() const {
-    std::vector<std::string> lines;
-    for (const ModelledItem& item : manifest_.modelled) lines.push_back(lineOf(item));
-    return lines;
-  }
-
+  // Adds the warnings and the notes, each with at most kMostPlaces places.
   void warnings() {
     for (const DatasetWarning& w : report_.warnings) {
       Json remark{{"text", w.text}};
@@ -144,6 +142,8 @@ class DatasetPage {
     }
   }
 
+  // Adds a row for each class with points. Tables repeat columns for the items of `class_splits` and, if the dataset
+  // has instances, once for the item of `instance_columns`.
   void classes() {
     page_["all_points"] = summary_.points;
     page_["class_splits"] = page_["instance_columns"] = page_["classes"] = Json::array();
@@ -156,8 +156,8 @@ class DatasetPage {
       Json row = c;
       row["class_splits"] = Json::array();
       for (const Json& split : page_["class_splits"]) {
-        const auto own = c.pointsOfSplit.find(split["name"]);
-        row["class_splits"].push_back({{"points", own == c.pointsOfSplit.end() ? 0 : own->second}});
+        const auto points = c.pointsOfSplit.find(split["name"]);
+        row["class_splits"].push_back({{"points", points == c.pointsOfSplit.end() ? 0 : points->second}});
       }
       if (!c.thing && c.objects == 0) row["objects"] = row["views"] = nullptr;
       if (c.views == 0) row["medianPoints"] = nullptr;
@@ -166,74 +166,72 @@ class DatasetPage {
     }
   }
 
+  // Returns a row of a table of objects with its views by visibility.
+  static Json visibilityRow(const std::string& name, const VisibilityCounts& views) {
+    Json row{{"name", name}, {"views", std::accumulate(views.begin(), views.end(), std::uint64_t{0})}};
+    for (const std::uint64_t count : views) row["visibility"].push_back({{"part", count}});
+    return row;
+  }
+
+  // Adds two tables of the objects' views by visibility: for each class and for each band of distance.
   void objects() {
     if (report_.objects.ofClass.empty()) return;
     page_["object_samples"] = report_.objects.samples;
     for (const char* step : kVisibilitySteps) page_["visibility"].push_back({{"title", step}});
-    Json classes{{"by", "class"}, {"rows", Json::array()}}, distances{{"by", "distance"}, {"rows", Json::array()}};
-    const auto add = [](Json& table, const std::string& name, const VisibilityCounts& counts) {
-      Json row{{"name", name}, {"views", std::accumulate(counts.begin(), counts.end(), std::uint64_t{0})}};
-      for (const std::uint64_t part : counts) row["visibility"].push_back({{"part", part}});
-      if (row["views"] > 0) table["rows"].push_back(std::move(row));
-    };
-    for (const auto& [id, own] : report_.objects.ofClass) add(classes, manifest_.ontology.find(id)->name, own);
-    for (std::size_t i = 0; i <= kDistanceSteps.size(); ++i) {
-      const double from = i == 0 ? 0 : kDistanceSteps[i - 1];
-      add(distances,
-          i < kDistanceSteps.size() ? fmt::format("{} to {} m", from, kDistanceSteps[i])
-                                    : fmt::format("from {} m", from),
-          report_.objects.ofDistance[i]);
+    Json classRows = Json::array(), distanceRows = Json::array();
+    for (const auto& [id, views] : report_.objects.ofClass) {
+      classRows.push_back(visibilityRow(manifest_.ontology.find(id)->name, views));
     }
-    page_["objects"] = {classes, distances};
+    for (std::size_t i = 0; i <= kDistanceSteps.size(); ++i) {
+      const double low = i == 0 ? 0 : kDistanceSteps[i - 1];
+      const std::string name =
+          i < kDistanceSteps.size() ? fmt::format("{} to {} m", low, kDistanceSteps[i]) : fmt::format("from {} m", low);
+      distanceRows.push_back(visibilityRow(name, report_.objects.ofDistance[i]));
+    }
+    for (Json* rows : {&classRows, &distanceRows}) {
+      std::erase_if(rows->get_ref<Json::array_t&>(), [](const Json& row) { return row["views"] == 0; });
+    }
+    page_["objects"] = {{{"by", "class"}, {"rows", classRows}}, {{"by", "distance"}, {"rows", distanceRows}}};
   }
 
+  // Adds a row for each reason that some beam has, with the beams of each sensor that records reasons.
   void reasons() {
     for (const SensorSummary& s : summary_.sensors) {
       if (!s.beamsPerReason.empty()) page_["reason_sensors"].push_back({{"name", s.name}});
     }
     for (const ReasonEntry& r : scanmill::reasons()) {
       Json row{{"name", r.name}, {"color", htmlColor(r.color)}, {"meaning", r.meaning}};
-      std::uint64_t found = 0;
+      std::uint64_t beamsOfAllSensors = 0;
       for (const SensorSummary& s : summary_.sensors) {
         if (s.beamsPerReason.empty()) continue;
-        std::uint64_t all = 0;
-        for (const auto& entry : s.beamsPerReason) all += entry.second;
-        const auto own = s.beamsPerReason.find(static_cast<std::uint8_t>(r.reason));
-        const std::uint64_t beams = own == s.beamsPerReason.end() ? 0 : own->second;
-        row["reason_sensors"].push_back({{"beams", beams}, {"all_beams", all}});
-        found += beams;
+        std::uint64_t allBeams = 0;
+        for (const auto& [reason, beams] : s.beamsPerReason) allBeams += beams;
+        const auto found = s.beamsPerReason.find(static_cast<std::uint8_t>(r.reason));
+        const std::uint64_t beams = found == s.beamsPerReason.end() ? 0 : found->second;
+        row["reason_sensors"].push_back({{"beams", beams}, {"all_beams", allBeams}});
+        beamsOfAllSensors += beams;
       }
-      if (found > 0) page_["reasons"].push_back(std::move(row));
+      if (beamsOfAllSensors > 0) page_["reasons"].push_back(std::move(row));
     }
   }
 
   void sensors() {
     for (std::size_t i = 0; i < manifest_.sensors.size(); ++i) {
-      const SensorRecord& s = manifest_.sensors[i];
-      const SensorSummary& sum = summary_.sensors[i];
-      const BeamTable& b = s.beams;
-      const MountSpans mount = mountSpans(manifest_, s);
-      Json row{{"name", s.name},
-               {"model", b.model},
-               {"rings", b.rings},
-               {"columns", b.columns},
-               {"least_range", b.minRange},
-               {"most_range", b.maxRange},
-               {"field", degrees(b.field)},
-               {"period", b.period},
-               {"x", spanText(mount[0])},
-               {"y", spanText(mount[1])},
-               {"z", spanText(mount[2])},
-               {"yaw", spanText(mount[3])},
-               {"pitch", spanText(mount[4])},
-               {"roll", spanText(mount[5])},
-               {"own_methods", sum.methods},
-               {"scans", sum.scans},
-               {"points", sum.points},
-               {"beams", sum.beams},
-               {"source", b.source}};
-      const auto ends = std::minmax_element(b.elevation.begin(), b.elevation.end());
-      if (!b.elevation.empty()) row.update({{"lowest", degrees(*ends.first)}, {"highest", degrees(*ends.second)}});
+      const SensorRecord& sensor = manifest_.sensors[i];
+      const SensorSummary& counts = summary_.sensors[i];  // begins with the manifest's sensors, in their order
+      const BeamTable& beams = sensor.beams;
+      const MountSpans mount = mountSpans(manifest_, sensor);
+      Json row{{"name", sensor.name},           {"model", beams.model},          {"rings", beams.rings},
+               {"columns", beams.columns},      {"least_range", beams.minRange}, {"most_range", beams.maxRange},
+               {"field", degrees(beams.field)}, {"period", beams.period},        {"x", spanText(mount[0])},
+               {"y", spanText(mount[1])},       {"z", spanText(mount[2])},       {"yaw", spanText(mount[3])},
+               {"pitch", spanText(mount[4])},   {"roll", spanText(mount[5])},    {"own_methods", counts.methods},
+               {"scans", counts.scans},         {"points", counts.points},       {"beams", counts.beams},
+               {"source", beams.source}};
+      if (!beams.elevation.empty()) {
+        const auto [lowest, highest] = std::ranges::minmax(beams.elevation);
+        row.update({{"lowest", degrees(lowest)}, {"highest", degrees(highest)}});
+      }
       page_["sensors"].push_back(std::move(row));
     }
   }
@@ -244,6 +242,7 @@ class DatasetPage {
     addRows("sequences", summary_.sequences);
   }
 
+  // Adds the first kMostRows rows as `name`, and the number of the others as `more_name`.
   void addRows(const char* name, const auto& rows) {
     page_[name] = Json::array();
     for (std::size_t i = 0; i < std::min(rows.size(), kMostRows); ++i) page_[name].push_back(rows[i]);

@@ -47,6 +47,7 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanIndex& index, const S
   return pictured;
 }
 
+// Collects the contents of a report. run() calls the steps in the order in which they need each other's results.
 class Examination {
  public:
   Examination(const std::filesystem::path& folder, const DatasetReportOptions& options)
@@ -60,18 +61,18 @@ class Examination {
 
   DatasetReport run() {
     const Manifest& manifest = report_.manifest;
-    const std::vector<ScanIndex> spread = spreadScans(manifest, options_.mostScans);
-    std::uint64_t scans = 0;
-    for (const SampleRecord& sample : manifest.samples) scans += sample.scans.size();
-    report_.hashed = spread.size() == scans;  // if all scans are read, computing hashes takes little additional time
+    const std::vector<ScanIndex> countedScans = spreadScans(manifest, options_.mostScans);
+    std::uint64_t allScans = 0;
+    for (const SampleRecord& sample : manifest.samples) allScans += sample.scans.size();
+    // If all scans are read, computing hashes takes little additional time.
+    report_.hashed = countedScans.size() == allScans;
     report_.shardFaults = shardFaults(folder_, manifest, report_.hashed);
     std::vector<bool> sound;
     for (const std::string& fault : report_.shardFaults) sound.push_back(fault.empty());
-    const std::vector<ScanIndex> shown = randomScans(manifest, sound, options_.samples, options_.seed);
-    countScans(spread);
-    countObjects(spread);
-    findWarnings(spread);
-    picture(shown);
+    countScans(countedScans);
+    countObjects(countedScans);
+    findWarnings(countedScans);
+    picture(randomScans(manifest, sound, options_.samples, options_.seed));
     return std::move(report_);
   }
 
@@ -80,35 +81,37 @@ class Examination {
     return report_.manifest.samples[index.sample].scans[index.scan];
   }
 
-  void countScans(const std::vector<ScanIndex>& spread) {
+  // Reads scans, compares them with the manifest and sets the summary.
+  void countScans(const std::vector<ScanIndex>& countedScans) {
     double farthest = 1;
     for (const SensorRecord& s : report_.manifest.sensors) farthest = std::max(farthest, s.beams.maxRange);
     const RangeSteps steps = rangeStepsFor(farthest);
-    std::vector<std::optional<ScanCounts>> counts(spread.size());
-    std::vector<std::vector<std::string>> mistakes(spread.size());
-    Progress progress("scans read", spread.size(), "scans", "points", options_.quiet);
+    std::vector<std::optional<ScanCounts>> counts(countedScans.size());
+    std::vector<std::vector<std::string>> mistakes(countedScans.size());
+    Progress progress("scans read", countedScans.size(), "scans", "points", options_.quiet);
     ScanReading reading;
     reading.stop = options_.stop;
     reading.advance = [&](std::uint64_t scans, std::uint64_t points) {
       progress.advance(scans, static_cast<double>(points));
     };
     reading.take = [&](std::size_t k, Scan&& scan) {
-      mistakes[k] = checkScan(scan, recordOf(spread[k]), report_.manifest, largestError());
+      mistakes[k] = checkScan(scan, recordOf(countedScans[k]), report_.manifest, largestError());
       counts[k] = countScan(scan, steps);
     };
-    faults_.scans = readScans(store_, spread, reading);
-    for (std::size_t k = 0; k < spread.size(); ++k) {
+    faults_.scans = readScans(store_, countedScans, reading);
+    for (std::size_t k = 0; k < countedScans.size(); ++k) {
       for (const std::string& mistake : mistakes[k]) {
-        faults_.mistaken.push_back(fmt::format("{}: {}", titleOf(report_.manifest, spread[k]), mistake));
+        faults_.mistaken.push_back(fmt::format("{}: {}", titleOf(report_.manifest, countedScans[k]), mistake));
       }
     }
-    report_.summary = summarise(report_.manifest, spread, counts, steps);
+    report_.summary = summarise(report_.manifest, countedScans, counts, steps);
   }
 
-  void countObjects(const std::vector<ScanIndex>& spread) {
+  // Counts the objects of the samples with these scans, which are sorted by sample.
+  void countObjects(const std::vector<ScanIndex>& countedScans) {
     std::vector<std::size_t> samples;
-    samples.reserve(spread.size());
-    for (const ScanIndex& index : spread) samples.push_back(index.sample);
+    samples.reserve(countedScans.size());
+    for (const ScanIndex& index : countedScans) samples.push_back(index.sample);
     samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
     report_.objects = scanmill::countObjects(store_, samples, faults_.scans);
   }
@@ -120,15 +123,16 @@ class Examination {
     return error;
   }
 
-  void findWarnings(const std::vector<ScanIndex>& spread) {
+  // Sets the warnings. Throws Error if there are scans, but none could be read.
+  void findWarnings(const std::vector<ScanIndex>& countedScans) {
     for (std::size_t i = 0; i < report_.shardFaults.size(); ++i) {
       if (report_.shardFaults[i].empty()) continue;
       faults_.shards.push_back(fmt::format("{} {}", report_.manifest.shards[i].file, report_.shardFaults[i]));
     }
-    if (!spread.empty() && report_.summary.scansRead == 0) {
-      const std::vector<std::string>& why = faults_.shards.empty() ? faults_.scans : faults_.shards;
-      throw Error(
-          fmt::format("{}: none of its scans can be read{}", folder_.string(), why.empty() ? "" : ": " + why.front()));
+    if (!countedScans.empty() && report_.summary.scansRead == 0) {
+      const std::vector<std::string>& faults = faults_.shards.empty() ? faults_.scans : faults_.shards;
+      throw Error(fmt::format("{}: none of its scans can be read{}", folder_.string(),
+                              faults.empty() ? "" : ": " + faults.front()));
     }
     report_.warnings = warningsOf(report_.summary, faults_);
   }

@@ -81,23 +81,22 @@ class Warnings {
   }
 
   void classes() {
-    const auto none = classesWhere([](const ClassSummary& c) { return c.id != 0 && c.points == 0; });
-    if (!none.empty()) {
-      const auto known =
-          std::ranges::count_if(sum_.classes, [](const ClassSummary& c) { return c.id != 0 && c.known; });
-      add(fmt::format("No points of {} of the ontology's {} classes: {}.", none.size(), known,
-                      fmt::join(alikeLines(none), ", ")));
+    const auto absent = classesWhere([](const ClassSummary& c) { return c.id != 0 && c.points == 0; });
+    if (!absent.empty()) {
+      const auto inOntology = classesWhere([](const ClassSummary& c) { return c.id != 0 && c.known; });
+      add(fmt::format("No points of {} of the ontology's {} classes: {}.", absent.size(), inOntology.size(),
+                      fmt::join(alikeLines(absent), ", ")));
       list_.back().note = true;  // is only a note, since few scenes contain all classes
     }
-    const auto few = classesWhere([&](const ClassSummary& c) {
+    const auto rare = classesWhere([&](const ClassSummary& c) {
       return c.id != 0 && c.points > 0 && shareOf(c.points, sum_.points) < kFewClassPoints;
     });
-    if (!few.empty()) add(fmt::format("Fewer than 1 in 10,000 points each: {}.", fmt::join(alikeLines(few), ", ")));
+    if (!rare.empty()) add(fmt::format("Fewer than 1 in 10,000 points each: {}.", fmt::join(alikeLines(rare), ", ")));
     const auto unknown = classesWhere([](const ClassSummary& c) { return !c.known; });
     if (!unknown.empty())
       add(fmt::format("The ontology does not have these classes: {}.", fmt::join(alikeLines(unknown), ", ")));
     for (const ClassSummary& c : sum_.classes) {
-      if (c.id != 0 || c.points <= fromNothing()) continue;
+      if (c.id != 0 || c.points <= beamsWithoutSurface()) continue;
       add(fmt::format("{} of the points are unlabelled, in {}.", shareText(shareOf(c.points, sum_.points)),
                       pluralOf(c.scans, "scan")));
     }
@@ -105,7 +104,7 @@ class Warnings {
 
   // Returns the number of beams whose reason is a false positive or weather; 0 if the dataset records no reasons. The
   // points of these beams come from no surface and therefore have no class.
-  std::uint64_t fromNothing() const {
+  std::uint64_t beamsWithoutSurface() const {
     std::uint64_t beams = 0;
     for (const SensorSummary& sensor : sum_.sensors) {
       for (const auto& [reason, count] : sensor.beamsPerReason) {
@@ -121,28 +120,28 @@ class Warnings {
     const auto train =
         std::ranges::find_if(sum_.splits, [](const SplitSummary& s) { return s.name == "train" && s.points > 0; });
     if (train == sum_.splits.end()) return;
+    const auto warnOfMissing = [&](const std::string& present, const std::string& absent) {
+      const auto names = classesWhere([&](const ClassSummary& c) {
+        return c.id != 0 && c.pointsOfSplit.contains(present) && !c.pointsOfSplit.contains(absent);
+      });
+      if (!names.empty())
+        add(fmt::format("In {} but not in {}: {}.", present, absent, fmt::join(alikeLines(names), ", ")));
+    };
     for (const SplitSummary& other : sum_.splits) {
       if (other.name == train->name || other.points == 0) continue;
-      const auto only = [&](const std::string& here, const std::string& absent) {
-        const auto names = classesWhere([&](const ClassSummary& c) {
-          return c.id != 0 && c.pointsOfSplit.contains(here) && !c.pointsOfSplit.contains(absent);
-        });
-        if (!names.empty())
-          add(fmt::format("In {} but not in {}: {}.", here, absent, fmt::join(alikeLines(names), ", ")));
-      };
-      only(train->name, other.name);
-      only(other.name, train->name);
+      warnOfMissing(train->name, other.name);
+      warnOfMissing(other.name, train->name);
     }
   }
 
   void instances() {
     if (!sum_.instanced || !sum_.labelled) return;
-    std::vector<std::string> without;
+    std::vector<std::string> classesWithoutId;
     for (const ClassSummary& c : sum_.classes) {
       if (c.thing && c.pointsWithoutId > 0)
-        without.push_back(fmt::format("{}: {}", c.name, pluralOf(c.pointsWithoutId, "point")));
+        classesWithoutId.push_back(fmt::format("{}: {}", c.name, pluralOf(c.pointsWithoutId, "point")));
     }
-    if (!without.empty()) add("Points of classes with instances that have no instance id.", without);
+    if (!classesWithoutId.empty()) add("Points of classes with instances that have no instance id.", classesWithoutId);
     std::vector<std::string> mixed;
     for (const MixedInstance& m : sum_.mixed) {
       std::vector<std::string> parts;
@@ -167,29 +166,29 @@ class Warnings {
 }  // namespace
 
 std::vector<std::string> alikeLines(const std::vector<std::string>& lines) {
-  std::vector<std::string> joined;
-  std::vector<std::size_t> more;             // number of further lines that are like the one in `joined`
-  std::map<std::string, std::size_t> known;  // index in `joined` by the line with each number replaced by "#"
-  std::set<std::string> seen;
+  std::vector<std::string> firstLines;             // the first line of each form
+  std::vector<std::size_t> furtherLines;           // number of further lines of the same form
+  std::map<std::string, std::size_t> indexOfForm;  // a form is a line with each number replaced by "#"
+  std::set<std::string> differentLines;
   for (const std::string& line : lines) {
-    if (!seen.insert(line).second) continue;
+    if (!differentLines.insert(line).second) continue;
     std::string form;
     for (const char c : line) {
-      const bool digit = c >= '0' && c <= '9';
-      if (!digit || !form.ends_with('#')) form += digit ? '#' : c;
+      const bool isDigit = c >= '0' && c <= '9';
+      if (!isDigit || !form.ends_with('#')) form += isDigit ? '#' : c;
     }
-    const auto [at, first] = known.emplace(form, joined.size());
-    if (first) {
-      joined.push_back(line);
-      more.push_back(0);
+    const auto [index, isNew] = indexOfForm.emplace(form, firstLines.size());
+    if (isNew) {
+      firstLines.push_back(line);
+      furtherLines.push_back(0);
     } else {
-      ++more[at->second];
+      ++furtherLines[index->second];
     }
   }
-  for (std::size_t i = 0; i < joined.size(); ++i) {
-    if (more[i] > 0) joined[i] += fmt::format(" and {} alike", more[i]);
+  for (std::size_t i = 0; i < firstLines.size(); ++i) {
+    if (furtherLines[i] > 0) firstLines[i] += fmt::format(" and {} alike", furtherLines[i]);
   }
-  return joined;
+  return firstLines;
 }
 
 std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults) {

@@ -8,6 +8,8 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "base/hash.h"
@@ -39,6 +41,7 @@ OrderedJson narrowColumn(const std::vector<std::uint32_t>& numbers) {
                            : column<std::uint32_t>(numbers);
 }
 
+// Builds the JSON of one scan, as scan_view.h describes it.
 class ViewData {
  public:
   ViewData(const ViewedScan& viewed, const Ontology& ontology)
@@ -62,61 +65,63 @@ class ViewData {
   }
 
  private:
+  // Adds the positions, quantised to 16 bits within the shown points' bounding box.
   void positions() {
     constexpr double kSteps = 65535;
     Box box;
     for (const std::size_t i : points_) box.add(Vec3d(scan_.position[i]));
     const Vec3d low = box.empty() ? Vec3d{} : box.low, high = box.empty() ? Vec3d{} : box.high;
-    const auto stepOf = [](double extent) { return extent > 0 ? extent / kSteps : 1; };
-    const Vec3d step{stepOf(high.x - low.x), stepOf(high.y - low.y), stepOf(high.z - low.z)};
-    std::vector<std::uint32_t> numbers;
-    const auto add = [&](double value, double from, double size) {
-      numbers.push_back(static_cast<std::uint32_t>(std::clamp(std::round((value - from) / size), 0.0, kSteps)));
+    const auto stepFor = [](double extent) { return extent > 0 ? extent / kSteps : 1; };
+    const Vec3d step{stepFor(high.x - low.x), stepFor(high.y - low.y), stepFor(high.z - low.z)};
+    const auto quantised = [&](double value, double lowest, double stepSize) {
+      return static_cast<std::uint32_t>(std::clamp(std::round((value - lowest) / stepSize), 0.0, kSteps));
     };
+    std::vector<std::uint32_t> numbers;
     for (const std::size_t i : points_) {
       const Vec3d p(scan_.position[i]);
-      add(p.x, low.x, step.x);
-      add(p.y, low.y, step.y);
-      add(p.z, low.z, step.z);
+      numbers.insert(numbers.end(),
+                     {quantised(p.x, low.x, step.x), quantised(p.y, low.y, step.y), quantised(p.z, low.z, step.z)});
     }
     json_["box"] = {{"low", {low.x, low.y, low.z}}, {"step", {step.x, step.y, step.z}}};
     json_["position"] = column<std::uint16_t>(numbers);
   }
 
-  void classes() {
-    if (scan_[kLabel].empty()) return;
-    std::map<std::uint16_t, std::uint64_t> counts;
-    for (std::size_t i = 0; i < scan_.size(); ++i) {
-      if (isFinite(scan_.position[i])) ++counts[scan_[kLabel][i]];
-    }
-    std::map<std::uint16_t, std::uint32_t> indexOf;
-    OrderedJson classes = OrderedJson::array();
-    for (const auto& [id, count] : counts) {
-      indexOf.emplace(id, static_cast<std::uint32_t>(indexOf.size()));
-      classes.push_back(
-          {{"id", id}, {"name", className(&ontology_, id)}, {"color", classColor(&ontology_, id)}, {"points", count}});
-    }
+  // Returns for each shown point the index of its value among the keys of `entries`, which has all shown values.
+  std::vector<std::uint32_t> indicesIn(const auto& entries, const auto& values) const {
+    std::map<std::uint32_t, std::uint32_t> indexOf;
+    for (const auto& [value, count] : entries) indexOf.emplace(value, static_cast<std::uint32_t>(indexOf.size()));
     std::vector<std::uint32_t> indices;
-    for (const std::size_t i : points_) indices.push_back(indexOf.at(scan_[kLabel][i]));
-    json_["classes"] = std::move(classes);
-    json_["class"] = narrowColumn(indices);
+    for (const std::size_t i : points_) indices.push_back(indexOf.at(values[i]));
+    return indices;
   }
 
+  // Adds the classes of all points of the scan, and the shown points' indices in this list.
+  void classes() {
+    if (scan_[kLabel].empty()) return;
+    std::map<std::uint16_t, std::uint64_t> pointsOfClass;
+    for (std::size_t i = 0; i < scan_.size(); ++i) {
+      if (isFinite(scan_.position[i])) ++pointsOfClass[scan_[kLabel][i]];
+    }
+    json_["classes"] = OrderedJson::array();
+    for (const auto& [id, points] : pointsOfClass) {
+      json_["classes"].push_back(
+          {{"id", id}, {"name", className(&ontology_, id)}, {"color", classColor(&ontology_, id)}, {"points", points}});
+    }
+    json_["class"] = narrowColumn(indicesIn(pointsOfClass, scan_[kLabel]));
+  }
+
+  // Adds the instances of the shown points, and the points' indices in this list.
   void instances() {
     if (scan_[kInstance].empty()) return;
-    std::map<std::uint32_t, std::uint32_t> indexOf;
-    for (const std::size_t i : points_) indexOf.emplace(scan_[kInstance][i], 0);
+    std::map<std::uint32_t, std::uint64_t> pointsOfInstance;
+    for (const std::size_t i : points_) ++pointsOfInstance[scan_[kInstance][i]];
     OrderedJson ids = OrderedJson::array(), colors = OrderedJson::array();
-    std::uint32_t next = 0;
-    for (auto& [id, index] : indexOf) {
-      index = next++;
+    for (const auto& [id, points] : pointsOfInstance) {
       ids.push_back(id);
       colors.push_back(instanceColor(id));
     }
-    std::vector<std::uint32_t> indices;
-    for (const std::size_t i : points_) indices.push_back(indexOf.at(scan_[kInstance][i]));
     json_["instances"] = {{"ids", std::move(ids)}, {"colors", std::move(colors)}};
-    json_["instance"] = narrowColumn(indices);
+    json_["instance"] = narrowColumn(indicesIn(pointsOfInstance, scan_[kInstance]));
   }
 
   // Adds a column of values. If all are integers from 0 to 65534, they are stored exactly; otherwise they are quantised
@@ -125,23 +130,26 @@ class ViewData {
   void addValues(std::string_view name, std::string_view unit, const std::vector<Number>& values, double factor) {
     if (values.empty()) return;
     constexpr double kSteps = 65534, kNone = 65535;
-    std::vector<double> shown;
+    std::vector<double> shown;  // values of the shown points, in the unit of the page
     for (const std::size_t i : points_) shown.push_back(factor * static_cast<double>(values[i]));
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const double v : shown) {
-      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+      if (!std::isfinite(v)) continue;
+      low = std::min(low, v);
+      high = std::max(high, v);
     }
-    if (low > high) return;
-    const bool integers = factor == 1 && low >= 0 && high < kNone &&
-                          std::ranges::all_of(shown, [](double v) { return v == std::floor(v) && std::isfinite(v); });
-    if (integers) low = 0;
-    const double step = integers ? 1 : high > low ? (high - low) / kSteps : 1;
+    if (low > high) return;  // no value is finite
+    const bool areIntegers = factor == 1 && low >= 0 && high < kNone && std::ranges::all_of(shown, [](double v) {
+                               return v == std::floor(v) && std::isfinite(v);
+                             });
+    if (areIntegers) low = 0;
+    const double step = areIntegers ? 1 : high > low ? (high - low) / kSteps : 1;
     std::vector<std::uint32_t> codes;
     for (const double v : shown) {
       codes.push_back(static_cast<std::uint32_t>(std::isfinite(v) ? std::round((v - low) / step) : kNone));
     }
     OrderedJson added = narrowColumn(codes);
-    added.update({{"name", name}, {"unit", unit}, {"whole", integers}, {"low", low}, {"step", step}});
+    added.update({{"name", name}, {"unit", unit}, {"whole", areIntegers}, {"low", low}, {"step", step}});
     json_["values"].push_back(std::move(added));
   }
 
@@ -154,38 +162,38 @@ class ViewData {
 // An instance or a class with at most this number of points is kept complete if possible.
 constexpr std::size_t kFewPoints = 1000;
 
-// Adds a group for each value (instance id or class) that at most kFewPoints points have. `zeroIsNone`: points with the
-// value 0 form no group.
+using PointGroup = std::vector<std::size_t>;  // indices of points
+
+// Adds a group for each value (instance id or class) that at most kFewPoints of the finite points have; none if the
+// scan has no values. Points with the value `noGroup` form no group.
 template <class Value>
-void addRare(const Scan& scan, const std::vector<Value>& values, const std::vector<std::size_t>& finite,
-             bool zeroIsNone, std::vector<std::pair<std::size_t, std::vector<std::size_t>>>& groups) {
-  if (values.size() != scan.size()) return;
-  std::map<Value, std::vector<std::size_t>> pointsOf;
-  for (const std::size_t i : finite) {
-    if (!zeroIsNone || values[i] != 0) pointsOf[values[i]].push_back(i);
-  }
+void addRareGroups(const std::vector<Value>& values, const std::vector<std::size_t>& finitePoints,
+                   std::optional<Value> noGroup, std::vector<PointGroup>& groups) {
+  if (values.empty()) return;
+  std::map<Value, PointGroup> pointsOf;
+  for (const std::size_t i : finitePoints) pointsOf[values[i]].push_back(i);
   for (auto& [value, points] : pointsOf) {
-    if (points.size() <= kFewPoints) groups.emplace_back(points.size(), std::move(points));
+    if (points.size() <= kFewPoints && noGroup != value) groups.push_back(std::move(points));
   }
 }
 
+// Returns the squared distance of a point (m²), which is proportional to the probability of keeping the point.
 double weightOf(const Vec3f& position) {
-  constexpr double kLeast = 1e-3;  // least weight (m²): a point at the sensor must not have the weight zero
+  constexpr double kLeastWeight = 1e-3;  // a point at the sensor must not have the weight zero
   const Vec3d p(position);
-  return std::max(dot(p, p), kLeast);
+  return std::max(dot(p, p), kLeastWeight);
 }
 
-// Returns the factor f for which the sum of min(f * weight, 1) over all weights is `kept`. f * weight is then the
-// probability of keeping a point.
-double factorFor(std::vector<double> weights, double kept) {
+// Returns the factor f for which the sum of min(f * weight, 1) over all weights is `keptPoints`. min(f * weight, 1) is
+// then the probability of keeping a point.
+double probabilityFactor(std::vector<double> weights, double keptPoints) {
   std::ranges::sort(weights, std::greater<>());
-  double sum = 0;  // of the weights from index `certain` on
-  for (const double w : weights) sum += w;
+  double weightSum = std::accumulate(weights.begin(), weights.end(), 0.0);  // without the points that are certain
   // The points with the largest weights are certain to be kept.
-  for (std::size_t certain = 0; certain < weights.size(); ++certain) {
-    const double factor = (kept - static_cast<double>(certain)) / sum;
-    if (factor * weights[certain] <= 1) return factor;
-    sum -= weights[certain];
+  for (std::size_t certainPoints = 0; certainPoints < weights.size(); ++certainPoints) {
+    const double factor = (keptPoints - static_cast<double>(certainPoints)) / weightSum;
+    if (factor * weights[certainPoints] <= 1) return factor;
+    weightSum -= weights[certainPoints];
   }
   return 0;
 }
@@ -210,36 +218,34 @@ std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
   }
   if (finite.size() <= most) return finite;
 
-  std::vector<bool> rare(scan.size(), false);  // points that are kept whatever their distance
-  std::size_t rareCount = 0;
-  std::vector<std::pair<std::size_t, std::vector<std::size_t>>> groups;
-  addRare(scan, scan[kInstance], finite, true, groups);
-  addRare(scan, scan[kLabel], finite, false, groups);
-  std::ranges::stable_sort(groups, [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [count, points] : groups) {
-    if (rareCount + count > most / 2) break;
-    for (const std::size_t i : points) {
-      rareCount += rare[i] ? 0 : 1;
-      rare[i] = true;
+  std::vector<bool> isRare(scan.size(), false);  // true: the point is kept whatever its distance
+  std::size_t rarePoints = 0;
+  std::vector<PointGroup> groups;
+  addRareGroups(scan[kInstance], finite, {0}, groups);  // 0: no instance
+  addRareGroups(scan[kLabel], finite, {}, groups);
+  std::ranges::stable_sort(groups, {}, &PointGroup::size);
+  for (const PointGroup& group : groups) {
+    if (rarePoints + group.size() > most / 2) break;
+    for (const std::size_t i : group) {
+      rarePoints += isRare[i] ? 0 : 1;
+      isRare[i] = true;
     }
   }
 
   std::vector<double> weights;
   for (const std::size_t i : finite) {
-    if (!rare[i]) weights.push_back(weightOf(scan.position[i]));
+    if (!isRare[i]) weights.push_back(weightOf(scan.position[i]));
   }
-  const double factor = factorFor(std::move(weights), static_cast<double>(most - rareCount));
+  const double factor = probabilityFactor(std::move(weights), static_cast<double>(most - rarePoints));
   // Add up the probabilities along the scan, and keep a point whenever the sum reaches one.
   std::vector<std::size_t> kept;
   double sum = 0.5;
   for (const std::size_t i : finite) {
-    if (rare[i]) {
-      kept.push_back(i);
-      continue;
+    if (!isRare[i]) {
+      sum += std::min(factor * weightOf(scan.position[i]), 1.0);
+      if (sum < 1) continue;
+      sum -= 1;
     }
-    sum += std::min(factor * weightOf(scan.position[i]), 1.0);
-    if (sum < 1) continue;
-    sum -= 1;
     kept.push_back(i);
   }
   if (kept.size() > most) kept.resize(most);  // rounding may have caused one point too many
