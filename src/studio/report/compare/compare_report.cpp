@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <span>
 
 #include "report/page/page.h"
 
@@ -13,12 +14,12 @@ namespace {
 constexpr std::size_t kReal = 0, kSimulated = 1;  // indices of colours in the charts' palette
 constexpr std::size_t kMostNamed = 3;             // maximum number of features that the page names for a group
 
-// Adds to each item of a list the title, explanation and pipeline keys of its row in the table `rows`, which is the row
-// with the name item[key]. compare.json has no titles and explanations, which are for users.
-void addWords(Json& list, const char* key, const auto& rows) {
+// Adds to each item of a list the title, explanation and pipeline keys of the figure with the name item[key].
+// compare.json has no titles and explanations, which are for users.
+void addWords(Json& list, const char* key, std::span<const ComparedFigure> figures) {
   for (Json& item : list) {
-    for (const auto& row : rows) {
-      if (item.at(key) == row.name) item.update({{"title", row.title}, {"meaning", row.meaning}, {"keys", row.keys}});
+    for (const ComparedFigure& f : figures) {
+      if (item.at(key) == f.name) item.update({{"title", f.title}, {"meaning", f.meaning}, {"keys", f.keys}});
     }
   }
 }
@@ -27,6 +28,7 @@ std::string_view endText(const KeyChange& advice) {
   return !advice.isEnd ? "" : advice.suggestedValue > advice.currentValue ? " (the most)" : " (the least)";
 }
 
+// Returns a chart with a row for each feature: how well it separates the sets, and how well the real set from itself.
 Chart featureChart(const SetComparison& comparison) {
   Chart chart{.name = "features",
               .title = "What separates the sets",
@@ -36,31 +38,38 @@ Chart featureChart(const SetComparison& comparison) {
   ChartSeries bars{.name = "real against simulated", .color = kSimulated, .mark = ChartMark::Bars};
   ChartSeries within{.name = "odd against even real scans", .color = kReal};
   for (const Separation& s : comparison.features) {
-    const auto place = static_cast<double>(chart.y.names.size());
+    const auto row = static_cast<double>(chart.y.names.size());
     chart.y.names.emplace_back(kPatchFeatures[s.feature].title);
-    bars.add({s.strength, place}, fmt::format("{}: {:.3f}", kPatchFeatures[s.feature].title, s.strength));
-    within.points.push_back({comparison.withinReal[s.feature], place});
+    bars.add({s.strength, row}, fmt::format("{}: {:.3f}", kPatchFeatures[s.feature].title, s.strength));
+    within.points.push_back({comparison.withinReal[s.feature], row});
   }
   chart.height = 120 + 26 * static_cast<int>(chart.y.names.size());
   chart.series = {bars, within};
   return chart;
 }
 
-// Returns the chart with two bars for each name. `rows`: part of the comparison's JSON. `name`, `real`, `simulated`:
-// keys in each row. `factor`: multiplies the values.
-Chart pairChart(Chart chart, const Json& rows, const char* name, const char* real, const char* simulated,
-                double factor) {
+// The keys with which the rows of a list of the comparison's JSON state the name and the values of both sets.
+struct PairKeys {
+  const char *name, *real, *simulated;
+};
+constexpr PairKeys kGroupShares{"name", "real_share", "simulated_share"};
+constexpr PairKeys kBandShares{"band", "real_share", "simulated_share"};
+constexpr PairKeys kBandValues{"band", "real", "simulated"};
+
+// Returns `chart` with two bars for each row. `factor`: multiplies the values.
+Chart pairChart(Chart chart, const Json& rows, const PairKeys& keys, double factor = 1) {
   chart.x.low = 0;
   chart.series = {{.name = "real", .color = kReal, .mark = ChartMark::Bars},
                   {.name = "simulated", .color = kSimulated, .mark = ChartMark::Bars}};
   for (const Json& row : rows) {
     for (std::size_t i = 0; i < 2; ++i) {
-      const Json& value = row.at(i == 0 ? real : simulated);
+      const Json& value = row.at(i == 0 ? keys.real : keys.simulated);
       const double figure = value.is_null() ? NAN : factor * value.get<double>();
-      chart.series[i].add({figure, static_cast<double>(chart.y.names.size())},
-                          value.is_null() ? "" : fmt::format("{}: {:.3g}", row.at(name).get<std::string>(), figure));
+      chart.series[i].add(
+          {figure, static_cast<double>(chart.y.names.size())},
+          value.is_null() ? "" : fmt::format("{}: {:.3g}", row.at(keys.name).get<std::string>(), figure));
     }
-    chart.y.names.push_back(row.at(name));
+    chart.y.names.push_back(row.at(keys.name));
   }
   chart.height = 130 + 34 * static_cast<int>(chart.y.names.size());
   return chart;
@@ -82,11 +91,10 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   addWords(page["features"], "feature", kPatchFeatures);
   addWords(page["figures"], "figure", kSetFigures);
   page["definitions"] = Json::array();
-  const auto define = [&](const auto& rows) {
-    for (const auto& row : rows) page["definitions"].push_back({{"title", row.title}, {"meaning", row.meaning}});
-  };
-  define(kPatchFeatures);
-  define(kSetFigures);
+  for (const std::span<const ComparedFigure> figures :
+       {std::span<const ComparedFigure>(kPatchFeatures), {kSetFigures}}) {
+    for (const ComparedFigure& f : figures) page["definitions"].push_back({{"title", f.title}, {"meaning", f.meaning}});
+  }
   for (Json& feature : page["features"]) {
     const Json& within = feature.at("strength_within_real");
     feature["strong"] = !within.is_null() && feature.at("strength") > 2 * within.get<double>();
@@ -97,8 +105,9 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   }
   page.erase("figures");
   for (std::size_t i = 0; i < comparison.advice.size(); ++i) {
-    const KeyChange& a = comparison.advice[i];
-    page["advice"][i].update({{"real", a.real}, {"simulated", a.simulated}, {"unit", a.unit}, {"end", endText(a)}});
+    const KeyChange& change = comparison.advice[i];
+    page["advice"][i].update(
+        {{"real", change.real}, {"simulated", change.simulated}, {"unit", change.unit}, {"end", endText(change)}});
   }
   for (Json& group : page["groups"]) {
     addWords(group["features"], "feature", kPatchFeatures);
@@ -115,15 +124,13 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   const ChartAxis share{.title = "share of the points (%)"}, intensity{.title = "intensity / median"};
   page["charts"] = chartValues(
       {featureChart(comparison),
-       pairChart({.name = "shares", .title = "Shares of the points", .x = share}, page["groups"], "name", "real_share",
-                 "simulated_share", 100),
-       pairChart({.name = "ranges", .title = "Ranges", .x = share}, page["ranges"], "band", "real_share",
-                 "simulated_share", 100),
+       pairChart({.name = "shares", .title = "Shares of the points", .x = share}, page["groups"], kGroupShares, 100),
+       pairChart({.name = "ranges", .title = "Ranges", .x = share}, page["ranges"], kBandShares, 100),
        pairChart({.name = "intensity_by_range", .title = "Intensity by range", .note = "Medians.", .x = intensity},
-                 page["intensity_by_range"], "band", "real", "simulated", 1),
+                 page["intensity_by_range"], kBandValues),
        pairChart(
            {.name = "intensity_by_incidence", .title = "Intensity by incidence", .note = "Medians.", .x = intensity},
-           page["intensity_by_incidence"], "band", "real", "simulated", 1)});
+           page["intensity_by_incidence"], kBandValues)});
   return fillPage(kCompareTemplate, std::move(page));
 }
 

@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kHalfRow = 870;  // maximum width of charts that share a row (pixels)
+constexpr int kMostHalfWidth = 870;  // pixels; wider charts stand alone in a row
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\n");
@@ -25,17 +25,18 @@ std::string trimmed(const std::string& text) {
 // Returns the four parts of a line, which are separated by " | "; missing parts are empty.
 std::vector<std::string> cellParts(const std::string& line) {
   std::vector<std::string> parts;
-  for (std::size_t at = 0; at != std::string::npos;) {
-    const std::size_t end = line.find(" | ", at);
-    parts.push_back(trimmed(line.substr(at, end - at)));
-    at = end == std::string::npos ? end : end + 3;
+  for (std::size_t begin = 0; begin != std::string::npos;) {
+    const std::size_t end = line.find(" | ", begin);
+    parts.push_back(trimmed(line.substr(begin, end - begin)));
+    begin = end == std::string::npos ? end : end + 3;
   }
   parts.resize(4);
   return parts;
 }
 
-std::string attribute(const char* name, const std::string& value) {
-  return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, value);
+// Returns the HTML attribute with the text that is shown when the mouse points at a cell; empty without a text.
+std::string titleAttribute(const std::string& text) {
+  return text.empty() ? "" : fmt::format(" title=\"{}\"", text);
 }
 
 // Returns the HTML attribute with the value by which a table cell is sorted: the unformatted value of the first figure
@@ -49,14 +50,19 @@ std::string sortAttribute(const std::string& cell) {
 // Converts the description of a table (see fillPage()) to a Mustache template.
 std::string tableTemplate(const std::string& text) {
   std::istringstream lines(text);
-  std::string line, rows, repeated, group;
-  std::string groups, heads, cells;  // cells of the two rows of headings and of a row of values
-  int columns = 0, inGroup = 0;
+  std::string line;
+  std::string rows, repeated, group;  // path of the list of rows, path of "+", title of "=="
+  std::string groups, heads, cells;   // cells of the two rows of headings and of a row of values
+  int columns = 0, groupColumns = 0;  // numbers of columns so far: in all, and in the current group
   const auto endGroup = [&] {
-    if (inGroup > 0) groups += fmt::format("<th colspan=\"{}\">{}</th>", inGroup, group);
-    inGroup = 0;
+    if (groupColumns > 0) groups += fmt::format("<th colspan=\"{}\">{}</th>", groupColumns, group);
+    groupColumns = 0;
   };
-  const auto addToRows = [&](const std::string& more) { groups += more, heads += more, cells += more; };
+  const auto addToEachRow = [&](const std::string& tag) {
+    groups += tag;
+    heads += tag;
+    cells += tag;
+  };
   while (std::getline(lines, line)) {
     line = trimmed(line);
     if (line.empty()) continue;
@@ -68,22 +74,22 @@ std::string tableTemplate(const std::string& text) {
     } else if (line.starts_with("+ ")) {
       endGroup();
       repeated = line.substr(2);
-      addToRows("{{#" + repeated + "}}");
+      addToEachRow("{{#" + repeated + "}}");
     } else if (line == "-") {
       endGroup();
-      addToRows("{{/" + repeated + "}}");
+      addToEachRow("{{/" + repeated + "}}");
       group.clear();
     } else {
-      std::vector<std::string> parts = cellParts(line);
-      const bool words = parts[0].starts_with("< ");
-      const std::string kind = words ? " class=\"words\"" : "";
-      heads +=
-          fmt::format("<th{}{}>{}</th>", kind, attribute("title", parts[2]), words ? parts[0].substr(2) : parts[0]);
-      const std::string hint = parts[3].empty() ? "" : fmt::format(" title=\"{}\"", parts[3]);
-      cells += fmt::format("<td{}{}{}>{}</td>", kind, words ? "" : sortAttribute(parts[1]), hint, parts[1]);
+      const std::vector<std::string> parts = cellParts(line);
+      const std::string &title = parts[0], &cell = parts[1], &hint = parts[2], &cellHint = parts[3];
+      const bool isText = title.starts_with("< ");
+      const std::string style = isText ? " class=\"words\"" : "";
+      heads += fmt::format("<th{}{}>{}</th>", style, titleAttribute(hint), isText ? title.substr(2) : title);
+      cells +=
+          fmt::format("<td{}{}{}>{}</td>", style, isText ? "" : sortAttribute(cell), titleAttribute(cellHint), cell);
       if (columns++ == 0)
         cells += "{{#failure}}<td class=\"why\" colspan=\"100\">not measured: {{failure}}</td>{{/failure}}{{^failure}}";
-      ++inGroup;
+      ++groupColumns;
     }
   }
   endGroup();
@@ -119,10 +125,10 @@ std::string scriptSource(const std::string& script) {
 // Returns the body without all <template id="name">text</template>; stores the texts in `values` under their names.
 std::string withoutPartials(std::string body, Json& values) {
   constexpr std::string_view kBegin = "<template id=\"", kEnd = "</template>\n";
-  for (std::size_t at = body.find(kBegin); at != std::string::npos; at = body.find(kBegin)) {
-    const std::size_t name = at + kBegin.size(), text = body.find("\">\n", name), end = body.find(kEnd, text);
-    values[body.substr(name, text - name)] = body.substr(text + 3, end - text - 3);
-    body.erase(at, end + kEnd.size() - at);
+  for (std::size_t begin = body.find(kBegin); begin != std::string::npos; begin = body.find(kBegin)) {
+    const std::size_t name = begin + kBegin.size(), nameEnd = body.find("\">\n", name), end = body.find(kEnd, nameEnd);
+    values[body.substr(name, nameEnd - name)] = body.substr(nameEnd + 3, end - nameEnd - 3);
+    body.erase(begin, end + kEnd.size() - begin);
   }
   return body;
 }
@@ -132,8 +138,8 @@ std::string navigation(const std::string& body) {
   constexpr std::string_view kHeading = "<h2 id=\"";
   std::string links;
   for (std::size_t at = body.find(kHeading); at != std::string::npos; at = body.find(kHeading, at + 1)) {
-    const std::size_t id = at + kHeading.size(), title = body.find("\">", id) + 2;
-    links += fmt::format("<a href=\"#{}\">{}</a>\n", body.substr(id, title - 2 - id),
+    const std::size_t id = at + kHeading.size(), idEnd = body.find("\">", id), title = idEnd + 2;
+    links += fmt::format("<a href=\"#{}\">{}</a>\n", body.substr(id, idEnd - id),
                          body.substr(title, body.find("</h2>", title) - title));
   }
   return links;
@@ -144,12 +150,13 @@ std::string navigation(const std::string& body) {
 std::string fillPage(std::string_view body, Json values, const PageExtras& extras) {
   const TextEscape escape = [](const std::string& text) { return escapeXml(text); };
   values["chart"] = "<figure class=\"chart{{#wide}} wide{{/wide}}\">{{{svg}}}</figure>";
-  std::string filled = fillTemplate(withoutPartials(std::string(body), values), values, escape,
-                                    {{"table", tableTemplate}, {"figures", figuresTemplate}});
+  std::string filledBody = fillTemplate(withoutPartials(std::string(body), values), values, escape,
+                                        {{"table", tableTemplate}, {"figures", figuresTemplate}});
   constexpr std::string_view kNavigation = "<nav></nav>";
-  const std::size_t nav = filled.find(kNavigation);
-  if (nav != std::string::npos) filled.insert(nav + 5, navigation(filled));
-  Json layout{{"title", values["title"]}, {"css", std::string(kPageStyle) + extras.css}, {"body", std::move(filled)}};
+  const std::size_t nav = filledBody.find(kNavigation);
+  if (nav != std::string::npos) filledBody.insert(nav + std::string_view("<nav>").size(), navigation(filledBody));
+  Json layout{
+      {"title", values["title"]}, {"css", std::string(kPageStyle) + extras.css}, {"body", std::move(filledBody)}};
   std::vector<std::string> scripts{std::string(kPageScript)};
   scripts.insert(scripts.end(), extras.scripts.begin(), extras.scripts.end());
   std::string sources;
@@ -162,7 +169,7 @@ std::string fillPage(std::string_view body, Json values, const PageExtras& extra
 
 Json chartValues(const Chart& chart) {
   if (!hasPoints(chart)) return {};
-  const bool wide = chart.width > kHalfRow;
+  const bool wide = chart.width > kMostHalfWidth;
   Chart fitted = chart;
   fitted.width = wide ? kWholeWidth : kHalfWidth;
   return {{"wide", wide}, {"svg", drawSvg(fitted)}};

@@ -28,9 +28,9 @@ void addTableRows(Json& pose, const Repeatability& result) {
     dropDeviationOfTwo(cell["registered"]);
     dropDeviationOfTwo(cell["unmoved"]);
   }
-  const Json pointsOfReference = pose["points"][reference], ofReference = fitness[reference * count + reference];
-  pose["points"] = pointsOfReference;
-  pose.update(ofReference);
+  const Json referencePoints = pose["points"][reference], referenceFitness = fitness[reference * count + reference];
+  pose["points"] = referencePoints;
+  pose.update(referenceFitness);
   pose["sources"] = Json::array();
   for (std::size_t source = 0; source < count; ++source) {
     Json row{{"source", result.levels[source]}, {"strong", source == reference}, {"targets", Json::array()}};
@@ -46,7 +46,7 @@ constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // charts
 constexpr double kRounding = 1e-12;    // fitness (m²) below which values are rounding errors
 constexpr std::size_t kMostPoses = 7;  // maximum number of poses in one chart; each pose is a line
 
-using OfLevels = FitnessSpread LevelFitness::*;
+using FitnessKind = FitnessSpread LevelFitness::*;  // with or without ICP
 
 // Returns a series without points. Each view and each level has the same colour in all charts.
 ChartSeries line(std::string name, std::size_t color) {
@@ -55,14 +55,12 @@ ChartSeries line(std::string name, std::size_t color) {
 
 // Adds a point at the mean, with an error bar of one standard deviation up and down, but not below the smallest value.
 // A mean below kRounding is drawn as 0 without an error bar.
-void add(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
-  const bool any = spread.count > 0;
-  const bool spreads = any && spread.mean >= kRounding;
+void addFitness(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
+  const bool isPositive = spread.count > 0 && spread.mean >= kRounding;
   const double low = std::max(spread.mean - spread.deviation, spread.low);
-  series.spans.push_back({spreads ? low : kNothing, spreads ? spread.mean + spread.deviation : kNothing});
-  series.add({x, spreads ? spread.mean
-                 : any   ? 0
-                         : kNothing},
+  series.spans.push_back({isPositive ? low : kNothing, isPositive ? spread.mean + spread.deviation : kNothing});
+  const double mean = isPositive ? spread.mean : 0;
+  series.add({x, spread.count > 0 ? mean : kNothing},
              fmt::format("{}: {:.4g} +- {:.2g} m² of {} pairs", detail, spread.mean, spread.deviation, spread.count));
 }
 
@@ -78,27 +76,28 @@ Chart fitnessAxes(const char* name, const std::string& title, const std::string&
           .y = logAxis("fitness: mean squared distance (m²)")};
 }
 
-std::vector<const RepeatedPose*> byDistance(const RepeatedView& view) {
+std::vector<const RepeatedPose*> posesByDistance(const RepeatedView& view) {
   std::vector<const RepeatedPose*> poses;
   for (const RepeatedPose& pose : view.poses) poses.push_back(&pose);
   std::ranges::stable_sort(poses, {}, &RepeatedPose::distance);
   return poses;
 }
 
-std::string at(const RepeatedPose& pose) {
+std::string distanceText(const RepeatedPose& pose) {
   return fmt::format("{:.3g} m", pose.distance);
 }
 
 // Adds a line of the view's fitness over the distance, between two scans with the same noise level.
-void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view, std::size_t level, OfLevels when,
+void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view, std::size_t level, FitnessKind kind,
              ChartSeries series) {
-  for (const RepeatedPose* pose : byDistance(view)) {
-    add(series, pose->distance, result.at(*pose, level, level).*when, at(*pose));
+  for (const RepeatedPose* pose : posesByDistance(view)) {
+    addFitness(series, pose->distance, result.at(*pose, level, level).*kind, distanceText(*pose));
   }
   chart.series.push_back(std::move(series));
 }
 
-Chart fitnessChart(const Repeatability& result, std::size_t method, OfLevels when, const char* name,
+// Returns a chart of the method's views: the fitness between two scans with the reference noise, over the distance.
+Chart fitnessChart(const Repeatability& result, std::size_t method, FitnessKind kind, const char* name,
                    const char* title) {
   Chart chart = fitnessAxes(name, title,
                             fmt::format("Noise {} on both scans; {} scans of each pose, all ordered pairs. Bars: "
@@ -106,7 +105,7 @@ Chart fitnessChart(const Repeatability& result, std::size_t method, OfLevels whe
                                         result.levels[result.reference], result.scans));
   for (const RepeatedView& view : result.views) {
     if (view.method != method) continue;
-    addLine(chart, result, view, result.reference, when, line(view.name, chart.series.size()));
+    addLine(chart, result, view, result.reference, kind, line(view.name, chart.series.size()));
   }
   return chart;
 }
@@ -120,16 +119,18 @@ Chart pointsChart(const Repeatability& result, std::size_t method) {
   for (const RepeatedView& view : result.views) {
     if (view.method != method) continue;
     ChartSeries series = line(view.name, chart.series.size());
-    for (const RepeatedPose* pose : byDistance(view)) {
+    for (const RepeatedPose* pose : posesByDistance(view)) {
       const PointCount& count = pose->points[result.reference];
       series.add({pose->distance, count.mean},
-                 fmt::format("{}: {:g} points, {} to {}", at(*pose), count.mean, count.least, count.most));
+                 fmt::format("{}: {:g} points, {} to {}", distanceText(*pose), count.mean, count.least, count.most));
     }
     chart.series.push_back(std::move(series));
   }
   return chart;
 }
 
+// Returns a chart of the fitness between scans with the reference noise and those with each noise, a line for each
+// pose.
 Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
   Chart chart{.name = "noise_levels"};
   chart.title = fmt::format("{}: {} against other noise", view.name, result.levels[result.reference]);
@@ -141,19 +142,19 @@ Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
   chart.x.title = "noise of the target";
   chart.x.names = result.levels;
   chart.y = logAxis("fitness after ICP (m²)");
-  const std::vector<const RepeatedPose*> poses = byDistance(view);
+  const std::vector<const RepeatedPose*> poses = posesByDistance(view);
   const std::size_t step = (poses.size() + kMostPoses - 1) / kMostPoses;
   for (std::size_t p = 0; p < poses.size(); p += step) {
-    ChartSeries others = line(at(*poses[p]), p / step);
-    ChartSeries itself = line("", p / step);
-    itself.mark = ChartMark::Dots;
+    ChartSeries others = line(distanceText(*poses[p]), p / step);
+    ChartSeries reference = line("", p / step);  // the level of the source
+    reference.mark = ChartMark::Dots;
     for (std::size_t level = 0; level < result.levels.size(); ++level) {
-      add(level == result.reference ? itself : others, static_cast<double>(level),
-          result.at(*poses[p], result.reference, level).registered,
-          fmt::format("{}, noise {}", at(*poses[p]), result.levels[level]));
+      addFitness(level == result.reference ? reference : others, static_cast<double>(level),
+                 result.at(*poses[p], result.reference, level).registered,
+                 fmt::format("{}, noise {}", distanceText(*poses[p]), result.levels[level]));
     }
     chart.series.push_back(std::move(others));
-    chart.series.push_back(std::move(itself));
+    chart.series.push_back(std::move(reference));
   }
   return chart;
 }
@@ -193,10 +194,10 @@ std::string repeatabilityReport(const Repeatability& result, const std::string& 
   }
   for (std::size_t v = 0; v < result.views.size(); ++v) {
     const RepeatedView& view = result.views[v];
-    Json& own = page["views"][v];
-    own["number"] = v;
-    own["charts"] = chartValues(repeatabilityViewCharts(result, view));
-    for (Json& pose : own["places"]) {
+    Json& values = page["views"][v];
+    values["number"] = v;
+    values["charts"] = chartValues(repeatabilityViewCharts(result, view));
+    for (Json& pose : values["places"]) {
       addTableRows(pose, result);
       pose.update({{"view", view.name}, {"sensor", view.sensor}});
       page["of_methods"][view.method]["places"].push_back(pose);
@@ -222,10 +223,10 @@ std::vector<Chart> repeatabilityViewCharts(const Repeatability& result, const Re
 Chart repeatabilityMethods(const Repeatability& result, const std::string& view) {
   Chart chart = fitnessAxes("methods", fmt::format("{}: methods", view),
                             fmt::format("After ICP; noise {} on both scans.", result.levels[result.reference]));
-  for (const RepeatedView& own : result.views) {
-    if (own.name != view) continue;
-    addLine(chart, result, own, result.reference, &LevelFitness::registered,
-            line(result.methods[own.method], own.method));
+  for (const RepeatedView& ofMethod : result.views) {
+    if (ofMethod.name != view) continue;
+    addLine(chart, result, ofMethod, result.reference, &LevelFitness::registered,
+            line(result.methods[ofMethod.method], ofMethod.method));
   }
   return chart;
 }
