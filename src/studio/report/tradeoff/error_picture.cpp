@@ -17,6 +17,7 @@ constexpr Rgb kFalseNegativeColor{255, 70, 70};
 constexpr Rgb kFalsePositiveColor{255, 255, 255};
 constexpr Rgb kOtherLabelColor{255, 150, 220};
 
+// Returns the colour of a range error (m).
 Rgb errorColor(double error) {
   // Fraction of the colour map, at its dark end, that is not used, since its colours can hardly be seen.
   constexpr double kDarkest = 0.15;
@@ -31,20 +32,21 @@ std::string drawErrors(const TrueShot& truth, const Hits& tested) {
   scan.rings = real.rings;
   scan.columns = real.columns;
   Coloring coloring;
-  const auto add = [&](std::size_t beam, double range, const Rgb& color) {
+  // Adds the point at a range (m) along a beam to `scan`, and its colour to `coloring`.
+  const auto addPoint = [&](std::size_t beam, double range, const Rgb& color) {
     scan.position.push_back(Vec3f(truth.shot.beams->originOf(beam) + truth.shot.beams->direction[beam] * range));
     coloring.colors.push_back(color);
   };
   for (std::size_t i = 0; i < real.size(); ++i) {
     if (!real.hit(i) && !tested.hit(i)) continue;
     if (!tested.hit(i)) {
-      add(i, truth.truth.range[i], kFalseNegativeColor);
+      addPoint(i, truth.truth.range[i], kFalseNegativeColor);
     } else if (!real.hit(i)) {
-      add(i, double{tested.range[i]}, kFalsePositiveColor);
+      addPoint(i, double{tested.range[i]}, kFalsePositiveColor);
     } else if (real.semantic[i] != tested.semantic[i] || real.instance[i] != tested.instance[i]) {
-      add(i, truth.truth.range[i], kOtherLabelColor);
+      addPoint(i, truth.truth.range[i], kOtherLabelColor);
     } else {
-      add(i, truth.truth.range[i], errorColor(std::abs(double{tested.range[i]} - truth.truth.range[i])));
+      addPoint(i, truth.truth.range[i], errorColor(std::abs(double{tested.range[i]} - truth.truth.range[i])));
     }
   }
   coloring.legend.title = "range error";

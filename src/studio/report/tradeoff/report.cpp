@@ -18,27 +18,27 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostColumns = 6;
+constexpr std::size_t kMostColumns = 6;  // settings beside each other in the table of classes
 
-// Returns `errors`, which is the JSON of `e` in tradeoff.json, with derived figures and without empty spreads.
-Json errorsJson(Json errors, const GroupErrors& e) {
+// Returns the JSON of the errors in tradeoff.json with derived figures and without empty spreads.
+Json errorsJson(Json json, const GroupErrors& errors) {
   for (const char* spread : {"range_m", "intensity", "nearest_to_m", "nearest_from_m"}) {
-    if (errors.at(spread).at("count") == 0) errors.erase(spread);
+    if (json.at(spread).at("count") == 0) json.erase(spread);
   }
-  errors.update({{"labels", e.labels()},
-                 {"classes", e.classAgreed()},
-                 {"instances", e.instanceAgreed()},
-                 {"miss_rate", e.missRate()}});
-  if (e.bothHit + e.falseNegatives > 0) errors["false_negative_share"] = falseNegativeShare(e);
-  if (e.nearestTo.count + e.nearestFrom.count > 0) errors["hausdorff_m"] = e.hausdorff();
-  return errors;
+  json.update({{"labels", errors.labels()},
+               {"classes", errors.classAgreed()},
+               {"instances", errors.instanceAgreed()},
+               {"miss_rate", errors.missRate()}});
+  if (errors.bothHit + errors.falseNegatives > 0) json["false_negative_share"] = falseNegativeShare(errors);
+  if (errors.nearestTo.count + errors.nearestFrom.count > 0) json["hausdorff_m"] = errors.hausdorff();
+  return json;
 }
 
-// Returns the figures of the group with this name; an empty object if the group has no beams. `groups`: the JSON of the
-// groups `own` in tradeoff.json.
-Json groupJson(const Json& groups, const std::vector<ErrorGroup>& own, const std::string& name) {
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    if (own[i].name == name && own[i].errors.beams > 0) return errorsJson(groups[i].at("errors"), own[i].errors);
+// Returns the figures of the group with this name; an empty object if the group has no beams. `json`: the JSON of the
+// groups in tradeoff.json.
+Json groupJson(const Json& json, const std::vector<ErrorGroup>& groups, const std::string& name) {
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (groups[i].name == name && groups[i].errors.beams > 0) return errorsJson(json[i].at("errors"), groups[i].errors);
   }
   return Json::object();
 }
@@ -95,8 +95,10 @@ class StudyPage {
     }
   }
 
+  // Adds a row for each setting, with its figures if it was measured. Rows on a Pareto front are emphasised.
   void settings() {
-    const std::optional<std::size_t> base = tracingDefault(study_);
+    const std::optional<std::size_t> tracing = tracingDefault(study_);
+    const double tracingSeconds = tracing ? study_.settings[*tracing].measured.cost.scanSeconds : 0;
     std::vector<std::size_t> front = frontOf(study_, rangeP99);
     for (const std::size_t i : frontOf(study_, wrongShare)) front.push_back(i);
     page_["settings"] = Json::array();
@@ -111,9 +113,8 @@ class StudyPage {
           row["away"]["range_m"]["p99"] = away->range.p99;
         }
         row["beams_per_s"] = beamsPerSecond(study_, s);
-        const double own = s.measured.cost.scanSeconds;
-        const double its = base ? study_.settings[*base].measured.cost.scanSeconds : 0;
-        if (own > 0 && its > 0) row["times_tracing"] = own / its;
+        const double seconds = s.measured.cost.scanSeconds;
+        if (seconds > 0 && tracingSeconds > 0) row["times_tracing"] = seconds / tracingSeconds;
         row["strong"] = std::ranges::find(front, i) != front.end();
       }
       row.erase("measured");
@@ -121,6 +122,7 @@ class StudyPage {
     }
   }
 
+  // Adds a row for each measured setting: its errors away from edges and at edges.
   void places() {
     const std::vector<std::string> names = groupNames(study_, measuredSettings(study_), &BeamErrors::byEdge);
     page_["places"] = Json::array();
@@ -136,18 +138,19 @@ class StudyPage {
     }
   }
 
+  // Adds a row for each class, those with the most beams first, with the errors of the shown settings.
   void classes() {
     const std::vector<std::size_t> shown = shownSettings(study_, kMostColumns);
-    std::vector<std::pair<std::string, std::uint64_t>> names;
+    std::vector<std::pair<std::string, std::uint64_t>> classes;  // name, and beams with the first setting that has any
     for (const std::size_t i : shown) {
       page_["shown"].push_back({{"name", nameOf(i)}});
       for (const ErrorGroup& g : errors(i).byClass) {
-        const bool known = std::ranges::any_of(names, [&](const auto& c) { return c.first == g.name; });
-        if (!known && g.errors.beams > 0) names.emplace_back(g.name, g.errors.beams);
+        const bool isListed = std::ranges::any_of(classes, [&](const auto& c) { return c.first == g.name; });
+        if (!isListed && g.errors.beams > 0) classes.emplace_back(g.name, g.errors.beams);
       }
     }
-    std::ranges::stable_sort(names, [](const auto& a, const auto& b) { return a.second > b.second; });
-    for (const auto& [name, beams] : names) {
+    std::ranges::stable_sort(classes, [](const auto& a, const auto& b) { return a.second > b.second; });
+    for (const auto& [name, beams] : classes) {
       Json row{{"name", name}, {"beams", beams}, {"shown", Json::array()}};
       for (const std::size_t i : shown) {
         row["shown"].push_back(groupJson(errorsOf(i)["by_class"], errors(i).byClass, name));
@@ -156,46 +159,48 @@ class StudyPage {
     }
   }
 
-  // Makes a separate table of stages for each method, since methods have different stages.
+  // Adds a table of stages for each method, since methods have different stages. Its first columns are the method's
+  // stages, the others are the stages that all settings have in common.
   void stages() {
-    const auto timed = [&](double seconds) {
+    const auto stageCell = [&](double seconds) {
       if (seconds <= 0) return Json::object();
       return Json{{"stage_s", seconds}, {"stage_beams_per_s", static_cast<double>(study_.beamsPerShot) / seconds}};
     };
     page_["methods"] = Json::array();
     for (const std::string& method : methodsOf(study_)) {
-      const std::vector<std::size_t> own = measuredSettings(study_, method);
-      std::vector<std::string> names;
-      Json table{{"stages", Json::array()}, {"rows", Json::array()}};
-      for (const std::size_t i : own) {
+      const std::vector<std::size_t> settings = measuredSettings(study_, method);
+      std::vector<std::string> stages;
+      for (const std::size_t i : settings) {
         for (const auto& [stage, seconds] : study_.settings[i].measured.cost.stages) {
-          if (seconds > 0) appendNew({stage}, names);
+          if (seconds > 0) appendNew({stage}, stages);
         }
       }
-      for (const std::string& stage : names) {
+      Json table{{"stages", Json::array()}, {"rows", Json::array()}};
+      for (const std::string& stage : stages) {
         table["stages"].push_back({{"title", keyAsWords(stage)}, {"hint", "summed over threads"}});
       }
-      for (const auto& entry : study_.commonStages) {
-        table["stages"].push_back({{"title", entry.first + ", one thread"}, {"hint", "the same for all settings"}});
+      for (const auto& [stage, seconds] : study_.commonStages) {
+        table["stages"].push_back({{"title", stage + ", one thread"}, {"hint", "the same for all settings"}});
       }
-      for (const std::size_t i : own) {
+      for (const std::size_t i : settings) {
         const Cost& cost = study_.settings[i].measured.cost;
         Json row{{"name", nameOf(i)}, {"setup_s", cost.setupSeconds}, {"stages", Json::array()}};
         if (cost.scanSeconds > 0) {
           row["scan_s"] = cost.scanSeconds;
           row["beams_per_s"] = beamsPerSecond(study_, study_.settings[i]);
         }
-        for (const std::string& stage : names) {
-          row["stages"].push_back(timed(cost.stages.contains(stage) ? cost.stages.at(stage) : 0));
+        for (const std::string& stage : stages) {
+          row["stages"].push_back(stageCell(cost.stages.contains(stage) ? cost.stages.at(stage) : 0));
         }
-        for (const auto& entry : study_.commonStages) row["stages"].push_back(timed(entry.second));
+        for (const auto& [stage, seconds] : study_.commonStages) row["stages"].push_back(stageCell(seconds));
         table["rows"].push_back(std::move(row));
       }
       page_["methods"].push_back(std::move(table));
     }
   }
 
-  // Adds the advice, with the command-line arguments that select the recommended settings.
+  // Adds the advice and all settings, each with the command-line argument that selects the setting. `picked`: the
+  // argument of the first advised setting, or of the first that was measured.
   void use() {
     for (const Advice& a : advise(study_)) {
       std::string argument;
@@ -244,36 +249,33 @@ std::size_t methodColor(const std::string& method) {
   return static_cast<std::size_t>(std::ranges::find(methods(), method, &MethodEntry::name) - methods().begin());
 }
 
-std::vector<std::size_t> settingColors(const std::vector<std::string>& ofSettings) {
-  const std::size_t ofMethods = methods().size();  // the first colours
+std::vector<std::size_t> settingColors(const std::vector<std::string>& settingMethods) {
+  const std::size_t methodColors = methods().size();  // the first colours of the palette
   std::vector<std::size_t> colors;
-  std::size_t further = 0;
-  for (std::size_t k = 0; k < ofSettings.size(); ++k) {
-    const auto own = ofSettings.begin() + static_cast<std::ptrdiff_t>(k);
-    const bool first = std::find(ofSettings.begin(), own, *own) == own;
-    colors.push_back(first ? methodColor(*own) : ofMethods + further++ % (kChartColors - ofMethods));
+  std::size_t furtherSettings = 0;
+  for (auto method = settingMethods.begin(); method != settingMethods.end(); ++method) {
+    const bool isFirst = std::find(settingMethods.begin(), method, *method) == method;
+    colors.push_back(isFirst ? methodColor(*method) : methodColors + furtherSettings++ % (kChartColors - methodColors));
   }
   return colors;
 }
 
 std::vector<std::size_t> shownSettings(const Study& study, std::size_t most) {
-  std::vector<std::size_t> shown, fastest;
-  const auto show = [&](std::size_t i) {
-    if (shown.size() < most && std::ranges::find(shown, i) == shown.end()) shown.push_back(i);
-  };
+  std::vector<std::size_t> shown, fastest;  // `fastest`: of each method
   for (const std::string& method : methodsOf(study)) {
-    const std::vector<std::size_t> own = measuredSettings(study, method);
-    if (own.empty()) continue;
-    fastest.push_back(*std::ranges::min_element(own, [&](std::size_t a, std::size_t b) {
-      return study.settings[a].measured.cost.scanSeconds < study.settings[b].measured.cost.scanSeconds;
-    }));
+    const std::vector<std::size_t> settings = measuredSettings(study, method);
+    if (settings.empty()) continue;
+    fastest.push_back(*std::ranges::min_element(
+        settings, {}, [&](std::size_t i) { return study.settings[i].measured.cost.scanSeconds; }));
     const auto byDefault =
-        std::ranges::find_if(own, [&](std::size_t i) { return isDefault(study.settings[i].setting); });
-    show(byDefault != own.end() ? *byDefault : fastest.back());
+        std::ranges::find_if(settings, [&](std::size_t i) { return isDefault(study.settings[i].setting); });
+    shown.push_back(byDefault != settings.end() ? *byDefault : fastest.back());
   }
-  for (const std::size_t i : fastest) show(i);
-  for (const std::size_t i : frontOf(study, rangeP99)) show(i);
-  for (const std::size_t i : frontOf(study, wrongShare)) show(i);
+  for (const std::vector<std::size_t>& further : {fastest, frontOf(study, rangeP99), frontOf(study, wrongShare)}) {
+    std::ranges::copy_if(further, std::back_inserter(shown),
+                         [&](std::size_t i) { return std::ranges::find(shown, i) == shown.end(); });
+  }
+  shown.resize(std::min(shown.size(), most));
   return shown;
 }
 

@@ -46,8 +46,8 @@ std::vector<std::size_t> shownSettings(const Study& study, std::size_t most);
 
 // Returns the index of a method's colour in the charts' palette. All charts of a report use this colour for the method.
 std::size_t methodColor(const std::string& method);
-// Returns colours (indices in the palette) for settings with these methods; all differ if the palette has enough. The
-// first setting of each method gets the method's colour.
-std::vector<std::size_t> settingColors(const std::vector<std::string>& ofSettings);
+// Returns colours (indices in the palette) for settings; all differ if the palette has enough. The first setting of
+// each method gets the method's colour. `settingMethods`: the method of each setting.
+std::vector<std::size_t> settingColors(const std::vector<std::string>& settingMethods);
 
 }  // namespace scanmill

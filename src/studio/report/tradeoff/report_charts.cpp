@@ -21,11 +21,11 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 // A measure of error that charts show on a logarithmic axis.
 struct Measure {
   const char* title;
-  const char* unit;  // "m" or "%"
-  std::function<double(const GroupErrors&)> of;
+  const char* unit;                              // "m" or "%"
+  std::function<double(const GroupErrors&)> of;  // returns the error in metres, or as a fraction
 
-  ChartAxis axis(const char* more = "") const {
-    return {.title = std::string(title) + more,
+  ChartAxis axis(const char* titleEnd = "") const {
+    return {.title = std::string(title) + titleEnd,
             .scale = AxisScale::Log,
             .unit = unit,
             .zero = *unit == 'm' ? "exact" : "none"};
@@ -49,6 +49,7 @@ double errorOf(const std::vector<ErrorGroup>& groups, const std::string& name, c
   return found == groups.end() ? kNone : measure.of(found->errors);
 }
 
+// Returns the lines that are shown when the mouse points at a setting's mark.
 std::string settingDetail(const Study& study, const SettingResult& s) {
   const GroupErrors& e = s.measured.errors.all;
   return fmt::format(
@@ -69,51 +70,52 @@ std::string sceneNote(const Study& study) {
                      pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"));
 }
 
-// Returns the Pareto front as a staircase line. `front`: points (beams per second, error) on the front. `all`: all
-// points, which determine the ends of the line.
+// Returns the Pareto front as a staircase line. `front`: points (beams per second, error) on the front, the fastest
+// first. `all`: all points, which determine the ends of the line.
 ChartSeries frontLine(const std::vector<Vec2d>& front, const std::vector<Vec2d>& all) {
   ChartSeries line{.name = "Pareto front: no setting is both faster and better",
                    .color = 6,
                    .mark = ChartMark::Line,
                    .emphasised = true};
-  double slowest = front.front().x, before = front.front().y;
+  double slowest = front.front().x, error = front.front().y;
   for (const Vec2d& p : all) {
     if (p.x > 0) slowest = std::min(slowest, p.x);
-    before = std::max(before, p.y);
+    error = std::max(error, p.y);
   }
   for (const Vec2d& p : front) {
-    line.points.insert(line.points.end(), {{p.x, before}, p});
-    before = p.y;
+    line.points.insert(line.points.end(), {{p.x, error}, p});
+    error = p.y;
   }
-  line.points.push_back({slowest, before});
+  line.points.push_back({slowest, error});
   return line;
 }
 
+// Returns `chart` with a mark for each measured setting. `front`: the settings on the Pareto front, which are
+// emphasised.
 Chart frontChart(const Study& study, Chart chart, const Measure& measure, const std::vector<std::size_t>& front) {
   chart.x = {.title = "beams per second (right is better)", .scale = AxisScale::Log};
   chart.y = measure.axis(" (lower is better)");
   chart.height = 560;
   const std::vector<std::size_t> measured = measuredSettings(study);
-  std::vector<Vec2d> all, onFront;
-  const auto place = [&](std::size_t i) {
+  std::vector<Vec2d> allPoints, frontPoints;
+  const auto pointOf = [&](std::size_t i) {
     return Vec2d{beamsPerSecond(study, study.settings[i]), measure.of(errorsOf(study, i).all)};
   };
   for (const std::size_t i : measured) {
-    if (std::isfinite(place(i).y)) all.push_back(place(i));
+    if (std::isfinite(pointOf(i).y)) allPoints.push_back(pointOf(i));
   }
-  for (const std::size_t i : front) onFront.push_back(place(i));
-  if (!onFront.empty()) chart.series.push_back(frontLine(onFront, all));
-  for (const bool emphasised : {true, false}) {
+  for (const std::size_t i : front) frontPoints.push_back(pointOf(i));
+  if (!frontPoints.empty()) chart.series.push_back(frontLine(frontPoints, allPoints));
+  for (const bool isOnFront : {true, false}) {
     for (const std::string& method : methodsOf(study)) {
-      ChartSeries byDefault{.name = keyAsWords(method), .color = methodColor(method), .emphasised = emphasised};
+      ChartSeries byDefault{.name = keyAsWords(method), .color = methodColor(method), .emphasised = isOnFront};
       ChartSeries others = byDefault;
       byDefault.labelsFirst = true;
       for (const std::size_t i : measured) {
         const SettingResult& s = study.settings[i];
-        const bool on = std::ranges::find(front, i) != front.end();
-        if (s.setting.method != method || on != emphasised) continue;
+        if (s.setting.method != method || (std::ranges::find(front, i) != front.end()) != isOnFront) continue;
         ChartSeries& series = isDefault(s.setting) ? byDefault : others;
-        series.add(place(i), settingDetail(study, s));
+        series.add(pointOf(i), settingDetail(study, s));
         series.labels.push_back(optionsIn(s.setting.name, s.setting.method));
       }
       chart.series.insert(chart.series.end(), {byDefault, others});
@@ -136,8 +138,8 @@ struct Shown {
 // NaN if there is none.
 using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
 
-// Returns the chart with one series per setting, which has one value per name on the x axis. Values of one name are
-// drawn side by side.
+// Returns `chart` with one series per setting, which has one value per name on the x axis. Values of one name are drawn
+// side by side.
 Chart settingsChart(const Study& study, const Shown& shown, Chart chart, const Figure& figure) {
   constexpr double kBeside = 0.09;  // distance of two values of one name; names are 1 apart
   chart.width = kHalfWidth;
@@ -154,6 +156,7 @@ Chart settingsChart(const Study& study, const Shown& shown, Chart chart, const F
   return chart;
 }
 
+// Returns `chart` with a setting's errors in each group of beams. `bands`: title of the x axis.
 Chart bandChart(const Study& study, Chart chart, const char* bands, GroupsOfErrors groups, const Measure& measure) {
   const Shown shown(study);
   const std::vector<std::string> names = groupNames(study, shown.settings, groups);
@@ -166,6 +169,7 @@ Chart bandChart(const Study& study, Chart chart, const char* bands, GroupsOfErro
   });
 }
 
+// Returns `chart` with the share of object instances that a setting finds, by size. `sizes`: title of the x axis.
 Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vector<SizeRecall> BeamErrors::*recall) {
   const Shown shown(study);
   chart.note = "share of the things with a true hit that at least one beam hits";
@@ -180,12 +184,11 @@ Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vecto
     chart.x.names.push_back(fmt::format("{} ({})", first.name, first.instances));
   }
   return settingsChart(study, shown, std::move(chart), [&](const BeamErrors& errors, std::size_t n) {
-    const std::vector<SizeRecall>& own = errors.*recall;
-    const SizeRecall band = bands[n] < own.size() ? own[bands[n]] : SizeRecall{};
-    return std::pair(
-        band.instances > 0 ? static_cast<double>(band.instancesFound) / static_cast<double>(band.instances) : kNone,
-        fmt::format("{}: {} of {} things, {} of {} beams", band.name, band.instancesFound, band.instances,
-                    band.beamsFound, band.beams));
+    const std::vector<SizeRecall>& sizeBands = errors.*recall;
+    const SizeRecall band = bands[n] < sizeBands.size() ? sizeBands[bands[n]] : SizeRecall{};
+    return std::pair(shareOf(band.instancesFound, band.instances, kNone),
+                     fmt::format("{}: {} of {} things, {} of {} beams", band.name, band.instancesFound, band.instances,
+                                 band.beamsFound, band.beams));
   });
 }
 
