@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
 #include "config/version.h"
 #include "dataset/recording.h"
 #include "passes/exr/pass_exr.h"

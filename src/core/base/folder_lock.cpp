@@ -14,11 +14,9 @@
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
-#include <string>
 
 #include "base/error.h"
 #include "base/file.h"
-#include "base/own_folder.h"
 #include "base/process.h"
 
 namespace scanmill {

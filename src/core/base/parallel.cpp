@@ -7,7 +7,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <functional>
 #include <utility>
 
 #include "base/stage_clock.h"

@@ -191,19 +191,6 @@ class HeaderReader {
   std::optional<std::uint64_t> points_;  // as the header states them
 };
 
-// Converts the values of one field: `first` points to the first value, and values are `step` bytes apart. Fills to[0],
-// to[stride], ...
-template <class T>
-void readField(const PcdField& field, const char* first, std::size_t step, T* to, std::size_t stride,
-               std::size_t points, const Location& where) {
-  visitNumberType(field.type, field.size, [&](auto stored) {
-    for (std::size_t i = 0; i < points; ++i, first += step, to += stride) {
-      std::memcpy(&stored, first, sizeof(stored));
-      *to = columnValue<T>(stored, field.name, i, where);
-    }
-  });
-}
-
 class BodyReader {
  public:
   BodyReader(PcdHeader header, const std::string& what, bool exact)
@@ -344,9 +331,16 @@ class BodyReader {
     Scan scan = newScan();
     const std::size_t points = header_.points;
     const bool byField = order == TableOrder::FieldByField;
-    const auto fill = [&](const PcdField& field, auto* to, std::size_t stride) {
-      const char* first = table + field.offset * (byField ? points : 1);
-      readField(field, first, byField ? field.size : header_.rowBytes, to, stride, points, where_);
+    // Sets to[0], to[stride], ... to the values of a field.
+    const auto fill = [&]<class T>(const PcdField& field, T* to, std::size_t stride) {
+      const char* value = table + field.offset * (byField ? points : 1);
+      const std::size_t step = byField ? field.size : header_.rowBytes;  // bytes from value to value
+      visitNumberType(field.type, field.size, [&](auto stored) {
+        for (std::size_t i = 0; i < points; ++i, value += step, to += stride) {
+          std::memcpy(&stored, value, sizeof(stored));
+          *to = columnValue<T>(stored, field.name, i, where_);
+        }
+      });
     };
     const auto fillPositions = [&](auto& positions) {
       positions.resize(points);

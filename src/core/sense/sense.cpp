@@ -61,15 +61,6 @@ bool givesReasonBefore(const Returns& returns, std::uint32_t row, std::uint32_t 
   return !returns.power.empty() && returns.power[row] > returns.power[other];
 }
 
-// Sets `power` to the power of each ray, by the first effect that computes it. Returns false if no effect does.
-bool computePowerOfRays(EffectList effects, const Hits& hits, std::span<const Material> materials,
-                        std::vector<float>& power) {
-  for (const auto& effect : effects) {
-    if (effect->powerOfRays(hits, materials, power)) return true;
-  }
-  return false;
-}
-
 constexpr double kVelocityInterval = 0.01;  // s, interval over which velocities are computed if a shot has no duration
 
 // Returns the displacement (m) of a point on a triangle between two meshes of an animation. The point keeps its
@@ -105,8 +96,9 @@ void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<co
     if (effect->threshold() > 0) returns.threshold = effect->threshold();
   }
   if (hits.beamOfRay.empty()) return returns.start(hits);
-  std::vector<float> power;
-  const bool hasPower = computePowerOfRays(effects, hits, materials, power);
+  std::vector<float> power;  // by ray, from the first effect that computes it
+  const bool hasPower =
+      std::ranges::any_of(effects, [&](const auto& effect) { return effect->powerOfRays(hits, materials, power); });
   returns.start(findEchoes(hits, power, pulseLength(shot.beams->pulse)), hasPower);
 }
 

@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string>
 #include <string_view>
 
 #include "base/short_text.h"
