@@ -83,23 +83,17 @@ class ClassAreas {
 
 }  // namespace
 
-// Consecutive triangles of an instance that may be in the grid.
-struct SceneVoxels::PlacedBlock {
-  std::uint32_t instance = 0;  // index into Candidates::instances
-  std::uint32_t first = 0;     // index of the first of these triangles in the mesh
-  std::uint32_t last = 0;      // index of the last of these triangles, plus one
-  Box box;                     // in units of voxels
-};
-
-// What may be in a grid.
-struct SceneVoxels::Candidates {
-  struct Placed {
-    const Mesh& mesh;
-    Affine voxelsFromMesh;
-    std::vector<std::uint16_t> classOfSurface;  // by index in Mesh::surfaces
+// An instance of which some triangles may be in the grid.
+struct SceneVoxels::Candidate {
+  struct Block {
+    std::uint32_t first = 0;  // index of the first of some consecutive triangles
+    std::uint32_t last = 0;   // index of the last of these triangles, plus one
+    Box box;                  // in units of voxels
   };
-  std::vector<Placed> instances;
-  std::vector<PlacedBlock> blocks;
+  const Mesh& mesh;
+  Affine voxelsFromMesh;
+  std::vector<std::uint16_t> classOfSurface;  // by index in Mesh::surfaces
+  std::vector<Block> blocks = {};
 };
 
 SceneVoxels::SceneVoxels(const Scene& scene) : scene_(scene), blocks_(scene.meshes.size()), bounds_(blocks_.size()) {
@@ -143,25 +137,23 @@ std::vector<std::uint16_t> SceneVoxels::classesOf(const Instance& instance, cons
   return classes;
 }
 
-SceneVoxels::Candidates SceneVoxels::candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const {
+std::vector<SceneVoxels::Candidate> SceneVoxels::candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid,
+                                                              double time) const {
   const VoxelRange gridRange{{0, 0, 0}, {grid.counts[0], grid.counts[1], grid.counts[2]}};
-  Candidates candidates;
+  std::vector<Candidate> candidates;
   for (const Instance& instance : scene_.instances) {
-    const std::uint32_t meshIndex = instance.meshAt(time);
-    if (bounds_[meshIndex].empty()) continue;
+    const std::uint32_t m = instance.meshAt(time);
+    if (bounds_[m].empty()) continue;
     const Affine fromMesh = voxelsFromMesh(grid, worldFromGrid, instance.worldFromMeshAt(time));
-    if (!overlaps(boxAround(fromMesh, bounds_[meshIndex]), gridRange)) continue;
-    const Mesh& mesh = scene_.meshes[meshIndex];
-    const auto instanceIndex = static_cast<std::uint32_t>(candidates.instances.size());
-    candidates.instances.push_back({mesh, fromMesh, classesOf(instance, mesh)});
-    for (std::size_t block = 0; block < blocks_[meshIndex].size(); ++block) {
-      const Box box = boxAround(fromMesh, blocks_[meshIndex][block]);
+    if (!overlaps(boxAround(fromMesh, bounds_[m]), gridRange)) continue;
+    const Mesh& mesh = scene_.meshes[m];
+    candidates.push_back({mesh, fromMesh, classesOf(instance, mesh)});
+    for (std::size_t block = 0; block < blocks_[m].size(); ++block) {
+      const Box box = boxAround(fromMesh, blocks_[m][block]);
       if (!overlaps(box, gridRange)) continue;
       const std::size_t last = std::min((block + 1) * kBlock, mesh.triangles.size());
-      candidates.blocks.push_back({.instance = instanceIndex,
-                                   .first = static_cast<std::uint32_t>(block * kBlock),
-                                   .last = static_cast<std::uint32_t>(last),
-                                   .box = box});
+      candidates.back().blocks.push_back(
+          {static_cast<std::uint32_t>(block * kBlock), static_cast<std::uint32_t>(last), box});
     }
   }
   return candidates;
@@ -169,23 +161,26 @@ SceneVoxels::Candidates SceneVoxels::candidatesIn(const VoxelGrid& grid, const P
 
 // Labels the voxels of some layers along x, from `firstX` to before `lastX`, and appends to `unlabeled`. Adds areas in
 // the order of the triangles, so that sums are always rounded in the same way.
-void SceneVoxels::labelLayers(const VoxelGrid& grid, const Candidates& candidates, std::uint32_t firstX,
+void SceneVoxels::labelLayers(const VoxelGrid& grid, const std::vector<Candidate>& candidates, std::uint32_t firstX,
                               std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled) {
   const VoxelRange range{.low = {firstX, 0, 0}, .high = {lastX, grid.counts[1], grid.counts[2]}};
   const std::size_t firstVoxel = grid.index(firstX, 0, 0);
   ClassAreas areas(grid.index(lastX, 0, 0) - firstVoxel);
-  for (const PlacedBlock& block : candidates.blocks) {
-    if (!overlaps(block.box, range)) continue;
-    const auto& [mesh, voxelsFromMesh, classOfSurface] = candidates.instances[block.instance];
-    for (std::uint32_t t = block.first; t < block.last; ++t) {
-      std::array<Vec3d, 3> corners;
-      for (std::size_t k = 0; k < 3; ++k) corners[k] = voxelsFromMesh * Vec3d(mesh.positions[mesh.triangles[t][k]]);
-      const std::uint16_t semantic = classOfSurface[mesh.surfaceOf[t]];
-      forEachPiece(corners, range, [&](const std::array<std::int64_t, 3>& voxel, double area) {
-        const std::size_t index = grid.index(static_cast<std::uint32_t>(voxel[0]), static_cast<std::uint32_t>(voxel[1]),
-                                             static_cast<std::uint32_t>(voxel[2]));
-        areas.add(index - firstVoxel, semantic, area);
-      });
+  for (const auto& [mesh, voxelsFromMesh, classOfSurface, blocks] : candidates) {
+    for (const Candidate::Block& block : blocks) {
+      if (!overlaps(block.box, range)) continue;
+      for (std::uint32_t t = block.first; t < block.last; ++t) {
+        std::array<Vec3d, 3> corners;
+        for (std::size_t k = 0; k < 3; ++k) corners[k] = voxelsFromMesh * Vec3d(mesh.positions[mesh.triangles[t][k]]);
+        const std::uint16_t semantic = classOfSurface[mesh.surfaceOf[t]];
+        forEachPiece(corners, range, [&](const std::array<std::int64_t, 3>& voxel, double area) {
+          const auto [x, y, z] = voxel;
+          areas.add(
+              grid.index(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z)) -
+                  firstVoxel,
+              semantic, area);
+        });
+      }
     }
   }
   const std::vector<std::uint16_t> classes = areas.largestClasses();
@@ -196,7 +191,7 @@ void SceneVoxels::labelLayers(const VoxelGrid& grid, const Candidates& candidate
 }
 
 VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const {
-  const Candidates candidates = candidatesIn(grid, worldFromGrid, time);
+  const std::vector<Candidate> candidates = candidatesIn(grid, worldFromGrid, time);
   const std::uint32_t slabs = (grid.counts[0] + kSlab - 1) / kSlab;
   VoxelLabels labels;
   labels.label.resize(grid.voxels());

@@ -38,12 +38,11 @@ class SceneVoxels {
   std::uint64_t memoryBytes() const;
 
  private:
-  struct PlacedBlock;
-  struct Candidates;
+  struct Candidate;
 
   // Returns what may be in a grid at a time (s since the drive began).
-  Candidates candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
-  static void labelLayers(const VoxelGrid& grid, const Candidates& candidates, std::uint32_t firstX,
+  std::vector<Candidate> candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
+  static void labelLayers(const VoxelGrid& grid, const std::vector<Candidate>& candidates, std::uint32_t firstX,
                           std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled);
   std::vector<std::uint16_t> classesOf(const Instance& instance, const Mesh& mesh) const;
 

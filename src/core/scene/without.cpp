@@ -76,11 +76,6 @@ bool belongsTo(const Instance& instance, const std::string& name) {
          suffix.find_first_not_of("0123456789", blank + 1) == std::string_view::npos;
 }
 
-// Takes an object with all its copies, or a copy, out of the scene; returns false if the scene does not have it.
-bool takeOutNamed(Scene& scene, const std::string& name) {
-  return std::erase_if(scene.instances, [&](const Instance& i) { return belongsTo(i, name); }) > 0;
-}
-
 // Returns the instance id if the item is a whole number without quotes, else nullopt.
 std::optional<std::uint32_t> idOf(const Value& item) {
   const bool digits = !item.text.empty() && item.text.find_first_not_of("0123456789") == std::string::npos;
@@ -106,18 +101,14 @@ std::optional<std::uint32_t> idOf(const Value& item) {
 
 void takeOut(Scene& scene, const std::vector<Value>& items) {
   if (items.empty()) return;
-  auto unreduced = std::make_shared<UnreducedScene>();
-  if (scene.unreduced != nullptr) {
-    *unreduced = *scene.unreduced;
-  } else {
-    *unreduced = {.bounds = scene.bounds(),
-                  .moves = scene.moves(),
-                  .placedTriangles = scene.placedTriangles(),
-                  .copies = scene.copies()};
-  }
+  UnreducedScene unreduced{.bounds = scene.bounds(),
+                           .moves = scene.moves(),
+                           .placedTriangles = scene.placedTriangles(),
+                           .copies = scene.copies()};
+  if (scene.unreduced != nullptr) unreduced = *scene.unreduced;
   for (const Value& item : items) {
     if (const std::optional<std::uint32_t> id = idOf(item)) {
-      if (takeOutThing(scene, *id, *unreduced)) continue;
+      if (takeOutThing(scene, *id, unreduced)) continue;
       throw InputError(item.where,
                        fmt::format("without: no thing of the scene '{}' with the seed {} has the instance id {}",
                                    scene.name, scene.seed, item.text));
@@ -131,12 +122,13 @@ void takeOut(Scene& scene, const std::vector<Value>& items) {
         droppedTriangles += triangleCount - mesh.triangles.size();
       }
     }
-    const bool hasNamed = takeOutNamed(scene, item.text);
+    const bool hasNamed =
+        std::erase_if(scene.instances, [&](const Instance& instance) { return belongsTo(instance, item.text); }) > 0;
     if (semantic == nullptr && !hasNamed) refuse(scene, item);
-    if (!hasNamed && droppedTriangles == 0) unreduced->absent.push_back(item.text);
+    if (!hasNamed && droppedTriangles == 0) unreduced.absent.push_back(item.text);
   }
   std::erase_if(scene.instances, [&](const Instance& instance) { return isEmpty(scene, instance); });
-  scene.unreduced = std::move(unreduced);
+  scene.unreduced = std::make_shared<const UnreducedScene>(std::move(unreduced));
 }
 
 }  // namespace scanmill

@@ -174,12 +174,6 @@ Value readCorruption(const std::filesystem::path& file) {
   return root;
 }
 
-// True if the keys of `change` are merged into the options of the same effect in the pipeline. False if these are
-// `none` or random, or if `change` names a kind of weather: then `change` replaces the options.
-bool isMerged(const Value& options, const Value& change) {
-  return options.kind != Value::Kind::Scalar && !isDistribution(options) && change.find("kind") == nullptr;
-}
-
 }  // namespace
 
 std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const MountedSensor& sensor) {
@@ -340,7 +334,10 @@ Value withCorruption(const Value& effects, const Value& corruption) {
       continue;
     }
     const NamedOptions listed = readNamed(*effect, "an effect");
-    *effect = isMerged(listed.options, change.options) ? withKeysOf(listed, change) : item;
+    // `none`, random options and other kinds of weather are replaced; the keys of other options are merged.
+    const bool isMerged = listed.options.kind != Value::Kind::Scalar && !isDistribution(listed.options) &&
+                          change.options.find("kind") == nullptr;
+    *effect = isMerged ? withKeysOf(listed, change) : item;
   }
   return list;
 }
