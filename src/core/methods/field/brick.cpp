@@ -7,39 +7,31 @@ namespace scanmill {
 
 namespace brick {
 
-namespace {
-
-constexpr std::array<BrickMaker::Points, BrickMaker::kBlock> blockCorners() {
-  std::array<BrickMaker::Points, BrickMaker::kBlock> made{};
+constexpr std::array<BrickMaker::Points, BrickMaker::kBlock> kBlockCorners = [] {
+  std::array<BrickMaker::Points, BrickMaker::kBlock> corners{};
   for (int block = 0; block < BrickMaker::kBlock; ++block) {
     for (int lane = 0; lane < BrickMaker::kLanes; ++lane) {
       const std::uint32_t corner = cornerIndex(block, std::min(lane, BrickMaker::kBlock - 1));
-      const auto place = [](std::uint32_t i) { return static_cast<float>(i % kBrickCorners) - kHalfBrick; };
-      made[block].x[lane] = place(corner);
-      made[block].y[lane] = place(corner / kBrickCorners);
-      made[block].z[lane] = place(corner / (kBrickCorners * kBrickCorners));
+      const auto coordinate = [](std::uint32_t i) { return static_cast<float>(i % kBrickCorners) - kHalfBrick; };
+      corners[block].x[lane] = coordinate(corner);
+      corners[block].y[lane] = coordinate(corner / kBrickCorners);
+      corners[block].z[lane] = coordinate(corner / (kBrickCorners * kBrickCorners));
     }
   }
-  return made;
-}
+  return corners;
+}();
 
-constexpr BrickMaker::Points blockCentres() {
-  constexpr int kMiddle = BrickMaker::kBlock / 2;
-  const auto corners = blockCorners();
-  BrickMaker::Points made{};
+constexpr BrickMaker::Points kBlockCentres = [] {
+  constexpr int kMiddle = BrickMaker::kBlock / 2;  // the corner in the middle of a block
+  BrickMaker::Points centres{};
   for (int lane = 0; lane < BrickMaker::kLanes; ++lane) {
-    const BrickMaker::Points& block = corners[std::min(lane, BrickMaker::kBlock - 1)];
-    made.x[lane] = block.x[kMiddle];
-    made.y[lane] = block.y[kMiddle];
-    made.z[lane] = block.z[kMiddle];
+    const BrickMaker::Points& corners = kBlockCorners[std::min(lane, BrickMaker::kBlock - 1)];
+    centres.x[lane] = corners.x[kMiddle];
+    centres.y[lane] = corners.y[kMiddle];
+    centres.z[lane] = corners.z[kMiddle];
   }
-  return made;
-}
-
-}  // namespace
-
-constexpr std::array<BrickMaker::Points, BrickMaker::kBlock> kBlockCorners = blockCorners();
-constexpr BrickMaker::Points kBlockCentres = blockCentres();
+  return centres;
+}();
 
 }  // namespace brick
 
@@ -50,43 +42,44 @@ constexpr std::size_t kMostSparse = 128;
 
 }  // namespace
 
-void BrickMaker::make(const BrickPlace& place, std::uint16_t* distance, std::uint32_t* word,
-                      std::vector<std::uint32_t>& entries) {
+void BrickMaker::make(const BrickFrame& frame, std::uint16_t* distance, std::uint32_t* triangleOrList,
+                      std::vector<std::uint32_t>& listEntries) {
   listed_.clear();
   listBegin_ = 0;
   distance2_.fill(INFINITY);
-  list_.fill(kNoWord);
-  constexpr float kGathered = brick::kGatherRadius + 0.01f;
-  if (gatherTriangles(world_, place, {}, 0, kGathered, kMostSparse, triangles_)) {
+  list_.fill(kNoTriangle);
+  constexpr float kGathered = brick::kGatherRadius + 0.01f;  // with a margin for rounding
+  if (gatherTriangles(world_, frame, {}, 0, kGathered, kMostSparse, triangles_)) {
     sortTriangles();
-    makeSparse(place);
+    makeSparse(frame);
   } else {
-    makeDense(place);
+    makeDense(frame);
   }
   fillDistances(distance);
-  fillWords(distance, word);
-  if (lists_) placeLists(word, entries);
+  fillTrianglesOrLists(distance, triangleOrList);
+  if (lists_) appendLists(triangleOrList, listEntries);
   distance[kCornersPerBrick] = 0;
-  word[kCornersPerBrick] = kNoWord;
+  triangleOrList[kCornersPerBrick] = kNoTriangle;
 }
 
+// Sorts triangles_ by orderOf(), and removes repetitions: Embree's hierarchy may have a triangle in several leaves.
 void BrickMaker::sortTriangles() {
   order_.clear();
   for (const std::uint32_t t : triangles_) order_.push_back(orderOf(world_.baked, t));
   std::sort(order_.begin(), order_.end());
-  // Embree's hierarchy may have a triangle in several leaves, so a triangle may be found several times.
   order_.erase(std::unique(order_.begin(), order_.end()), order_.end());
   triangles_.clear();
-  for (const std::uint64_t key : order_) triangles_.push_back(static_cast<std::uint32_t>(key));
+  for (const std::uint64_t order : order_) triangles_.push_back(static_cast<std::uint32_t>(order));
 }
 
+// Sets the stored distances of the corners, from distance2_ and blockDistance_.
 void BrickMaker::fillDistances(std::uint16_t* distance) const {
   for (int block = 0; block < kBlock; ++block) {
     const Points& p = brick::kBlockCorners[block];
     const Points& centres = brick::kBlockCentres;
-    std::array<std::uint16_t, kLanes> steps;
-    std::array<float, kLanes> exact;
-    for (int i = 0; i < kLanes; ++i) exact[i] = distance2_[brick::cornerIndex(block, std::min(i, kBlock - 1))];
+    std::array<std::uint16_t, kLanes> steps;  // of kDistanceStep
+    std::array<float, kLanes> exact2;         // squared distances of the lanes' corners
+    for (int i = 0; i < kLanes; ++i) exact2[i] = distance2_[brick::cornerIndex(block, std::min(i, kBlock - 1))];
     for (int i = 0; i < kLanes; ++i) {
       const float x = p.x[i] - centres.x[block];
       const float y = p.y[i] - centres.y[block];
@@ -95,39 +88,40 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
       // centre.
       const float bound =
           std::max(blockDistance_[block] - std::sqrt(x * x + y * y + z * z) - brick::kRounding, kExactLimit);
-      const float root = std::sqrt(exact[i]);
-      const float least = root <= kExactLimit ? std::max(root - brick::kRounding, 0.0f) : bound;
-      steps[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(least * (1 / kDistanceStep)));
+      const float exact = std::sqrt(exact2[i]);
+      const float stored = exact <= kExactLimit ? std::max(exact - brick::kRounding, 0.0f) : bound;
+      steps[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(stored * (1 / kDistanceStep)));
     }
     for (int i = 0; i < kBlock; ++i) distance[brick::cornerIndex(block, i)] = steps[i];
   }
 }
 
-void BrickMaker::fillWords(const std::uint16_t* distance, std::uint32_t* word) const {
+// Sets the nearest triangles or, with lists, the starts of the lists in listed_.
+void BrickMaker::fillTrianglesOrLists(const std::uint16_t* distance, std::uint32_t* triangleOrList) const {
   const auto farthest = static_cast<std::uint16_t>((lists_ ? kListLimit : kNearestLimit) / kDistanceStep);
-  const auto& known = lists_ ? list_ : nearest_;
+  const auto& entries = lists_ ? list_ : nearest_;
   for (int corner = 0; corner < kCornersPerBrick; ++corner) {
-    word[corner] = distance[corner] > farthest ? kNoWord : known[corner];
+    triangleOrList[corner] = distance[corner] > farthest ? kNoTriangle : entries[corner];
   }
 }
 
 // Ends the list under construction, which becomes the list of `corner`.
-void BrickMaker::addList(std::uint32_t corner) {
+void BrickMaker::endList(std::uint32_t corner) {
   list_[corner] = static_cast<std::uint32_t>(listBegin_);
   listed_.back() |= kLastOfList;
   listBegin_ = listed_.size();
 }
 
-// Appends the corners' lists to `entries`, in the order of corners, and sets the corners' words to the start of their
-// lists.
-void BrickMaker::placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries) {
-  const std::size_t start = entries.size();
+// Appends the corners' lists to `listEntries`, in the order of corners, and replaces their starts in listed_ by their
+// starts among the appended entries.
+void BrickMaker::appendLists(std::uint32_t* triangleOrList, std::vector<std::uint32_t>& listEntries) {
+  const std::size_t firstEntry = listEntries.size();
   for (int corner = 0; corner < kCornersPerBrick; ++corner) {
-    if (word[corner] == kNoWord) continue;
-    const std::uint32_t* entry = &listed_[word[corner]];
-    word[corner] = static_cast<std::uint32_t>(entries.size() - start);
+    if (triangleOrList[corner] == kNoTriangle) continue;
+    const std::uint32_t* entry = &listed_[triangleOrList[corner]];
+    triangleOrList[corner] = static_cast<std::uint32_t>(listEntries.size() - firstEntry);
     do {
-      entries.push_back(*entry);
+      listEntries.push_back(*entry);
     } while (*entry++ < kLastOfList);
   }
 }

@@ -23,9 +23,11 @@ class BrickMaker {
  public:
   BrickMaker(const World& world, bool lists) : world_(world), lists_(lists) {}
 
-  // Fills the kBrickStride distances and words (see DistanceField) of the full brick at `place`. Appends the brick's
-  // lists, if it has some, to `entries`; its words count from the first appended entry.
-  void make(const BrickPlace& place, std::uint16_t* distance, std::uint32_t* word, std::vector<std::uint32_t>& entries);
+  // Fills the kBrickStride distances, and triangles or lists (see DistanceField), of a full brick. Appends the entries
+  // of the brick's lists, if it has some, to `listEntries`; the indices of its lists count from the first appended
+  // entry.
+  void make(const BrickFrame& frame, std::uint16_t* distance, std::uint32_t* triangleOrList,
+            std::vector<std::uint32_t>& listEntries);
 
   // Corners are processed in 27 blocks of 3 x 3 x 3 corners, one corner per lane; the surplus lanes repeat the last
   // corner.
@@ -37,38 +39,39 @@ class BrickMaker {
   };
 
  private:
+  // An entry of a corner's list.
   struct Listing {
     std::uint32_t corner, triangle;
   };
 
   // These functions are defined in brick.cpp:
   void sortTriangles();
-  void addList(std::uint32_t corner);
-  void fillWords(const std::uint16_t* distance, std::uint32_t* word) const;
-  void placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries);
+  void endList(std::uint32_t corner);
+  void fillTrianglesOrLists(const std::uint16_t* distance, std::uint32_t* triangleOrList) const;
+  void appendLists(std::uint32_t* triangleOrList, std::vector<std::uint32_t>& listEntries);
   void fillDistances(std::uint16_t* distance) const;
 
   // These functions are defined in sparse_brick.cpp:
-  void makeSparse(const BrickPlace& place);
-  void fillBlock(const BrickPlace& place, int block);
+  void makeSparse(const BrickFrame& frame);
+  void fillBlock(const BrickFrame& frame, int block);
   void listBlock(int block);
 
   // These functions are defined in dense_brick.cpp:
-  void makeDense(const BrickPlace& place);
-  [[nodiscard]] bool makeBlock(const BrickPlace& place, int block);
-  void searchBlock(const BrickPlace& place, int block);
-  void scatter(const BrickPlace& place, std::uint32_t triangle);
+  void makeDense(const BrickFrame& frame);
+  [[nodiscard]] bool makeBlock(const BrickFrame& frame, int block);
+  void searchBlock(const BrickFrame& frame, int block);
+  void addListings(const BrickFrame& frame, std::uint32_t triangle);
   void sortListings();
-  NearestFacet search(const BrickPlace& place, const Vec3f& point, float reach);
+  NearestFacet search(const BrickFrame& frame, const Vec3f& point, float reach);
 
   const World& world_;
   bool lists_;
   std::vector<std::uint32_t> triangles_;  // triangles near the brick or the block, in the order of DistanceField::lists
-  std::vector<std::uint64_t> order_;
+  std::vector<std::uint64_t> order_;      // buffer of sortTriangles()
 
   // Arrays by corner: squared distance to the nearest triangle (voxels^2), that triangle, and the start of the corner's
   // list in listed_. If no triangle is known, the distance is infinite and the triangle undefined; if the corner has no
-  // list, the start is kNoWord.
+  // list, the start is kNoTriangle.
   std::array<float, kBrickStride> distance2_{};
   std::array<std::uint32_t, kBrickStride> nearest_{};
   std::array<std::uint32_t, kBrickStride> list_{};
@@ -86,14 +89,14 @@ class BrickMaker {
 
   // Buffers for dense bricks.
   FacetCache cache_;
-  std::uint32_t guess_ = kNoTriangle;           // first guess of the nearest triangle in a search
+  std::uint32_t guess_ = kNoTriangle;           // result of the last search: first guess of the next one
   std::vector<int> crowded_;                    // blocks with too many candidates
   std::array<bool, kBrickStride> isCrowded_{};  // true for the corners of crowded blocks
   std::vector<Listing> listings_;
-  std::vector<std::uint32_t> listingsByCorner_;
+  std::vector<std::uint32_t> listingsByCorner_;  // triangles of listings_, corner by corner
 
-  std::vector<std::uint32_t> listed_;
-  std::size_t listBegin_ = 0;  // start in listed_ of the list under construction
+  std::vector<std::uint32_t> listed_;  // triangles of all lists, one list after the other
+  std::size_t listBegin_ = 0;          // start in listed_ of the list under construction
 };
 
 // Constants and functions that the parts of BrickMaker share; lengths are in voxels.
@@ -111,19 +114,21 @@ static_assert(kListRadius * kListRadius > 3 * kListHalfSide * kListHalfSide);
 // Triangles that are at most kExactLimit from a corner of the brick are at most this far from the brick's centre.
 constexpr float kGatherRadius = kRadius + kExactLimit;
 
-// Positions relative to the brick's centre: the corners of each block, and the centres of the blocks.
+// Positions relative to the brick's centre: the corners of each block, by lane, and the centres of the blocks.
 extern const std::array<BrickMaker::Points, BrickMaker::kBlock> kBlockCorners;
 extern const BrickMaker::Points kBlockCentres;
 
-// Returns the index of a block's corner among the brick's corners.
+// Returns the index of a block's corner among the brick's corners. Blocks, and the corners of a block, are numbered as
+// the brick's corners: x runs fastest, then y, then z.
 constexpr std::uint32_t cornerIndex(int block, int lane) {
-  const auto axis = [](int b, int i) { return static_cast<std::uint32_t>(b * 3 + i); };
-  return (axis(block / 9, lane / 9) * kBrickCorners + axis(block / 3 % 3, lane / 3 % 3)) * kBrickCorners +
-         axis(block % 3, lane % 3);
+  const auto coordinate = [](int ofBlock, int inBlock) { return static_cast<std::uint32_t>(ofBlock * 3 + inBlock); };
+  return (coordinate(block / 9, lane / 9) * kBrickCorners + coordinate(block / 3 % 3, lane / 3 % 3)) * kBrickCorners +
+         coordinate(block % 3, lane % 3);
 }
 
-// Returns the distance from a block's centre within which all triangles are known.
-inline float knownRadius(int block) {
+// Returns the distance from a block's centre up to which the triangles within kGatherRadius of the brick's centre
+// include all triangles.
+inline float gatheredRadius(int block) {
   const auto& c = kBlockCentres;
   return kGatherRadius - std::sqrt(c.x[block] * c.x[block] + c.y[block] * c.y[block] + c.z[block] * c.z[block]);
 }

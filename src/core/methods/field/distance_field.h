@@ -30,10 +30,10 @@ constexpr int kBrickVoxels = 8;                     // voxels of a brick along e
 constexpr int kHalfBrick = kBrickVoxels / 2;        // voxels of half a brick along each axis
 constexpr int kBrickCorners = kBrickVoxels + 1;     // corners of voxels of a brick along each axis
 constexpr int kCornersPerBrick = 9 * 9 * 9;         // corners of a brick; x runs fastest, then y, then z
-constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField::distance and `word`; even,
+constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField's arrays of corners; even,
                                                     // so that a brick's distances fill complete 32-bit words
 constexpr float kDistanceStep = 1.0f / 2048;        // voxels, resolution of the distances in full bricks
-constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;      // in DistanceField::word: the corner has no triangle or list
+constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFu;  // in place of the index of a triangle or list: there is none
 constexpr std::uint32_t kFullBrick = 0x80000000u;   // this bit of an entry of DistanceField::table marks a full brick
 constexpr std::uint32_t kLastOfList = 0x80000000u;  // this bit of an entry of DistanceField::lists ends a list
 constexpr std::uint32_t kMaxLevels = 16;
@@ -44,7 +44,7 @@ constexpr std::uint32_t kMaxLevels = 16;
 // kExactLimit. They are rounded down to multiples of kDistanceStep.
 constexpr float kEmptyBrick = 8.0f;
 constexpr float kExactLimit = 4.0f;
-// Largest distance of a corner from a surface for which the corner has a triangle: see DistanceField::word.
+// Largest distance of a corner from a surface for which the corner has a triangle: see DistanceField::triangleOrList.
 constexpr float kNearestLimit = 2.0f;
 // Largest distance of a corner from a surface for which the corner may have a list. If a corner is farther away, no
 // surface intersects the voxel centred at the corner, whose half diagonal is 0.8661.
@@ -93,6 +93,7 @@ struct FieldLevel {
 };
 
 struct BrickPool;
+struct World;  // methods/world/world.h
 
 // A field is not modified after it is built.
 struct DistanceField {
@@ -104,10 +105,10 @@ struct DistanceField {
   std::vector<std::uint32_t> table;
   // kBrickStride values per full brick: the distances at its corners, in units of kDistanceStep voxels.
   std::span<const std::uint16_t> distance;
-  // kBrickStride words per full brick, one per corner. In a field without lists a word is the nearest triangle, in a
-  // field with lists the index in `lists` where the corner's list begins. The word is kNoWord if the corner is farther
-  // than kNearestLimit from all triangles; with lists, if it is farther than kListLimit or its list is empty.
-  std::span<const std::uint32_t> word;
+  // kBrickStride values per full brick, one per corner. In a field without lists: the nearest triangle, or kNoTriangle
+  // if the corner is farther than kNearestLimit from all triangles. In a field with lists: the index in `lists` where
+  // the corner's list begins, or kNoTriangle if the corner is farther than kListLimit or its list is empty.
+  std::span<const std::uint32_t> triangleOrList;
   // The lists of corners, in the order of corners. A list contains the triangles that intersect the cube around its
   // corner (kListHalfSide), in ascending order of (instance id, triangle); its last entry has the bit kLastOfList.
   // Sharing equal lists between neighbouring corners would make fields only 4 % smaller in the scene "street" and 7 %
@@ -118,35 +119,48 @@ struct DistanceField {
   std::shared_ptr<BrickPool> pool;
 };
 
-// Returns the voxel size (m) of the level that is used at a point.
-double voxelSizeAt(const DistanceField& field, const Vec3f& place);
+// Returns the voxel size (m) of the level that is used at a point (field frame).
+double voxelSizeAt(const DistanceField& field, const Vec3f& point);
 
-// Returns the triangle stored at the corner nearest to a point, in a field without lists; kNoWord if no triangle is
-// near.
-std::uint32_t triangleAt(const DistanceField& field, const Vec3f& place);
+// Returns the triangle stored at the corner nearest to a point (field frame), in a field without lists; kNoTriangle if
+// no triangle is near.
+std::uint32_t triangleAt(const DistanceField& field, const Vec3f& point);
 
 // The bricks near surfaces ("full bricks") of a moving field: fields at successive positions share a pool, so that
-// their common bricks are stored once. A brick and its lists of triangles have a fixed place in the pool. Moving a
+// their common bricks are stored once. A brick and its lists of triangles have a fixed index in the pool. Moving a
 // field appends the new bricks, and only these are uploaded to a device that has the earlier ones. If the pool is full,
 // the field gets a new pool, to which the bricks that it still needs are copied. The arrays are never reallocated, so
 // that threads may read bricks while others are appended.
 struct BrickPool {
-  // Reserves space for `most` bricks, and none for lists.
-  explicit BrickPool(std::size_t most) {
-    distance.resize(most * kBrickStride);
-    word.resize(most * kBrickStride);
-    firstList.assign(most + 1, 0);
+  // Reserves space for `capacity` bricks, and none for lists.
+  explicit BrickPool(std::size_t capacity) {
+    distance.resize(capacity * kBrickStride);
+    triangleOrList.resize(capacity * kBrickStride);
+    firstList.assign(capacity + 1, 0);
   }
+  // Returns the number of bricks that can still be appended.
   std::size_t room() const { return firstList.size() - 1 - bricks; }
 
   // The arrays of DistanceField. The elements of the first `bricks` bricks are set.
   RawVector<std::uint16_t> distance;
-  RawVector<std::uint32_t> word;
+  RawVector<std::uint32_t> triangleOrList;
   RawVector<std::uint32_t> lists;
   std::vector<std::uint32_t> firstList;  // index in `lists` of each brick's first list; entry `bricks`: the end
 
   std::mutex appending;  // locked while bricks are appended
   std::size_t bricks = 0;
 };
+
+// Returns the data that particles read of the levels of a field with this shape, one entry per level.
+std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
+
+// Builds the field of a world. Bricks of the fields in `before` are copied or shared (BrickPool) and not built
+// again. All fields in `before` must belong to this world; a field is used only if it has the voxel size and `lists` of
+// `shape`, and the pool of the first field that is used. The data that particles read is the same as without `before`,
+// byte by byte. The world must be flat, without instances. An empty world gives a field of empty bricks. Runs on all
+// threads; the data that particles read does not depend on the number of threads. Moving a field by a metre takes a
+// thirtieth of the time of building it.
+std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
+                                                const std::vector<std::shared_ptr<const DistanceField>>& before = {});
 
 }  // namespace scanmill

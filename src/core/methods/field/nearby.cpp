@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "methods/field/distance_field.h"
 #include "scene/embree.h"
 
 namespace scanmill {
@@ -25,40 +24,42 @@ Float4 vertexOf(const TriangleBlock& block, std::uint32_t vertex) {
 class Ball {
  public:
   Ball(const Vec3d& point, double radius)
-      : size_(std::max({std::fabs(point.x), std::fabs(point.y), std::fabs(point.z)})),
+      : largestCoordinate_(std::max({std::fabs(point.x), std::fabs(point.y), std::fabs(point.z)})),
         point_{static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z), 0} {
     shrink(radius);
   }
 
   void shrink(double radius) {
-    radius_ = static_cast<float>(radius + 1e-6 * (size_ + radius));
-    square_ = radius_ * radius_;
+    constexpr double kRounding = 1e-6;  // relative error of float32, with a margin
+    radius_ = static_cast<float>(radius + kRounding * (largestCoordinate_ + radius));
+    radius2_ = radius_ * radius_;
   }
   float radius() const { return radius_; }
   Float4 point() const { return point_; }
 
-  // Returns true if a triangle's bounding box is within the ball's radius of the cube of half side `half` around the
-  // point.
-  bool overlaps(const TriangleBlock& block, std::uint32_t triangle, float half = 0) const {
+  // Returns true if a triangle's bounding box is within the ball's radius of the cube of half side `halfSide` (m)
+  // around the point.
+  bool overlaps(const TriangleBlock& block, std::uint32_t triangle, float halfSide = 0) const {
     const Triangle& corners = block.corners[triangle];
     const Float4 a = vertexOf(block, corners[0]);
     const Float4 b = vertexOf(block, corners[1]);
     const Float4 c = vertexOf(block, corners[2]);
     const auto lower = [](Float4 x, Float4 y) { return x < y ? x : y; };
     const auto higher = [](Float4 x, Float4 y) { return x > y ? x : y; };
-    const Float4 outside = higher(lower(lower(a, b), c) - point_, point_ - higher(higher(a, b), c)) - half;
+    const Float4 outside = higher(lower(lower(a, b), c) - point_, point_ - higher(higher(a, b), c)) - halfSide;
     const Float4 gaps = higher(outside, Float4{});
-    return gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2] <= square_;
+    return gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2] <= radius2_;
   }
 
  private:
-  double size_;
+  double largestCoordinate_;
   Float4 point_;
   float radius_ = 0;
-  float square_ = 0;
+  float radius2_ = 0;
 };
 
-void runQuery(const World& world, const Ball& ball, RTCPointQueryFunction found, void* search) {
+// Calls visit() for the triangles of the leaves of Embree's hierarchy that the ball touches, with `search` as userPtr.
+void runQuery(const World& world, const Ball& ball, RTCPointQueryFunction visit, void* search) {
   RTCPointQuery query;
   query.x = ball.point()[0];
   query.y = ball.point()[1];
@@ -67,91 +68,97 @@ void runQuery(const World& world, const Ball& ball, RTCPointQueryFunction found,
   query.radius = ball.radius();
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(world.embree.get(), &query, &context, found, search);
+  rtcPointQuery(world.embree.get(), &query, &context, visit, search);
 }
 
-Vec3d metresOf(const BrickPlace& place, const Vec3f& point) {
-  return place.centre + Vec3d(point) * place.voxel;
+// Converts a point from the brick's frame to metres relative to the world's origin.
+Vec3d metresOf(const BrickFrame& frame, const Vec3f& point) {
+  return frame.centre + Vec3d(point) * frame.voxel;
 }
 
+// The state of nearestFacet().
 struct PointSearch {
   const TriangleBlock& block;
-  const BrickPlace& place;
+  const BrickFrame& frame;
   const Vec3f& point;  // voxels, relative to the centre of the brick
   FacetCache& facets;
   Ball ball;
-  NearestFacet best;
+  NearestFacet nearest;  // so far
 };
 
 // Returns the search radius (m) for a squared distance (voxels^2), with a margin for the rounding of facets' distances.
-double reachOf(const BrickPlace& place, float distance2) {
-  return (double{std::sqrt(distance2)} + 1e-4) * place.voxel;
+double reachOf(const BrickFrame& frame, float distance2) {
+  constexpr double kReachMargin = 1e-4;  // voxels
+  return (double{std::sqrt(distance2)} + kReachMargin) * frame.voxel;
 }
 
+// Compares a triangle with the nearest one of a PointSearch. Returns true if the query's radius has changed.
 bool visitNearest(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<PointSearch*>(arguments->userPtr);
   const std::uint32_t triangle = search.block.indexOf(arguments->geomID, arguments->primID);
   if (!search.ball.overlaps(search.block, triangle)) return false;
-  const Facet<float>& facet = search.facets.of(search.block, triangle, search.place);
+  const Facet<float>& facet = search.facets.of(search.block, triangle, search.frame);
   const float distance2 = facet.distance2(search.point.x, search.point.y, search.point.z);
-  NearestFacet& best = search.best;
-  if (distance2 > best.distance2) return false;
-  if (distance2 == best.distance2) {
-    if (best.triangle == kNoTriangle || orderOf(search.block, triangle) < orderOf(search.block, best.triangle)) {
-      best.triangle = triangle;
+  NearestFacet& nearest = search.nearest;
+  if (distance2 > nearest.distance2) return false;
+  if (distance2 == nearest.distance2) {
+    if (nearest.triangle == kNoTriangle || orderOf(search.block, triangle) < orderOf(search.block, nearest.triangle)) {
+      nearest.triangle = triangle;
     }
     return false;
   }
-  best = {distance2, triangle};
-  search.ball.shrink(reachOf(search.place, distance2));
+  nearest = {distance2, triangle};
+  search.ball.shrink(reachOf(search.frame, distance2));
   arguments->query->radius = search.ball.radius();
   return true;
 }
 
+// The state of gatherTriangles().
 struct Gathering {
   const TriangleBlock& block;
-  Ball margin;  // ball at the cube's centre; its radius is the margin around the cube
-  float half;   // m, half of the cube's side
-  std::size_t most;
+  Ball margin;     // ball at the cube's centre; its radius is the margin around the cube
+  float halfSide;  // m, half of the cube's side
+  std::size_t mostTriangles;
   std::vector<std::uint32_t>& triangles;
 };
 
+// Adds a triangle to a Gathering. Returns true if the query's radius has changed.
 bool visitGathered(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<Gathering*>(arguments->userPtr);
-  if (search.triangles.size() > search.most) return false;
+  if (search.triangles.size() > search.mostTriangles) return false;
   const std::uint32_t triangle = search.block.indexOf(arguments->geomID, arguments->primID);
-  if (!search.margin.overlaps(search.block, triangle, search.half)) return false;
+  if (!search.margin.overlaps(search.block, triangle, search.halfSide)) return false;
   search.triangles.push_back(triangle);
-  if (search.triangles.size() <= search.most) return false;
+  if (search.triangles.size() <= search.mostTriangles) return false;
   arguments->query->radius = 0;  // a radius of 0 ends the query
   return true;
 }
 
 }  // namespace
 
-TriangleCorners cornersAt(const TriangleBlock& block, std::uint32_t triangle, const BrickPlace& place) {
-  const double perMetre = 1 / place.voxel;
+TriangleCorners cornersAt(const TriangleBlock& block, std::uint32_t triangle, const BrickFrame& frame) {
+  const double perMetre = 1 / frame.voxel;
   const Triangle& corners = block.corners[triangle];
-  const auto corner = [&](int i) { return (Vec3d(block.vertices[corners[i]]) - place.centre) * perMetre; };
+  const auto corner = [&](int i) { return (Vec3d(block.vertices[corners[i]]) - frame.centre) * perMetre; };
   return {corner(0), corner(1), corner(2)};
 }
 
-NearestFacet nearestFacet(const World& world, const BrickPlace& place, const Vec3f& point, const NearestFacet& nearest,
+NearestFacet nearestFacet(const World& world, const BrickFrame& frame, const Vec3f& point, const NearestFacet& guess,
                           FacetCache& facets) {
-  PointSearch search{world.baked, place, point, facets, Ball(metresOf(place, point), reachOf(place, nearest.distance2)),
-                     nearest};
+  PointSearch search{world.baked, frame, point, facets, Ball(metresOf(frame, point), reachOf(frame, guess.distance2)),
+                     guess};
   runQuery(world, search.ball, visitNearest, &search);
-  return search.best;
+  return search.nearest;
 }
 
-bool gatherTriangles(const World& world, const BrickPlace& place, const Vec3f& point, float half, float margin,
-                     std::size_t most, std::vector<std::uint32_t>& triangles) {
+bool gatherTriangles(const World& world, const BrickFrame& frame, const Vec3f& point, float halfSide, float margin,
+                     std::size_t mostTriangles, std::vector<std::uint32_t>& triangles) {
   triangles.clear();
-  const Vec3d metres = metresOf(place, point);
-  Gathering search{world.baked, Ball(metres, margin * place.voxel), static_cast<float>(half * place.voxel), most,
-                   triangles};
-  runQuery(world, Ball(metres, (half * std::sqrt(3.0) + margin) * place.voxel), visitGathered, &search);
-  return triangles.size() <= most;
+  const Vec3d metres = metresOf(frame, point);
+  Gathering search{world.baked, Ball(metres, margin * frame.voxel), static_cast<float>(halfSide * frame.voxel),
+                   mostTriangles, triangles};
+  runQuery(world, Ball(metres, (halfSide * std::sqrt(3.0) + margin) * frame.voxel), visitGathered, &search);
+  return triangles.size() <= mostTriangles;
 }
 
 }  // namespace scanmill

@@ -6,13 +6,15 @@
 
 namespace scanmill {
 
-void BrickMaker::makeSparse(const BrickPlace& place) {
+// Makes a brick whose triangles_ are few: compares each triangle with all blocks' centres, then with the corners of the
+// blocks near it.
+void BrickMaker::makeSparse(const BrickFrame& frame) {
   facets_.resize(triangles_.size());
   centreDistance2_.resize(triangles_.size());
   Lanes least;
   least.fill(INFINITY);
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    const Facet<float> facet = rounded(facetAt(world_.baked, triangles_[t], place));
+    const Facet<float> facet = rounded(facetAt(world_.baked, triangles_[t], frame));
     const Points& p = brick::kBlockCentres;
     Lanes& distance2 = centreDistance2_[t];
     for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
@@ -20,7 +22,7 @@ void BrickMaker::makeSparse(const BrickPlace& place) {
     facets_[t] = facet;
   }
   for (int block = 0; block < kBlock; ++block) {
-    blockDistance_[block] = std::min(std::sqrt(least[block]), brick::knownRadius(block));
+    blockDistance_[block] = std::min(std::sqrt(least[block]), brick::gatheredRadius(block));
     if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) continue;
     // Candidates are the triangles that may be the nearest to some corner of the block (up to kExactLimit), and the
     // triangles that some corner of the block may list.
@@ -33,11 +35,12 @@ void BrickMaker::makeSparse(const BrickPlace& place) {
       candidates_.push_back(facets_[t]);
       candidateTriangles_.push_back(triangles_[t]);
     }
-    fillBlock(place, block);
+    fillBlock(frame, block);
   }
 }
 
-void BrickMaker::fillBlock(const BrickPlace& place, int block) {
+// Sets the distances, nearest triangles and lists of a block's corners, by comparing each candidate with all of them.
+void BrickMaker::fillBlock(const BrickFrame& frame, int block) {
   if (candidates_.empty()) return;
   const Points& p = brick::kBlockCorners[block];
   alignas(64) Lanes least;
@@ -54,13 +57,13 @@ void BrickMaker::fillBlock(const BrickPlace& place, int block) {
       least[i] = less ? distance2[i] : least[i];
     }
     if (!lists_) continue;
-    float nearestOf = INFINITY;
-    for (int i = 0; i < kLanes; ++i) nearestOf = std::min(nearestOf, distance2[i]);
-    if (nearestOf > brick::kListRadius * brick::kListRadius) continue;
-    const CubeTest cube = cubeTestOf(cornersAt(world_.baked, candidateTriangles_[c], place), kListHalfSide);
-    auto& bits = listedBy_[c / 32];
+    float least2 = INFINITY;  // squared distance of the candidate from the nearest corner
+    for (int i = 0; i < kLanes; ++i) least2 = std::min(least2, distance2[i]);
+    if (least2 > brick::kListRadius * brick::kListRadius) continue;
+    const CubeTest cube = cubeTestOf(cornersAt(world_.baked, candidateTriangles_[c], frame), kListHalfSide);
+    auto& lists = listedBy_[c / 32];
     const std::uint32_t bit = 1u << (c % 32);
-    for (int i = 0; i < kLanes; ++i) bits[i] |= cube.excess(p.x[i], p.y[i], p.z[i]) <= 0 ? bit : 0u;
+    for (int i = 0; i < kLanes; ++i) lists[i] |= cube.excess(p.x[i], p.y[i], p.z[i]) <= 0 ? bit : 0u;
   }
   for (int i = 0; i < kBlock; ++i) {
     const std::uint32_t corner = brick::cornerIndex(block, i);
@@ -70,14 +73,15 @@ void BrickMaker::fillBlock(const BrickPlace& place, int block) {
   if (lists_) listBlock(block);
 }
 
+// Makes the lists of a block's corners from the bits of listedBy_, the lowest bit first.
 void BrickMaker::listBlock(int block) {
   for (int i = 0; i < kBlock; ++i) {
-    for (std::size_t chunk = 0; chunk < listedBy_.size(); ++chunk) {
-      for (std::uint32_t bits = listedBy_[chunk][i]; bits != 0; bits &= bits - 1) {
-        listed_.push_back(candidateTriangles_[chunk * 32 + std::countr_zero(bits)]);
+    for (std::size_t word = 0; word < listedBy_.size(); ++word) {
+      for (std::uint32_t bits = listedBy_[word][i]; bits != 0; bits &= bits - 1) {
+        listed_.push_back(candidateTriangles_[word * 32 + std::countr_zero(bits)]);
       }
     }
-    if (listed_.size() > listBegin_) addList(brick::cornerIndex(block, i));
+    if (listed_.size() > listBegin_) endList(brick::cornerIndex(block, i));
   }
 }
 

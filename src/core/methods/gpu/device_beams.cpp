@@ -16,12 +16,6 @@ void appendPoses(const ShotFrame& frame, std::vector<double>& rows) {
   }
 }
 
-std::vector<std::uint32_t> stepsOf(const Shot& shot) {
-  std::vector<std::uint32_t> steps(shot.beams->columns);
-  for (std::uint32_t c = 0; c < steps.size(); ++c) steps[c] = static_cast<std::uint32_t>(shot.stepOf(c));
-  return steps;
-}
-
 }  // namespace
 
 DeviceBeams::DeviceBeams(const ComputeDevice& device) : device_(device), poses_(device) {}
@@ -31,27 +25,27 @@ void DeviceBeams::ensureUploaded(const Shots& shots) {
   for (const ShotFrame* frame : shots.frames) appendPoses(*frame, poses);
   poses_.upload(std::span<const double>(poses));
   const Shot& shot = *shots.shots.front();
-  const auto hasRays = [&](const Table& table) {
-    return table.beams.lock() == shot.beams && table.poses == shot.worldFromSensor.size();
-  };
-  auto table = std::find_if(tables_.begin(), tables_.end(), hasRays);
-  const bool known = table != tables_.end();
-  if (!known) {
-    table = std::find_if(tables_.begin(), tables_.end(), [](const Table& t) { return t.beams.expired(); });
+  auto table = std::ranges::find_if(
+      tables_, [&](const Table& t) { return t.beams.lock() == shot.beams && t.poses == shot.worldFromSensor.size(); });
+  const bool isUploaded = table != tables_.end();
+  if (!isUploaded) {  // use a table that no longer exists, a new one or the least recently used one
+    table = std::ranges::find_if(tables_, [](const Table& t) { return t.beams.expired(); });
     if (table == tables_.end() && tables_.size() < kTables) table = tables_.emplace(tables_.end(), device_);
     if (table == tables_.end()) --table;
   }
   tables_.splice(tables_.begin(), tables_, table);
-  if (!known) fill(tables_.front(), shot);
+  if (!isUploaded) upload(tables_.front(), shot);
 }
 
-void DeviceBeams::fill(Table& table, const Shot& shot) {
+// Uploads the rays of the shot's beam table, and the pose of each column.
+void DeviceBeams::upload(Table& table, const Shot& shot) {
   const BeamTable& beams = *shot.beams;
   table.beams.reset();  // until all buffers are filled, they belong to no beam table
   table.directions.upload(std::span(beams.direction));
   if (!beams.origin.empty()) table.origins.upload(std::span(beams.origin));
-  const std::vector<std::uint32_t> steps = stepsOf(shot);
-  table.steps.upload(std::span(steps));
+  std::vector<std::uint32_t> steps(beams.columns);
+  for (std::uint32_t c = 0; c < steps.size(); ++c) steps[c] = static_cast<std::uint32_t>(shot.stepOf(c));
+  table.steps.upload(std::span<const std::uint32_t>(steps));
   table.beams = shot.beams;
   table.poses = shot.worldFromSensor.size();
 }

@@ -50,7 +50,7 @@ class DeviceBeams {
     ComputeBuffer directions, origins, steps;
   };
 
-  static void fill(Table& table, const Shot& shot);
+  static void upload(Table& table, const Shot& shot);
 
   ComputeDevice device_;
   std::list<Table> tables_;  // most recently used first

@@ -29,31 +29,22 @@ struct MarchParameters {
 };
 static_assert(sizeof(MarchParameters) == 32);
 
-MarchParameters marchParameters(const DistanceField& field, std::uint32_t steps, std::size_t count) {
-  MarchParameters block{};
-  block.lastLevel = static_cast<std::int32_t>(field.levels.size()) - 1;
-  block.perReach = 1.0f / field.shape.reach;
-  block.metres = static_cast<float>(field.shape.voxel);
-  block.steps = steps;
-  block.count = static_cast<std::uint32_t>(count);
-  return block;
-}
-
-// A corner and the two edges from it.
+// A corner and the two edges from it (m, relative to the world's origin), with a fourth component that is not used.
 using DeviceTriangle = std::array<std::array<float, 4>, 3>;
 
 std::vector<DeviceTriangle> deviceTriangles(const TriangleBlock& block) {
-  std::vector<DeviceTriangle> made(block.corners.size());
-  parallelFor(made.size(), 16384, [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) {
+  constexpr std::size_t kGrain = 16384;  // triangles per task
+  std::vector<DeviceTriangle> triangles(block.corners.size());
+  parallelFor(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
       const Triangle& corners = block.corners[t];
       const Vec3f a = block.vertices[corners[0]];
       const Vec3f ab = block.vertices[corners[1]] - a;
       const Vec3f ac = block.vertices[corners[2]] - a;
-      made[t] = {{{a.x, a.y, a.z, 0}, {ab.x, ab.y, ab.z, 0}, {ac.x, ac.y, ac.z, 0}}};
+      triangles[t] = {{{a.x, a.y, a.z, 0}, {ab.x, ab.y, ab.z, 0}, {ac.x, ac.y, ac.z, 0}}};
     }
   });
-  return made;
+  return triangles;
 }
 
 using enum ComputeTable::Texel;
@@ -62,19 +53,21 @@ const std::string kRemedy = ": take coarser voxels (voxel_m) or fewer levels";
 
 using DeviceLevel = std::array<std::uint32_t, 8>;
 
+// See DeviceFields::levels().
 std::vector<DeviceLevel> deviceLevels(const DistanceField& field) {
-  std::vector<DeviceLevel> made;
+  std::vector<DeviceLevel> levels;
   for (const FieldLevel& level : field.levels) {
     const auto bits = [&](std::size_t k) { return std::bit_cast<std::uint32_t>(level.offset[k]); };
-    made.push_back({bits(0), bits(1), bits(2), level.firstEntry, level.bricks[0], level.bricks[1], level.bricks[2], 0});
+    levels.push_back(
+        {bits(0), bits(1), bits(2), level.firstEntry, level.bricks[0], level.bricks[1], level.bricks[2], 0});
   }
-  return made;
+  return levels;
 }
 
 // Returns the constants that several programs share: the outcomes of particles and the layout of bricks.
 std::string fieldConstants() {
   return glslConstant("kDistanceStep", kDistanceStep) + glslConstant("kBrickStride", kBrickStride + 0u) +
-         glslConstant("kNoWord", kNoWord) + glslConstant("kFullBrick", kFullBrick) +
+         glslConstant("kNoTriangle", kNoTriangle) + glslConstant("kFullBrick", kFullBrick) +
          glslConstant("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
          glslConstant("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) +
          glslConstant("kPassesHole", kPassesHole);
@@ -82,23 +75,25 @@ std::string fieldConstants() {
 
 static_assert(kChannels.size() == 8, "give the new channel a constant here, and fill it in shaders/hit_columns.glsl");
 
+// Returns the constants of hit_columns.glsl and resolve.glsl.
 std::string resolverConstants() {
-  const auto channel = [](const char* name, Channel c) { return glslConstant(name, static_cast<std::uint32_t>(c)); };
-  const auto reason = [](const char* name, UnresolvedReason v) {
-    return glslConstant(name, static_cast<std::uint32_t>(v));
-  };
-  return channel("kNormal", Channel::Normal) + channel("kInstance", Channel::Instance) +
-         channel("kSemantic", Channel::Semantic) + channel("kMaterial", Channel::Material) +
-         channel("kPrimitive", Channel::Primitive) + channel("kReflectance", Channel::Reflectance) +
-         channel("kIncidence", Channel::Incidence) + reason("kRounding", UnresolvedReason::Rounding) +
-         reason("kStepsUsedUp", UnresolvedReason::StepsUsedUp) + reason("kLeftField", UnresolvedReason::LeftField) +
-         glslConstant("kInfinite", std::bit_cast<std::uint32_t>(kMiss)) + glslConstant("kLetsPass", kLetsPass) +
+  std::string text;
+  for (const auto& [name, channel] : {std::pair{"kNormal", Channel::Normal},
+                                      {"kInstance", Channel::Instance},
+                                      {"kSemantic", Channel::Semantic},
+                                      {"kMaterial", Channel::Material},
+                                      {"kPrimitive", Channel::Primitive},
+                                      {"kReflectance", Channel::Reflectance},
+                                      {"kIncidence", Channel::Incidence}}) {
+    text += glslConstant(name, static_cast<std::uint32_t>(channel));
+  }
+  for (const auto& [name, reason] : {std::pair{"kRounding", UnresolvedReason::Rounding},
+                                     {"kStepsUsedUp", UnresolvedReason::StepsUsedUp},
+                                     {"kLeftField", UnresolvedReason::LeftField}}) {
+    text += glslConstant(name, static_cast<std::uint32_t>(reason));
+  }
+  return text + glslConstant("kInfinite", std::bit_cast<std::uint32_t>(kMiss)) + glslConstant("kLetsPass", kLetsPass) +
          glslConstant("kCutOut", kCutOut + 0u) + glslConstant("kTextured", kTextured + 0u);
-}
-
-// Returns the text of a program: constants, followed by the text of a file.
-std::string program(std::string constants, std::string_view text) {
-  return constants.append(text);
 }
 
 }  // namespace
@@ -124,18 +119,24 @@ void DeviceMarch::ensureUploaded(const std::shared_ptr<const DistanceField>& fie
 
 void DeviceMarch::reserve(bool lists, std::size_t particles) {
   particles_.reserve((lists ? kMostColumns : kFewestColumns) * particles * sizeof(float));
-  records_.reserve(5 * particles * sizeof(float));
+  constexpr std::size_t kRecordColumns = 5;  // see march.glsl
+  records_.reserve(kRecordColumns * particles * sizeof(std::uint32_t));
 }
 
-void DeviceMarch::run(const DistanceField& field, std::uint32_t steps, std::size_t particles, Marching which) {
-  MarchParameters block = marchParameters(field, steps, particles);
-  block.onlyBehindHoles = which == Marching::BehindHoles ? 1 : 0;
+void DeviceMarch::run(const DistanceField& field, std::uint32_t maxSteps, std::size_t particles, Marching which) {
+  const MarchParameters parameters{.lastLevel = static_cast<std::int32_t>(field.levels.size()) - 1,
+                                   .perReach = 1.0f / field.shape.reach,
+                                   .metres = static_cast<float>(field.shape.voxel),
+                                   .steps = maxSteps,
+                                   .count = static_cast<std::uint32_t>(particles),
+                                   .onlyBehindHoles = which == Marching::BehindHoles ? 1u : 0u,
+                                   .unused = {}};
   marchers_.of(field.shape.lists)
-      .run(particles, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
+      .run(particles, {&particles_, &records_}, std::as_bytes(std::span(&parameters, 1)),
            {fields_.levels(),
             fields_.table(),
             fields_.distances(),
-            fields_.words(),
+            fields_.trianglesOrLists(),
             fields_.lists(),
             {&triangles_, ComputeTable::Texel::Float32x4}});
 }
@@ -144,35 +145,36 @@ DeviceFields::UploadedPool::UploadedPool(const ComputeDevice& device)
     : levels(device),
       table(device),
       distances{ComputeBuffer(device)},
-      words{ComputeBuffer(device)},
+      trianglesOrLists{ComputeBuffer(device)},
       lists{ComputeBuffer(device)} {}
 
 std::uint64_t DeviceFields::UploadedPool::bytes() const {
-  return levels.bytes() + table.bytes() + distances.buffer.bytes() + words.buffer.bytes() + lists.buffer.bytes();
+  return levels.bytes() + table.bytes() + distances.buffer.bytes() + trianglesOrLists.buffer.bytes() +
+         lists.buffer.bytes();
 }
 
 // Moves the pool's entry of pools_ to the front. If the pool has none, it gets the entry of a pool that no longer
 // exists, otherwise a new entry if memory suffices, otherwise the least recently used entry.
-void DeviceFields::take(const std::shared_ptr<const BrickPool>& pool) {
-  auto found = std::find_if(pools_.begin(), pools_.end(), [&](const UploadedPool& p) { return p.pool.lock() == pool; });
-  if (found == pools_.end()) {
-    found = std::find_if(pools_.begin(), pools_.end(), [](const UploadedPool& p) { return p.pool.expired(); });
-    if (found == pools_.end()) {
+void DeviceFields::bringToFront(const std::shared_ptr<const BrickPool>& pool) {
+  auto entry = std::ranges::find_if(pools_, [&](const UploadedPool& p) { return p.pool.lock() == pool; });
+  if (entry == pools_.end()) {
+    entry = std::ranges::find_if(pools_, [](const UploadedPool& p) { return p.pool.expired(); });
+    if (entry == pools_.end()) {
       std::uint64_t bytes = 0;
       for (const UploadedPool& other : pools_) bytes += other.bytes();
       // Assumes that the new pool will have the mean size of the others.
       const bool fits = pools_.empty() || bytes + bytes / pools_.size() <= kMostBytes;
-      found = fits ? pools_.emplace(pools_.end(), device_) : std::prev(pools_.end());
+      entry = fits ? pools_.emplace(pools_.end(), device_) : std::prev(pools_.end());
     }
-    for (Array* array : {&found->distances, &found->words, &found->lists}) array->uploadedBytes = 0;
-    found->field.reset();
-    found->pool = pool;
+    for (Array* array : {&entry->distances, &entry->trianglesOrLists, &entry->lists}) array->uploadedBytes = 0;
+    entry->field.reset();
+    entry->pool = pool;
   }
-  pools_.splice(pools_.begin(), pools_, found);
+  pools_.splice(pools_.begin(), pools_, entry);
 }
 
 void DeviceFields::ensureUploaded(const std::shared_ptr<const DistanceField>& field) {
-  take(field->pool);
+  bringToFront(field->pool);
   if (pools_.front().field.lock() == field) return;
   try {
     upload(field);
@@ -190,26 +192,29 @@ void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
   uploadTable(device_, pool.levels, Uint32x4, std::as_bytes(std::span(levels)), "levels", kRemedy);
   uploadTable(device_, pool.table, Uint32, std::as_bytes(std::span(field->table)), "table of bricks", kRemedy);
   append(pool.distances, Uint16, field->distance, field->pool->distance.size(), "distances");
-  append(pool.words, Uint32, field->word, field->pool->word.size(), "triangles at corners");
+  append(pool.trianglesOrLists, Uint32, field->triangleOrList, field->pool->triangleOrList.size(),
+         "triangles at corners");
   append(pool.lists, Uint32, field->lists, field->pool->lists.size(), "lists of triangles");
   pool.field = field;
 }
 
-// Uploads the part of `all` that is not on the device yet. `room`: largest number of elements of the array.
+// Uploads the elements that are not on the device yet. `capacity`: number of elements for which the array gets space.
+// `contents`: name of the array in messages.
 template <class T>
-void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<const T> all, std::size_t room,
-                          const char* what) {
-  const auto bytes = std::as_bytes(all);
-  checkTable(device_, texel, bytes.size(), what, kRemedy);
+void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<const T> elements, std::size_t capacity,
+                          const char* contents) {
+  const auto bytes = std::as_bytes(elements);
+  checkTable(device_, texel, bytes.size(), contents, kRemedy);
   if (array.buffer.bytes() < bytes.size()) {
     array.uploadedBytes = 0;
-    array.buffer.reserve(std::min<std::uint64_t>(room, device_.limits().tableTexels) * sizeof(T));
+    array.buffer.reserve(std::min<std::uint64_t>(capacity, device_.limits().tableTexels) * sizeof(T));
   }
   if (array.uploadedBytes >= bytes.size()) return;
   array.buffer.write(array.uploadedBytes, bytes.subspan(array.uploadedBytes));
   array.uploadedBytes = bytes.size();
 }
 
+// The texts of the files in shaders, with the files that they include.
 extern const std::string_view kLaunchShader;
 extern const std::string_view kMarchNearestShader;
 extern const std::string_view kMarchListsShader;
@@ -217,29 +222,36 @@ extern const std::string_view kResolveNearestShader;
 extern const std::string_view kResolveListsShader;
 
 std::string launchShader(bool lists) {
-  return program(glslConstant("kGroupColumns", MarchJob::kGroupColumns + 0u) +
-                     fmt::format("const bool kLists = {};\n", lists) + glslConstant("kLeftToCpu", kLeftToCpu),
-                 kLaunchShader);
+  std::string text = glslConstant("kGroupColumns", MarchJob::kGroupColumns + 0u);
+  text += fmt::format("const bool kLists = {};\n", lists) + glslConstant("kLeftToCpu", kLeftToCpu);
+  return text.append(kLaunchShader);
 }
 
 std::string marchShader(bool lists) {
-  return program(
-      fieldConstants() + glslConstant("kLastOfList", kLastOfList) + glslConstant("kNearestLimit", kNearestLimit) +
-          glslConstant("kListLimit", kListLimit) + glslConstant("kHitDistance", kHitDistance) +
-          glslConstant("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
-          glslConstant("kEmptyChordFactor", kEmptyChordFactor) +
-          glslConstant("kNearestChordFactor", kNearestChordFactor) +
-          glslConstant("kListChordFactor", kListChordFactor) + glslConstant("kTriangleMargin", kTriangleMargin) +
-          glslConstant("kBackwardTolerance", kBackwardTolerance) + glslConstant("kTieMargin", kTieMargin) +
-          glslConstant("kFaceOvershoot", kFaceOvershoot) + glslConstant("kExitPlane", kExitPlane),
-      lists ? kMarchListsShader : kMarchNearestShader);
+  std::string text = fieldConstants() + glslConstant("kLastOfList", kLastOfList) +
+                     glslConstant("kMiss", static_cast<std::uint32_t>(Outcome::Miss));
+  for (const auto& [name, value] : {std::pair{"kNearestLimit", kNearestLimit},
+                                    {"kListLimit", kListLimit},
+                                    {"kHitDistance", kHitDistance},
+                                    {"kEmptyChordFactor", kEmptyChordFactor},
+                                    {"kNearestChordFactor", kNearestChordFactor},
+                                    {"kListChordFactor", kListChordFactor},
+                                    {"kTriangleMargin", kTriangleMargin},
+                                    {"kBackwardTolerance", kBackwardTolerance},
+                                    {"kTieMargin", kTieMargin},
+                                    {"kFaceOvershoot", kFaceOvershoot},
+                                    {"kExitPlane", kExitPlane}}) {
+    text += glslConstant(name, value);
+  }
+  return text.append(lists ? kMarchListsShader : kMarchNearestShader);
 }
 
 std::string resolveShader(bool lists) {
-  return program(fieldConstants() + resolverConstants() + glslConstant("kGroupColumns", MarchJob::kGroupColumns + 0u) +
-                     glslConstant("kLeftToCpu", kLeftToCpu) + glslConstant("kDone", kParticleDone) +
-                     glslConstant("kHoleSkip", kHoleSkip) + glslConstant("kHoleSkipShare", kHoleSkipShare),
-                 lists ? kResolveListsShader : kResolveNearestShader);
+  std::string text = fieldConstants() + resolverConstants();
+  text += glslConstant("kGroupColumns", MarchJob::kGroupColumns + 0u) + glslConstant("kLeftToCpu", kLeftToCpu) +
+          glslConstant("kDone", kParticleDone) + glslConstant("kHoleSkip", kHoleSkip) +
+          glslConstant("kHoleSkipShare", kHoleSkipShare);
+  return text.append(lists ? kResolveListsShader : kResolveNearestShader);
 }
 
 }  // namespace scanmill

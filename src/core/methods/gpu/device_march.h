@@ -52,7 +52,9 @@ class DeviceFields {
   ComputeTable levels() const { return {&pools_.front().levels, ComputeTable::Texel::Uint32x4}; }
   ComputeTable table() const { return {&pools_.front().table, ComputeTable::Texel::Uint32}; }
   ComputeTable distances() const { return {&pools_.front().distances.buffer, ComputeTable::Texel::Uint16}; }
-  ComputeTable words() const { return {&pools_.front().words.buffer, ComputeTable::Texel::Uint32}; }
+  ComputeTable trianglesOrLists() const {
+    return {&pools_.front().trianglesOrLists.buffer, ComputeTable::Texel::Uint32};
+  }
   ComputeTable lists() const { return {&pools_.front().lists.buffer, ComputeTable::Texel::Uint32}; }
 
  private:
@@ -72,19 +74,20 @@ class DeviceFields {
     std::weak_ptr<const BrickPool> pool;
     std::weak_ptr<const DistanceField> field;
     ComputeBuffer levels, table;
-    Array distances, words, lists;
+    Array distances, trianglesOrLists, lists;
   };
 
-  void take(const std::shared_ptr<const BrickPool>& pool);
+  void bringToFront(const std::shared_ptr<const BrickPool>& pool);
   void upload(const std::shared_ptr<const DistanceField>& field);
   template <class T>
-  void append(Array& array, ComputeTable::Texel texel, std::span<const T> all, std::size_t room, const char* what);
+  void append(Array& array, ComputeTable::Texel texel, std::span<const T> elements, std::size_t capacity,
+              const char* contents);
 
   ComputeDevice device_;
   std::list<UploadedPool> pools_;  // most recently used first
 };
 
-// A program of shaders.h in two variants, for fields without lists and with lists, each compiled when it is first
+// A program in two variants, for fields without lists and with lists, each compiled when it is first
 // needed.
 class MarchPrograms {
  public:
@@ -120,9 +123,9 @@ class DeviceMarch {
   // reserve() makes room for `particles` particles and their records; run() marches them through the field of the last
   // ensureUploaded().
   void reserve(bool lists, std::size_t particles);
-  void run(const DistanceField& field, std::uint32_t steps, std::size_t particles, Marching which);
+  void run(const DistanceField& field, std::uint32_t maxSteps, std::size_t particles, Marching which);
 
-  // Return the buffers for the bindings 0 and 1 of marchShader() (shaders.h), and the fields on the device.
+  // Return the buffers for the bindings 0 and 1 of marchShader(), and the fields on the device.
   ComputeBuffer& particles() { return particles_; }
   const ComputeBuffer& records() const { return records_; }
   const DeviceFields& fields() const { return fields_; }

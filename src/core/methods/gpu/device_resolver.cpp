@@ -33,10 +33,11 @@ static_assert(kChannels.size() == 8, "say in ColumnOffsets and copyHits() where 
 // Starts of the requested columns, in words of 4 bytes. Class and material share a column.
 struct ColumnOffsets {
   ColumnOffsets(Channels channels, std::size_t rays) : end(rays) {
+    // Returns the start of the next column, which has `words` words per ray if it is requested.
     const auto next = [&](bool requested, std::size_t words) {
-      const std::size_t at = end;
+      const std::size_t offset = end;
       if (requested) end += words * rays;
-      return at;
+      return offset;
     };
     incidence = next(channels.has(Channel::Incidence), 1);
     reflectance = next(channels.has(Channel::Reflectance), 1);
@@ -63,75 +64,78 @@ DeviceWord wordOf(double a, double b) {
 // same values share these texels.
 class MaterialTables {
  public:
-  explicit MaterialTables(LabelTables& made) : made_(made) {}
+  // Appends to LabelTables::materials and LabelTables::texels.
+  explicit MaterialTables(LabelTables& tables) : tables_(tables) {}
 
   void append(const Material& material) {
     const CompactMaterial base = compact(material);
-    const bool cut = material.alphaTested && material.texture != nullptr;
-    if (base.texture == nullptr && !cut) {
-      made_.materials.push_back({bits(base.reflectance), 0, 0, 0});
+    const bool hasHoles = material.alphaTested && material.texture != nullptr;
+    if (base.texture == nullptr && !hasHoles) {
+      tables_.materials.push_back({bits(base.reflectance), 0, 0, 0});
       return;
     }
     const Texture& texture = *material.texture;
-    constexpr std::uint32_t kMost = 0xFFFF;
-    if (texture.width > kMost || texture.height > kMost) {
+    constexpr std::uint32_t kMostTexels = 0xFFFF;  // along a side, since a word has both sizes
+    if (texture.width > kMostTexels || texture.height > kMostTexels) {
       throw Error(fmt::format("the texture '{}' has more than {} texels per side, too many for a graphics card",
-                              texture.file, kMost));
+                              texture.file, kMostTexels));
     }
-    const auto key = std::tuple(&texture, base.textureGain, base.reflectance, cut ? material.alphaCutoff : -1.0f);
-    const auto [known, added] = firstOf_.emplace(key, static_cast<std::uint32_t>(made_.texels.size()));
-    if (added) appendTexels(material, base, cut);
-    made_.materials.push_back({bits(base.reflectance), known->second, texture.width | texture.height << 16,
-                               (base.texture != nullptr ? kTextured : 0u) | (cut ? kCutOut : 0u)});
+    const auto key = std::tuple(&texture, base.textureGain, base.reflectance, hasHoles ? material.alphaCutoff : -1.0f);
+    const auto [firstTexel, isNew] = firstTexels_.emplace(key, static_cast<std::uint32_t>(tables_.texels.size()));
+    if (isNew) appendTexels(material, base, hasHoles);
+    tables_.materials.push_back({bits(base.reflectance), firstTexel->second, texture.width | texture.height << 16,
+                                 (base.texture != nullptr ? kTextured : 0u) | (hasHoles ? kCutOut : 0u)});
   }
 
  private:
-  void appendTexels(const Material& material, const CompactMaterial& base, bool cut) {
+  void appendTexels(const Material& material, const CompactMaterial& base, bool hasHoles) {
     const Texture& texture = *material.texture;
-    const std::size_t first = made_.texels.size();
+    const std::size_t first = tables_.texels.size();
     const std::size_t count = std::size_t{texture.width} * texture.height;
-    made_.texels.resize(first + count);
+    tables_.texels.resize(first + count);
     parallelFor(count, kTableGrain, [&](std::size_t from, std::size_t to) {
       for (std::size_t i = from; i < to; ++i) {
         const std::uint8_t* texel = &texture.rgba[4 * i];
-        made_.texels[first + i] = bits(base.texture != nullptr ? base.ofTexel(texel) : base.reflectance) |
-                                  (cut && letsPass(material, texel) ? kLetsPass : 0u);
+        tables_.texels[first + i] = bits(base.texture != nullptr ? base.ofTexel(texel) : base.reflectance) |
+                                    (hasHoles && letsPass(material, texel) ? kLetsPass : 0u);
       }
     });
   }
 
-  LabelTables& made_;
-  std::map<std::tuple<const Texture*, float, float, float>, std::uint32_t> firstOf_;
+  LabelTables& tables_;
+  // By the values on which texels depend: index of the first texel.
+  std::map<std::tuple<const Texture*, float, float, float>, std::uint32_t> firstTexels_;
 };
 
 TexturedTriangle texturedTriangle(const TriangleBlock& block, std::uint32_t triangle) {
-  TexturedTriangle made{};
+  TexturedTriangle textured{};
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t corner = block.corners[triangle][k];
     const Vec3f& p = block.vertices[corner];
     const Vec2f uv = block.uvs.empty() ? Vec2f{} : block.uvs[corner];
-    made.words[k] = {bits(p.x), bits(p.y), bits(p.z), bits(uv.x)};
-    made.words[3][k] = bits(uv.y);
+    textured.words[k] = {bits(p.x), bits(p.y), bits(p.z), bits(uv.x)};
+    textured.words[3][k] = bits(uv.y);
   }
-  return made;
+  return textured;
 }
 
-void addTriangles(const TriangleBlock& block, LabelTables& made) {
-  made.records.resize(block.triangles.size());
+// Fills LabelTables::records and LabelTables::textured. The tables must have the materials already.
+void addTriangles(const TriangleBlock& block, LabelTables& tables) {
+  tables.records.resize(block.triangles.size());
   parallelFor(block.triangles.size(), kTableGrain, [&](std::size_t from, std::size_t to) {
     for (std::size_t t = from; t < to; ++t) {
       const BlockTriangle& triangle = block.triangles[t];
       const HitSurface& surface = block.surfaces[triangle.surface];
-      made.records[t] = {
+      tables.records[t] = {
           wordOf(triangle.normal.x, triangle.normal.y),
           wordOf(triangle.normal.z, triangle.offset),
           {surface.instance, surface.semantic | std::uint32_t{surface.material} << 16, triangle.primitive, 0}};
     }
   });
   for (std::uint32_t t = 0; t < block.triangles.size(); ++t) {
-    if (made.materials[block.surfaceOf(t).material][3] == 0) continue;
-    made.textured.push_back(texturedTriangle(block, t));
-    made.records[t].label[3] = static_cast<std::uint32_t>(made.textured.size());
+    if (tables.materials[block.surfaceOf(t).material][3] == 0) continue;
+    tables.textured.push_back(texturedTriangle(block, t));
+    tables.records[t].label[3] = static_cast<std::uint32_t>(tables.textured.size());
   }
 }
 
@@ -176,49 +180,51 @@ ComputeTable DeviceResolver::table(std::size_t binding) const {
 
 void DeviceResolver::copyHits(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
                               std::vector<UnresolvedRay>& unresolved) {
-  const ColumnOffsets places(hits.channels, piece.all);
-  std::mutex mutex;
+  const ColumnOffsets offsets(hits.channels, piece.all);
+  std::mutex mutex;  // guards `unresolved`
   const std::size_t before = unresolved.size();
-  parallelFor(piece.count, kTableGrain, [&](std::size_t from, std::size_t to) {
-    const auto copy = [&](std::size_t word, std::size_t words, auto* values) {
-      std::memcpy(values, columns.data() + 4 * (word + words * (piece.from + from)), 4 * words * (to - from));
+  parallelFor(piece.count, kTableGrain, [&](std::size_t begin, std::size_t end) {
+    // Copies the rays [begin, end) of the piece from a column, which starts at the word `offset`, unless `channel` is
+    // empty.
+    const auto copy = [&]<class T>(std::size_t offset, std::vector<T>& channel) {
+      constexpr std::size_t kWords = sizeof(T) / 4;
+      if (channel.empty()) return;
+      std::memcpy(&channel[begin], columns.data() + 4 * (offset + kWords * (piece.from + begin)),
+                  sizeof(T) * (end - begin));
     };
-    copy(0, 1, &hits.range[from]);
-    if (!hits.incidence.empty()) copy(places.incidence, 1, &hits.incidence[from]);
-    if (!hits.reflectance.empty()) copy(places.reflectance, 1, &hits.reflectance[from]);
-    if (!hits.instance.empty()) copy(places.instance, 1, &hits.instance[from]);
-    if (!hits.primitive.empty()) copy(places.primitive, 1, &hits.primitive[from]);
-    if (!hits.normal.empty()) copy(places.normal, 3, &hits.normal[from]);
+    copy(0, hits.range);
+    copy(offsets.incidence, hits.incidence);
+    copy(offsets.reflectance, hits.reflectance);
+    copy(offsets.instance, hits.instance);
+    copy(offsets.primitive, hits.primitive);
+    copy(offsets.normal, hits.normal);
     if (!hits.semantic.empty() || !hits.material.empty()) {
-      std::array<std::uint32_t, 256> labels;
-      for (std::size_t i = from; i < to; i += labels.size()) {
-        const std::size_t some = std::min(labels.size(), to - i);
-        std::memcpy(labels.data(), columns.data() + 4 * (places.label + piece.from + i), 4 * some);
-        for (std::size_t k = 0; k < some && !hits.semantic.empty(); ++k)
-          hits.semantic[i + k] = static_cast<std::uint16_t>(labels[k]);
-        for (std::size_t k = 0; k < some && !hits.material.empty(); ++k)
-          hits.material[i + k] = static_cast<std::uint16_t>(labels[k] >> 16);
+      for (std::size_t i = begin; i < end; ++i) {
+        std::uint32_t label;  // class | material << 16
+        std::memcpy(&label, columns.data() + 4 * (offsets.label + piece.from + i), sizeof label);
+        if (!hits.semantic.empty()) hits.semantic[i] = static_cast<std::uint16_t>(label);
+        if (!hits.material.empty()) hits.material[i] = static_cast<std::uint16_t>(label >> 16);
       }
     }
-    std::vector<UnresolvedRay> mine;
-    for (std::size_t i = from; i < to; ++i) {
+    std::vector<UnresolvedRay> unresolvedOfTask;
+    for (std::size_t i = begin; i < end; ++i) {
       if (!std::isnan(hits.range[i])) continue;
-      mine.push_back({static_cast<std::uint32_t>(i), std::bit_cast<UnresolvedReason>(hits.range[i])});
+      unresolvedOfTask.push_back({static_cast<std::uint32_t>(i), std::bit_cast<UnresolvedReason>(hits.range[i])});
     }
-    if (mine.empty()) return;
+    if (unresolvedOfTask.empty()) return;
     const std::scoped_lock lock(mutex);
-    unresolved.insert(unresolved.end(), mine.begin(), mine.end());
+    unresolved.insert(unresolved.end(), unresolvedOfTask.begin(), unresolvedOfTask.end());
   });
-  std::sort(unresolved.begin() + static_cast<std::ptrdiff_t>(before), unresolved.end(),
-            [](const UnresolvedRay& a, const UnresolvedRay& b) { return a.ray < b.ray; });
+  std::ranges::sort(unresolved.begin() + static_cast<std::ptrdiff_t>(before), unresolved.end(), {},
+                    &UnresolvedRay::ray);
 }
 
 LabelTables labelTables(const World& world) {
-  LabelTables made;
-  MaterialTables materials(made);
+  LabelTables tables;
+  MaterialTables materials(tables);
   for (const Material& material : world.scene->materials) materials.append(material);
-  addTriangles(world.baked, made);
-  return made;
+  addTriangles(world.baked, tables);
+  return tables;
 }
 
 }  // namespace scanmill

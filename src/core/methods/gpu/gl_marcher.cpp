@@ -3,7 +3,6 @@
 #include "methods/gpu/gl_marcher.h"
 
 #include <algorithm>
-#include <array>
 #include <span>
 
 #include "methods/field/march_rule.h"
@@ -28,34 +27,36 @@ struct ParticleParameters {
 };
 static_assert(sizeof(ParticleParameters) == 224);
 
-ParticleParameters particleParameters(const MarchJob& job, Channels channels, std::size_t rays) {
+// Returns the parameters of a slice of particles: [first, first + count). `rays`: number of rays of the dispatch.
+ParticleParameters particleParameters(const MarchJob& job, Channels channels, std::size_t rays, std::size_t first,
+                                      std::size_t count) {
   const BeamTable& beams = *job.shot.beams;
   const FieldShape& shape = job.field().shape;
   const Box& box = job.sensorField.box;
-  ParticleParameters parameters{};
-  parameters.common = DeviceResolver::parameters(beams, channels, rays);
-  parameters.rings = beams.rings;
-  parameters.columns = beams.columns;
-  parameters.withOrigins = beams.origin.empty() ? 0 : 1;
-  parameters.shotParticles = static_cast<std::uint32_t>(job.size());
-  parameters.shotRays = static_cast<std::uint32_t>(beams.size());
-  parameters.shotPoses = static_cast<std::uint32_t>(job.shot.worldFromSensor.size());
-  parameters.firstAlpha = job.triangles().firstAlpha;
-  parameters.coversScene = job.sensorField.coversScene ? 1 : 0;
-  parameters.lastLevel = static_cast<std::int32_t>(job.field().levels.size()) - 1;
-  parameters.reach = shape.reach;
-  parameters.metres = static_cast<float>(shape.voxel);
-  parameters.voxel = shape.voxel;
-  parameters.pathLength = job.pathLength();
-  std::copy_n(std::array{box.low.x, box.low.y, box.low.z}.begin(), 3, parameters.low);
-  std::copy_n(std::array{box.high.x, box.high.y, box.high.z}.begin(), 3, parameters.high);
-  std::copy_n(std::array{shape.centre.x, shape.centre.y, shape.centre.z, 1 / shape.voxel}.begin(), 4,
-              parameters.centre);
-  parameters.rangeErrorBound = kRangeErrorBound;
-  parameters.layerLookupOffset = kLayerLookupOffset;
-  parameters.layerThickness = kLayerThickness;
-  parameters.layerMinCosine = kLayerMinCosine;
-  return parameters;
+  return {.common = DeviceResolver::parameters(beams, channels, rays),
+          .rings = beams.rings,
+          .columns = beams.columns,
+          .first = static_cast<std::uint32_t>(first),
+          .count = static_cast<std::uint32_t>(count),
+          .withOrigins = beams.origin.empty() ? 0u : 1u,
+          .shotParticles = static_cast<std::uint32_t>(job.size()),
+          .shotRays = static_cast<std::uint32_t>(beams.size()),
+          .shotPoses = static_cast<std::uint32_t>(job.shot.worldFromSensor.size()),
+          .firstAlpha = job.triangles().firstAlpha,
+          .coversScene = job.sensorField.coversScene ? 1u : 0u,
+          .last = 0,
+          .lastLevel = static_cast<std::int32_t>(job.field().levels.size()) - 1,
+          .reach = shape.reach,
+          .metres = static_cast<float>(shape.voxel),
+          .voxel = shape.voxel,
+          .pathLength = job.pathLength(),
+          .low = {box.low.x, box.low.y, box.low.z},
+          .high = {box.high.x, box.high.y, box.high.z},
+          .centre = {shape.centre.x, shape.centre.y, shape.centre.z, 1 / shape.voxel},
+          .rangeErrorBound = kRangeErrorBound,
+          .layerLookupOffset = kLayerLookupOffset,
+          .layerThickness = kLayerThickness,
+          .layerMinCosine = kLayerMinCosine};
 }
 
 }  // namespace
@@ -84,6 +85,7 @@ void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay
   DeviceResolver::copyHits(columns, {submitted.batch->rays, submitted.from, work.rays()}, hits, unresolved);
 }
 
+// Submits the works of a batch, all in the same field, and starts the copy of their hits: see ShotQueue::Dispatch.
 void GlMarcher::dispatch(const std::vector<const ShotWork*>& together, Queue::Batch& batch) {
   const ShotWork& work = *together.front();
   const WallTimer timer;
@@ -116,25 +118,23 @@ void GlMarcher::marchSlice(const ShotWork& work, std::size_t rays, std::size_t f
   const DistanceField& field = work.job.field();
   const TriangleBlock& triangles = work.job.triangles();
   const bool lists = field.shape.lists;
-  const bool holes = lists && triangles.firstAlpha < triangles.triangles.size();
-  ParticleParameters parameters = particleParameters(work.job, work.channels, rays);
-  parameters.first = static_cast<std::uint32_t>(first);
-  parameters.count = static_cast<std::uint32_t>(count);
+  const std::uint32_t mostHoles = lists && triangles.firstAlpha < triangles.triangles.size() ? kMostHoles : 0;
+  ParticleParameters parameters = particleParameters(work.job, work.channels, rays, first, count);
   const auto parameterBytes = std::as_bytes(std::span(&parameters, 1));
   march_.reserve(lists, count);
   launchers_.of(lists).run(
       count, {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(), &march_.particles()},
       parameterBytes);
-  for (std::uint32_t hole = 0; hole <= (holes ? kMostHoles : 0); ++hole) {
+  for (std::uint32_t hole = 0; hole <= mostHoles; ++hole) {
     march_.run(field, work.job.maxSteps, count,
                hole > 0 ? DeviceMarch::Marching::BehindHoles : DeviceMarch::Marching::All);
-    parameters.last = hole == kMostHoles || !holes ? 1 : 0;
+    parameters.last = hole == mostHoles ? 1 : 0;  // read through parameterBytes
     resolvers_.of(lists).run(count,
                              {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(),
                               &march_.records(), &resolver_.columns(), &march_.particles()},
                              parameterBytes,
                              {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3),
-                              march_.fields().levels(), march_.fields().table(), march_.fields().words()});
+                              march_.fields().levels(), march_.fields().table(), march_.fields().trianglesOrLists()});
   }
 }
 

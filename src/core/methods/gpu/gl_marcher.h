@@ -26,7 +26,7 @@ struct GlMarcherLimits {
 // Marches particles by a compute shader of OpenGL, with one invocation per particle.
 class GlMarcher {
  public:
-  // Throws Error if the machine has device for it (gpu/compute.h); the message names the CPU backend.
+  // Throws Error if the machine has no device for it (gpu/compute.h); the message names the CPU backend.
   explicit GlMarcher(const GlMarcherLimits& limits = {});
 
   // Launches the particles of a shot, marches them and fills the channels that `hits` has with the results of resolve()

@@ -22,9 +22,8 @@ namespace scanmill {
 // Work: all or some rays of a shot, for whose results a thread waits. It has these members:
 //
 //     std::size_t rays() const
-//     std::uint64_t bytes() const              // size of the largest array whose size depends on the work
-//     bool canShareDispatch(const Work& other) const   // true only for works of equally many rays that can share a
-//     dispatch
+//     std::uint64_t bytes() const                      // size of the largest array whose size depends on the work
+//     bool canShareDispatch(const Work& other) const   // true only if both have equally many rays
 //
 template <class Work>
 class ShotQueue {
@@ -38,9 +37,9 @@ class ShotQueue {
   // A function that submits works to the device, and starts the copy to `batch.hits`. Called by one thread at a time.
   using Dispatch = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;
 
-  // `most`: upper bound of the sum of bytes() of the works that share a dispatch; kMostBytesTogether bounds it, too.
-  ShotQueue(const ComputeDevice& device, std::uint64_t most, Dispatch dispatch)
-      : mostBytes_(std::min(most, kMostBytesTogether)), dispatch_(std::move(dispatch)) {
+  // `mostBytes`: upper bound of the sum of bytes() of the works that share a dispatch; kMostBytesTogether is another.
+  ShotQueue(const ComputeDevice& device, std::uint64_t mostBytes, Dispatch dispatch)
+      : mostBytes_(std::min(mostBytes, kMostBytesTogether)), dispatch_(std::move(dispatch)) {
     for (std::size_t k = 0; k < kMostInFlight; ++k) free_.push_back(std::make_unique<Batch>(device));
   }
 
@@ -69,6 +68,7 @@ class ShotQueue {
   static constexpr std::size_t kMostInFlight = 3;
   static constexpr std::uint64_t kMostBytesTogether = std::uint64_t{256} << 20;
 
+  // A work whose thread waits in submit(). `submitted.batch` or `failure` is set when the wait ends.
   struct Waiting {
     const Work& work;
     Submitted submitted;
@@ -102,14 +102,14 @@ class ShotQueue {
             }};
   }
 
-  // Submits works, and tells their threads what became of them. If several works fail together, returns false instead.
+  // Submits works, and sets the results of their `Waiting`. If several works fail together, returns false instead.
   bool dispatch(const std::vector<Waiting*>& together, std::shared_ptr<Batch> batch,
                 std::unique_lock<std::mutex>& lock) {
     std::vector<const Work*> works;
-    std::vector<std::size_t> from;
+    std::vector<std::size_t> firstRays;
     for (const Waiting* waiting : together) {
       works.push_back(&waiting->work);
-      from.push_back(batch->rays);
+      firstRays.push_back(batch->rays);
       batch->rays += waiting->work.rays();
     }
     lock.unlock();
@@ -118,29 +118,28 @@ class ShotQueue {
       isolated([&] { dispatch_(works, *batch); });
     } catch (...) {
       failure = std::current_exception();
-      batch = nullptr;  // while the lock is free, which freeing a batch takes
+      batch = nullptr;  // before locking: the batch's deleter locks mutex_
     }
     lock.lock();
     if (failure && together.size() > 1) return false;
     for (std::size_t i = 0; i < together.size(); ++i) {
-      together[i]->submitted = {batch, from[i]};
+      together[i]->submitted = {batch, firstRays[i]};
       together[i]->failure = failure;
     }
     changed_.notify_all();
     return true;
   }
 
+  // Removes the first waiting work, and the works that share its dispatch, from the queue.
   std::vector<Waiting*> takeTogether() {
     const Work& first = queue_.front()->work;
-    const std::uint64_t most = std::max<std::uint64_t>(mostBytes_ / std::max<std::uint64_t>(first.bytes(), 1), 1);
+    const std::uint64_t mostWorks = std::max<std::uint64_t>(mostBytes_ / std::max<std::uint64_t>(first.bytes(), 1), 1);
     std::vector<Waiting*> together;
-    std::vector<Waiting*> remaining;
-    together.reserve(queue_.size());
-    remaining.reserve(queue_.size());
-    for (Waiting* waiting : queue_) {
-      (together.size() < most && waiting->work.canShareDispatch(first) ? together : remaining).push_back(waiting);
-    }
-    queue_ = std::move(remaining);
+    std::erase_if(queue_, [&](Waiting* waiting) {
+      const bool joins = together.size() < mostWorks && waiting->work.canShareDispatch(first);
+      if (joins) together.push_back(waiting);
+      return joins;
+    });
     return together;
   }
 

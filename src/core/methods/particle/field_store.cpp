@@ -11,7 +11,6 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/tsan_order.h"
-#include "methods/field/build.h"
 
 namespace scanmill {
 
@@ -23,7 +22,7 @@ constexpr double kMemoryFraction = 0.125;  // fraction of memoryLimitBytes() tha
 constexpr std::size_t kFewestPools = 4;
 constexpr std::size_t kFieldsOfPool = 2;  // largest number of cached fields per pool, for two sensors of a vehicle
 
-bool holds(const Box& outer, const Box& inner) {
+bool contains(const Box& outer, const Box& inner) {
   return inner.empty() ||
          (outer.low.x <= inner.low.x && outer.low.y <= inner.low.y && outer.low.z <= inner.low.z &&
           outer.high.x >= inner.high.x && outer.high.y >= inner.high.y && outer.high.z >= inner.high.z);
@@ -36,15 +35,16 @@ const ParticleOptions& checked(const ParticleOptions& options) {
   return options;
 }
 
-// Returns the largest number of pools that may exist, including the pool of the field under construction.
+// Returns the largest number of pools that may exist, including the pool of the field under construction: one per
+// thread and two more, if they fit into memory.
 std::size_t mostPoolsOf(const ParticleOptions& options) {
-  const double fit = kMemoryFraction * static_cast<double>(memoryLimitBytes()) / fieldBytes(options);
-  const auto wanted = static_cast<double>(threadCount() + 2);
-  return std::max(static_cast<std::size_t>(std::min(fit, wanted)), kFewestPools);
+  const double fittingPools = kMemoryFraction * static_cast<double>(memoryLimitBytes()) / fieldBytes(options);
+  const auto usefulPools = static_cast<double>(threadCount() + 2);
+  return std::max(static_cast<std::size_t>(std::min(fittingPools, usefulPools)), kFewestPools);
 }
 
 // Returns the squared distance between the centres of two fields (m^2).
-double apart2(const FieldShape& a, const FieldShape& b) {
+double distance2(const FieldShape& a, const FieldShape& b) {
   const Vec3d gap = a.centre - b.centre;
   return dot(gap, gap);
 }
@@ -52,7 +52,8 @@ double apart2(const FieldShape& a, const FieldShape& b) {
 }  // namespace
 
 struct FieldStore::Construction {
-  Construction(std::shared_ptr<const World> of, const FieldShape& asked) : world(std::move(of)), shape(asked) {}
+  Construction(std::shared_ptr<const World> fieldWorld, const FieldShape& fieldShape)
+      : world(std::move(fieldWorld)), shape(fieldShape) {}
 
   const std::shared_ptr<const World> world;
   const FieldShape shape;
@@ -69,17 +70,15 @@ FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
       worlds_(scene, Instancing::Never, {}) {}
 
 SensorField FieldStore::around(const Vec3d& sensor, double range, StageClock& clock) const {
-  SensorField result;
-  result.world = worlds_.near(sensor);
-  const Vec3d& origin = result.world->origin;
-  Box scene;
-  if (!bounds_.empty()) scene = {bounds_.low - origin, bounds_.high - origin};
-  const FieldShape shape = shapeOf(options_, sensor - origin, scene, range);
-  result.box = marchBox(shape);
-  result.coversScene = holds(result.box, scene);
-  result.field = fieldOf(result.world, shape, clock);
-  return result;
+  const std::shared_ptr<const World> world = worlds_.near(sensor);
+  Box scene;  // bounds relative to the world's origin
+  if (!bounds_.empty()) scene = {bounds_.low - world->origin, bounds_.high - world->origin};
+  const FieldShape shape = shapeOf(options_, sensor - world->origin, scene, range);
+  const Box box = marchBox(shape);
+  return {.world = world, .field = fieldOf(world, shape, clock), .box = box, .coversScene = contains(box, scene)};
 }
+
+// Returns the field with this shape: from the cache, or built by this thread or with the others that wait for a field.
 
 std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<const World>& world,
                                                          const FieldShape& shape, StageClock& clock) const {
@@ -100,8 +99,9 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
       tbb::collaborative_call_once(construction->once, [&]() SCANMILL_UNWATCHED { build(*construction, clock); });
       construction->done.take();
     }
-    if (construction->world != world || !(construction->shape == shape))
+    if (construction->world != world || !(construction->shape == shape)) {
       continue;  // another thread needed a different field first
+    }
     if (construction->failure) std::rethrow_exception(construction->failure);
     return construction->field;
   }
@@ -110,29 +110,31 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
 // Returns the field if it is cached, otherwise null. The caller must have locked mutex_.
 std::shared_ptr<const DistanceField> FieldStore::cachedField(const std::shared_ptr<const World>& world,
                                                              const FieldShape& shape) const {
-  const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const CachedField& entry) {
-    return entry.world.lock() == world && entry.field->shape == shape;
-  });
-  if (found == fields_.end()) return nullptr;
-  fields_.splice(fields_.begin(), fields_, found);
-  return fields_.front().field;
+  const auto cached = std::ranges::find_if(
+      fields_, [&](const CachedField& entry) { return entry.world.lock() == world && entry.field->shape == shape; });
+  if (cached == fields_.end()) return nullptr;
+  fields_.splice(fields_.begin(), fields_, cached);  // most recently used first
+  return cached->field;
 }
 
+// Builds the field from the cached fields of its world, the nearest first, and caches it. Catches exceptions: see
+// Construction::failure.
 void FieldStore::build(Construction& construction, StageClock& clock) const {
   const TaskOrder::Task task(construction.done, construction.done);
   try {
-    std::vector<std::shared_ptr<const DistanceField>> before;
+    std::vector<std::shared_ptr<const DistanceField>> earlierFields;
     {
       const std::scoped_lock lock(mutex_);
       for (const CachedField& entry : fields_) {
-        if (entry.world.lock() == construction.world) before.push_back(entry.field);
+        if (entry.world.lock() == construction.world) earlierFields.push_back(entry.field);
       }
     }
     // Threads work on drives that are far apart, so the nearest field belongs to the same drive.
-    std::ranges::stable_sort(before, {}, [&](const auto& field) { return apart2(field->shape, construction.shape); });
+    std::ranges::stable_sort(earlierFields, {},
+                             [&](const auto& field) { return distance2(field->shape, construction.shape); });
     const WallTimer timer;
-    withWaiters([&] { construction.field = buildField(*construction.world, construction.shape, before); });
-    clock.add(before.empty() ? "field_build" : "field_update", timer.seconds());
+    withWaiters([&] { construction.field = buildField(*construction.world, construction.shape, earlierFields); });
+    clock.add(earlierFields.empty() ? "field_build" : "field_update", timer.seconds());
     const std::scoped_lock lock(mutex_);
     cache(construction);
   } catch (...) {
@@ -148,9 +150,9 @@ void FieldStore::cache(const Construction& construction) const {
   std::erase_if(fields_, [](const CachedField& entry) { return entry.world.expired(); });
   fields_.push_front({construction.world, construction.field});
   const auto pools = [&] {
-    std::set<const BrickPool*> all;
-    for (const CachedField& entry : fields_) all.insert(entry.field->pool.get());
-    return all.size();
+    std::set<const BrickPool*> distinct;
+    for (const CachedField& entry : fields_) distinct.insert(entry.field->pool.get());
+    return distinct.size();
   };
   while (fields_.size() > kFieldsOfPool * mostPools_ || pools() + 1 > mostPools_) fields_.pop_back();
 }

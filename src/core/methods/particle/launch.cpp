@@ -8,31 +8,33 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSteep = 1e-12;  // components of directions with a smaller absolute value are replaced by this
-
-double inverseOf(double d) {
-  return 1 / (std::fabs(d) < kSteep ? kSteep : d);
+// Returns the inverse of a component of a direction. A component below 1e-12 counts as 1e-12, so that none is infinite.
+double inverseOf(double component) {
+  constexpr double kSmallest = 1e-12;
+  return 1 / (std::fabs(component) < kSmallest ? kSmallest : component);
 }
 
-void clip(double low, double high, const Lane& from, const Lane& direction, Sections& s) {
+// Clips the sections of lines to low <= coordinate <= high along one axis, on which the lines start at `origin` (m).
+void clip(double low, double high, const Lane& origin, const Lane& direction, Sections& sections) {
   for (int i = 0; i < kPacket; ++i) {
     const double inverse = inverseOf(direction[i]);
-    const double a = (low - from[i]) * inverse;
-    const double b = (high - from[i]) * inverse;
-    s.begin[i] = std::max(s.begin[i], std::min(a, b));
-    s.end[i] = std::min(s.end[i], std::max(a, b));
+    const double a = (low - origin[i]) * inverse;
+    const double b = (high - origin[i]) * inverse;
+    sections.begin[i] = std::max(sections.begin[i], std::min(a, b));
+    sections.end[i] = std::min(sections.end[i], std::max(a, b));
   }
 }
 
 }  // namespace
 
 Sections sectionsInsideBox(const MarchJob& job, const Rays& rays) {
+  const Box& box = job.sensorField.box;
   Sections inside;
   std::fill_n(inside.begin, kPacket, 0.0);
   std::fill_n(inside.end, kPacket, job.pathLength());
-  clip(job.sensorField.box.low.x, job.sensorField.box.high.x, rays.ox, rays.dx, inside);
-  clip(job.sensorField.box.low.y, job.sensorField.box.high.y, rays.oy, rays.dy, inside);
-  clip(job.sensorField.box.low.z, job.sensorField.box.high.z, rays.oz, rays.dz, inside);
+  clip(box.low.x, box.high.x, rays.ox, rays.dx, inside);
+  clip(box.low.y, box.high.y, rays.oy, rays.dy, inside);
+  clip(box.low.z, box.high.z, rays.oz, rays.dz, inside);
   return inside;
 }
 
@@ -45,7 +47,8 @@ void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particl
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     setUpRays(job.shot, job.frame, tiles[t], rays);
     Sections inside = sectionsInsideBox(job, rays);
-    std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);
+    std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);  // surplus particles are misses
+    // Sets the tile's values of a column to valueOf(lane).
     const auto fill = [t](std::vector<float>& column, const auto& valueOf) {
       float* values = column.data() + t * kPacket;
       for (int lane = 0; lane < kPacket; ++lane) values[lane] = static_cast<float>(valueOf(lane));

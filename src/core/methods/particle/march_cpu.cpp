@@ -19,12 +19,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace scanmill::HWY_NAMESPACE {
 
-void marchInLanes(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
-                  const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records) {
+void marchInLanes(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t maxSteps,
+                  const Particles& particles, std::span<const std::uint32_t> indices, HitRecords& records) {
   if (field.shape.lists) {
-    ParticleStream<true>(field, triangles, steps, particles, which, records).run();
+    ParticleStream<true>(field, triangles, maxSteps, particles, indices, records).run();
   } else {
-    ParticleStream<false>(field, triangles, steps, particles, which, records).run();
+    ParticleStream<false>(field, triangles, maxSteps, particles, indices, records).run();
   }
 }
 
@@ -58,14 +58,14 @@ void HitRecords::reset(std::size_t count) {
   outcome.assign(count, 0);
 }
 
-void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
-              const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records) {
-  HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, steps, particles, which, records);
+void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t maxSteps,
+              const Particles& particles, std::span<const std::uint32_t> indices, HitRecords& records) {
+  HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, maxSteps, particles, indices, records);
   if (field.shape.lists) return;
   // Replaces the records' indices of corners by those of the corners' triangles. This is done for all particles
-  // together, because the entries of field.word are scattered in memory.
-  for (const std::uint32_t i : which) {
-    if (records.outcomeOf(i) == Outcome::Hit) records.triangle[i] = field.word[records.triangle[i]];
+  // together, because the entries of field.triangleOrList are scattered in memory.
+  for (const std::uint32_t i : indices) {
+    if (records.outcomeOf(i) == Outcome::Hit) records.triangle[i] = field.triangleOrList[records.triangle[i]];
   }
 }
 

@@ -33,17 +33,17 @@ constexpr std::uint32_t kCornerLayer = kBrickCorners * kBrickCorners;
 
 // The particles in a group of lanes.
 struct LaneGroup {
-  HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
-  HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // world origin and 1 / d; used only in fields with lists
+  HWY_ALIGN_MAX LaneFloats origin[3] = {}, direction[3] = {}, begin = {}, end = {};
+  HWY_ALIGN_MAX LaneFloats worldOrigin[3] = {}, inverse[3] = {};  // used only in fields with lists
   HWY_ALIGN_MAX LaneFloats travelled = {};
   HWY_ALIGN_MAX LaneWords steps = {};  // number of steps taken
   std::size_t particle[kLanes] = {};
   LaneBits active = 0;  // lanes that have a particle
 
   // State of the current step.
-  HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // position in the voxel; scale = 2^-level
-  HWY_ALIGN_MAX LaneWords in[3] = {};              // coordinates of the voxel in its brick
-  HWY_ALIGN_MAX LaneWords entry = {};              // the brick's entry in DistanceField::table
+  HWY_ALIGN_MAX LaneFloats inVoxel[3] = {}, scale = {};  // position in the voxel, 0 to 1; scale = 2^-level
+  HWY_ALIGN_MAX LaneWords voxel[3] = {};                 // coordinates of the voxel in its brick
+  HWY_ALIGN_MAX LaneWords entry = {};                    // the brick's entry in DistanceField::table
   HWY_ALIGN_MAX LaneWords cell = {};     // index of the voxel's first corner or, with lists, of the nearest corner
   HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, only the pair of the nearest corner
   HWY_ALIGN_MAX LaneFloats travelledBefore = {};  // `travelled` before the step
@@ -73,6 +73,7 @@ struct LevelTables {
     }
   }
 
+  // Returns the entries of one of the tables for the levels of all lanes.
   template <class D>
   static hn::Vec<D> at(D d, const hn::TFromD<D>* table, Ints level) {
     if constexpr (kLanes == kSize) {
@@ -83,10 +84,12 @@ struct LevelTables {
   }
 };
 
+// True for lanes whose brick is full. `entry`: entries of DistanceField::table.
 inline Mask isFull(Words entry) {
   return hn::RebindMask(kFloats, hn::TestBit(entry, hn::Set(kWords, kFullBrick)));
 }
 
+// Interpolates linearly between a and b.
 inline Floats mixed(Floats a, Floats b, Floats t) {
   return hn::Add(a, hn::Mul(hn::Sub(b, a), t));
 }
@@ -105,21 +108,22 @@ inline Words wordsWhere(Mask mask, Words yes, Words no) {
   return hn::IfThenElse(hn::RebindMask(kWords, mask), yes, no);
 }
 
-// Marches particles. Without lists, the record of a hit contains the corner whose word is the triangle; marchCpu()
+// Marches particles. Without lists, the record of a hit contains the corner that stores the triangle; marchCpu()
 // replaces the corner by the triangle.
 template <bool kLists>
 class ParticleStream {
  public:
-  ParticleStream(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
-                 const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records)
+  ParticleStream(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t maxSteps,
+                 const Particles& particles, std::span<const std::uint32_t> indices, HitRecords& records)
       : field_(field),
-        maxSteps_(steps),
+        maxSteps_(maxSteps),
         particles_(particles),
-        which_(which),
+        indices_(indices),
         records_(records),
         tables_(field),
         intersector_(field, triangles) {}
 
+  // Marches all particles until their records are complete.
   void run() {
     LaneBits active = 0;
     for (LaneGroup& group : groups_) {
@@ -162,17 +166,17 @@ class ParticleStream {
   // Loads the next particle into a lane. If no particle remains, the lane becomes inactive.
   void refill(LaneGroup& group, std::size_t lane) {
     group.active &= ~(LaneBits{1} << lane);
-    while (next_ < which_.size()) {
-      const std::uint32_t i = which_[next_++];
+    while (next_ < indices_.size()) {
+      const std::uint32_t i = indices_[next_++];
       const std::uint32_t steps = records_.stepsOf(i);
       if (steps >= maxSteps_ || !(particles_.begin[i] < particles_.end[i])) {
         recordWithoutHit(i, steps);
         continue;
       }
       for (std::size_t k = 0; k < 3; ++k) {
-        group.o[k][lane] = particles_.origin[k][i];
-        group.d[k][lane] = particles_.direction[k][i];
-        if constexpr (kLists) group.w[k][lane] = particles_.worldOrigin[k][i];
+        group.origin[k][lane] = particles_.origin[k][i];
+        group.direction[k][lane] = particles_.direction[k][i];
+        if constexpr (kLists) group.worldOrigin[k][lane] = particles_.worldOrigin[k][i];
         if constexpr (kLists) group.inverse[k][lane] = particles_.inverse[k][i];
       }
       group.begin[lane] = group.travelled[lane] = particles_.begin[i];
@@ -189,10 +193,11 @@ class ParticleStream {
     const Floats travelled = hn::Load(kFloats, group.travelled);
     Floats q[3];
     for (int k = 0; k < 3; ++k) {
-      q[k] = hn::Add(hn::Load(kFloats, group.o[k]), hn::Mul(hn::Load(kFloats, group.d[k]), travelled));
+      q[k] = hn::Add(hn::Load(kFloats, group.origin[k]), hn::Mul(hn::Load(kFloats, group.direction[k]), travelled));
     }
-    const Floats most = hn::Max(hn::Abs(q[0]), hn::Max(hn::Abs(q[1]), hn::Abs(q[2])));
-    const Floats share = hn::Mul(most, hn::Set(kFloats, 1.0f / field_.shape.reach));
+    // The level is the exponent of the largest coordinate's ratio to the reach of level 0, rounded up.
+    const Floats largest = hn::Max(hn::Abs(q[0]), hn::Max(hn::Abs(q[1]), hn::Abs(q[2])));
+    const Floats share = hn::Mul(largest, hn::Set(kFloats, 1.0f / field_.shape.reach));
     const Ints exponent = hn::ShiftRight<23>(hn::Sub(hn::BitCast(kInts, share), hn::Set(kInts, 1)));
     const Ints coarsest = hn::Set(kInts, static_cast<std::int32_t>(field_.levels.size()) - 1);
     const Ints level = hn::Min(hn::Max(hn::Sub(exponent, hn::Set(kInts, 126)), hn::Zero(kInts)), coarsest);
@@ -205,13 +210,13 @@ class ParticleStream {
       const Ints corner = hn::Min(hn::ConvertTo(kInts, u), tables_.at(kInts, tables_.last[k], level));
       const Words word = hn::BitCast(kWords, corner);
       brick[k] = hn::ShiftRight<3>(word);
-      hn::Store(hn::And(word, hn::Set(kWords, 7)), kWords, group.in[k]);
-      hn::Store(hn::Sub(u, hn::ConvertTo(kFloats, corner)), kFloats, group.f[k]);
+      hn::Store(hn::And(word, hn::Set(kWords, 7)), kWords, group.voxel[k]);
+      hn::Store(hn::Sub(u, hn::ConvertTo(kFloats, corner)), kFloats, group.inVoxel[k]);
     }
     const Words row = hn::Mul(brick[1], tables_.at(kWords, tables_.row, level));
     const Words layer = hn::Mul(brick[2], tables_.at(kWords, tables_.layer, level));
-    const Words at = hn::Add(hn::Add(tables_.at(kWords, tables_.first, level), brick[0]), hn::Add(row, layer));
-    hn::Store(hn::GatherIndex(kWords, field_.table.data(), hn::BitCast(kInts, at)), kWords, group.entry);
+    const Words index = hn::Add(hn::Add(tables_.at(kWords, tables_.first, level), brick[0]), hn::Add(row, layer));
+    hn::Store(hn::GatherIndex(kWords, field_.table.data(), hn::BitCast(kInts, index)), kWords, group.entry);
   }
 
   // Loads the distance of a corner (into the lower half) and of the next corner along x (into the upper half).
@@ -228,9 +233,9 @@ class ParticleStream {
     const LaneBits lanes = bitsOf(full);
     if (lanes == 0) return;
     const Words index = hn::AndNot(hn::Set(kWords, kFullBrick), entry);
-    const Words x = hn::Add(hn::Mul(index, hn::Set(kWords, kBrickStride)), hn::Load(kWords, group.in[0]));
-    const Words y = hn::Mul(hn::Load(kWords, group.in[1]), hn::Set(kWords, kCornerRow));
-    const Words z = hn::Mul(hn::Load(kWords, group.in[2]), hn::Set(kWords, kCornerLayer));
+    const Words x = hn::Add(hn::Mul(index, hn::Set(kWords, kBrickStride)), hn::Load(kWords, group.voxel[0]));
+    const Words y = hn::Mul(hn::Load(kWords, group.voxel[1]), hn::Set(kWords, kCornerRow));
+    const Words z = hn::Mul(hn::Load(kWords, group.voxel[2]), hn::Set(kWords, kCornerLayer));
     Words cell = hn::IfThenElseZero(hn::RebindMask(kWords, full), hn::Add(hn::Add(x, y), z));
     if constexpr (kLists) cell = nearestOf(group, cell);
     hn::Store(cell, kWords, group.cell);
@@ -256,10 +261,12 @@ class ParticleStream {
     }
   }
 
+  // True for lanes whose particle is in the upper half of its voxel.
   static Mask isUpper(const LaneGroup& group, int axis) {
-    return hn::Ge(hn::Load(kFloats, group.f[axis]), hn::Set(kFloats, 0.5f));
+    return hn::Ge(hn::Load(kFloats, group.inVoxel[axis]), hn::Set(kFloats, 0.5f));
   }
 
+  // Returns the corner of the voxel that is nearest to the particle. `cell`: the voxel's first corner.
   static Words nearestOf(const LaneGroup& group, Words cell) {
     constexpr std::uint32_t kSteps[3] = {1, kCornerRow, kCornerLayer};
     for (int k = 0; k < 3; ++k) {
@@ -268,6 +275,7 @@ class ParticleStream {
     return cell;
   }
 
+  // Returns the distance (voxels) that the corner nearest to the particle has.
   static Floats nearestDistance(const LaneGroup& group) {
     Words row = hn::Load(kWords, group.rows[0]);
     if constexpr (!kLists) {
@@ -279,14 +287,15 @@ class ParticleStream {
     return hn::Mul(lowerOf(row), hn::Set(kFloats, kDistanceStep));
   }
 
+  // Returns the distance (voxels) interpolated between the corners of the voxel; for fields without lists.
   static Floats interpolate(const LaneGroup& group) {
     const auto along = [&](int k) {
       const Words row = hn::Load(kWords, group.rows[k]);
-      return mixed(lowerOf(row), upperOf(row), hn::Load(kFloats, group.f[0]));
+      return mixed(lowerOf(row), upperOf(row), hn::Load(kFloats, group.inVoxel[0]));
     };
-    const Floats y = hn::Load(kFloats, group.f[1]);
+    const Floats y = hn::Load(kFloats, group.inVoxel[1]);
     const Floats between =
-        mixed(mixed(along(0), along(1), y), mixed(along(2), along(3), y), hn::Load(kFloats, group.f[2]));
+        mixed(mixed(along(0), along(1), y), mixed(along(2), along(3), y), hn::Load(kFloats, group.inVoxel[2]));
     return hn::Mul(between, hn::Set(kFloats, kDistanceStep));
   }
 
@@ -310,24 +319,25 @@ class ParticleStream {
     Floats ahead;    // lower bound of the length from the particle to the chord's end
   };
 
+  // Returns the free balls of the particles, which move in direction d.
   HWY_INLINE static FreeBall freeBallOf(const LaneGroup& group, const Floats (&d)[3]) {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
     FreeBall ball{hn::BitCast(kFloats, entry), hn::Set(kFloats, kEmptyChordFactor), {}, hn::Not(full), {}, {}, {}};
     for (int k = 0; k < 3; ++k) {
-      const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.in[k])), hn::Set(kInts, kHalfBrick));
-      ball.r[k] = hn::Add(hn::Load(kFloats, group.f[k]), hn::ConvertTo(kFloats, middle));
+      const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.voxel[k])), hn::Set(kInts, kHalfBrick));
+      ball.r[k] = hn::Add(hn::Load(kFloats, group.inVoxel[k]), hn::ConvertTo(kFloats, middle));
     }
     if (!hn::AllFalse(kFloats, full)) {
       for (int k = 0; k < 3; ++k) {
         const Floats corner = hn::IfThenElseZero(isUpper(group, k), hn::Set(kFloats, 1.0f));
-        ball.r[k] = hn::IfThenElse(full, hn::Sub(hn::Load(kFloats, group.f[k]), corner), ball.r[k]);
+        ball.r[k] = hn::IfThenElse(full, hn::Sub(hn::Load(kFloats, group.inVoxel[k]), corner), ball.r[k]);
       }
       ball.radius = hn::IfThenElse(full, nearestDistance(group), ball.radius);
       ball.isolated = hn::Gt(ball.radius, hn::Set(kFloats, kNearestLimit));
-      const Floats ofFullBrick =
+      const Floats factorInFullBrick =
           hn::IfThenElse(ball.isolated, hn::Set(kFloats, kNearestChordFactor), hn::Set(kFloats, kListChordFactor));
-      ball.chordFactor = hn::IfThenElse(full, ofFullBrick, ball.chordFactor);
+      ball.chordFactor = hn::IfThenElse(full, factorInFullBrick, ball.chordFactor);
     }
     ball.centre2 = dotOf(ball.r, ball.r);
     ball.along = dotOf(ball.r, d);
@@ -368,7 +378,8 @@ class ParticleStream {
   // Takes one step of the particles in group g, without intersecting triangles yet.
   void advance(std::size_t g) {
     LaneGroup& group = groups_[g];
-    const Floats d[3] = {hn::Load(kFloats, group.d[0]), hn::Load(kFloats, group.d[1]), hn::Load(kFloats, group.d[2])};
+    const Floats d[3] = {hn::Load(kFloats, group.direction[0]), hn::Load(kFloats, group.direction[1]),
+                         hn::Load(kFloats, group.direction[2])};
     const Floats travelled = hn::Load(kFloats, group.travelled);
     // The inverse of a power of two, by its bits.
     const Words scale = hn::BitCast(kWords, hn::Load(kFloats, group.scale));
@@ -390,19 +401,22 @@ class ParticleStream {
     hn::Store(hn::Add(hn::Load(kWords, group.steps), hn::Set(kWords, 1)), kWords, group.steps);
   }
 
-  // Adds a line to intersector_ for each lane of the group that has triangles to test.
+  // Adds a line to intersector_ for each lane of the group that has triangles to test. `travelled` is in voxels of
+  // level 0, `exit` (length to the end of the voxel) in voxels of the particle's level, whose size is `voxelSize`.
   void queueLines(std::size_t g, const Floats (&d)[3], Floats travelled, Floats exit, Floats voxelSize) {
     const LaneGroup& group = groups_[g];
     const Floats metresPerUnit = hn::Set(kFloats, static_cast<float>(field_.shape.voxel));
     const Floats voxel = hn::Mul(metresPerUnit, voxelSize);
-    const Floats gone = hn::Mul(travelled, metresPerUnit);
-    Floats place[3];
-    for (int k = 0; k < 3; ++k) place[k] = hn::Add(hn::Load(kFloats, group.w[k]), hn::Mul(d[k], gone));
-    const Floats past = hn::Mul(hn::Sub(hn::Load(kFloats, group.begin), travelled), metresPerUnit);
-    const Floats low = hn::Max(hn::Mul(hn::Set(kFloats, -kBackwardTolerance), voxel), past);
+    const Floats travelledMetres = hn::Mul(travelled, metresPerUnit);
+    Floats position[3];  // m, relative to the world's origin
+    for (int k = 0; k < 3; ++k) {
+      position[k] = hn::Add(hn::Load(kFloats, group.worldOrigin[k]), hn::Mul(d[k], travelledMetres));
+    }
+    const Floats pathBegin = hn::Mul(hn::Sub(hn::Load(kFloats, group.begin), travelled), metresPerUnit);
+    const Floats low = hn::Max(hn::Mul(hn::Set(kFloats, -kBackwardTolerance), voxel), pathBegin);
     const Floats high = hn::Mul(hn::Add(exit, hn::Set(kFloats, kFaceOvershoot)), voxel);
     const std::size_t first = g * kLanes;
-    hn::StoreInterleaved4(place[0], place[1], place[2], low, kFloats, &intersector_.start[first].x);
+    hn::StoreInterleaved4(position[0], position[1], position[2], low, kFloats, &intersector_.start[first].x);
     hn::StoreInterleaved4(d[0], d[1], d[2], high, kFloats, &intersector_.course[first].dx);
     hn::Store(hn::Mul(hn::Set(kFloats, kTieMargin), voxel), kFloats, intersector_.tie + first);
     for (LaneBits lanes = group.mayHit; lanes != 0; lanes &= lanes - 1) {
@@ -422,6 +436,7 @@ class ParticleStream {
     return hits;
   }
 
+  // Records the hit of the particle in a lane of group g.
   void recordHit(std::size_t g, std::size_t lane) {
     const LaneGroup& group = groups_[g];
     float travelled = group.travelledBefore[lane];
@@ -431,7 +446,7 @@ class ParticleStream {
       travelled += nearest.numerator / (nearest.denominator * static_cast<float>(field_.shape.voxel));
       triangle = nearest.triangle;
     } else {
-      __builtin_prefetch(&field_.word[triangle]);
+      __builtin_prefetch(&field_.triangleOrList[triangle]);
     }
     record(group.particle[lane], travelled, triangle, group.steps[lane], Outcome::Hit);
   }
@@ -458,8 +473,8 @@ class ParticleStream {
   const DistanceField& field_;
   const std::uint32_t maxSteps_;
   const Particles& particles_;
-  std::span<const std::uint32_t> which_;
-  std::size_t next_ = 0;  // index in which_ of the next particle to load
+  std::span<const std::uint32_t> indices_;
+  std::size_t next_ = 0;  // index in indices_ of the next particle to load
   HitRecords& records_;
   LevelTables tables_;
   ListIntersector intersector_;

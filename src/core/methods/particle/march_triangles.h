@@ -82,25 +82,27 @@ class ListIntersector {
 
   ListIntersector(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
 
-  // The caller fills these arrays for the lines that it adds.
+  // The caller fills these arrays for the lines that it adds. `tie` (m): a later triangle of the list must be nearer by
+  // this length.
   HWY_ALIGN_MAX LineStart start[kLines] = {};
   HWY_ALIGN_MAX LineCourse course[kLines] = {};
   HWY_ALIGN_MAX float tie[kLines] = {};
 
   void add(std::size_t line, std::uint32_t corner) {
     queued_.push_back({static_cast<std::uint32_t>(line), corner});
-    __builtin_prefetch(&field_.word[corner]);
+    __builtin_prefetch(&field_.triangleOrList[corner]);
     nearest[line].denominator = 0;
   }
 
-  // Intersects each added line with the triangles that its corner lists, sets `best`, and removes the added lines.
+  // Intersects each added line with the triangles that its corner lists, sets `nearest`, and removes the added lines.
   void intersect();
 
   LineHit nearest[kLines] = {};
 
  private:
   struct QueuedLine {
-    std::uint32_t line, corner;
+    std::uint32_t line;
+    std::uint32_t cornerOrList;  // the corner; in intersect() the start of its list
   };
   struct Pair {
     std::uint32_t line, triangle;
@@ -117,17 +119,17 @@ class ListIntersector {
 inline void ListIntersector::intersect() {
   std::size_t lists = 0;
   for (const QueuedLine& queued : queued_) {
-    const std::uint32_t at = field_.word[queued.corner];
-    if (at == kNoWord) continue;
-    queued_[lists++] = {queued.line, at};
-    __builtin_prefetch(&field_.lists[at]);
+    const std::uint32_t list = field_.triangleOrList[queued.cornerOrList];
+    if (list == kNoTriangle) continue;
+    queued_[lists++] = {queued.line, list};
+    __builtin_prefetch(&field_.lists[list]);
   }
   std::size_t count = 0;
   for (std::size_t k = 0; k < lists; ++k) {
     const std::uint32_t line = queued_[k].line;
-    const std::uint32_t* entry = &field_.lists[queued_[k].corner];
-    for (bool more = true; more; ++entry) {
-      more = *entry < kLastOfList;
+    const std::uint32_t* entry = &field_.lists[queued_[k].cornerOrList];
+    for (bool isLast = false; !isLast; ++entry) {
+      isLast = *entry >= kLastOfList;
       if (count + kLanes >= pairs_.size()) pairs_.resize(2 * count + kLines);
       pairs_[count++] = {line, *entry & ~kLastOfList};
     }
@@ -139,6 +141,7 @@ inline void ListIntersector::intersect() {
   for (std::size_t k = 0; k < count; k += kLanes) intersectPairs(pairs_.data() + k);
 }
 
+// Sets `product` to the cross product of a and b, lane by lane.
 inline void crossOf(const Floats (&a)[3], const Floats (&b)[3], Floats (&product)[3]) {
   for (int k = 0; k < 3; ++k) {
     const int l = (k + 1) % 3;
@@ -152,14 +155,14 @@ template <class Address>
 HWY_INLINE Floats loadRow(const Address& address, std::size_t k) {
   constexpr hn::FixedTag<float, 4> four;
   constexpr hn::FixedTag<float, kLanes / 2> half;
-  const auto of = [&](std::size_t number) { return hn::LoadU(four, address(number)); };
+  const auto load = [&](std::size_t number) { return hn::LoadU(four, address(number)); };
   static_assert(kLanes == 4 || kLanes == 8 || kLanes == 16);
   if constexpr (kLanes == 4) {
-    return of(k);
+    return load(k);
   } else if constexpr (kLanes == 8) {
-    return hn::Combine(kFloats, of(k + 4), of(k));
+    return hn::Combine(kFloats, load(k + 4), load(k));
   } else {
-    return hn::Combine(kFloats, hn::Combine(half, of(k + 12), of(k + 8)), hn::Combine(half, of(k + 4), of(k)));
+    return hn::Combine(kFloats, hn::Combine(half, load(k + 12), load(k + 8)), hn::Combine(half, load(k + 4), load(k)));
   }
 }
 
@@ -177,7 +180,8 @@ HWY_INLINE void loadTransposed(const Address& address, Floats& x, Floats& y, Flo
   w = hn::InterleaveUpper(kFloats, zwEven, zwOdd);
 }
 
-// Intersects kLanes pairs of a line and a triangle by the algorithm of Moeller and Trumbore 1997, without the division.
+// Intersects kLanes pairs of a line and a triangle by the algorithm of Moeller and Trumbore 1997, without the division:
+// the barycentric coordinates u and v, and the distance t, are multiplied by `denominator`. Updates `nearest`.
 inline void ListIntersector::intersectPairs(const Pair* pairs) {
   const Vec3f* vertices = triangles_.vertices.data();
   const Triangle* triangles = triangles_.corners.data();
@@ -220,12 +224,12 @@ inline void ListIntersector::intersectPairs(const Pair* pairs) {
   hn::Store(denominator, kFloats, denominators);
   for (; hits != 0; hits &= hits - 1) {
     const std::size_t k = firstOf(hits);
-    const LineHit next{numerators[k], denominators[k], pairs[k].triangle};
-    LineHit& known = nearest[pairs[k].line];
-    const float tieMargin = tie[pairs[k].line] * known.denominator;
-    if (!(known.denominator > 0) ||
-        next.numerator * known.denominator < (known.numerator - tieMargin) * next.denominator) {
-      known = next;
+    const LineHit hit{numerators[k], denominators[k], pairs[k].triangle};
+    LineHit& nearestSoFar = nearest[pairs[k].line];
+    const float tieMargin = tie[pairs[k].line] * nearestSoFar.denominator;
+    if (!(nearestSoFar.denominator > 0) ||
+        hit.numerator * nearestSoFar.denominator < (nearestSoFar.numerator - tieMargin) * hit.denominator) {
+      nearestSoFar = hit;
     }
   }
 }

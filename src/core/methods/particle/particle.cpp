@@ -33,13 +33,18 @@ namespace {
 constexpr std::size_t kTilesAtOnce = 128;  // largest number of tiles of a work item, whose hits stay in the L2 cache
 constexpr std::size_t kFewestPieces = 64;  // least number of work items, to keep cores busy; fewer if tiles are fewer
 
+// Returns the tile of kPacket columns, or fewer at the end of the ring, that begins at a column.
+Tile tileAt(std::uint32_t ring, std::uint32_t column, std::uint32_t columns) {
+  return {.ring = ring, .column = column, .rows = 1, .width = std::min<std::uint32_t>(kPacket, columns - column)};
+}
+
 // Returns groups of 16 beams of a ring, sector by sector of the revolution, so that particles that march together stay
 // close to each other and read nearby parts of the field.
 std::vector<Tile> tilesOf(const BeamTable& beams) {
   std::vector<Tile> tiles;
   for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
     for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
-      tiles.push_back({ring, column, 1, std::min<std::uint32_t>(kPacket, beams.columns - column)});
+      tiles.push_back(tileAt(ring, column, beams.columns));
     }
   }
   return tiles;
@@ -73,17 +78,17 @@ class ParticleMethod : public Method {
   }
 
   std::vector<ModelledItem> modelled() const override {
-    const bool triangles = options_.refine == ParticleOptions::Refine::ByTriangle;
+    const bool isExact = options_.refine == ParticleOptions::Refine::ByTriangle;
     std::vector<ModelledItem> items{
         {"distance field",
          fmt::format(
              "levels of {} voxels across around the sensor, voxels of {:g} m in the finest level, twice as large "
              "in each next level",
              options_.voxels, options_.voxel)},
-        {"geometry", triangles ? "exact triangles, from the lists of the voxels that a beam passes, one hit per ray"
-                               : "within half a voxel of the distance field, one hit per ray"}};
+        {"geometry", isExact ? "exact triangles, from the lists of the voxels that a beam passes, one hit per ray"
+                             : "within half a voxel of the distance field, one hit per ray"}};
     items.push_back(cutOutItem(scene_));
-    if (!triangles && !items.back().leftOut) {
+    if (!isExact && !items.back().leftOut) {
       items.back() = {"alpha cut-outs", "since distance fields treat them as solid (`refine: triangle` models them)",
                       true};
     }
@@ -109,13 +114,13 @@ class ParticleMethod : public Method {
   // Launches, marches and resolves the particles of tiles, in pieces of several tiles on all threads.
   UnreliableBeams marchOnCpu(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
     UnreliableBeams counts;
-    std::mutex mutex;
+    std::mutex mutex;  // guards `counts` and `hits.unresolved`
     const std::size_t tilesOfPiece = std::clamp(tiles.size() / kFewestPieces, std::size_t{1}, kTilesAtOnce);
     const std::size_t pieces = (tiles.size() + tilesOfPiece - 1) / tilesOfPiece;
     parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
       Particles particles;
       HitRecords records;
-      std::vector<std::uint32_t> all;
+      std::vector<std::uint32_t> indices;  // of all particles of a piece
       UnreliableBeams countsOfThread;
       std::vector<std::uint32_t> unresolved;
       for (std::size_t p = first; p < last; ++p) {
@@ -124,12 +129,12 @@ class ParticleMethod : public Method {
           const StageTimer timer(clock, "launch");
           launch(job, piece, particles);
           records.reset(particles.size());
-          all.resize(particles.size());
-          std::iota(all.begin(), all.end(), 0u);
+          indices.resize(particles.size());
+          std::iota(indices.begin(), indices.end(), 0u);
         }
         {
           const StageTimer timer(clock, "march");
-          marchCpu(job.field(), job.triangles(), job.maxSteps, particles, all, records);
+          marchCpu(job.field(), job.triangles(), job.maxSteps, particles, indices, records);
         }
         const StageTimer timer(clock, "resolve");
         countsOfThread += resolve(job, materials_, piece, particles, records, hits, unresolved);
@@ -141,41 +146,45 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // Marches on the device. The CPU marches the tiles with rays that the device leaves because of rounding.
+  // Marches on the device. The CPU marches all rays of the tiles that have a ray that the device leaves because of
+  // rounding.
   UnreliableBeams marchOnDevice(const MarchJob& job, Hits& hits, StageClock& clock) const {
     std::vector<UnresolvedRay> unresolved;
     gl_->march(job, hits, unresolved, clock);
     const StageTimer timer(clock, "undecided");
     const auto tileOf = [&](std::uint32_t ray) {
       const std::uint32_t column = ray % hits.columns / kPacket * kPacket;
-      return Tile{ray / hits.columns, column, 1, std::min<std::uint32_t>(kPacket, hits.columns - column)};
+      return tileAt(ray / hits.columns, column, hits.columns);
     };
     const auto firstRayOf = [&](const Tile& tile) { return tile.ring * hits.columns + tile.column; };
-    std::vector<Tile> onCpu;  // ascending, as the rays are
+    std::vector<Tile> cpuTiles;  // ascending, as the rays are
     for (const UnresolvedRay& ray : unresolved) {
       if (ray.reason != UnresolvedReason::Rounding) continue;
       const Tile tile = tileOf(ray.ray);
-      if (onCpu.empty() || firstRayOf(onCpu.back()) != firstRayOf(tile)) onCpu.push_back(tile);
+      if (cpuTiles.empty() || firstRayOf(cpuTiles.back()) != firstRayOf(tile)) cpuTiles.push_back(tile);
     }
     UnreliableBeams counts;
     for (const UnresolvedRay& ray : unresolved) {
-      if (std::ranges::binary_search(onCpu, firstRayOf(tileOf(ray.ray)), {}, firstRayOf)) continue;
+      if (std::ranges::binary_search(cpuTiles, firstRayOf(tileOf(ray.ray)), {}, firstRayOf)) continue;
       ++(ray.reason == UnresolvedReason::StepsUsedUp ? counts.exhausted : counts.leftField);
       hits.range[ray.ray] = kMiss;
       hits.unresolved.push_back(ray.ray);
     }
     StageClock ignored;
-    counts += marchOnCpu(job, onCpu, hits, ignored);
+    counts += marchOnCpu(job, cpuTiles, hits, ignored);
     return counts;
   }
 
+  // Returns the account of a shot, with a warning for each kind of unreliable beam.
   TraceAccount account(const StageClock& clock, const Shot& shot, const UnreliableBeams& counts) const {
     TraceAccount account{clock.seconds(), {}};
-    const auto warn = [&](unsigned kind, std::uint64_t count, const std::string& what) {
+    const auto warn = [&](unsigned kind, std::uint64_t count, const std::string& problem) {
       if (count == 0) return;
-      account.warn(
-          {shot.sensorName, kind, count,
-           fmt::format("up to {} of a scan's {} beams of '{}' {}", count, shot.beams->size(), shot.sensorName, what)});
+      account.warn({.sensor = shot.sensorName,
+                    .kind = kind,
+                    .count = count,
+                    .text = fmt::format("up to {} of a scan's {} beams of '{}' {}", count, shot.beams->size(),
+                                        shot.sensorName, problem)});
     };
     warn(0, counts.exhausted,
          fmt::format("ran out of their {} steps and count neither as hits nor as misses: raise `steps`",

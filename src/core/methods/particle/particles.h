@@ -52,11 +52,11 @@ struct HitRecords {
   std::uint32_t stepsOf(std::size_t i) const { return outcome[i] >> 2; }
 };
 
-// Marches the particles with the indices `which` on the calling thread, as many at a time as the CPU has vector lanes.
-// Each particle takes at most `steps` steps, including the steps that its record already has. Alpha is ignored: every
+// Marches the particles with these indices on the calling thread, as many at a time as the CPU has vector lanes. Each
+// particle takes at most `maxSteps` steps, including the steps that its record already has. Alpha is ignored: every
 // triangle is solid.
-void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
-              const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records);
+void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t maxSteps,
+              const Particles& particles, std::span<const std::uint32_t> indices, HitRecords& records);
 
 // The sections of beams that are inside of the job's box (m along the beams).
 struct Sections {
@@ -69,7 +69,7 @@ struct UnreliableBeams {
   std::uint64_t exhausted = 0;  // beams whose particles used up all their steps
   std::uint64_t leftField = 0;  // beams whose particles left the field, which does not cover the complete scene
   std::uint64_t touching = 0;   // beams whose particles started so near to a surface that they hit it at once
-  UnreliableBeams& operator+=(const UnreliableBeams& o);
+  UnreliableBeams& operator+=(const UnreliableBeams& other);
 };
 
 // Turns the records of launched particles that have marched into hits: lets particles continue through transparent

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -10,62 +11,65 @@ namespace scanmill {
 
 namespace {
 
-Vec3f fieldFrame(const DistanceField& field, const Vec3d& point) {
+// Converts a point (m, relative to the world's origin) to the field's frame.
+Vec3f toFieldFrame(const DistanceField& field, const Vec3d& point) {
   return Vec3f((point - field.shape.centre) * (1 / field.shape.voxel));
 }
 
-// Returns the triangle that a beam from `o` in direction `d` hits at about `range` (m): either `triangle`, or a
-// triangle of a thin layer on it (march_rule.h).
-std::uint32_t triangleOrLayer(const MarchJob& job, const Vec3d& o, const Vec3d& d, double range,
+// Returns the triangle that a beam hits at about `range` (m) in a field without lists: either `triangle`, or a triangle
+// of a thin layer on it (march_rule.h). `origin`: m, relative to the world's origin.
+std::uint32_t triangleOrLayer(const MarchJob& job, const Vec3d& origin, const Vec3d& direction, double range,
                               std::uint32_t triangle) {
   const DistanceField& field = job.field();
   const BlockTriangle& plane = job.triangles().triangles[triangle];
-  const Vec3d here = o + d * range;
-  const Vec3d onPlane = here + plane.normal * (plane.offset - dot(plane.normal, here));
-  const double voxel = voxelSizeAt(field, fieldFrame(field, here));
-  const double side = dot(plane.normal, d) > 0 ? -1 : 1;
-  const Vec3d inFront = onPlane + plane.normal * (side * kLayerLookupOffset * voxel);
-  const std::uint32_t other = triangleAt(field, fieldFrame(field, inFront));
-  if (other == kNoWord || other == triangle) return triangle;
-  const BlockTriangle& otherPlane = job.triangles().triangles[other];
-  const bool layer = std::abs(dot(otherPlane.normal, plane.normal)) > kLayerMinCosine &&
-                     std::abs(dot(otherPlane.normal, onPlane) - otherPlane.offset) <= kLayerThickness * voxel;
-  return layer ? other : triangle;
+  const Vec3d hitPoint = origin + direction * range;
+  const Vec3d onPlane = hitPoint + plane.normal * (plane.offset - dot(plane.normal, hitPoint));
+  const double voxel = voxelSizeAt(field, toFieldFrame(field, hitPoint));
+  const double beamSide = dot(plane.normal, direction) > 0 ? -1 : 1;  // the sign of the side from which the beam comes
+  const Vec3d inFront = onPlane + plane.normal * (beamSide * kLayerLookupOffset * voxel);
+  const std::uint32_t layer = triangleAt(field, toFieldFrame(field, inFront));
+  if (layer == kNoTriangle || layer == triangle) return triangle;
+  const BlockTriangle& layerPlane = job.triangles().triangles[layer];
+  const bool isLayer = std::abs(dot(layerPlane.normal, plane.normal)) > kLayerMinCosine &&
+                       std::abs(dot(layerPlane.normal, onPlane) - layerPlane.offset) <= kLayerThickness * voxel;
+  return isLayer ? layer : triangle;
 }
 
+// Returns the range (m) of a particle's hit.
 double rangeOf(const MarchJob& job, const HitRecords& records, std::size_t i) {
   return double{records.travelled[i]} * job.field().shape.voxel;
 }
 
-// Lets the particles that hit a transparent point of a triangle continue behind it, again and again.
-void passTransparent(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, HitRecords& records) {
+// Returns true if a particle's hit, at `point` (m, relative to the world's origin), is in a hole of the triangle's
+// texture.
+bool isInHole(const MarchJob& job, std::uint32_t triangle, const Vec3d& point) {
+  const Vec2d at = barycentric({&job.triangles(), nullptr, triangle}, point);
+  return transparentAt(*job.sensorField.world, job.triangles(), triangle, at.x, at.y);
+}
+
+// Lets the particles that hit a hole of a triangle's texture continue behind the hole, again and again.
+void passHoles(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, HitRecords& records) {
   const TriangleBlock& block = job.triangles();
   if (block.firstAlpha >= block.triangles.size()) return;
-  const auto mayPass = [&](std::uint32_t i) {
-    return records.outcomeOf(i) == Outcome::Hit && records.triangle[i] >= block.firstAlpha;
-  };
-  std::vector<std::uint32_t> marched;  // the particles whose records are new and may be at a transparent point
-  for (std::uint32_t i = 0; i < records.size(); ++i) {
-    if (mayPass(i)) marched.push_back(i);
-  }
+  std::vector<std::uint32_t> marched(records.size());  // the particles that have marched since they were looked at
+  std::iota(marched.begin(), marched.end(), 0u);
   Rays rays;
-  while (!marched.empty()) {
+  while (true) {
     std::vector<std::uint32_t> passing;
-    std::size_t tileOfRays = tiles.size();
+    std::size_t tileOfRays = tiles.size();  // the tile whose rays are in `rays`
     for (const std::uint32_t i : marched) {
-      if (!mayPass(i)) continue;
-      const std::uint32_t triangle = records.triangle[i];
+      if (records.outcomeOf(i) != Outcome::Hit || records.triangle[i] < block.firstAlpha) continue;
       const std::size_t tile = i / kPacket;
       if (tile != tileOfRays) setUpRays(job.shot, job.frame, tiles[tile], rays);
       tileOfRays = tile;
       const auto lane = static_cast<int>(i % kPacket);
       const Vec3d point = rays.origin(lane) + rays.direction(lane) * rangeOf(job, records, i);
-      const Vec2d at = barycentric({&block, nullptr, triangle}, point);
-      if (!transparentAt(*job.sensorField.world, block, triangle, at.x, at.y)) continue;
+      if (!isInHole(job, records.triangle[i], point)) continue;
       const float travelled = records.travelled[i];
       particles.begin[i] = travelled + std::max(kHoleSkip, travelled * kHoleSkipShare);
       passing.push_back(i);
     }
+    if (passing.empty()) return;
     marchCpu(job.field(), block, job.maxSteps, particles, passing, records);
     marched = std::move(passing);
   }
@@ -92,26 +96,28 @@ void addUnresolved(const MarchJob& job, const Tile& tile, const Rays& rays, cons
 // Number of tiles whose triangles are prefetched together; these triangles fit into the L1 cache.
 constexpr std::size_t kTilesTogether = 16;
 
-// Prefetches the triangles that the next kTilesTogether tiles have hit, because they are scattered in memory.
-void prefetchHits(const MarchJob& job, const HitRecords& records, std::size_t first, std::size_t tiles) {
-  for (std::size_t i = first; i < first + std::min(tiles, kTilesTogether) * kPacket; ++i) {
+// Prefetches the triangles that the tiles from `firstTile` on have hit, at most kTilesTogether tiles, because the
+// triangles are scattered in memory.
+void prefetchHits(const MarchJob& job, const HitRecords& records, std::size_t firstTile, std::size_t tiles) {
+  const std::size_t endTile = std::min(firstTile + kTilesTogether, tiles);
+  for (std::size_t i = firstTile * kPacket; i < endTile * kPacket; ++i) {
     if (records.outcomeOf(i) == Outcome::Hit) prefetch(job.triangles().triangles[records.triangle[i]]);
   }
 }
 
 }  // namespace
 
-UnreliableBeams& UnreliableBeams::operator+=(const UnreliableBeams& o) {
-  exhausted += o.exhausted;
-  leftField += o.leftField;
-  touching += o.touching;
+UnreliableBeams& UnreliableBeams::operator+=(const UnreliableBeams& other) {
+  exhausted += other.exhausted;
+  leftField += other.leftField;
+  touching += other.touching;
   return *this;
 }
 
 UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
                         Particles& particles, HitRecords& records, Hits& hits, std::vector<std::uint32_t>& unresolved) {
   const bool lists = job.field().shape.lists;
-  if (lists) passTransparent(job, tiles, particles, records);
+  if (lists) passHoles(job, tiles, particles, records);
   UnreliableBeams counts;
   Rays rays;
   HitPlanes planes;
@@ -120,10 +126,7 @@ UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>&
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     const Tile& tile = tiles[t];
     const std::size_t firstRecord = t * kPacket;
-    if (t % kTilesTogether == 0) {
-      const std::size_t next = std::min(t + kTilesTogether, tiles.size());
-      prefetchHits(job, records, next * kPacket, tiles.size() - next);
-    }
+    if (t % kTilesTogether == 0) prefetchHits(job, records, t + kTilesTogether, tiles.size());
     prefetchStore(tile, hits);
     setUpRays(job.shot, job.frame, tile, rays);
     for (int lane = 0; lane < kPacket; ++lane) {

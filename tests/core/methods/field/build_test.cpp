@@ -1,4 +1,4 @@
-#include "methods/field/build.h"
+#include "methods/field/distance_field.h"
 
 #include <bit>
 #include <functional>
@@ -93,17 +93,17 @@ void checkCorner(const World& world, const DistanceField& field, const std::vect
   const double stored = field.distance[corner] * kDistanceStep;
   EXPECT_LE(stored, truth);
   EXPECT_GE(stored, std::min<double>(truth, kExactLimit) - 1.1 * kDistanceStep);
-  const std::uint32_t word = field.word[corner];
+  const std::uint32_t word = field.triangleOrList[corner];
   if (stored > (field.shape.lists ? kListLimit : kNearestLimit)) {
-    EXPECT_EQ(word, kNoWord);
+    EXPECT_EQ(word, kNoTriangle);
     return;
   }
   if (!field.shape.lists) {
-    ASSERT_NE(word, kNoWord);
+    ASSERT_NE(word, kNoTriangle);
     EXPECT_LE(distances[word], truth + kNear);
     return;
   }
-  const std::vector<std::uint32_t> list = word == kNoWord ? std::vector<std::uint32_t>{} : listAt(field, word);
+  const std::vector<std::uint32_t> list = word == kNoTriangle ? std::vector<std::uint32_t>{} : listAt(field, word);
   const auto order = [&](std::uint32_t t) { return std::pair(world.baked.surfaceOf(t).instance, t); };
   for (std::size_t i = 1; i < list.size(); ++i) EXPECT_LT(order(list[i - 1]), order(list[i]));
   for (const std::uint32_t t : list) EXPECT_TRUE(meetsCube(world, t, p, (kListHalfSide + kNear) * voxel)) << t;
@@ -141,7 +141,7 @@ std::size_t checkAgainstBruteForce(const World& world, const DistanceField& fiel
       const Vec3d p = placeOf(voxel, brick, double(x), double(y), double(z));
       measure(p, voxel);
       checkCorner(world, field, distances, first + next, p, voxel);
-      named += field.word[first + next] != kNoWord;
+      named += field.triangleOrList[first + next] != kNoTriangle;
     }
     next -= kCornersPerBrick;
   });
@@ -215,10 +215,10 @@ TEST(Build, EquallyNearTrianglesHaveAnOrder) {
     const auto world = worldOf(scene);
     const auto count = static_cast<std::uint32_t>(once.size());
     const auto nearest = buildField(*world, shapeAt({}, 0.1, 32, 2, false));
-    for (const std::uint32_t word : nearest->word) EXPECT_GE(word, 2 * count);
+    for (const std::uint32_t word : nearest->triangleOrList) EXPECT_GE(word, 2 * count);
     const auto listed = buildField(*world, shapeAt({}, 0.1, 32, 2, true));
-    for (const std::uint32_t word : listed->word) {
-      if (word == kNoWord) continue;
+    for (const std::uint32_t word : listed->triangleOrList) {
+      if (word == kNoTriangle) continue;
       const std::vector<std::uint32_t> list = listAt(*listed, word);
       const std::size_t copies = list.size() / 3;
       EXPECT_EQ(list.size(), 3 * copies);
@@ -265,13 +265,13 @@ TEST(Build, OnlyVoxelsThatHoldTrianglesHaveLists) {
   eachBrick(*field, [&](std::size_t, const Corner& brick, std::uint32_t entry) {
     if (entry < kFullBrick) return;
     for (std::uint32_t c = 0; c < kCornersPerBrick; ++c) {
-      const std::uint32_t word = field->word[std::size_t{entry - kFullBrick} * kBrickStride + c];
+      const std::uint32_t word = field->triangleOrList[std::size_t{entry - kFullBrick} * kBrickStride + c];
       if (brick[2] * kBrickVoxels + c / 81 == 1) {
-        ASSERT_NE(word, kNoWord);
+        ASSERT_NE(word, kNoTriangle);
         EXPECT_EQ(listAt(*field, word), std::vector<std::uint32_t>{0});
         ++listed;
       } else {
-        EXPECT_EQ(word, kNoWord);
+        EXPECT_EQ(word, kNoTriangle);
       }
     }
   });
@@ -345,7 +345,7 @@ TEST(Build, MovesWithTheSceneByWholeBricks) {
   const auto there =
       buildField(*worldOf(sceneOf(triangles, shift)), shapeAt(Vec3d{0.3, 0, 0} + shift, 0.125, 32, 3, true));
   EXPECT_TRUE(std::ranges::equal(there->distance, here->distance));
-  EXPECT_TRUE(std::ranges::equal(there->word, here->word));
+  EXPECT_TRUE(std::ranges::equal(there->triangleOrList, here->triangleOrList));
   EXPECT_TRUE(std::ranges::equal(there->lists, here->lists));
   EXPECT_EQ(there->table, here->table);
 }

@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "methods/field/build.h"
+#include "methods/field/distance_field.h"
 #include "tests/core/methods/field/triangle_soup.h"
 
 namespace scanmill {
@@ -25,11 +25,11 @@ TEST(MovedField, SharesItsBricks) {
     std::size_t pools = 1;
     for (int step = 2; step < 40; ++step) {
       const std::vector<std::uint16_t> distance(at->distance.begin(), at->distance.end());
-      const std::vector<std::uint32_t> word(at->word.begin(), at->word.end());
+      const std::vector<std::uint32_t> word(at->triangleOrList.begin(), at->triangleOrList.end());
       const std::vector<std::uint32_t> entries(at->lists.begin(), at->lists.end());
       const auto next = buildField(*world, shape(step % 2 == 0 ? 0 : 0.1 * step), {at});
       EXPECT_TRUE(std::ranges::equal(distance, at->distance));
-      EXPECT_TRUE(std::ranges::equal(word, at->word));
+      EXPECT_TRUE(std::ranges::equal(word, at->triangleOrList));
       EXPECT_TRUE(std::ranges::equal(entries, at->lists));
       if (next->pool == at->pool) {
         ++shared;

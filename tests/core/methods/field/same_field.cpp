@@ -20,9 +20,9 @@ bool sameBrick(const DistanceField& a, std::uint32_t entryA, const DistanceField
     return false;
   }
   for (std::size_t c = 0; c < kBrickStride; ++c) {
-    const std::uint32_t wordA = a.word[firstA + c];
-    const std::uint32_t wordB = b.word[firstB + c];
-    const bool lists = a.shape.lists && wordA != kNoWord && wordB != kNoWord;
+    const std::uint32_t wordA = a.triangleOrList[firstA + c];
+    const std::uint32_t wordB = b.triangleOrList[firstB + c];
+    const bool lists = a.shape.lists && wordA != kNoTriangle && wordB != kNoTriangle;
     if (lists ? !sameList(a, wordA, b, wordB) : wordA != wordB) return false;
   }
   return true;

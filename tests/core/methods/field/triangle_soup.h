@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "methods/field/build.h"
+#include "methods/field/distance_field.h"
 #include "methods/particle/options.h"
 #include "methods/world/world.h"
 #include "tests/core/methods/field/same_field.h"

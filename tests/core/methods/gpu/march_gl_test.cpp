@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "base/random.h"
-#include "methods/field/build.h"
 #include "methods/field/distance_field.h"
 #include "methods/gpu/gl_marcher.h"
 #include "methods/particle/options.h"
@@ -184,8 +183,8 @@ std::shared_ptr<DistanceField> spoilt(const DistanceField& field, std::size_t br
   pool->distance.assign(field.distance.begin(), field.distance.end());
   std::fill_n(pool->distance.begin(), bricks * kBrickStride, 0);
   made->distance = pool->distance;
-  pool->word.assign(field.word.begin(), field.word.end());
-  made->word = pool->word;
+  pool->triangleOrList.assign(field.triangleOrList.begin(), field.triangleOrList.end());
+  made->triangleOrList = pool->triangleOrList;
   pool->lists.assign(field.lists.begin(), field.lists.end());
   made->lists = pool->lists;
   made->pool = pool;
@@ -243,8 +242,8 @@ TEST(GlMarcher, AFieldMovesOnTheDevice) {
     std::uint64_t room = 0;
     for (const double x : {2.0, 2.0, -3.0}) {
       fields.push_back(buildField(*start.world, shape(x), {fields.back()}));
-      most = std::max<std::uint64_t>({most, fields.back()->word.size(), fields.back()->lists.size()});
-      room = std::max<std::uint64_t>(room, fields.back()->pool->word.size());
+      most = std::max<std::uint64_t>({most, fields.back()->triangleOrList.size(), fields.back()->lists.size()});
+      room = std::max<std::uint64_t>(room, fields.back()->pool->triangleOrList.size());
     }
     ASSERT_GT(room, most);
     GlMarch small(most);
@@ -294,7 +293,7 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
     GlMarch marcher(texels);
     return messageOf<Error>([&] { marcher.march(place.field, place.world, kUsual, particles); });
   };
-  const std::uint64_t largest = place.field->word.size();
+  const std::uint64_t largest = place.field->triangleOrList.size();
   const std::string message = refusal(largest - 1);
   EXPECT_THAT(message, HasSubstr("particles cannot march by OpenGL: the "));
   EXPECT_THAT(message, HasSubstr("voxel_m"));

@@ -11,7 +11,6 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "methods/field/build.h"
 #include "methods/field/distance_field.h"
 #include "methods/field/facet.h"
 #include "methods/particle/options.h"
@@ -50,8 +49,8 @@ inline FieldShape levelsAround(const Vec3d& middle, double voxel, std::uint32_t 
 // What a corner of a full brick knows, from triangles at these squared distances (voxels of the level).
 inline std::uint32_t cornerWord(const FieldShape& shape, const std::vector<double>& distance2, double distance,
                                 std::vector<std::uint32_t>& lists) {
-  if (distance > kNearestLimit) return kNoWord;
-  if (distance2.empty()) return shape.lists ? kNoWord : 0;
+  if (distance > kNearestLimit) return kNoTriangle;
+  if (distance2.empty()) return shape.lists ? kNoTriangle : 0;
   const auto nearest =
       static_cast<std::uint32_t>(std::min_element(distance2.begin(), distance2.end()) - distance2.begin());
   if (!shape.lists) return nearest;
@@ -69,10 +68,10 @@ inline void setBricks(DistanceField& field, const std::vector<std::uint16_t>& di
                       const std::vector<std::uint32_t>& word, const std::vector<std::uint32_t>& lists) {
   field.pool = std::make_shared<BrickPool>(0);
   field.pool->distance.assign(distance.begin(), distance.end());
-  field.pool->word.assign(word.begin(), word.end());
+  field.pool->triangleOrList.assign(word.begin(), word.end());
   field.pool->lists.assign(lists.begin(), lists.end());
   field.distance = field.pool->distance;
-  field.word = field.pool->word;
+  field.triangleOrList = field.pool->triangleOrList;
   field.lists = field.pool->lists;
 }
 
@@ -118,7 +117,7 @@ inline DistanceField fieldOf(const FieldShape& shape, const DistanceFunction& di
         words.push_back(cornerWord(shape, distance2, away, lists));
       }
       distances.push_back(0);
-      words.push_back(kNoWord);
+      words.push_back(kNoTriangle);
     }
   }
   setBricks(field, distances, words, lists);

@@ -3,7 +3,7 @@
 #include <memory>
 #include <numeric>
 
-#include "methods/field/build.h"
+#include "methods/field/distance_field.h"
 #include "methods/particle/particles.h"
 #include "tests/core/methods/particle/fields.h"
 #include "tests/support/test_scene.h"

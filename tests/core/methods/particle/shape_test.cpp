@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "base/short_text.h"
-#include "methods/field/build.h"
+#include "methods/field/distance_field.h"
 #include "methods/particle/options.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/message_of.h"

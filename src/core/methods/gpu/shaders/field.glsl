@@ -1,12 +1,12 @@
 // Lookups in a distance field (methods/field/distance_field.h). The including file defines the macros kLevelsBinding,
-// kTableBinding and kWordsBinding, the bindings of the tables.
+// kTableBinding and kTrianglesBinding, the bindings of the tables.
 
 layout(binding = kLevelsBinding) uniform usamplerBuffer levels;  // two uvec4 each: see DeviceFields::levels()
 layout(binding = kTableBinding) uniform usamplerBuffer table;
-layout(binding = kWordsBinding) uniform usamplerBuffer words;
+layout(binding = kTrianglesBinding) uniform usamplerBuffer trianglesOrLists;
 
-uint fetch(usamplerBuffer from, uint i) {
-  return texelFetch(from, int(i)).x;
+uint fetch(usamplerBuffer array, uint i) {
+  return texelFetch(array, int(i)).x;
 }
 
 struct Voxel {
@@ -23,27 +23,27 @@ struct Voxel {
 
 // Returns the voxel of a level that contains a point.
 Voxel voxelOf(vec3 q, int level) {
-  uvec4 place = texelFetch(levels, 2 * level);  // xyz: bits of the offset; w: index of the level's first entry
+  uvec4 origin = texelFetch(levels, 2 * level);  // xyz: bits of the offset; w: index of the level's first entry
   uvec4 box = texelFetch(levels, 2 * level + 1);
   Voxel v;
   v.scale = uintBitsToFloat(uint(127 - level) << 23);
   v.voxelSize = uintBitsToFloat(uint(127 + level) << 23);
-  precise vec3 u = max(q * v.scale + uintBitsToFloat(place.xyz), vec3(0.0));
+  precise vec3 u = max(q * v.scale + uintBitsToFloat(origin.xyz), vec3(0.0));
   ivec3 corner = min(ivec3(u), ivec3(box.xyz) * 8 - 1);
   uvec3 brick = uvec3(corner) >> 3u;
-  uvec3 at = uvec3(corner) & 7u;
+  uvec3 inBrick = uvec3(corner) & 7u;
   precise vec3 f = u - vec3(corner);
   precise vec3 b = u - vec3(ivec3(brick) * 8 + 4);
-  bvec3 above = greaterThanEqual(f, vec3(0.5));
-  precise vec3 r = f - vec3(above);
-  uvec3 up = uvec3(above);
-  uint entry = fetch(table, place.w + (brick.z * box.y + brick.y) * box.x + brick.x);
+  bvec3 isUpper = greaterThanEqual(f, vec3(0.5));
+  precise vec3 r = f - vec3(isUpper);
+  uvec3 up = uvec3(isUpper);
+  uint entry = fetch(table, origin.w + (brick.z * box.y + brick.y) * box.x + brick.x);
   v.f = f;
   v.b = b;
   v.r = r;
   v.full = entry >= kFullBrick;
   v.brick = v.full ? entry - kFullBrick : entry;
-  v.cell = v.full ? v.brick * kBrickStride + (at.z * 9u + at.y) * 9u + at.x : 0u;
+  v.cell = v.full ? v.brick * kBrickStride + (inBrick.z * 9u + inBrick.y) * 9u + inBrick.x : 0u;
   v.nearest = v.cell + (up.z * 9u + up.y) * 9u + up.x;
   return v;
 }

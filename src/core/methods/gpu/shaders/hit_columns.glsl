@@ -57,9 +57,9 @@ double distanceTo(Plane p, dvec3 o, out double errorBound) {
 
 // Returns the index of the texel at a texture coordinate, along an axis with `side` texels.
 uint texelOf(float coordinate, uint side) {
-  precise float part = coordinate - floor(coordinate);
-  precise float place = part * float(side);
-  return part > 0.0 ? min(uint(place), side - 1u) : 0u;
+  precise float fraction = coordinate - floor(coordinate);
+  precise float position = fraction * float(side);
+  return fraction > 0.0 ? min(uint(position), side - 1u) : 0u;
 }
 
 // Finds the texel at which the ray hits the triangle's texture. Returns false if rounding could lead to another texel.

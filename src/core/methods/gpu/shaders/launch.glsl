@@ -26,9 +26,9 @@ double inverseOf(double component) {
 void invoke(uint i) {
   uint ray;
   dvec3 o, d;
-  bool there = particleRay(i, ray, o, d);
-  precise double begin = 0.0LF;
-  precise double end = there ? pathLength : 0.0LF;
+  bool hasRay = particleRay(i, ray, o, d);
+  precise double begin = 0.0LF;  // m, section of the ray that is inside of the box
+  precise double end = hasRay ? pathLength : 0.0LF;
   for (int k = 0; k < 3; ++k) {
     precise double inverse = inverseOf(d[k]);
     precise double a = (low[k] - o[k]) * inverse;
@@ -38,18 +38,18 @@ void invoke(uint i) {
   }
   bool certain = true;
   for (uint k = 0u; k < 3u; ++k) {
-    precise double place = (o[k] - centre[k]) * centre.w;
-    put(k, i, place);
+    precise double origin = (o[k] - centre[k]) * centre.w;
+    put(k, i, origin);
     put(3u + k, i, d[k]);
     if (kLists) {
       put(8u + k, i, o[k]);
       certain = putQuotient(11u + k, i, inverseOf(d[k])) && certain;
     }
   }
-  precise double from = begin * centre.w;
-  precise double to = there ? end * centre.w : 0.0LF;
-  certain = putQuotient(6u, i, from) && certain;
-  certain = putQuotient(7u, i, to) && certain;
+  precise double fieldBegin = begin * centre.w;
+  precise double fieldEnd = hasRay ? end * centre.w : 0.0LF;
+  certain = putQuotient(6u, i, fieldBegin) && certain;
+  certain = putQuotient(7u, i, fieldEnd) && certain;
   if (!certain) {  // the particle misses at once, and is left to the CPU
     put(6u, i, double(kLeftToCpu));
     put(7u, i, double(kLeftToCpu));

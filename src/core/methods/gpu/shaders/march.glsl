@@ -19,7 +19,7 @@ layout(std430, binding = 1) restrict buffer HitRecords { uint records[]; };
 #define kLevelsBinding 0
 #define kTableBinding 1
 layout(binding = 2) uniform usamplerBuffer distances;
-#define kWordsBinding 3
+#define kTrianglesBinding 3
 #include "field.glsl"
 
 vec3 column3(uint column, uint i) {

@@ -23,35 +23,37 @@ Facet facetOf(uint triangle) {
 
 // A search for the nearest triangle of a list that a particle hits in a voxel.
 struct Search {
-  vec3 d, place;    // direction (unit vector) and position of the particle (m)
-  float low, high;  // limits of a hit's distance from `place` along d (m)
+  vec3 d, position;  // direction (unit vector) and position of the particle (m)
+  float low, high;   // limits of a hit's distance from `position` along d (m)
   float tie;        // m; a hit replaces an earlier hit only if it is nearer by more than `tie`
   float numerator, denominator;  // distance of the hit (m) as a fraction; denominator 0: no hit
   uint triangle;
 };
 
-void intersect(inout Search found, uint triangle, Facet facet) {
-  precise vec3 p = crossed(found.d, facet.ac);
+// Intersects a particle's line with a triangle (Moeller and Trumbore, see march_triangles.h). A hit that is nearer than
+// the one before, by more than `tie`, replaces it.
+void intersect(inout Search search, uint triangle, Facet facet) {
+  precise vec3 p = crossed(search.d, facet.ac);
   precise float determinant = dotted(facet.ab, p);
   precise float facing = determinant < 0.0 ? -1.0 : 1.0;
-  precise vec3 s = found.place - facet.a;
+  precise vec3 s = search.position - facet.a;
   precise vec3 q = crossed(s, facet.ab);
   precise float denominator = determinant * facing;
   precise float u = dotted(s, p) * facing;
-  precise float v = dotted(found.d, q) * facing;
+  precise float v = dotted(search.d, q) * facing;
   precise float t = dotted(facet.ac, q) * facing;
   precise float margin = denominator * kTriangleMargin;
-  precise float corner = u + v;
-  precise float most = denominator + margin;
-  precise float nearer = (found.numerator - found.tie * found.denominator) * denominator;
-  precise float here = t * found.denominator;
-  precise float first = found.low * denominator;
-  precise float last = found.high * denominator;
-  if (denominator > 0.0 && u >= -margin && v >= -margin && corner <= most && t >= first && t <= last &&
-      (!(found.denominator > 0.0) || here < nearer)) {
-    found.numerator = t;
-    found.denominator = denominator;
-    found.triangle = triangle;
+  precise float uv = u + v;
+  precise float mostUv = denominator + margin;
+  precise float limit = (search.numerator - search.tie * search.denominator) * denominator;
+  precise float scaled = t * search.denominator;
+  precise float least = search.low * denominator;
+  precise float most = search.high * denominator;
+  if (denominator > 0.0 && u >= -margin && v >= -margin && uv <= mostUv && t >= least && t <= most &&
+      (!(search.denominator > 0.0) || scaled < limit)) {
+    search.numerator = t;
+    search.denominator = denominator;
+    search.triangle = triangle;
   }
 }
 
@@ -73,7 +75,7 @@ void invoke(uint i) {
   while (true) {
     precise float ahead = 0.0;
     float voxelSize = 1.0;
-    uint word = kNoWord;
+    uint list = kNoTriangle;
     bool listed = false;
     while (!listed) {
       if (taken >= steps || !(travelled < end)) {
@@ -102,38 +104,38 @@ void invoke(uint i) {
         }
       }
       if (listed) {
-        word = fetch(words, v.nearest);
+        list = fetch(trianglesOrLists, v.nearest);
       } else {
         precise float stride = ahead * voxelSize;
         travelled = travelled + stride;
       }
     }
     precise float voxel = metres * voxelSize;
-    precise vec3 place = w + d * (travelled * metres);
+    precise vec3 position = w + d * (travelled * metres);
     precise float low = max(-kBackwardTolerance * voxel, (begin - travelled) * metres);
     precise float high = (ahead + kFaceOvershoot) * voxel;
     precise float tie = kTieMargin * voxel;
-    Search found = Search(d, place, low, high, tie, 0.0, 0.0, 0u);
-    bool more = word != kNoWord;
+    Search search = Search(d, position, low, high, tie, 0.0, 0.0, 0u);
+    bool more = list != kNoTriangle;
     while (more) {
       // Reads four entries at a time: devices mostly wait for memory, and these loads do not wait for each other.
       // Entries beyond the end of the list are ignored.
-      uvec4 entries = uvec4(fetch(lists, word), fetch(lists, word + 1u), fetch(lists, word + 2u),
-                            fetch(lists, word + 3u));
-      word += 4u;
+      uvec4 entries = uvec4(fetch(lists, list), fetch(lists, list + 1u), fetch(lists, list + 2u),
+                            fetch(lists, list + 3u));
+      list += 4u;
       uvec4 numbers = entries & ~kLastOfList;
       Facet facets[4] = Facet[](facetOf(numbers.x), facetOf(numbers.y), facetOf(numbers.z), facetOf(numbers.w));
       bvec4 last = greaterThanEqual(entries, uvec4(kLastOfList));
-      intersect(found, numbers.x, facets[0]);
-      if (!last.x) intersect(found, numbers.y, facets[1]);
-      if (!any(last.xy)) intersect(found, numbers.z, facets[2]);
-      if (!any(last.xyz)) intersect(found, numbers.w, facets[3]);
+      intersect(search, numbers.x, facets[0]);
+      if (!last.x) intersect(search, numbers.y, facets[1]);
+      if (!any(last.xy)) intersect(search, numbers.z, facets[2]);
+      if (!any(last.xyz)) intersect(search, numbers.w, facets[3]);
       more = !any(last);
     }
-    if (found.denominator > 0.0) {
-      record(i, travelled, found.triangle, kHit + 4u * taken);
-      records[3u * count + i] = floatBitsToUint(found.numerator);
-      records[4u * count + i] = floatBitsToUint(found.denominator);
+    if (search.denominator > 0.0) {
+      record(i, travelled, search.triangle, kHit + 4u * taken);
+      records[3u * count + i] = floatBitsToUint(search.numerator);
+      records[4u * count + i] = floatBitsToUint(search.denominator);
       return;
     }
     precise float stride = ahead * voxelSize;

@@ -1,4 +1,4 @@
-// Particles march until they rest at a surface. The voxel corner nearest to the particle then gives the triangle.
+// Particles march until they are at a surface. The voxel corner nearest to the particle then gives the triangle.
 
 #include "march.glsl"
 
@@ -38,7 +38,7 @@ void invoke(uint i) {
     } else {
       ahead = interpolate(v);
       if (ahead <= kHitDistance) {
-        record(i, travelled, fetch(words, v.nearest), kHit + 4u * (taken + 1u));
+        record(i, travelled, fetch(trianglesOrLists, v.nearest), kHit + 4u * (taken + 1u));
         return;
       }
     }

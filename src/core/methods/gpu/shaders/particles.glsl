@@ -33,10 +33,10 @@ bool particleRay(uint i, out uint ray, out dvec3 o, out dvec3 d) {
   uint shot = (first + i) / shotParticles;
   uint particle = (first + i) % shotParticles;
   uint tile = particle / kGroupColumns;
-  uint place = tile / rings * kGroupColumns + particle % kGroupColumns;
-  uint column = min(place, columns - 1u);
+  uint groupColumn = tile / rings * kGroupColumns + particle % kGroupColumns;  // beyond the columns: surplus
+  uint column = min(groupColumn, columns - 1u);
   uint rayOfShot = tile % rings * columns + column;
   ray = shot * shotRays + rayOfShot;
   rayOf(rayOfShot, column, shot * shotPoses, withOrigins != 0u, o, d);
-  return place < columns;
+  return groupColumn < columns;
 }

@@ -17,21 +17,21 @@ bool roundsAlike(double value, double errorBound, out float rounded) {
 }
 
 // Returns the product of a row of a pose's rotation and a vector.
-double turned(uint row, dvec3 v) {
-  precise double x = poses[row] * v.x + poses[row + 1u] * v.y + poses[row + 2u] * v.z;
-  return x;
+double rotated(uint row, dvec3 v) {
+  precise double product = poses[row] * v.x + poses[row + 1u] * v.y + poses[row + 2u] * v.z;
+  return product;
 }
 
 // Returns the origin (m, relative to the world's origin) and the unit direction of a ray, with the same bits as
 // setUpRays() in methods/world/resolve.h. `firstPose`: index of the shot's first pose among the poses of all shots.
 void rayOf(uint ray, uint column, uint firstPose, bool withOrigins, out dvec3 o, out dvec3 d) {
   uint pose = 12u * (firstPose + stepOfColumn[column]);
-  dvec3 along = dvec3(directions[3u * ray], directions[3u * ray + 1u], directions[3u * ray + 2u]);
-  d = dvec3(turned(pose, along), turned(pose + 4u, along), turned(pose + 8u, along));
+  dvec3 direction = dvec3(directions[3u * ray], directions[3u * ray + 1u], directions[3u * ray + 2u]);
+  d = dvec3(rotated(pose, direction), rotated(pose + 4u, direction), rotated(pose + 8u, direction));
   o = dvec3(poses[pose + 3u], poses[pose + 7u], poses[pose + 11u]);
   if (withOrigins) {
     dvec3 shift = dvec3(origins[3u * ray], origins[3u * ray + 1u], origins[3u * ray + 2u]);
-    precise dvec3 moved = o + dvec3(turned(pose, shift), turned(pose + 4u, shift), turned(pose + 8u, shift));
+    precise dvec3 moved = o + dvec3(rotated(pose, shift), rotated(pose + 4u, shift), rotated(pose + 8u, shift));
     o = moved;
   }
 }

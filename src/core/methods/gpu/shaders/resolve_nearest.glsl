@@ -5,7 +5,7 @@
 
 #define kLevelsBinding 4
 #define kTableBinding 5
-#define kWordsBinding 6
+#define kTrianglesBinding 6
 #include "field.glsl"
 
 // Converts a point to the field's frame. Returns false if the result's float32 bits could differ from those that the
@@ -32,10 +32,10 @@ double voxelSizeAt(vec3 q) {
   return voxel * double(uintBitsToFloat(uint(127 + levelAt(q)) << 23));
 }
 
-// Returns the triangle stored at the corner nearest to a point, or kNoWord.
+// Returns the triangle stored at the corner nearest to a point, or kNoTriangle.
 uint triangleAt(vec3 q) {
   Voxel v = voxelOf(q, levelAt(q));
-  return v.full ? fetch(words, v.nearest) : kNoWord;
+  return v.full ? fetch(trianglesOrLists, v.nearest) : kNoTriangle;
 }
 
 // Does the same as triangleOrLayer() in methods/particle/resolve.cpp.
@@ -53,7 +53,7 @@ uint triangleOrLayer(uint triangle, double range, dvec3 o, dvec3 d, inout bool c
   precise dvec3 inFront = onPlane + normal * away;
   certain = fieldFrame(inFront, q) && certain;
   uint other = triangleAt(q);
-  if (other == kNoWord || other == triangle) return triangle;
+  if (other == kNoTriangle || other == triangle) return triangle;
   dvec3 otherNormal;
   double otherOffset;
   planeRecord(other, otherNormal, otherOffset);
