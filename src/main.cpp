@@ -51,7 +51,11 @@ int dispatch(const std::vector<std::string>& arguments) {
   }
   std::vector<std::string> names;
   for (const Command& c : commands()) {
-    if (c.name == arguments[0]) return c.run({arguments.begin() + 1, arguments.end()});
+    try {
+      if (c.name == arguments[0]) return c.run({arguments.begin() + 1, arguments.end()});
+    } catch (const HelpPrinted&) {
+      return 0;
+    }
     names.emplace_back(c.name);
   }
   if (arguments[0] == "picture") {

@@ -17,6 +17,13 @@
 
 namespace scanmill {
 
+static double numberOption(const cxxopts::ParseResult& options, const std::string& option, Range range) {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.text = options[option].as<std::string>();
+  return readNumber(value, "--" + option, range);
+}
+
 std::string Arguments::text(const std::string& option) const {
   return has(option) ? options[option].as<std::string>() : std::string();
 }
@@ -26,10 +33,7 @@ std::vector<std::string> Arguments::list(const std::string& option) const {
 }
 
 double Arguments::number(const std::string& option, double least, double most) const {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.text = options[option].as<std::string>();
-  return readNumber(value, "--" + option, {least, most});
+  return numberOption(options, option, {least, most});
 }
 
 std::string Arguments::positional(const std::string& what) const {
@@ -75,8 +79,8 @@ const Command& commandNamed(std::string_view name) {
 }
 
 // Returns the number of threads; 0: all cores.
-int threadOption(const Arguments& arguments) {
-  const int threads = arguments.options["threads"].as<int>();
+int threadOption(const cxxopts::ParseResult& options) {
+  const int threads = options.count("threads") > 0 ? options["threads"].as<int>() : 0;
   if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
   return threads;
 }
@@ -97,9 +101,9 @@ std::optional<double> bytesOf(const std::string& text) {
 }
 
 // Returns the memory limit in bytes; 0 if it is not given.
-std::uint64_t memoryOption(const Arguments& arguments) {
-  if (!arguments.has("memory-limit")) return 0;
-  const std::string text = arguments.text("memory-limit");
+std::uint64_t memoryOption(const cxxopts::ParseResult& options) {
+  if (options.count("memory-limit") == 0) return 0;
+  const auto text = options["memory-limit"].as<std::string>();
   const std::optional<double> bytes = bytesOf(text);
   constexpr double kMost = 18446744073709551616.0;  // 2^64, the first number that does not fit into the result
   if (bytes && *bytes >= 1 && *bytes < kMost) return static_cast<std::uint64_t>(*bytes);
@@ -110,9 +114,11 @@ std::uint64_t memoryOption(const Arguments& arguments) {
 }  // namespace
 
 CommandOptions::CommandOptions(std::string_view name)
-    : cxxopts::Options(fmt::format("scanmill {}", name), std::string(commandNamed(name).summary)), command(name) {
+    : cxxopts::Options(fmt::format("scanmill {}", name), std::string(commandNamed(name).summary)),
+      command(name),
+      add(add_options()) {
   positional_help(std::string(commandNamed(name).usage)).show_positional_help();
-  add_options()("h,help", "print this help");
+  add("h,help", "print this help");
   add_options("positional")("input", "", listValue());
   parse_positional({"input"});
 }
@@ -133,37 +139,32 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
     if (const std::size_t position = help.find(kNoDefault); position != std::string::npos)
       help.replace(position, kNoDefault.size(), "]   ");
     printText("{}\n\nExamples:\n{}", help, examples);
-    parsed.help = true;
+    throw HelpPrinted();
   }
+  parsed.limits = std::make_unique<ResourceLimits>(parsed.options);
   return parsed;
 }
 
-void addThreads(cxxopts::Options& options) {
-  options.add_options()("threads", "how many threads to use, 0 for all cores",
-                        cxxopts::value<int>()->default_value("0"));
+void addThreads(CommandOptions& options) {
+  options.add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
 }
 
-void addInputLimit(cxxopts::Options& options) {
-  options.add_options()("input-limit",
-                        "multiply by N, at least 1, the limits of what small files may cost: files, copies, memory and "
-                        "time (docs/reliability.md)",
-                        textValue(), "N");
+void addInputLimit(CommandOptions& options) {
+  options.add("input-limit",
+              "multiply by N, at least 1, the limits of what small files may cost: files, copies, memory and "
+              "time (docs/reliability.md)",
+              textValue(), "N");
 }
 
-double inputLimit(const Arguments& arguments) {
-  return arguments.has("input-limit") ? arguments.number("input-limit", 1, 1e6) : 1;
-}
-
-void addPipelineOptions(cxxopts::Options& options) {
+void addPipelineOptions(CommandOptions& options) {
   addThreads(options);
-  cxxopts::OptionAdder add = options.add_options();
-  add("memory-limit",
-      "how much memory to use at most, such as 8G or 500M (default: all of the machine's or container's)", textValue(),
-      "SIZE");
+  options.add("memory-limit",
+              "how much memory to use at most, such as 8G or 500M (default: all of the machine's or container's)",
+              textValue(), "SIZE");
   addInputLimit(options);
-  add("seed", "seed of the sensors' noise, instead of the pipeline's", textValue());
-  add("set", "override a key, such as --set motion=none or --set output.shard_mb=64 (may be repeated)", listValue(),
-      "key=value");
+  options.add("seed", "seed of the sensors' noise, instead of the pipeline's", textValue());
+  options.add("set", "override a key, such as --set motion=none or --set output.shard_mb=64 (may be repeated)",
+              listValue(), "key=value");
 }
 
 std::vector<std::string> pipelineOverrides(const Arguments& arguments) {
@@ -172,12 +173,11 @@ std::vector<std::string> pipelineOverrides(const Arguments& arguments) {
   return overrides;
 }
 
-void addRecordingOptions(cxxopts::Options& options) {
-  cxxopts::OptionAdder add = options.add_options();
-  add("from-hits", "make scans from the hits that --keep-hits saved, without loading or tracing the scene", textValue(),
-      "DIR");
-  add("from-passes", "make scans from images that `render` saved or another renderer drew, without the scene",
-      textValue(), "DIR");
+void addRecordingOptions(CommandOptions& options) {
+  options.add("from-hits", "make scans from the hits that --keep-hits saved, without loading or tracing the scene",
+              textValue(), "DIR");
+  options.add("from-passes", "make scans from images that `render` saved or another renderer drew, without the scene",
+              textValue(), "DIR");
 }
 
 std::uint64_t countOption(const Arguments& arguments, const char* name) {
@@ -220,7 +220,9 @@ std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {
   return nullptr;
 }
 
-ResourceLimits::ResourceLimits(const Arguments& arguments)
-    : input_(inputLimit(arguments)), threads_(threadOption(arguments)), memory_(memoryOption(arguments)) {}
+ResourceLimits::ResourceLimits(const cxxopts::ParseResult& options)
+    : input_(options.count("input-limit") > 0 ? numberOption(options, "input-limit", {1, 1e6}) : 1),
+      threads_(threadOption(options)),
+      memory_(memoryOption(options)) {}
 
 }  // namespace scanmill

@@ -22,9 +22,21 @@
 
 namespace scanmill {
 
+// Applies --threads, --memory-limit and --input-limit, as far as they are given, for the lifetime of the object.
+class ResourceLimits {
+ public:
+  explicit ResourceLimits(const cxxopts::ParseResult& options);
+
+ private:
+  InputLimitFactor input_;
+  ThreadLimit threads_;
+  MemoryLimit memory_;
+};
+
+// The parsed arguments. The limits that they state apply as long as the object lives.
 struct Arguments {
   cxxopts::ParseResult options;
-  bool help = false;  // help was requested and has been printed
+  std::unique_ptr<const ResourceLimits> limits;
 
   // True if the option is given; a default does not count.
   bool has(const std::string& option) const { return options.count(option) > 0; }
@@ -54,42 +66,30 @@ inline auto listValue() {
   return cxxopts::value<std::vector<std::string>>();
 }
 
-// The options of a command: those that are added, --help, and positional arguments. The help shows the command's usage
+// The options of a command: those that add() adds, --help, and positional arguments. The help shows the command's usage
 // and summary.
 struct CommandOptions : cxxopts::Options {
   explicit CommandOptions(std::string_view command);
   std::string_view command;
+  cxxopts::OptionAdder add;  // add("o,out", "help", value, "NAME OF THE VALUE")
 };
 
-// Parses the arguments and, if --help is given, prints the help with `examples`. Throws InputError for unknown options.
+// Parses the arguments. If --help is given, prints the help with `examples` and throws HelpPrinted. Throws InputError
+// for unknown options.
 Arguments parseArguments(CommandOptions& options, const std::vector<std::string>& arguments,
                          const std::string& examples);
 
 // Adds --threads.
-void addThreads(cxxopts::Options& options);
+void addThreads(CommandOptions& options);
 // Adds --input-limit, for commands that read scenes, 3D files or scans.
-void addInputLimit(cxxopts::Options& options);
-// Returns the factor that --input-limit gives; 1 if it is not given.
-double inputLimit(const Arguments& arguments);
+void addInputLimit(CommandOptions& options);
 
 // Adds --threads, --memory-limit, --input-limit, --seed and --set, for commands that read a pipeline.
-void addPipelineOptions(cxxopts::Options& options);
+void addPipelineOptions(CommandOptions& options);
 std::vector<std::string> pipelineOverrides(const Arguments& arguments);
 
-// Applies --threads, --memory-limit and --input-limit, as far as the command has them and they are given, for the
-// lifetime of the object.
-class ResourceLimits {
- public:
-  explicit ResourceLimits(const Arguments& arguments);
-
- private:
-  InputLimitFactor input_;
-  ThreadLimit threads_;
-  MemoryLimit memory_;
-};
-
 // Adds --from-hits and --from-passes, for commands that accept a recording in place of scenes.
-void addRecordingOptions(cxxopts::Options& options);
+void addRecordingOptions(CommandOptions& options);
 // Returns the recording; null if neither option is given.
 std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
 // Returns the value of an option. Throws InputError if it is not a whole number of at least 0.

@@ -20,6 +20,9 @@ struct Command {
 
 std::span<const Command> commands();
 
+// Thrown when a command has printed its help, which main() ends with exit code 0.
+struct HelpPrinted {};
+
 // Returns the flag that SIGINT, SIGTERM and SIGHUP set after the first call, so that work ends at the next frame. A
 // second signal of the same kind ends the program at once. Signals ignored at the start, as by nohup, stay ignored.
 const std::atomic<bool>& stopSignal();

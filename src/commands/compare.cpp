@@ -60,22 +60,21 @@ void printComparison(const SetComparison& comparison) {
 
 int runCompare(const std::vector<std::string>& arguments) {
   CommandOptions options("compare");
-  cxxopts::OptionAdder add = options.add_options();
-  add("o,out", "folder of the page and the figures; it is made if it does not exist", textValue(), "DIR");
-  add("scans", "the greatest number of scans to read of each set, evenly spaced",
-      cxxopts::value<std::size_t>()->default_value("20"), "N");
-  add("sensor", "the sensor to compare, if a dataset has several (default: the first)", textValue(), "NAME");
-  add("pipeline", "the pipeline that made SIMULATED, for the settings to try (default: searched for near the dataset)",
-      textValue(), "FILE");
-  add("overwrite", "replace an existing comparison");
+  options.add("o,out", "folder of the page and the figures; it is made if it does not exist", textValue(), "DIR");
+  options.add("scans", "the greatest number of scans to read of each set, evenly spaced",
+              cxxopts::value<std::size_t>()->default_value("20"), "N");
+  options.add("sensor", "the sensor to compare, if a dataset has several (default: the first)", textValue(), "NAME");
+  options.add("pipeline",
+              "the pipeline that made SIMULATED, for the settings to try (default: searched for near the dataset)",
+              textValue(), "FILE");
+  options.add("overwrite", "replace an existing comparison");
   addThreads(options);
-  add("q,quiet", "print one line instead of progress and tables");
+  options.add("q,quiet", "print one line instead of progress and tables");
   addInputLimit(options);
   const Arguments parsed =
       parseArguments(options, arguments,
                      "  scanmill compare SemanticKITTI/sequences/08 out/training -o out/compared\n"
                      "  scanmill compare recorded_frames/ out/street -o out/compared --scans 50 --overwrite\n");
-  if (parsed.help) return 0;
   const std::vector<std::string> sets = parsed.inputs();
   if (sets.size() != 2) {
     throw InputError(
@@ -93,7 +92,6 @@ int runCompare(const std::vector<std::string>& arguments) {
   setOptions.sensor = parsed.text("sensor");
   setOptions.stop = &stopSignal();
   const bool quiet = parsed.has("quiet");
-  const ResourceLimits limits(parsed);
   prepareReportFolder(folder, kResultFile, parsed.has("overwrite"));
 
   Progress progress("compare", 2 * setOptions.scans, "scans", "points", quiet);

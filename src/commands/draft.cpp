@@ -89,15 +89,16 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
 
 int runDraft(const std::vector<std::string>& arguments) {
   CommandOptions options("draft");
-  cxxopts::OptionAdder add = options.add_options();
-  add("o,out", "the scene file to write", textValue(), "FILE.yaml");
-  add("ontology", "the classes to choose from: an ontology file, or a name of `scanmill list ontologies`",
-      textValue()->default_value("scanmill"));
-  add("words", "the classes that words in names stand for, instead of labels/words.yaml", textValue(), "FILE.yaml");
-  add("overwrite", "replace an existing scene file and picture");
-  add("allow-outside",
-      "allow glTF and OBJ files to name files outside their folders; the scene file then allows it, too");
-  add("leave-out-missing",
+  options.add("o,out", "the scene file to write", textValue(), "FILE.yaml");
+  options.add("ontology", "the classes to choose from: an ontology file, or a name of `scanmill list ontologies`",
+              textValue()->default_value("scanmill"));
+  options.add("words", "the classes that words in names stand for, instead of labels/words.yaml", textValue(),
+              "FILE.yaml");
+  options.add("overwrite", "replace an existing scene file and picture");
+  options.add("allow-outside",
+              "allow glTF and OBJ files to name files outside their folders; the scene file then allows it, too");
+  options.add(
+      "leave-out-missing",
       "go on without models and meshes that worlds name and that are missing; the scene file then does so, too");
   addInputLimit(options);
   const Arguments parsed = parseArguments(
@@ -105,8 +106,6 @@ int runDraft(const std::vector<std::string>& arguments) {
       "  scanmill draft models/town.glb -o scenes/town.yaml\n"
       "  scanmill draft models/ -o scenes/all.yaml   # all 3D files of a folder, side by side\n"
       "  scanmill view scenes/town.yaml              # or look at scenes/town.png, which draft makes too\n");
-  if (parsed.help) return 0;
-  const InputLimitFactor limits(inputLimit(parsed));
   if (!parsed.has("input")) throw InputError("draft: name 3D files, or folders that contain 3D files");
   draft::DraftOptions reading{parsed.has("allow-outside"), parsed.has("leave-out-missing"), {}};
   const std::vector<std::filesystem::path> files = filesOf(parsed.inputs(), reading.mayFail);

@@ -65,11 +65,10 @@ std::vector<Example> allExamples() {
 
 int runExample(const std::vector<std::string>& arguments) {
   CommandOptions options("example");
-  options.add_options()("o,out", "folder to copy to (default: this one)", textValue(), "DIR")(
+  options.add("o,out", "folder to copy to (default: this one)", textValue(), "DIR")(
       "overwrite", "replace files that are there already");
   const Arguments parsed =
       parseArguments(options, arguments, "  scanmill example\n  scanmill example rain_beside_dry\n");
-  if (parsed.help) return 0;
   const std::vector<Example> examples = allExamples();
   if (!parsed.has("input")) {
     Rows rows;

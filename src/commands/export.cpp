@@ -28,24 +28,23 @@ int runExport(const std::vector<std::string>& arguments) {
   CommandOptions options("export");
   std::vector<std::string> names;
   for (const LayoutEntry& entry : layouts()) names.emplace_back(entry.name);
-  cxxopts::OptionAdder add = options.add_options();
-  add("to", fmt::format("{}", fmt::join(names, ", ")), textValue(), "LAYOUT");
-  add("o,out", "folder to write", textValue(), "DIR");
-  add("classes",
+  options.add("to", fmt::format("{}", fmt::join(names, ", ")), textValue(), "LAYOUT");
+  options.add("o,out", "folder to write", textValue(), "DIR");
+  options.add(
+      "classes",
       "ontology to write, instead of the layout's: a file, or a name of `scanmill list ontologies`; its aliases map "
       "the dataset's classes to its own",
       textValue(), "NAME");
-  add("sensor", "only this one; may be given again", listValue(), "NAME");
-  add("split", "only this one; may be given again", listValue(), "NAME");
-  add("overwrite", "replace an existing export, complete or not: its folder is emptied");
-  add("q,quiet", "print no progress");
+  options.add("sensor", "only this one; may be given again", listValue(), "NAME");
+  options.add("split", "only this one; may be given again", listValue(), "NAME");
+  options.add("overwrite", "replace an existing export, complete or not: its folder is emptied");
+  options.add("q,quiet", "print no progress");
   addThreads(options);
   const Arguments parsed = parseArguments(
       options, arguments,
       "  scanmill export out/quickstart --to semantic_kitti -o out/quickstart_kitti\n"
       "  scanmill export out/quickstart --to mcap --split val -o out/quickstart_val   # Foxglove, ROS 2\n\nlayouts:\n" +
           layoutLines());
-  if (parsed.help) return 0;
   ExportOptions exportOptions;
   exportOptions.dataset = parsed.positional("DIR");
   requireDataset(exportOptions.dataset);
@@ -58,7 +57,6 @@ int runExport(const std::vector<std::string>& arguments) {
   exportOptions.splits = parsed.list("split");
   exportOptions.overwrite = parsed.has("overwrite");
   exportOptions.stop = &stopSignal();
-  const ResourceLimits limits(parsed);
   std::optional<Progress> progress;  // of the current stage
   std::string currentStage;
   std::uint64_t shownFrames = 0;

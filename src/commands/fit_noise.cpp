@@ -95,12 +95,11 @@ NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, co
 }
 
 void addFitNoiseOptions(CommandOptions& options) {
-  cxxopts::OptionAdder add = options.add_options();
-  add("sensor", "the sensor that recorded the scans: a sensor file, or a name of `scanmill list sensors`", textValue(),
-      "FILE|NAME");
-  add("o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
-      textValue(), "FILE");
-  add("overwrite", "replace the file");
+  options.add("sensor", "the sensor that recorded the scans: a sensor file, or a name of `scanmill list sensors`",
+              textValue(), "FILE|NAME");
+  options.add("o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
+              textValue(), "FILE");
+  options.add("overwrite", "replace the file");
   addSimulatedOption(options);
   addThreads(options);
   addInputLimit(options);
@@ -116,13 +115,11 @@ int runFitNoise(const std::vector<std::string>& arguments) {
                      "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
                      "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --overwrite\n"
                      "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --simulated out/towns\n");
-  if (parsed.help) return 0;
 
   if (!parsed.has("input")) throw InputError("SCAN is missing; see --help");
   const std::filesystem::path preset = namedResource(
       requiredText(parsed, "sensor", "name the sensor that recorded the scans, such as os1_128"), "pipelines/sensors");
   const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as fitted.yaml");
-  const ResourceLimits limits(parsed);
   const std::atomic<bool>& stop = stopSignal();
   const auto checkStop = [&] {
     if (stop) throw Error("stopped: nothing was written");

@@ -16,15 +16,13 @@ namespace scanmill {
 
 int runFitSensor(const std::vector<std::string>& arguments) {
   CommandOptions options("fit-sensor");
-  cxxopts::OptionAdder add = options.add_options();
-  add("o,out", "the sensor file to write", textValue(), "FILE");
-  add("overwrite", "replace the file");
+  options.add("o,out", "the sensor file to write", textValue(), "FILE");
+  options.add("overwrite", "replace the file");
   addSimulatedOption(options);
   const Arguments parsed = parseArguments(
       options, arguments,
       "  scanmill fit-sensor frames/*.pcd -o my_sensor.yaml\n"
       "The scans must be organised or have the columns ring and column; their points must be in the sensor's frame.\n");
-  if (parsed.help) return 0;
   if (!parsed.has("input")) throw InputError("SCAN is missing; see --help");
   const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as my_sensor.yaml");
   std::vector<Scan> scans;

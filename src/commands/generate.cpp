@@ -213,30 +213,34 @@ void generateSweep(const Arguments& parsed, const std::vector<std::string>& swee
   }
 }
 
-void addGenerateOptions(cxxopts::Options& options) {
-  cxxopts::OptionAdder add = options.add_options();
-  add("o,out", "folder of the dataset; it is made if it does not exist", textValue(), "DIR");
-  add("overwrite", "replace an existing dataset or recording");
-  add("resume",
+void addGenerateOptions(CommandOptions& options) {
+  options.add("o,out", "folder of the dataset; it is made if it does not exist", textValue(), "DIR");
+  options.add("overwrite", "replace an existing dataset or recording");
+  options.add(
+      "resume",
       "continue an interrupted dataset; the bytes are the same as without the interruption. A file of a scene that has "
       "changed since is refused by name; --resume=anyway keeps the shards made before",
       textValue()->implicit_value(""), "anyway");
-  add("shards", "make only these shards, such as 0-9,12; `scanmill merge` completes the dataset", textValue(),
-      "RANGES");
-  add("worker", "make every N-th shard, starting with shard I (from 0), as one of N processes", textValue(), "I");
-  add("workers",
+  options.add("shards", "make only these shards, such as 0-9,12; `scanmill merge` completes the dataset", textValue(),
+              "RANGES");
+  options.add("worker", "make every N-th shard, starting with shard I (from 0), as one of N processes", textValue(),
+              "I");
+  options.add(
+      "workers",
       "the number N of processes for --worker; or auto: the processes share the shards by themselves, and the last one "
       "completes the dataset",
       textValue(), "N|auto");
-  add("keep-hits", "save what the beams hit, so that scans can be made again without tracing", textValue(), "DIR");
-  add("sweep",
+  options.add("keep-hits", "save what the beams hit, so that scans can be made again without tracing", textValue(),
+              "DIR");
+  options.add(
+      "sweep",
       "make a dataset for each value of the list, for sensors.0.preset in DIR/preset=VALUE; given several times, for "
       "all combinations",
       listValue(), "KEY=[A,B]");
-  add("corruptions",
-      "make a dataset for each of `scanmill list corruptions` in each severity, and one without corruption");
+  options.add("corruptions",
+              "make a dataset for each of `scanmill list corruptions` in each severity, and one without corruption");
   addRecordingOptions(options);
-  options.add_options()("q,quiet", "print one line instead of progress and tables");
+  options.add("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
 }
 
@@ -259,11 +263,9 @@ int runGenerate(const std::vector<std::string>& arguments) {
                      "  scanmill generate quickstart -o out/sensors "
                      "--sweep 'sensors.0.preset=[hdl_64e, os1_128, vlp_16]'\n"
                      "  scanmill generate quickstart -o out/fog --set 'corruption={fog: heavy}'\n");
-  if (parsed.help) return 0;
   parsed.positional("PIPELINE");  // report a missing pipeline before all else
   const std::filesystem::path folder = parsed.text("out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the dataset go?");
-  const ResourceLimits limits(parsed);
   std::vector<std::string> sweeps = parsed.list("sweep");
   if (parsed.has("corruptions")) sweeps.push_back(corruptionSweep());
   if (sweeps.empty()) {

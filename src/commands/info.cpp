@@ -329,13 +329,12 @@ std::array<double, 2> fieldOf(const BeamTable& beams) {
 
 int runInfo(const std::vector<std::string>& arguments) {
   CommandOptions options("info");
-  cxxopts::OptionAdder add = options.add_options();
-  add("unit", "metres per unit of a 3D file", textValue()->default_value("1"));
-  add("up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", textValue());
-  add("seed", "seed of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N");
-  add("colors", "list the colours of a 3D file's triangles, which labelling rules can match");
-  add("allow-outside", "allow a glTF or OBJ file to name files outside its folder");
-  add("leave-out-missing", "go on without models and meshes that a world names and that are missing");
+  options.add("unit", "metres per unit of a 3D file", textValue()->default_value("1"));
+  options.add("up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", textValue());
+  options.add("seed", "seed of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N");
+  options.add("colors", "list the colours of a 3D file's triangles, which labelling rules can match");
+  options.add("allow-outside", "allow a glTF or OBJ file to name files outside its folder");
+  options.add("leave-out-missing", "go on without models and meshes that a world names and that are missing");
   addInputLimit(options);
   const Arguments parsed =
       parseArguments(options, arguments,
@@ -347,8 +346,6 @@ int runInfo(const std::vector<std::string>& arguments) {
                      "  scanmill info out/passes      # a recording, or one of its EXR images\n"
                      "  scanmill info model.glb       # names that labelling rules can match, sizes, animations\n"
                      "  scanmill info model.obj --unit 0.01 --up y\n");
-  if (parsed.help) return 0;
-  const InputLimitFactor limits(inputLimit(parsed));
   const InputBudget budget;
   const std::filesystem::path file =
       parsed.fileOrName("FILE|DIR", {"scenes", "pipelines/sensors", "pipelines", "labels"});

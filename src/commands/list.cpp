@@ -242,7 +242,6 @@ int runList(const std::vector<std::string>& arguments) {
   CommandOptions options("list");
   const Arguments parsed = parseArguments(
       options, arguments, "  scanmill list\n  scanmill list effects\n  scanmill list footprint   # one of them\n");
-  if (parsed.help) return 0;
   const std::string kind = !parsed.has("input") ? "" : parsed.positional("KIND");  // empty: all kinds
   if (printNamed("effect", effects(), kind) || printNamed("format", formats(), kind) ||
       printNamed("method", methods(), kind)) {

@@ -10,7 +10,6 @@ int runMerge(const std::vector<std::string>& arguments) {
   const Arguments parsed = parseArguments(options, arguments,
                                           "  scanmill merge out/town    # after `scanmill generate town.yaml -o "
                                           "out/town --worker I --workers N` for each I\n");
-  if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
   const Manifest manifest = mergeDataset(folder);
   std::uint64_t bytes = 0;

@@ -306,9 +306,10 @@ void printRaysAndMemory(const Plan& plan, std::uint64_t sceneBytes) {
 
 int runPlan(const std::vector<std::string>& arguments) {
   CommandOptions options("plan");
-  cxxopts::OptionAdder add = options.add_options();
-  add("frames", "print also how many seeds a dataset of N frames needs, and its time and size", textValue(), "N");
-  add("check",
+  options.add("frames", "print also how many seeds a dataset of N frames needs, and its time and size", textValue(),
+              "N");
+  options.add(
+      "check",
       "load the scenes, and warn of paths through things, unlabelled parts, unusual sizes and too little memory");
   addRecordingOptions(options);
   addPipelineOptions(options);
@@ -318,8 +319,6 @@ int runPlan(const std::vector<std::string>& arguments) {
                      "  scanmill plan pipelines/quickstart.yaml --frames 10000\n"
                      "  scanmill plan pipelines/truck_town.yaml --check    # what its scenes contain\n"
                      "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
-  if (parsed.help) return 0;
-  const ResourceLimits limits(parsed);
   const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed), recordingOf(parsed)));
   ShotSource source(plan);
   const Pipeline& pipeline = plan.pipeline;

@@ -35,10 +35,10 @@ void forEachScan(const std::vector<std::string>& paths,
 }
 
 void addSimulatedOption(CommandOptions& options) {
-  options.add_options()("simulated",
-                        "a dataset of Scanmill with the column power, of places like the recorded ones: finds the "
-                        "sensor's response to power too",
-                        textValue(), "DATASET");
+  options.add("simulated",
+              "a dataset of Scanmill with the column power, of places like the recorded ones: finds the "
+              "sensor's response to power too",
+              textValue(), "DATASET");
 }
 
 std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const Arguments& parsed) {

@@ -24,21 +24,20 @@ void requireReplaceable(const std::filesystem::path& file) {
 
 int runRegenerate(const std::vector<std::string>& arguments) {
   CommandOptions options("regenerate");
-  cxxopts::OptionAdder add = options.add_options();
-  add("shards", "the shards to make, such as 0-9,12 (default: all that are missing or damaged)", textValue(), "RANGES");
-  add("pipeline",
+  options.add("shards", "the shards to make, such as 0-9,12 (default: all that are missing or damaged)", textValue(),
+              "RANGES");
+  options.add(
+      "pipeline",
       "the pipeline's file, in whose folder the files that it names are found (default: searched for near the dataset)",
       textValue(), "FILE");
   addThreads(options);
-  add("q,quiet", "print no progress");
+  options.add("q,quiet", "print no progress");
   addInputLimit(options);
   const Arguments parsed = parseArguments(
       options, arguments,
       "  scanmill regenerate out/quickstart                 # makes the files that verify finds damaged\n"
       "  scanmill regenerate out/quickstart --shards 0-9,12\n");
-  if (parsed.help) return 0;
   const std::filesystem::path folder = parsed.positional("DIR");
-  const ResourceLimits limits(parsed);
   const bool quiet = parsed.has("quiet");
   const std::string asked = parsed.text("shards");
   requireDataset(folder);

@@ -1,5 +1,3 @@
-#include "pipeline/run/recorder.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "pipeline/run/recorder.h"
 
 namespace scanmill {
 
@@ -51,26 +50,23 @@ PassChoice readPassList(const std::string& list) {
 
 int runRender(const std::vector<std::string>& arguments) {
   CommandOptions options("render");
-  cxxopts::OptionAdder add = options.add_options();
-  add("o,out", "folder of the recording; it is made if it does not exist", textValue(), "DIR");
-  add("passes",
-      "the images to write: all, or a list with commas of depth, normal, instance, semantic, "
-      "material, primitive, reflectance, and look (roughness, metallic and retroreflectance)",
-      textValue()->default_value("all"), "LIST");
-  add("overwrite", "replace an existing recording");
-  add("q,quiet", "print one line instead of progress and tables");
+  options.add("o,out", "folder of the recording; it is made if it does not exist", textValue(), "DIR");
+  options.add("passes",
+              "the images to write: all, or a list with commas of depth, normal, instance, semantic, "
+              "material, primitive, reflectance, and look (roughness, metallic and retroreflectance)",
+              textValue()->default_value("all"), "LIST");
+  options.add("overwrite", "replace an existing recording");
+  options.add("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(
       options, arguments,
       "  scanmill render pipelines/street.yaml -o out/passes --set method=depth_camera\n"
       "  scanmill render pipelines/street.yaml -o out/depth --set method=depth_camera --passes depth,semantic\n"
       "  scanmill generate pipelines/street.yaml -o out/a --from-passes out/passes\n");
-  if (parsed.help) return 0;
   const std::string file = parsed.positional("PIPELINE");
   RenderOptions render;
   render.folder = parsed.text("out");
   if (render.folder.empty()) throw InputError("-o DIR is missing: where should the passes go?");
-  const ResourceLimits limits(parsed);
   render.passes = readPassList(parsed.options["passes"].as<std::string>());
   const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)), render.passes.channels);
   render.overwrite = parsed.has("overwrite");

@@ -35,10 +35,9 @@ void writeResult(const Repeatability& result, const std::string& date, const std
 
 int runRepeatability(const std::vector<std::string>& arguments) {
   CommandOptions options("repeatability");
-  cxxopts::OptionAdder add = options.add_options();
-  add("o,out", "folder of the report; it is made if it does not exist", textValue(), "DIR");
-  add("overwrite", "replace an existing report");
-  add("q,quiet", "print one line instead of progress");
+  options.add("o,out", "folder of the report; it is made if it does not exist", textValue(), "DIR");
+  options.add("overwrite", "replace an existing report");
+  options.add("q,quiet", "print one line instead of progress");
   addPipelineOptions(options);
   const Arguments parsed =
       parseArguments(options, arguments,
@@ -46,11 +45,9 @@ int runRepeatability(const std::vector<std::string>& arguments) {
                      "  scanmill repeatability pipelines/paper/repeatability.yaml -o out/methods "
                      "--set 'repeatability.methods=[ray_tracing, {depth_camera: {resolution: 512}}]'\n"
                      "  scanmill repeatability pipelines/street.yaml -o out/nearest --set trajectories.0.frames=3\n");
-  if (parsed.help) return 0;
   parsed.positional("PIPELINE");  // report a missing pipeline before all else
   const std::filesystem::path folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
-  const ResourceLimits limits(parsed);
   Pipeline pipeline = readPipeline(parsed.pipeline(), pipelineOverrides(parsed));
   const Channels channels = repeatabilityChannels(pipeline);
   const Plan plan = makePlan(std::move(pipeline), channels);

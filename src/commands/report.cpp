@@ -21,19 +21,18 @@ constexpr std::size_t kMostSamples = 64;  // greatest number of pictured samples
 
 int runReport(const std::vector<std::string>& arguments) {
   CommandOptions options("report");
-  cxxopts::OptionAdder add = options.add_options();
-  add("o,out",
-      "the page to write (default: NAME_report.html in the current folder, where NAME is the dataset's folder)",
-      textValue(), "FILE.html");
-  add("overwrite", "replace an existing page");
-  add("samples", "how many random samples to show, 0 to 64", cxxopts::value<std::size_t>()->default_value("4"), "N");
-  add("seed", "seed that selects the random samples", cxxopts::value<std::uint64_t>()->default_value("0"));
+  options.add("o,out",
+              "the page to write (default: NAME_report.html in the current folder, where NAME is the dataset's folder)",
+              textValue(), "FILE.html");
+  options.add("overwrite", "replace an existing page");
+  options.add("samples", "how many random samples to show, 0 to 64", cxxopts::value<std::size_t>()->default_value("4"),
+              "N");
+  options.add("seed", "seed that selects the random samples", cxxopts::value<std::uint64_t>()->default_value("0"));
   addThreads(options);
-  add("q,quiet", "print one line instead of progress and warnings");
+  options.add("q,quiet", "print one line instead of progress and warnings");
   const Arguments parsed = parseArguments(options, arguments,
                                           "  scanmill report out/quickstart\n"
                                           "  scanmill report out/quickstart -o quickstart.html --samples 8 --seed 7\n");
-  if (parsed.help) return 0;
   const std::filesystem::path folder = parsed.positional("DATASET");
   requireDataset(folder);
   std::string name = lastName(folder);  // "small" for a dataset in the folder "out/small"
@@ -49,7 +48,6 @@ int runReport(const std::vector<std::string>& arguments) {
   prepareOutputFile(file, parsed);
   reportOptions.quiet = parsed.has("quiet");
   reportOptions.stop = &stopSignal();
-  const ResourceLimits limits(parsed);
   const DatasetReport report = examineDataset(folder, reportOptions);
   const std::string page = datasetPage(report);
   if (*reportOptions.stop) throw Error("stopped: nothing was written");

@@ -92,11 +92,11 @@ void writeStudy(const Study& study, const std::filesystem::path& folder) {
 
 int runTradeoff(const std::vector<std::string>& arguments) {
   CommandOptions options("tradeoff");
-  cxxopts::OptionAdder add = options.add_options();
-  add("o,out", "folder of the report; it is made if it does not exist", textValue(), "DIR");
-  add("overwrite", "replace an existing report");
-  add("budget", "about how many minutes the study may take (default: the pipeline's, or 5)", textValue(), "MINUTES");
-  add("q,quiet", "print one line instead of progress and tables");
+  options.add("o,out", "folder of the report; it is made if it does not exist", textValue(), "DIR");
+  options.add("overwrite", "replace an existing report");
+  options.add("budget", "about how many minutes the study may take (default: the pipeline's, or 5)", textValue(),
+              "MINUTES");
+  options.add("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
       parseArguments(options, arguments,
@@ -104,11 +104,9 @@ int runTradeoff(const std::vector<std::string>& arguments) {
                      "  scanmill tradeoff pipelines/street.yaml -o out/longer --budget 30\n"
                      "  scanmill tradeoff pipelines/street.yaml -o out/few --set 'tradeoff={settings: [ray_tracing, "
                      "{particle: {voxel_m: [0.05, 0.1, 0.2], refine: none}}]}'\n");
-  if (parsed.help) return 0;
   parsed.positional("PIPELINE");  // report a missing pipeline before all else
   const std::string folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
-  const ResourceLimits limits(parsed);
   StudyOptions studyOptions{.quiet = parsed.has("quiet"), .stop = &stopSignal(), .drawErrors = drawErrors};
   if (parsed.has("budget")) {
     constexpr double kMostMinutes = 1e5;

@@ -12,13 +12,10 @@ namespace scanmill {
 
 int runVerify(const std::vector<std::string>& arguments) {
   CommandOptions options("verify");
-  cxxopts::OptionAdder add = options.add_options();
   addThreads(options);
-  add("q,quiet", "print no progress");
+  options.add("q,quiet", "print no progress");
   const Arguments parsed = parseArguments(options, arguments, "  scanmill verify out/quickstart\n");
-  if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
-  const ResourceLimits limits(parsed);
   requireDataset(folder);
   std::optional<Progress> progress(std::in_place, "verify", 0, "shards", "shards", parsed.has("quiet"));
   const Verification v = verifyDataset(folder, [&](std::uint64_t, std::uint64_t total) {

@@ -310,57 +310,59 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
   writePicture(outputs.screenshot, session.picture(), source->title());
 }
 
-void addOptions(cxxopts::Options& options) {
-  cxxopts::OptionAdder add = options.add_options();
-  add("sample",
+void addOptions(CommandOptions& options) {
+  options.add(
+      "sample",
       "key, or index from 0, of a sample, the middle one where not given; a part of the name of a recording's image",
       textValue(), "KEY");
-  add("sensor", "only this sensor's scans", textValue(), "NAME");
-  add("over", "further scans to lay over those: samples are joined by their keys (may be repeated)", listValue(),
-      "DATASET|SHARD|SCAN");
-  add("reference,twin", "the noise-free reference, for --color error", textValue(), "DATASET|SHARD|SCAN");
-  add("scene", "the scene that was scanned, in place of the one that the dataset names", textValue(), "FILE");
-  add("seed", "of a procedural scene that is viewed by itself (default: 1), or by --scene",
-      cxxopts::value<std::uint64_t>(), "N");
-  add("ontology",
+  options.add("sensor", "only this sensor's scans", textValue(), "NAME");
+  options.add("over", "further scans to lay over those: samples are joined by their keys (may be repeated)",
+              listValue(), "DATASET|SHARD|SCAN");
+  options.add("reference,twin", "the noise-free reference, for --color error", textValue(), "DATASET|SHARD|SCAN");
+  options.add("scene", "the scene that was scanned, in place of the one that the dataset names", textValue(), "FILE");
+  options.add("seed", "of a procedural scene that is viewed by itself (default: 1), or by --scene",
+              cxxopts::value<std::uint64_t>(), "N");
+  options.add(
+      "ontology",
       "names and colours of the classes, in place of the dataset's: a file, or a name of `scanmill list ontologies`",
       textValue(), "FILE|NAME");
-  add("color",
-      fmt::format("{}; the first that the scan has where not given; once per view; of a scene by itself {}",
-                  fmt::join(colorNames(), ", "), fmt::join(kMeshColorNames, ", ")),
-      listValue(), "WHAT");
-  add("scale", "first and last value of the colours that show numbers; follows from the values where not given",
-      textValue(), "LOW,HIGH");
-  add("layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")), textValue(),
-      "NAME");
-  add("camera",
-      fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25; of a "
-                  "scene by itself X,Y,Z are its own coordinates, as --pick prints them",
-                  fmt::join(kViewNames, ", ")),
-      textValue(), "WHERE");
-  add("plane",
+  options.add("color",
+              fmt::format("{}; the first that the scan has where not given; once per view; of a scene by itself {}",
+                          fmt::join(colorNames(), ", "), fmt::join(kMeshColorNames, ", ")),
+              listValue(), "WHAT");
+  options.add("scale", "first and last value of the colours that show numbers; follows from the values where not given",
+              textValue(), "LOW,HIGH");
+  options.add("layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")),
+              textValue(), "NAME");
+  options.add("camera",
+              fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25; of a "
+                          "scene by itself X,Y,Z are its own coordinates, as --pick prints them",
+                          fmt::join(kViewNames, ", ")),
+              textValue(), "WHERE");
+  options.add(
+      "plane",
       "of an EXR image, with --screenshot: the one plane to draw, with its legend; all side by side where not given",
       textValue(), "NAME");
-  add("at", "a close-up of this place, in m in the sensor's frame, from the direction of --camera", textValue(),
-      "X,Y,Z");
-  add("within", "only the points so near the place of --at, in m", textValue(), "R");
-  add("size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", textValue(), "WxH");
-  add("point-size", "of the points, in pixels", textValue(), "PX");
-  add("hide", "a class that is not shown: name or id (may be repeated)", listValue(), "CLASS");
-  add("only", "a class that alone is shown (may be repeated)", listValue(), "CLASS");
-  add("instance", "an instance that alone is shown (may be repeated)", listValue(), "ID");
-  add("boxes",
-      fmt::format("{}: the objects whose boxes are drawn, if the dataset lists objects (default: {})",
-                  fmt::join(kBoxChoiceNames, ", "), kBoxChoiceNames.front()),
-      textValue(), "WHICH");
-  add("mesh", "the scene, faintly");
-  add("rings", "range rings");
-  add("range-image", "also as rings x columns, looking outward");
-  add("range-image-alone", "the range image in full size in place of the view, with --screenshot");
-  add("flat", "no darkening of depth edges");
-  add("bare", "the points alone: no panels, axes, boxes or trajectory; beside --boxes these are kept");
-  add("screenshot", "a picture in place of the window; needs no display", textValue(), "FILE.png");
-  add("pick", "prints what lies at a pixel of the picture, and marks it in that", textValue(), "X,Y");
+  options.add("at", "a close-up of this place, in m in the sensor's frame, from the direction of --camera", textValue(),
+              "X,Y,Z");
+  options.add("within", "only the points so near the place of --at, in m", textValue(), "R");
+  options.add("size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", textValue(), "WxH");
+  options.add("point-size", "of the points, in pixels", textValue(), "PX");
+  options.add("hide", "a class that is not shown: name or id (may be repeated)", listValue(), "CLASS");
+  options.add("only", "a class that alone is shown (may be repeated)", listValue(), "CLASS");
+  options.add("instance", "an instance that alone is shown (may be repeated)", listValue(), "ID");
+  options.add("boxes",
+              fmt::format("{}: the objects whose boxes are drawn, if the dataset lists objects (default: {})",
+                          fmt::join(kBoxChoiceNames, ", "), kBoxChoiceNames.front()),
+              textValue(), "WHICH");
+  options.add("mesh", "the scene, faintly");
+  options.add("rings", "range rings");
+  options.add("range-image", "also as rings x columns, looking outward");
+  options.add("range-image-alone", "the range image in full size in place of the view, with --screenshot");
+  options.add("flat", "no darkening of depth edges");
+  options.add("bare", "the points alone: no panels, axes, boxes or trajectory; beside --boxes these are kept");
+  options.add("screenshot", "a picture in place of the window; needs no display", textValue(), "FILE.png");
+  options.add("pick", "prints what lies at a pixel of the picture, and marks it in that", textValue(), "X,Y");
 }
 
 }  // namespace
@@ -388,8 +390,6 @@ int runView(const std::vector<std::string>& arguments) {
                      "  scanmill view out/quickstart --range-image-alone --color range --screenshot ranges.png\n"
                      "  scanmill view scenes/street.yaml\n" +
                          keyHelp);
-  if (parsed.help) return 0;
-  const InputLimitFactor limits(inputLimit(parsed));
   ViewInput input;
   input.path = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|SCENE", {"scenes"});
   const bool offscreen = parsed.has("screenshot") || parsed.has("pick");

@@ -78,7 +78,7 @@ class RecordKeys {
     custom(
         key, [&] { return OrderedJson(text); },
         [&](const JsonNode& node) {
-          if (node.text() != text) node.fail(fmt::format("is not '{}'", text));
+          if (node.text() != text) node.fail("is not '{}'", text);
         });
   }
   // A key of earlier versions: it is accepted, but neither written nor read.
@@ -242,7 +242,7 @@ inline auto distinct(const char* key) {
     std::set<std::string> values;
     list.forEach([&](const JsonNode& item) {
       const std::string value = item[key].dump();
-      if (!values.insert(value).second) item[key].fail(fmt::format("another item of the list has {}, too", value));
+      if (!values.insert(value).second) item[key].fail("another item of the list has {}, too", value);
     });
   };
 }

@@ -113,8 +113,7 @@ Pose poseOf(const JsonNode& node) {
   const std::vector<double> q = node["rotation"].numbers(4);
   const std::vector<double> t = node["translation"].numbers(3);
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(std::abs(norm - 1) < 1e-6))
-    node["rotation"].fail(fmt::format("is not a unit quaternion (its norm is {})", norm));
+  if (!(std::abs(norm - 1) < 1e-6)) node["rotation"].fail("is not a unit quaternion (its norm is {})", norm);
   return {{q[0], q[1], q[2], q[3]}, {t[0], t[1], t[2]}};
 }
 

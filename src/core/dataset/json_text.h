@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -55,8 +56,11 @@ class JsonNode {
   JsonNode(const Json& value, std::string path, const std::string& file)
       : value_(value), path_(std::move(path)), file_(file) {}
 
-  [[noreturn]] void fail(const std::string& what) const {
-    throw InputError({file_}, fmt::format("{}: {}", path_.empty() ? "/" : path_, what));
+  // Throws an InputError with the file, the node's place in it, and the reason.
+  template <class... Values>
+  [[noreturn]] void fail(fmt::format_string<Values...> reason, Values&&... values) const {
+    throw InputError({file_}, fmt::format("{}: {}", path_.empty() ? "/" : path_,
+                                          fmt::format(reason, std::forward<Values>(values)...)));
   }
 
   // Checks the keys of a map: all keys in `required` must exist, and all other keys must be in `optional`.
@@ -67,10 +71,10 @@ class JsonNode {
       if (std::ranges::any_of(required, isEntry) || std::ranges::any_of(optional, isEntry)) continue;
       std::vector<std::string> allowed(required.begin(), required.end());
       allowed.insert(allowed.end(), optional.begin(), optional.end());
-      fail(fmt::format("key '{}' is unknown{}", entry.key(), suggestion(entry.key(), allowed)));
+      fail("key '{}' is unknown{}", entry.key(), suggestion(entry.key(), allowed));
     }
     for (const std::string_view key : required) {
-      if (!value_.contains(key)) fail(fmt::format("key '{}' is missing", key));
+      if (!value_.contains(key)) fail("key '{}' is missing", key);
     }
     return *this;
   }
@@ -109,14 +113,14 @@ class JsonNode {
                 double high = std::numeric_limits<double>::max()) const {
     expect(value_.is_number(), "a number");
     const double number = value_.get<double>();
-    if (!(number >= low && number <= high)) fail(fmt::format("{} is not within {} to {}", number, low, high));
+    if (!(number >= low && number <= high)) fail("{} is not within {} to {}", number, low, high);
     return number;
   }
   template <class Integer>
   Integer integer(std::uint64_t low = 0, std::uint64_t high = std::numeric_limits<Integer>::max()) const {
     expect(value_.is_number_unsigned(), "a whole number of at least 0");
     const std::uint64_t number = value_.get<std::uint64_t>();
-    if (number < low || number > high) fail(fmt::format("{} is not within {} to {}", number, low, high));
+    if (number < low || number > high) fail("{} is not within {} to {}", number, low, high);
     return static_cast<Integer>(number);
   }
   // Returns the text of a finite number, from which the same number is read again.
@@ -129,7 +133,7 @@ class JsonNode {
   std::vector<double> numbers(std::size_t count) const {
     std::vector<double> list;
     forEach([&](const JsonNode& item) { list.push_back(item.number()); });
-    if (list.size() != count) fail(fmt::format("has {} numbers, but must have {}", list.size(), count));
+    if (list.size() != count) fail("has {} numbers, but must have {}", list.size(), count);
     return list;
   }
 
@@ -137,12 +141,12 @@ class JsonNode {
   std::string hash(std::string_view kind, std::size_t digits) const {
     std::string hash = text();
     if (hash.size() != digits || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
-      fail(fmt::format("is not {} ({} hexadecimal digits in lower case)", kind, digits));
+      fail("is not {} ({} hexadecimal digits in lower case)", kind, digits);
     }
     return hash;
   }
   void expect(bool hasType, std::string_view what) const {
-    if (!hasType) fail(fmt::format("is {}, but must be {}", value_.type_name(), what));
+    if (!hasType) fail("is {}, but must be {}", value_.type_name(), what);
   }
 
   const Json& value_;

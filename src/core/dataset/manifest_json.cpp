@@ -85,20 +85,18 @@ void parseSamples(const std::string& text, const std::filesystem::path& folder, 
   std::vector<std::uint64_t> indices;  // of the text's samples among all samples
   root["numbers"].forEach([&](const JsonNode& item) {
     indices.push_back(item.integer<std::uint64_t>());
-    if (indices.back() >= samples.size())
-      item.fail(fmt::format("is not below {}, the number of samples", samples.size()));
+    if (indices.back() >= samples.size()) item.fail("is not below {}, the number of samples", samples.size());
   });
   std::size_t readCount = 0;
   root["samples"].forEach([&](const JsonNode& item) {
     SampleRecord sample;
     readJson(item, sample, {&head.ontology, &head});
-    if (sample.shard != shardIndex)
-      item["shard"].fail(fmt::format("is not {}, the number of {}", shardIndex, shard.file));
+    if (sample.shard != shardIndex) item["shard"].fail("is not {}, the number of {}", shardIndex, shard.file);
     if (readCount >= indices.size() || !samples[indices[readCount]].key.empty())
       item.fail("has no number, or the number of another sample");
     samples[indices[readCount++]] = std::move(sample);
   });
-  if (readCount != shard.samples) root["samples"].fail(fmt::format("has {} entries, not {}", readCount, shard.samples));
+  if (readCount != shard.samples) root["samples"].fail("has {} entries, not {}", readCount, shard.samples);
 }
 
 // Returns true if files beside the shards describe the samples, not the manifest itself.
@@ -168,10 +166,10 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
   const JsonNode version = root["schema_version"];
   const std::int64_t number = json["schema_version"].get<std::int64_t>();
   if (number > Manifest::kSchemaVersion) {
-    version.fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill", number,
-                             Manifest::kSchemaVersion));
+    version.fail("{} is newer than this program, which reads up to {}: update scanmill", number,
+                 Manifest::kSchemaVersion);
   }
-  if (number < 1) version.fail(fmt::format("{} is not a version: the first version is 1", number));
+  if (number < 1) version.fail("{} is not a version: the first version is 1", number);
 }
 
 }  // namespace
@@ -267,8 +265,7 @@ Manifest parseManifest(const std::string& text, const std::string& file) {
   Manifest manifest;
   readJson(root, manifest);
   for (const char* const key : {"sequences", "files"}) {  // since version 3
-    if (root["schema_version"].integer<int>() >= 3 && !root.has(key))
-      root.fail(fmt::format("key '{}' is missing", key));
+    if (root["schema_version"].integer<int>() >= 3 && !root.has(key)) root.fail("key '{}' is missing", key);
   }
   return manifest;
 }

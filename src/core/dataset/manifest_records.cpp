@@ -68,11 +68,11 @@ ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
   std::uint64_t sum = 0;
   node.forEachEntry([&](const std::string& name, const JsonNode& count) {
     const ReasonEntry* const entry = findReason(name);
-    if (entry == nullptr) count.fail(fmt::format("'{}' is not a reason", name));
+    if (entry == nullptr) count.fail("'{}' is not a reason", name);
     counts[static_cast<std::uint8_t>(entry->reason)] = count.integer<std::uint64_t>(1, beams);
     sum += count.integer<std::uint64_t>();
   });
-  if (sum != beams) node.fail(fmt::format("add up to {} beams, not {}", sum, beams));
+  if (sum != beams) node.fail("add up to {} beams, not {}", sum, beams);
   return counts;
 }
 
@@ -110,13 +110,13 @@ void describe(RecordKeys& keys, ShardRecord& shard) {
   // folder.
   keys("split", shard.split, [&](const JsonNode& node) {
     if (isShardName(shard.file) && shard.file.starts_with(shard.split + "/")) return;
-    node.fail(fmt::format("'{}' is not a shard of the split '{}' (SPLIT/SPLIT-000000.tar)", shard.file, shard.split));
+    node.fail("'{}' is not a shard of the split '{}' (SPLIT/SPLIT-000000.tar)", shard.file, shard.split);
   });
   keys("sha256", shard.sha256, kSha256Digits);
   keys("bytes", shard.bytes);
   keys("samples", shard.samples, [&](const JsonNode& node) {
     if (shard.samples <= shard.bytes / kTarBlock) return;
-    node.fail(fmt::format("a shard of {} bytes cannot have {} samples", shard.bytes, shard.samples));
+    node.fail("a shard of {} bytes cannot have {} samples", shard.bytes, shard.samples);
   });
   keys.optional("samples_sha256", shard.samplesSha256, kSha256Digits);
 }
@@ -197,9 +197,8 @@ void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& i
       key, [&] { return ontology == nullptr ? kAbsent : OrderedJson(requireClass(id, key, *ontology).name); },
       [&](const JsonNode& node) {
         const SemanticClass* const semantic = ontology->find(id);
-        if (semantic == nullptr) node.fail(fmt::format("class {} is not in ontology '{}'", id, ontology->name));
-        if (node.text() != semantic->name)
-          node.fail(fmt::format("class {} is '{}' in the ontology", id, semantic->name));
+        if (semantic == nullptr) node.fail("class {} is not in ontology '{}'", id, ontology->name);
+        if (node.text() != semantic->name) node.fail("class {} is '{}' in the ontology", id, semantic->name);
       });
 }
 
@@ -232,7 +231,7 @@ void describe(RecordKeys& keys, ScanRecord& scan) {
   keys("sensor", scan.sensor, [&](const JsonNode& node) {
     const std::vector<SensorRecord>& sensors = keys.context.head->sensors;
     if (std::ranges::find(sensors, scan.sensor, &SensorRecord::name) != sensors.end()) return;
-    node.fail(fmt::format("no sensor is named '{}'", scan.sensor));
+    node.fail("no sensor is named '{}'", scan.sensor);
   });
   keys.optional("revolution", scan.revolution);
   keys("method", scan.method);
@@ -250,7 +249,7 @@ void describe(RecordKeys& keys, ScanRecord& scan) {
   keys("points_per_class", classes, [&](const JsonNode& node) {
     for (std::size_t i = 0; i < classes.size(); ++i) {
       const bool isNew = scan.pointsPerClass.emplace(classes[i].id, classes[i].points).second;
-      if (!isNew) node.item(i)["id"].fail(fmt::format("class {} is counted twice", classes[i].id));
+      if (!isNew) node.item(i)["id"].fail("class {} is counted twice", classes[i].id);
     }
   });
   keys.customOptional(
@@ -271,25 +270,25 @@ void describe(RecordKeys& keys, SampleRecord& s) {
   const Manifest* const head = keys.context.head;  // only used by limits, which need a context with a manifest
   keys("key", s.key, [&](const JsonNode& node) {
     if (!s.key.empty() && s.key.find_first_of("./") == std::string::npos && s.key == oneLine(s.key)) return;
-    node.fail(fmt::format("'{}' is not a key (text without dots, slashes and control characters)", s.key));
+    node.fail("'{}' is not a key (text without dots, slashes and control characters)", s.key);
   });
   keys("split", s.split);
   keys("shard", s.shard, [&](const JsonNode& node) {
     const std::size_t shards = head->shards.size();
-    if (s.shard >= shards) node.fail(fmt::format("{} is out of range: the dataset has {} shards", s.shard, shards));
+    if (s.shard >= shards) node.fail("{} is out of range: the dataset has {} shards", s.shard, shards);
     const std::string& split = head->shards[s.shard].split;
-    if (split != s.split) node.fail(fmt::format("{} belongs to '{}', but the sample to '{}'", s.shard, split, s.split));
+    if (split != s.split) node.fail("{} belongs to '{}', but the sample to '{}'", s.shard, split, s.split);
   });
   keys("members", s.members, [&](const JsonNode& node) {
     node.forEach([&](const JsonNode& item) {
       if (item.text().starts_with(s.key + ".")) return;
-      item.fail(fmt::format("'{}' does not start with the sample's key '{}'", item.text(), s.key));
+      item.fail("'{}' does not start with the sample's key '{}'", item.text(), s.key);
     });
   });
   keys.optional("xxh3", s.xxh3, [&](const JsonNode& node) {
     node.forEach(kXxh3Digits);
     if (s.xxh3.size() != s.members.size()) {
-      node.fail(fmt::format("has {} entries for {} members", s.xxh3.size(), s.members.size()));
+      node.fail("has {} entries for {} members", s.xxh3.size(), s.members.size());
     }
   });
   keys("scans", s.scans, [&](const JsonNode& node) {

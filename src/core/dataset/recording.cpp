@@ -47,7 +47,7 @@ Pose poseOfNumbers(const JsonNode& node) {
 std::string fileNameOf(const JsonNode& node) {
   std::string name = node.text();
   if (name.empty() || fs::path(name).filename() != name || name == "." || name == "..") {
-    node.fail(fmt::format("'{}' must be the name of a file in this folder", name));
+    node.fail("'{}' must be the name of a file in this folder", name);
   }
   return name;
 }
@@ -132,7 +132,7 @@ static void describe(RecordKeys& keys, RecordedSequence& s) {
     if (!s.scene.empty() && s.scene.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") == std::string::npos) {
       return;
     }
-    node.fail(fmt::format("'{}' becomes part of file names: use lower-case letters, digits, '-' and '_'", s.scene));
+    node.fail("'{}' becomes part of file names: use lower-case letters, digits, '-' and '_'", s.scene);
   });
   keys.mayBeMissing("seed", s.seed);
   keys("trajectory", s.trajectory, [&](const JsonNode& node) {
@@ -155,8 +155,8 @@ static void describe(RecordKeys& keys, Recording& r) {
   keys.fixed("what", kWhat);
   keys("schema_version", version, wholeNumber(1), [&](const JsonNode& node) {
     if (version <= Recording::kSchemaVersion) return;
-    node.fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill", version,
-                          Recording::kSchemaVersion));
+    node.fail("{} is newer than this program, which reads up to {}: update scanmill", version,
+              Recording::kSchemaVersion);
   });
   keys.mayBeMissing("program", r.programVersion);
   keys.custom(
@@ -164,8 +164,8 @@ static void describe(RecordKeys& keys, Recording& r) {
       [&](const JsonNode& node) {
         const std::string kind = node.text();
         if (kind == nameOf(r.kind)) return;
-        if (kind != "hits" && kind != "passes") node.fail(fmt::format("'{}' is neither hits nor passes", kind));
-        node.fail(fmt::format("is a recording of {0}: read it with --from-{0}", kind));
+        if (kind != "hits" && kind != "passes") node.fail("'{}' is neither hits nor passes", kind);
+        node.fail("is a recording of {0}: read it with --from-{0}", kind);
       });
   keys.mayBeMissing("method", r.method);
   keys.mayBeMissing("ontology", r.ontology);
@@ -216,8 +216,8 @@ static void describe(RecordKeys& keys, RecordedShot& shot) {
     std::uint32_t nextColumn = 0;
     for (std::size_t i = 0; i < shot.steps.size(); ++i) {
       if (shot.steps[i].firstColumn != nextColumn) {
-        steps.item(i)["columns"].fail(
-            fmt::format("must be [first, end] with first = {}, since steps must have consecutive columns", nextColumn));
+        steps.item(i)["columns"].fail("must be [first, end] with first = {}, since steps must have consecutive columns",
+                                      nextColumn);
       }
       nextColumn = shot.steps[i].endColumn;
       if (!steps.item(i).has("world_from_rig")) shot.steps[i].worldFromRig = shot.worldFromSensor.front();
@@ -263,8 +263,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   if (r.materials.empty()) r.materials.emplace_back();  // sequences without the key `materials` refer to table 0
   for (std::size_t i = 0; i < r.sequences.size(); ++i) {
     if (r.sequences[i].materials < r.materials.size()) continue;
-    root["sequences"].item(i)["materials"].fail(
-        fmt::format("is out of range: the recording has {} tables of materials", tables));
+    root["sequences"].item(i)["materials"].fail("is out of range: the recording has {} tables of materials", tables);
   }
   return r;
 }
@@ -286,11 +285,11 @@ RecordedShot Recording::shot(const std::string& sample, const std::string& senso
   shot.sample = sample;
   shot.sensor = sensor;
   const char* const requiredKey = kind == RecordingKind::Passes ? "steps" : "hits";
-  if (!root.has(requiredKey)) root.fail(fmt::format("key '{}' is missing", requiredKey));
+  if (!root.has(requiredKey)) root.fail("key '{}' is missing", requiredKey);
   const auto recorded = std::ranges::find(sensors, sensor, &RecordedSensor::name);
   const std::uint32_t endColumn = shot.steps.empty() ? 0 : shot.steps.back().endColumn;
   if (kind == RecordingKind::Passes && recorded != sensors.end() && endColumn != recorded->columns) {
-    root["steps"].fail(fmt::format("end at column {}, but '{}' has {} columns", endColumn, sensor, recorded->columns));
+    root["steps"].fail("end at column {}, but '{}' has {} columns", endColumn, sensor, recorded->columns);
   }
   return shot;
 }

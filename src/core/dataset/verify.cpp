@@ -48,7 +48,7 @@ class ShardCheck {
   // Returns the shard's numbers of samples, scans and points, and the problems; the other members are 0.
   Verification run() {
     if (result_.samples != record_.samples) {
-      problem(fmt::format("its entry states {} samples, but the manifest lists {}", record_.samples, result_.samples));
+      problem("its entry states {} samples, but the manifest lists {}", record_.samples, result_.samples);
     }
     std::error_code failure;
     if (!fs::exists(fs::symlink_status(file_, failure))) {
@@ -56,7 +56,7 @@ class ShardCheck {
     } else if (!fs::is_regular_file(file_, failure)) {
       problem("is not a file");
     } else if (const std::uint64_t bytes = fs::file_size(file_, failure); bytes / 2 > record_.bytes) {
-      problem(fmt::format("has {} bytes, but the manifest says {}", bytes, record_.bytes));
+      problem("has {} bytes, but the manifest says {}", bytes, record_.bytes);
     } else {
       checkBytes();
       if (described_) checkMembers();
@@ -65,7 +65,10 @@ class ShardCheck {
   }
 
  private:
-  void problem(std::string_view text) { result_.problems.push_back(fmt::format("{}: {}", record_.file, text)); }
+  template <class... Values>
+  void problem(fmt::format_string<Values...> text, Values&&... values) {
+    result_.problems.push_back(fmt::format("{}: {}", record_.file, fmt::format(text, std::forward<Values>(values)...)));
+  }
 
   // Returns the error's text without the shard's path at its start, because problem() adds the shard's name.
   std::string withoutPath(const InputError& error) const {
@@ -83,13 +86,12 @@ class ShardCheck {
         bytes += block.size();
       });
     } catch (const InputError& error) {
-      problem(withoutPath(error));
+      problem("{}", withoutPath(error));
       return;
     }
-    if (bytes != record_.bytes) problem(fmt::format("has {} bytes, but the manifest says {}", bytes, record_.bytes));
+    if (bytes != record_.bytes) problem("has {} bytes, but the manifest says {}", bytes, record_.bytes);
     const std::string sha256 = hash.hex();
-    if (sha256 != record_.sha256)
-      problem(fmt::format("its SHA-256 is {}, but the manifest says {}", sha256, record_.sha256));
+    if (sha256 != record_.sha256) problem("its SHA-256 is {}, but the manifest says {}", sha256, record_.sha256);
   }
 
   void checkMembers() {
@@ -104,7 +106,7 @@ class ShardCheck {
         if (result_.problems.size() == problemsBefore) checkDigest(name, bytes, *entry->second);
       });
     } catch (const InputError& error) {
-      problem(withoutPath(error));
+      problem("{}", withoutPath(error));
     }
     checkNames(names);
   }
@@ -112,7 +114,7 @@ class ShardCheck {
   void checkMember(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     if (name == sample.key + ".json") {
       const std::string difference = differenceOfSampleJson(bytes, sample);
-      if (!difference.empty()) problem(fmt::format("{}: {}", name, difference));
+      if (!difference.empty()) problem("{}: {}", name, difference);
       return;
     }
     const auto hasSuffix = [&](std::string_view suffix) { return name.ends_with("." + std::string(suffix)); };
@@ -121,12 +123,12 @@ class ShardCheck {
       if (hasSuffix(kReasonsSuffix)) return checkReasons(name, bytes, sample);
       if (hasSuffix(kVoxelsSuffix)) return checkVoxels(name, bytes);
     } catch (const InputError& error) {
-      return problem(error.what());
+      return problem("{}", error.what());
     }
     try {
       checkDecoded(name, decodeMember(name, bytes), sample);
     } catch (const std::exception& error) {
-      problem(reasonOf(error));
+      problem("{}", reasonOf(error));
     }
   }
 
@@ -136,8 +138,7 @@ class ShardCheck {
     const std::string stated = sample.xxh3Of(name);
     const std::string computed = xxh3(bytes);
     if (stated.empty() || computed == stated) return;
-    problem(fmt::format("{}: was changed since it was written: its XXH3 is {}, but the manifest says {}", name,
-                        computed, stated));
+    problem("{}: was changed since it was written: its XXH3 is {}, but the manifest says {}", name, computed, stated);
   }
 
   // Returns the record of the scan to which a member belongs. If the sample has no such scan, reports the member and
@@ -146,7 +147,7 @@ class ShardCheck {
     for (const ScanRecord& record : sample.scans) {
       if (name == sample.key + "." + memberSuffix(record, suffix)) return &record;
     }
-    problem(fmt::format("{}: the manifest has no scan of this sensor and method", name));
+    problem("{}: the manifest has no scan of this sensor and method", name);
     return nullptr;
   }
 
@@ -165,7 +166,7 @@ class ShardCheck {
       if (f.suffix == format) maxError = f.maxErrorMetres;
     }
     for (const std::string& text : checkScan(scan, *record, manifest_, maxError)) {
-      problem(fmt::format("{}: {}", name, text));
+      problem("{}: {}", name, text);
     }
   }
 
@@ -173,7 +174,7 @@ class ShardCheck {
     const ScanVoxels voxels = decodeVoxels(bytes, name);
     const auto isKnown = [&](std::uint16_t id) { return id == 0 || manifest_.ontology.find(id) != nullptr; };
     const auto unknown = std::ranges::find_if_not(voxels.label, isKnown);
-    if (unknown != voxels.label.end()) problem(fmt::format("{}: the ontology has no class {}", name, *unknown));
+    if (unknown != voxels.label.end()) problem("{}: the ontology has no class {}", name, *unknown);
   }
 
   // Checks a list of objects, and stores it to compare it with the scans of its sample, which follow in the shard.
@@ -182,9 +183,9 @@ class ShardCheck {
     countedSensors_.clear();
     auto objects = std::make_unique<SampleObjects>(parseObjects(bytes, name, manifest_.ontology));
     if (objects->key != sample.key) {
-      problem(fmt::format("{}: belongs to the sample '{}'", name, objects->key));
+      problem("{}: belongs to the sample '{}'", name, objects->key);
     } else if (objects->counts() != sample.objects) {
-      problem(fmt::format("{}: its objects differ from the counts of the manifest", name));
+      problem("{}: its objects differ from the counts of the manifest", name);
     } else {
       objects_ = std::move(objects);
     }
@@ -202,21 +203,21 @@ class ShardCheck {
       const std::uint64_t stated = view == object.views.end() ? 0 : view->points;
       const std::uint64_t counted = pointsOfObject[object.id];
       if (counted != stated) {
-        problem(fmt::format("{}: has {} points of the object {}, but {} says {}", name, counted, object.id,
-                            objectsMember(objects_->key), stated));
+        problem("{}: has {} points of the object {}, but {} says {}", name, counted, object.id,
+                objectsMember(objects_->key), stated);
         return;
       }
       pointsOfObject.erase(object.id);
     }
     if (pointsOfObject.empty()) return;
-    problem(fmt::format("{}: has points of the object {}, which is not in {}", name, pointsOfObject.begin()->first,
-                        objectsMember(objects_->key)));
+    problem("{}: has points of the object {}, which is not in {}", name, pointsOfObject.begin()->first,
+            objectsMember(objects_->key));
   }
 
   void checkReasons(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     const ScanRecord* const record = recordOf(name, kReasonsSuffix, sample);
     if (record == nullptr || countReasons(decodeReasons(bytes, name).reasonOfBeam) == record->beamsPerReason) return;
-    problem(fmt::format("{}: the numbers of its pixels differ from the reasons in the manifest", name));
+    problem("{}: the numbers of its pixels differ from the reasons in the manifest", name);
   }
 
   // Checks that the shard has exactly the members that the manifest lists, in their order. `names`: its members.
@@ -225,16 +226,16 @@ class ShardCheck {
     const std::size_t problemsBefore = result_.problems.size();
     std::set<std::string> distinctNames;
     for (const std::string& name : names) {
-      if (!distinctNames.insert(name).second) problem(fmt::format("{}: is in the shard twice", name));
-      if (!sampleOfMember_.contains(name)) problem(fmt::format("{}: is not in the manifest", name));
+      if (!distinctNames.insert(name).second) problem("{}: is in the shard twice", name);
+      if (!sampleOfMember_.contains(name)) problem("{}: is not in the manifest", name);
     }
     for (const std::string& name : expectedNames_) {
-      if (!distinctNames.contains(name)) problem(fmt::format("{}: is missing", name));
+      if (!distinctNames.contains(name)) problem("{}: is missing", name);
     }
     if (result_.problems.size() > problemsBefore) return;
     // Both lists have the same names, so that they have the same length and differ in their order alone.
     const auto [actual, expected] = std::ranges::mismatch(names, expectedNames_);
-    problem(fmt::format("the members are out of order: '{}' is in the place of '{}'", *actual, *expected));
+    problem("the members are out of order: '{}' is in the place of '{}'", *actual, *expected);
   }
 
   const Manifest& manifest_;
@@ -250,7 +251,9 @@ class ShardCheck {
 
 // Checks that the manifest does not contradict itself.
 void checkManifest(const Manifest& manifest, std::vector<std::string>& problems) {
-  const auto problem = [&](const std::string& text) { problems.push_back(std::string(kManifestName) + ": " + text); };
+  const auto problem = [&]<class... Values>(fmt::format_string<Values...> text, Values&&... values) {
+    problems.push_back(fmt::format("{}: {}", kManifestName, fmt::format(text, std::forward<Values>(values)...)));
+  };
   if (sha256(manifest.pipelineText) != manifest.pipelineSha256) {
     problem("the SHA-256 of the pipeline's text differs from the stated one");
   }
@@ -259,24 +262,23 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
     const std::string sequence = partsOfKey(sample.key).sequence;
     std::set<std::string>& splits = splitsOfSequence[sequence];
     if (splits.insert(sample.split).second && splits.size() == 2 && !sequence.empty()) {
-      problem(fmt::format("frames of sequence {} are in several splits", sequence));
+      problem("frames of sequence {} are in several splits", sequence);
     }
     const auto lists = [&](const std::string& member) {
       return std::ranges::find(sample.members, member) != sample.members.end();
     };
     if (sample.objects.has_value() != lists(objectsMember(sample.key))) {
-      problem(fmt::format("sample {}: must have either both counts of objects and the member {}, or neither",
-                          sample.key, objectsMember(sample.key)));
+      problem("sample {}: must have either both counts of objects and the member {}, or neither", sample.key,
+              objectsMember(sample.key));
     }
     for (const ScanRecord& scan : sample.scans) {
       for (const FormatRecord& format : manifest.formats) {
         const std::string member = sample.key + "." + memberSuffix(scan, format.suffix);
-        if (!lists(member)) problem(fmt::format("sample {} does not list the member {}", sample.key, member));
+        if (!lists(member)) problem("sample {} does not list the member {}", sample.key, member);
       }
       const std::string reasons = sample.key + "." + memberSuffix(scan, kReasonsSuffix);
       if (scan.beamsPerReason.empty() == lists(reasons)) {
-        problem(fmt::format("sample {}: a scan must have either both reasons and the member {}, or neither", sample.key,
-                            reasons));
+        problem("sample {}: a scan must have either both reasons and the member {}, or neither", sample.key, reasons);
       }
     }
   }

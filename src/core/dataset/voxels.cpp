@@ -28,10 +28,10 @@ class VoxelArrays {
   // Returns an array of this type, such as "<u2".
   const NpyArray& array(std::string_view name, std::string_view type, std::size_t dimensions) const {
     const auto array = std::ranges::find(arrays_, name, &NpyArray::name);
-    if (array == arrays_.end()) fail(fmt::format("has no array `{}`", name));
+    if (array == arrays_.end()) fail("has no array `{}`", name);
     if (array->type != type || array->shape.size() != dimensions) {
-      fail(fmt::format("{} has the type {} and {} dimensions, but must have {} and {}", name, array->type,
-                       array->shape.size(), type, dimensions));
+      fail("{} has the type {} and {} dimensions, but must have {} and {}", name, array->type, array->shape.size(),
+           type, dimensions);
     }
     return *array;
   }
@@ -40,10 +40,10 @@ class VoxelArrays {
   std::vector<double> numbers(std::string_view name, std::size_t dimensions, std::size_t count) const {
     const std::string_view bytes = array(name, kFloat64, dimensions).bytes;
     std::vector<double> values(bytes.size() / sizeof(double));
-    if (values.size() != count) fail(fmt::format("{} has {} numbers, but must have {}", name, values.size(), count));
+    if (values.size() != count) fail("{} has {} numbers, but must have {}", name, values.size(), count);
     std::memcpy(values.data(), bytes.data(), bytes.size());
     if (!std::ranges::all_of(values, [](double v) { return std::isfinite(v); })) {
-      fail(fmt::format("{} has values that are not finite", name));
+      fail("{} has values that are not finite", name);
     }
     return values;
   }
@@ -52,16 +52,18 @@ class VoxelArrays {
   std::vector<std::uint8_t> flags(std::string_view name, const std::vector<std::size_t>& shape,
                                   std::size_t voxels) const {
     const NpyArray& flagArray = array(name, kBool, shape.size());
-    if (flagArray.shape != shape || flagArray.bytes.size() != voxels)
-      fail(fmt::format("{} and label have different sizes", name));
+    if (flagArray.shape != shape || flagArray.bytes.size() != voxels) fail("{} and label have different sizes", name);
     std::vector<std::uint8_t> flags(flagArray.bytes.begin(), flagArray.bytes.end());
     if (std::ranges::any_of(flags, [](std::uint8_t f) { return f > 1; })) {
-      fail(fmt::format("{} has values besides 0 and 1", name));
+      fail("{} has values besides 0 and 1", name);
     }
     return flags;
   }
 
-  [[noreturn]] void fail(const std::string& why) const { throw InputError({what_}, why); }
+  template <class... Values>
+  [[noreturn]] void fail(fmt::format_string<Values...> reason, Values&&... values) const {
+    throw InputError({what_}, fmt::format(reason, std::forward<Values>(values)...));
+  }
 
  private:
   std::string what_;

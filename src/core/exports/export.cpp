@@ -129,8 +129,7 @@ class Export {
     const auto names = plan_.manifest.sensors | std::views::transform(&SensorRecord::name);
     for (const std::string& name : options_.sensors) {
       if (std::ranges::find(names, name) != names.end()) continue;
-      throw InputError({options_.dataset.string()},
-                       fmt::format("has no sensor '{}'; it has {}", name, fmt::join(names, ", ")));
+      refuse(plan_, "has no sensor '{}'; it has {}", name, fmt::join(names, ", "));
     }
     for (const SensorRecord& sensor : plan_.manifest.sensors) {
       if (isChosen(sensor.name, options_.sensors)) plan_.sensors.push_back(&sensor);
@@ -159,12 +158,12 @@ class Export {
         for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
           const std::size_t scans = revolutionsOf(plan_, sample, s).size();
           if (scans == 1) continue;
-          throw InputError({options_.dataset.string()},
-                           fmt::format("{} has one scan of each sensor in a frame, but the sample {} has {} of '{}', "
-                                       "which turns at another rate than others: choose sensors with one scan in each "
-                                       "sample by --sensor, generate with this sensor's period as `every_s`, or take "
-                                       "--to mcap, las, ply or npz, which have all",
-                                       options_.layout->name, sample.key, scans, plan_.sensors[s]->name));
+          refuse(plan_,
+                 "{} has one scan of each sensor in a frame, but the sample {} has {} of '{}', "
+                 "which turns at another rate than others: choose sensors with one scan in each "
+                 "sample by --sensor, generate with this sensor's period as `every_s`, or take "
+                 "--to mcap, las, ply or npz, which have all",
+                 options_.layout->name, sample.key, scans, plan_.sensors[s]->name);
         }
       }
     }
@@ -178,8 +177,7 @@ class Export {
     for (const SampleRecord& sample : samples) splits.insert(sample.split);
     for (const std::string& split : options_.splits) {
       if (splits.contains(split)) continue;
-      throw InputError({options_.dataset.string()},
-                       fmt::format("has no split '{}'; it has {}", split, fmt::join(splits, ", ")));
+      refuse(plan_, "has no split '{}'; it has {}", split, fmt::join(splits, ", "));
     }
     std::map<std::string, std::size_t> indexOfSequence;
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -272,8 +270,7 @@ class Export {
                  scan.method == record->method;
         });
         if (stored == storedScans.end()) {
-          throw InputError({options_.dataset.string()}, fmt::format("the sample {} has no scan of the sensor '{}'",
-                                                                    sample.record->key, record->sensor));
+          refuse(plan_, "the sample {} has no scan of the sensor '{}'", sample.record->key, record->sensor);
         }
         sample.scans.push_back({record, plan_.sensors[s], s, store_.decode(index, *stored)});
       }

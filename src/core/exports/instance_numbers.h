@@ -44,11 +44,10 @@ class InstanceNumbers {
       std::set<std::uint32_t>& ids = idsOfSequence_[sample.sequence][group];
       ids.insert(id);
       if (ids.size() <= most_) continue;
-      throw InputError(
-          {plan.dataset.string()},
-          fmt::format("the sample {} belongs to a sequence with more than {} {}, the most that {} can number: generate "
-                      "shorter sequences or fewer objects, or leave the column instance out",
-                      sample.record->key, most_, groupName_(plan, group), layout_));
+      refuse(plan,
+             "the sample {} belongs to a sequence with more than {} {}, the most that {} can number: generate "
+             "shorter sequences or fewer objects, or leave the column instance out",
+             sample.record->key, most_, groupName_(plan, group), layout_);
     }
   }
 

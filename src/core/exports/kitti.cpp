@@ -152,15 +152,11 @@ class Kitti : public ExportLayout {
     std::size_t frames = 0;
     for (const ExportSequence& sequence : plan.sequences) frames += sequence.samples.size();
     if (frames > kMostFrames) {
-      throw InputError(
-          {plan.dataset.string()},
-          fmt::format(
-              "has {} frames, but the numbers of KITTI's frames have six digits: take fewer frames with --split",
-              frames));
+      refuse(plan, "has {} frames, but the numbers of KITTI's frames have six digits: take fewer frames with --split",
+             frames);
     }
     if (listsObjects(plan)) return;
-    throw InputError({plan.dataset.string()},
-                     "lists no objects, but KITTI's labels are boxes: generate it with `output: {objects: true}`");
+    refuse(plan, "lists no objects, but KITTI's labels are boxes: generate it with `output: {{objects: true}}`");
   }
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,

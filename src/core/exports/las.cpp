@@ -211,10 +211,10 @@ void putPosition(const ExportPlan& plan, const ExportSample& sample, const Expor
   std::size_t axis = 0;
   for (const double coordinate : {unrounded.x, unrounded.y, unrounded.z}) {
     if (!(std::fabs(coordinate) < std::numeric_limits<std::int32_t>::max())) {
-      throw InputError({plan.dataset.string()},
-                       fmt::format("the sample {} has a point of the sensor '{}' more than 1000 km away, which LAS "
-                                   "cannot store in steps of {} m: check the dataset with scanmill verify",
-                                   sample.record->key, exportScan.sensor->name, kStep));
+      refuse(plan,
+             "the sample {} has a point of the sensor '{}' more than 1000 km away, which LAS "
+             "cannot store in steps of {} m: check the dataset with scanmill verify",
+             sample.record->key, exportScan.sensor->name, kStep);
     }
     const auto steps = static_cast<std::int32_t>(std::lround(coordinate));
     putNumber(steps, bytes);
@@ -275,10 +275,10 @@ void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
     for (const auto& [id, points] : scan.pointsPerClass) {
       const std::uint16_t target = plan.classes.targetId(id);
       if (!isExported || points == 0 || target <= kMostLasClass) continue;
-      throw InputError({plan.dataset.string()},
-                       fmt::format("the sample {} has points of the class {} with the id {}, but LAS stores ids up "
-                                   "to {}: give an ontology of smaller ids with --classes FILE",
-                                   sample.key, plan.classes.classOf(id).name, target, kMostLasClass));
+      refuse(plan,
+             "the sample {} has points of the class {} with the id {}, but LAS stores ids up "
+             "to {}: give an ontology of smaller ids with --classes FILE",
+             sample.key, plan.classes.classOf(id).name, target, kMostLasClass);
     }
   }
 }

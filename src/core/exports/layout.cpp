@@ -139,20 +139,20 @@ void requireDistinct(const ExportPlan& plan, std::string_view what,
   for (std::size_t i = 0; i < plan.sensors.size(); ++i) {
     const auto [other, isNew] = sensors.emplace(nameOf(i), plan.sensors[i]->name);
     if (isNew) continue;
-    throw InputError({plan.dataset.string()},
-                     fmt::format("the sensors '{}' and '{}' would share the {} {}: export them one by one with "
-                                 "--sensor, or give one another name",
-                                 other->second, plan.sensors[i]->name, what, other->first));
+    refuse(plan,
+           "the sensors '{}' and '{}' would share the {} {}: export them one by one with "
+           "--sensor, or give one another name",
+           other->second, plan.sensors[i]->name, what, other->first);
   }
 }
 
 const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor) {
   const std::vector<const ScanRecord*> scans = revolutionsOf(plan, sample, sensor);
   if (!scans.empty()) return *scans.front();
-  throw InputError({plan.dataset.string()},
-                   fmt::format("the sample {} has no scan of the sensor '{}': name another sensor with --sensor, or "
-                               "generate with the period of the slowest sensor as `every_s`",
-                               sample.key, plan.sensors[sensor]->name));
+  refuse(plan,
+         "the sample {} has no scan of the sensor '{}': name another sensor with --sensor, or "
+         "generate with the period of the slowest sensor as `every_s`",
+         sample.key, plan.sensors[sensor]->name);
 }
 
 void ExportFolder::write(const std::filesystem::path& name, std::string_view bytes) const {

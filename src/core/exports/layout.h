@@ -3,6 +3,8 @@
 // The layouts of folders and files in which other programs read datasets. A new layout needs a new file and a row in
 // layouts().
 
+#include <fmt/core.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -15,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "dataset/manifest.h"
 #include "dataset/objects.h"
 #include "dataset/voxels.h"
@@ -61,6 +64,12 @@ struct ExportPlan {
   std::vector<const SensorRecord*> sensors;
   std::vector<ExportSequence> sequences;  // ordered by their first samples
 };
+
+// Throws an InputError that names the dataset.
+template <class... Values>
+[[noreturn]] void refuse(const ExportPlan& plan, fmt::format_string<Values...> reason, Values&&... values) {
+  throw InputError({plan.dataset.string()}, fmt::format(reason, std::forward<Values>(values)...));
+}
 
 // Returns true if the dataset lists the objects of every exported sample.
 bool listsObjects(const ExportPlan& plan);

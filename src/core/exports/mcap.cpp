@@ -200,10 +200,10 @@ class Mcap : public ExportLayout {
   void check(const ExportPlan& plan) const override {
     for (const SensorRecord* sensor : plan.sensors) {
       if (sensor->name == kWorld || sensor->name == kVehicle) {
-        throw InputError({plan.dataset.string()},
-                         fmt::format("the sensor '{0}' has a reserved name: in MCAP files the frame of the world is "
-                                     "'{1}' and that of the vehicle '{2}'. Select other sensors with --sensor",
-                                     sensor->name, kWorld, kVehicle));
+        refuse(plan,
+               "the sensor '{0}' has a reserved name: in MCAP files the frame of the world is "
+               "'{1}' and that of the vehicle '{2}'. Select other sensors with --sensor",
+               sensor->name, kWorld, kVehicle);
       }
     }
     requireDistinct(plan, "topic", [&](std::size_t sensor) { return topicOf(*plan.sensors[sensor]); });

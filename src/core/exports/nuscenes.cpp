@@ -120,19 +120,15 @@ class NuScenes : public ExportLayout {
         const ScanRecord& scan = scanOf(plan, sample);
         for (std::size_t sensor = 1; sensor < plan.sensors.size(); ++sensor) scanOf(plan, sample, sensor);
         if (!(scan.time >= 0 && scan.time < kNuScenesDay)) {
-          throw InputError(
-              {plan.dataset.string()},
-              fmt::format(
-                  "the sample {} has the time {} s, but scenes of nuScenes last at most a day: split its sequence",
-                  sample.key, scan.time));
+          refuse(plan, "the sample {} has the time {} s, but scenes of nuScenes last at most a day: split its sequence",
+                 sample.key, scan.time);
         }
         const std::int64_t time = nuScenesTime(s, scan);
         if (time <= previousTime) {
-          throw InputError(
-              {plan.dataset.string()},
-              fmt::format("the sample {} at {} s is less than a microsecond after the sample before it, but nuScenes "
-                          "identifies samples by their times: give the frames of its sequence different times",
-                          sample.key, scan.time));
+          refuse(plan,
+                 "the sample {} at {} s is less than a microsecond after the sample before it, but nuScenes "
+                 "identifies samples by their times: give the frames of its sequence different times",
+                 sample.key, scan.time);
         }
         previousTime = time;
       }

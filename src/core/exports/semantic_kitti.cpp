@@ -87,10 +87,8 @@ class SemanticKitti : public ExportLayout {
  public:
   void check(const ExportPlan& plan) const override {
     if (plan.sequences.size() > kMostSequences) {
-      throw InputError(
-          {plan.dataset.string()},
-          fmt::format("has {} sequences, but SemanticKITTI's numbers of two digits allow {}: take fewer with --split",
-                      plan.sequences.size(), kMostSequences));
+      refuse(plan, "has {} sequences, but SemanticKITTI's numbers of two digits allow {}: take fewer with --split",
+             plan.sequences.size(), kMostSequences);
     }
   }
 
