@@ -57,8 +57,7 @@ class [[nodiscard]] AtomicFile {
   // Follows no links below `folder`, as described in base/own_folder.h; `path` begins with `folder`.
   AtomicFile(const std::filesystem::path& folder, std::filesystem::path path);
   ~AtomicFile();
-  AtomicFile(const AtomicFile&) = delete;
-  AtomicFile& operator=(const AtomicFile&) = delete;
+  AtomicFile& operator=(AtomicFile&&) = delete;  // neither copied nor moved
 
   void write(std::string_view bytes);
   std::size_t size() const { return size_; }  // bytes written so far
@@ -91,8 +90,7 @@ class [[nodiscard]] ScratchFolder {
  public:
   ScratchFolder();  // throws Error if the folder cannot be created
   ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(ScratchFolder&&) = delete;  // neither copied nor moved
 
   const std::filesystem::path& path() const { return path_; }
 

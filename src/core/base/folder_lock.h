@@ -28,8 +28,7 @@ class [[nodiscard]] FolderLock {
   // and Error if the file cannot be created or written.
   FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
+  FolderLock& operator=(FolderLock&&) = delete;  // neither copied nor moved
 
   // Does the same as the constructor, but returns null if another process holds the lock, and then describes that
   // process in `holder`.

@@ -25,8 +25,7 @@ class [[nodiscard]] InputBudget {
  public:
   InputBudget();
   ~InputBudget();
-  InputBudget(const InputBudget&) = delete;
-  InputBudget& operator=(const InputBudget&) = delete;
+  InputBudget& operator=(InputBudget&&) = delete;  // neither copied nor moved
 
   struct Counts;
 
@@ -61,8 +60,7 @@ class [[nodiscard]] InputLimitFactor {
  public:
   explicit InputLimitFactor(double multiplier);
   ~InputLimitFactor();
-  InputLimitFactor(const InputLimitFactor&) = delete;
-  InputLimitFactor& operator=(const InputLimitFactor&) = delete;
+  InputLimitFactor& operator=(InputLimitFactor&&) = delete;  // neither copied nor moved
 
  private:
   double previous_;
@@ -74,8 +72,7 @@ class [[nodiscard]] FilesRead {
  public:
   FilesRead();
   ~FilesRead();
-  FilesRead(const FilesRead&) = delete;
-  FilesRead& operator=(const FilesRead&) = delete;
+  FilesRead& operator=(FilesRead&&) = delete;  // neither copied nor moved
 
   // Returns the XXH3 of each file, see xxh3(), by its absolute path. Reads files again that libraries have read.
   std::map<std::filesystem::path, std::string> hashes() const;

@@ -14,8 +14,7 @@ class [[nodiscard]] MemoryLimit {
  public:
   explicit MemoryLimit(std::uint64_t bytes);
   ~MemoryLimit();
-  MemoryLimit(const MemoryLimit&) = delete;
-  MemoryLimit& operator=(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(MemoryLimit&&) = delete;  // neither copied nor moved
 
  private:
   std::uint64_t previous_;

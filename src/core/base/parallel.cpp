@@ -24,8 +24,7 @@ class ShareWork {
  public:
   explicit ShareWork(bool shared) : previous_(std::exchange(workIsShared, shared)) {}
   ~ShareWork() { workIsShared = previous_; }
-  ShareWork(const ShareWork&) = delete;
-  ShareWork& operator=(const ShareWork&) = delete;
+  ShareWork& operator=(ShareWork&&) = delete;  // neither copied nor moved
 
  private:
   bool previous_;

@@ -29,8 +29,7 @@ class [[nodiscard]] ThreadLimit {
  public:
   explicit ThreadLimit(int threads);
   ~ThreadLimit();
-  ThreadLimit(const ThreadLimit&) = delete;
-  ThreadLimit& operator=(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(ThreadLimit&&) = delete;  // neither copied nor moved
 
  private:
   void* control_;

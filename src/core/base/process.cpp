@@ -57,8 +57,7 @@ struct SpawnActions {
     ::posix_spawn_file_actions_destroy(&files);
     ::posix_spawnattr_destroy(&attributes);
   }
-  SpawnActions(const SpawnActions&) = delete;
-  SpawnActions& operator=(const SpawnActions&) = delete;
+  SpawnActions& operator=(SpawnActions&&) = delete;  // neither copied nor moved
 };
 
 // Returns pointers to the texts, which must outlive them, in the form that execve() takes.

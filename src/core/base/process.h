@@ -38,8 +38,7 @@ class Process {
   // if the program cannot be started.
   explicit Process(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment = {});
   ~Process();
-  Process(const Process&) = delete;
-  Process& operator=(const Process&) = delete;
+  Process& operator=(Process&&) = delete;  // neither copied nor moved
 
   // Writes to the child's standard input a text that is short enough for the system to hold it (64 KiB). If the child
   // has closed its input, the text is dropped without an error.

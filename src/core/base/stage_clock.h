@@ -71,8 +71,7 @@ class [[nodiscard]] StageTimer {
 
   StageTimer(StageClock& clock, const char* stage, Kind kind = Kind::Cpu);
   ~StageTimer();
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
+  StageTimer& operator=(StageTimer&&) = delete;  // neither copied nor moved
 
   // Returns the innermost timer of the calling thread; null: there is none.
   static StageTimer* current();
@@ -95,8 +94,7 @@ class [[nodiscard]] StageTask {
  public:
   explicit StageTask(StageTimer* timer);
   ~StageTask();
-  StageTask(const StageTask&) = delete;
-  StageTask& operator=(const StageTask&) = delete;
+  StageTask& operator=(StageTask&&) = delete;  // neither copied nor moved
 
  private:
   StageTimer* timer_;  // null: the task runs on the timer's own thread, or there is no timer

@@ -34,8 +34,7 @@ class TaskOrder {
    public:
     Task(TaskOrder& from, TaskOrder& to) : to_(to) { from.take(); }
     ~Task() { to_.give(); }
-    Task(const Task&) = delete;
-    Task& operator=(const Task&) = delete;
+    Task& operator=(Task&&) = delete;  // neither copied nor moved
 
    private:
     TaskOrder& to_;
@@ -47,8 +46,7 @@ class TaskOrder {
    public:
     Wait(TaskOrder& to, TaskOrder& from) : from_(from) { to.give(); }
     ~Wait() { from_.take(); }
-    Wait(const Wait&) = delete;
-    Wait& operator=(const Wait&) = delete;
+    Wait& operator=(Wait&&) = delete;  // neither copied nor moved
 
    private:
     TaskOrder& from_;

@@ -72,8 +72,7 @@ class TilePoints {
  public:
   explicit TilePoints(bool severalPerBeam)
       : row(severalPerBeam ? rows_.data() : beam.data()), hit(severalPerBeam ? hits_.data() : beam.data()) {}
-  TilePoints(const TilePoints&) = delete;
-  TilePoints& operator=(const TilePoints&) = delete;
+  TilePoints& operator=(TilePoints&&) = delete;  // neither copied nor moved
 
   std::size_t count = 0;
   std::array<std::uint32_t, kTilePoints> beam, scanRow;
