@@ -258,7 +258,7 @@ std::unordered_map<std::string, SceneObject> Simulator::objects(double time) con
         object.things.push_back(instanceId(instance.firstInstanceId, k));
       }
     }
-    std::sort(object.things.begin(), object.things.end());
+    std::ranges::sort(object.things);
     object.things.erase(std::unique(object.things.begin(), object.things.end()), object.things.end());
   }
   return objects;

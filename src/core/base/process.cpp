@@ -63,7 +63,7 @@ struct SpawnActions {
 // Returns pointers to the texts, which must outlive them, in the form that execve() takes.
 std::vector<char*> pointersTo(std::vector<std::string>& texts) {
   std::vector<char*> pointers(texts.size() + 1, nullptr);
-  std::transform(texts.begin(), texts.end(), pointers.begin(), [](std::string& text) { return text.data(); });
+  std::ranges::transform(texts, pointers.begin(), [](std::string& text) { return text.data(); });
   return pointers;
 }
 

@@ -15,7 +15,7 @@ class RecentlyUsed {
   // entry stays where it is in memory until it is dropped.
   template <class Test>
   Entry* find(const Test& isWanted) {
-    const auto found = std::find_if(entries_.begin(), entries_.end(), isWanted);
+    const auto found = std::ranges::find_if(entries_, isWanted);
     if (found == entries_.end()) return nullptr;
     entries_.splice(entries_.begin(), entries_, found);
     return &entries_.front();

@@ -67,7 +67,7 @@ inline std::vector<std::string_view> wordsOf(std::string_view text) {
 // True if one of the words, which blanks separate, is `word`.
 inline bool containsWord(std::string_view words, std::string_view word) {
   const std::vector<std::string_view> list = wordsOf(words);
-  return std::find(list.begin(), list.end(), word) != list.end();
+  return std::ranges::find(list, word) != list.end();
 }
 
 // Stores the cells of a table's line, which `separator` separates, without blanks and quotation marks around them. The

@@ -58,8 +58,8 @@ bool isCloud(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error) || std::filesystem::file_size(file, error) == 0) return false;
   const PlyHeader header = readPlyHeader(file);
-  return std::none_of(header.elements.begin(), header.elements.end(),
-                      [](const PlyElement& e) { return (e.name == "face" || e.name == "tristrips") && e.count > 0; });
+  return std::ranges::none_of(
+      header.elements, [](const PlyElement& e) { return (e.name == "face" || e.name == "tristrips") && e.count > 0; });
 }
 
 bool isScan(const std::filesystem::path& file) {

@@ -105,7 +105,7 @@ class CsvReader {
     for (const std::string_view cell : cells_) {
       const std::string meant = columnMeant(cell);
       names.push_back(meant == "x" || meant == "y" || meant == "z" ? meant : nameFor(cell));
-      if (std::count(names.begin(), names.end(), names.back()) > 1) {
+      if (std::ranges::count(names, names.back()) > 1) {
         throw InputError(where_, fmt::format("column '{}' is named twice", names.back()));
       }
       columns_.push_back(cellReader(names.back()));
@@ -116,8 +116,8 @@ class CsvReader {
   std::string nameFor(std::string_view cell) const {
     if (cell.empty()) return fmt::format("column_{}", columns_.size() + 1);
     std::string name(cell);
-    std::replace_if(
-        name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+    std::ranges::replace_if(
+        name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
     return std::isdigit(static_cast<unsigned char>(name.front())) == 0 ? name : "_" + name;
   }
 

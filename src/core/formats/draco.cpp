@@ -195,8 +195,7 @@ class DracoFormat : public Format {
     if (!allFinite(values)) return false;
     if (column.validity != ColumnValidity::Interval) return true;
     const double slack = 2 * column.lossBound;
-    return std::all_of(values.begin(), values.end(),
-                       [&](float v) { return v >= column.low - slack && v <= column.high + slack; });
+    return std::ranges::all_of(values, [&](float v) { return v >= column.low - slack && v <= column.high + slack; });
   }
 
   SCANMILL_BEST_INSTRUCTIONS void addPosition(const Scan& scan, DracoWriter& writer) const {

@@ -253,7 +253,7 @@ void appendVarint(std::uint64_t value, std::string& out) {
 SCANMILL_BEST_INSTRUCTIONS void appendSymbols(std::span<const std::uint32_t> symbols, int components, int level,
                                               std::string& out) {
   if (symbols.empty()) return;
-  const std::uint32_t largest = *std::max_element(symbols.begin(), symbols.end());
+  const std::uint32_t largest = *std::ranges::max_element(symbols);
   const std::span<const std::uint8_t> lengths = components == 3 ? bitLengths<3>(symbols) : bitLengths<1>(symbols);
   const Histogram tags = histogram(lengths.data(), lengths.size(), bitLength(largest));
   double taggedBits = tags.bits + tableBits(tags);

@@ -311,7 +311,7 @@ class LasReader {
     if ((options & kHasNone) != 0 && columnIndex(columnMeant(name)) < kColumnCount) {
       const T none =
           std::is_same_v<T, float> ? static_cast<T>(numberAt<double>(described_, 40)) : numberAt<T>(described_, 40);
-      std::replace(values.begin(), values.end(), none, T{});
+      std::ranges::replace(values, none, T{});
     }
     if ((options & (kHasScale | kHasOffset)) == 0) return;
     const double scale = (options & kHasScale) != 0 ? numberAt<double>(described_, 112) : 1;

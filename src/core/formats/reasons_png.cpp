@@ -18,7 +18,7 @@ constexpr std::size_t kMostReason = 31;  // largest value with an entry in the p
 std::array<std::uint8_t, 3 * (kMostReason + 1)> palette() {
   std::array<std::uint8_t, 3 * (kMostReason + 1)> colors{};
   for (const ReasonEntry& row : reasons()) {
-    std::copy(row.color.begin(), row.color.end(), colors.begin() + 3 * static_cast<std::ptrdiff_t>(row.reason));
+    std::ranges::copy(row.color, colors.begin() + 3 * static_cast<std::ptrdiff_t>(row.reason));
   }
   return colors;
 }

@@ -50,7 +50,7 @@ void setReasonsOfEmptyBeams(const Hits& hits, std::vector<std::uint8_t>& reasons
     if (hits.pathOfRay[ray] == RayPath::EgoVehicle && !hits.hit(ray)) setIfNone(ray, Reason::BlockedByVehicle);
   }
   for (const std::uint32_t ray : hits.unresolved) setIfNone(ray, Reason::GivenUp);
-  std::replace(reasons.begin(), reasons.end(), std::uint8_t{0}, static_cast<std::uint8_t>(Reason::NothingInRange));
+  std::ranges::replace(reasons, std::uint8_t{0}, static_cast<std::uint8_t>(Reason::NothingInRange));
 }
 
 // Returns true if a beam's reason comes from `row` rather than from `other`: rows with a return precede lost ones; of
@@ -141,7 +141,7 @@ bool InstanceMotions::areNeeded(const Scene& scene, const ScanLayout& layout) {
   }
   const std::vector<SemanticClass>& classes = scene.ontology.classes;
   return layout.columns.has(kLabel) &&
-         std::any_of(classes.begin(), classes.end(), [](const SemanticClass& c) { return c.movingOf.has_value(); });
+         std::ranges::any_of(classes, [](const SemanticClass& c) { return c.movingOf.has_value(); });
 }
 
 InstanceMotions::InstanceMotions(const Scene& scene, const Shot& shot)

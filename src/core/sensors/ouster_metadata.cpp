@@ -18,7 +18,7 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file.string()) {
     std::string text = readFile(file);
-    std::replace(text.begin(), text.end(), '\t', ' ');  // JSON is YAML but for its tabs
+    std::ranges::replace(text, '\t', ' ');  // JSON is YAML but for its tabs
     root_ = parseYaml(text, file_);
     if (root_.kind != Value::Kind::Map) fail("is not the metadata of an Ouster sensor: it must be a map");
   }

@@ -92,7 +92,7 @@ TextTable::TextTable(const std::filesystem::path& file) : bytes_(readFile(file))
 }
 
 std::optional<std::size_t> TextTable::find(std::string_view name) const {
-  const auto found = std::find(names_.begin(), names_.end(), name);
+  const auto found = std::ranges::find(names_, name);
   if (found == names_.end()) return std::nullopt;
   if (std::find(found + 1, names_.end(), name) != names_.end()) {
     throw InputError(head_, fmt::format("the column '{}' is listed twice", name));

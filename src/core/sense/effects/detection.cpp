@@ -221,7 +221,7 @@ class Detection : public Effect {
       while (end < rows.size() && returns.beam(rows[end]) == returns.beam(rows[first])) ++end;
       const std::span<std::uint32_t> ofBeam{rows.data() + first, end - first};
       if (ofBeam.size() > 1) {
-        std::sort(ofBeam.begin(), ofBeam.end(), precedes);
+        std::ranges::sort(ofBeam, precedes);
         removeUnreported(ofBeam, returns);
       }
       first = end;
