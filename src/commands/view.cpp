@@ -298,9 +298,9 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
   for (const std::string& text : session.hints()) warn(text);
   if (outputs.pick) {
     const auto& [x, y] = *outputs.pick;
-    if (const auto thing = session.pick(x, y)) {
-      printRows(thing->heading, thing->rows);
-      session.pin(*thing);
+    if (const auto picked = session.pick(x, y)) {
+      printRows(picked->heading, picked->rows);
+      session.pin(*picked);
     } else {
       printText("nothing lies at {},{}\n", x, y);
     }

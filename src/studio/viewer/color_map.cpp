@@ -12,18 +12,20 @@ namespace {
 
 // Converts a colour from HSV to RGB; h, s and v are from 0 to 1.
 Rgb fromHsv(double h, double s, double v) {
-  Rgb out{};
+  constexpr std::array kChannelOffsets{5.0, 3.0, 1.0};  // of red, green and blue on the circle of hues (sixths)
+  Rgb rgb{};
   for (std::size_t c = 0; c < 3; ++c) {
-    const double k = std::fmod(h * 6 + std::array{5.0, 3.0, 1.0}[c], 6.0);
-    out[c] = static_cast<std::uint8_t>(std::lround(255 * v * (1 - s * std::clamp(std::min(k, 4 - k), 0.0, 1.0))));
+    const double k = std::fmod(h * 6 + kChannelOffsets[c], 6.0);
+    rgb[c] = static_cast<std::uint8_t>(std::lround(255 * v * (1 - s * std::clamp(std::min(k, 4 - k), 0.0, 1.0))));
   }
-  return out;
+  return rgb;
 }
 
 // Returns a colour for an id. Since hues advance by the golden ratio, they are evenly spread for any number of ids.
-Rgb colorOfNumber(std::uint32_t number) {
-  const double turn = std::fmod(number * 0.6180339887498949, 1.0);
-  return fromHsv(turn, 0.45 + 0.15 * (number % 3), 0.95 - 0.15 * (number / 3 % 2));
+// Saturation and brightness vary, so that similar hues differ, too.
+Rgb colorOfId(std::uint32_t id) {
+  const double hue = std::fmod(id * 0.6180339887498949, 1.0);
+  return fromHsv(hue, 0.45 + 0.15 * (id % 3), 0.95 - 0.15 * (id / 3 % 2));
 }
 
 }  // namespace
@@ -37,27 +39,27 @@ Rgb viridis(double t) {
     return Rgb{static_cast<std::uint8_t>(kSamples[i] >> 16), static_cast<std::uint8_t>(kSamples[i] >> 8 & 0xFF),
                static_cast<std::uint8_t>(kSamples[i] & 0xFF)};
   };
-  const double place = std::clamp(t, 0.0, 1.0) * (kSamples.size() - 1);
-  const std::size_t low = std::min(static_cast<std::size_t>(place), kSamples.size() - 2);
-  return mix(sample(low), sample(low + 1), place - static_cast<double>(low));
+  const double position = std::clamp(t, 0.0, 1.0) * (kSamples.size() - 1);
+  const std::size_t low = std::min(static_cast<std::size_t>(position), kSamples.size() - 2);
+  return mix(sample(low), sample(low + 1), position - static_cast<double>(low));
 }
 
 Rgb instanceColor(std::uint32_t instance) {
-  return instance == 0 ? kNoValue : colorOfNumber(instance);
+  return instance == 0 ? kNoValue : colorOfId(instance);
 }
 
 Rgb classColor(const Ontology* ontology, std::uint16_t id) {
-  const SemanticClass* known = ontology == nullptr ? nullptr : ontology->find(id);
-  if (known == nullptr) return id == 0 ? kNoValue : colorOfNumber(id);
+  const SemanticClass* const found = ontology == nullptr ? nullptr : ontology->find(id);
+  if (found == nullptr) return id == 0 ? kNoValue : colorOfId(id);
   constexpr double kDarkest = 60;  // least luma of a class's colour (Rec. 601, 0 to 255)
-  const Rgb color = known->color;
+  const Rgb color = found->color;
   const double luma = 0.299 * color[0] + 0.587 * color[1] + 0.114 * color[2];
   return luma >= kDarkest ? color : mix(color, {255, 255, 255}, (kDarkest - luma) / (255 - luma));
 }
 
 std::string className(const Ontology* ontology, std::uint16_t id) {
-  const SemanticClass* known = ontology == nullptr ? nullptr : ontology->find(id);
-  return known == nullptr ? fmt::format("class {}", id) : known->name;
+  const SemanticClass* const found = ontology == nullptr ? nullptr : ontology->find(id);
+  return found == nullptr ? fmt::format("class {}", id) : found->name;
 }
 
 }  // namespace scanmill

@@ -30,7 +30,7 @@ const ForeignColumn* foreignOf(const Scan& scan, const ColorBy& by) {
   return found == scan.foreign.end() ? nullptr : &*found;
 }
 
-bool holds(const Scan& scan, const Column& column) {
+bool hasColumn(const Scan& scan, const Column& column) {
   return columnsOf(scan).has(columnIndex(column.name));
 }
 
@@ -42,10 +42,11 @@ ColorBy defaultFor(const Scan& scan) {
 // True if the legend counts the point.
 bool isCounted(const Scan& scan, const ColorContext& context, std::size_t point) {
   const Vec3f& position = scan.position[point];
-  return isFinite(position) && (!context.closeUp || context.closeUp->holds(Vec3d(position)));
+  return isFinite(position) && (!context.closeUp || context.closeUp->contains(Vec3d(position)));
 }
 
-// Colours points by ids. Returns the ids of the points that the legend counts.
+// Appends a colour to `colors` for each point. idOf(point) returns the point's id, colorOf(id) the colour. Returns the
+// colours of the ids that the legend lists, and their numbers of points.
 std::map<std::uint32_t, ColorOfId> paintPoints(const Scan& scan, const ColorContext& context, const auto& idOf,
                                                const auto& colorOf, std::vector<Rgb>& colors) {
   return paint(
@@ -70,13 +71,13 @@ Coloring byInstance(const Scan& scan, const ColorContext& context) {
 // Colours points by cause. Causes are categories without an order, so each has a separate colour.
 Coloring byCause(const Scan& scan, const ColorContext& context) {
   Coloring out{{}, {.title = std::string(kCause.row.name)}};
-  const auto cause = [&](std::size_t i) { return scan[kCause][i]; };
-  const auto reason = [](std::uint32_t of) { return findReason(static_cast<std::uint8_t>(of)); };
-  const auto color = [&](std::uint32_t of) { return reason(of) == nullptr ? kNoValue : Rgb(reason(of)->color); };
-  for (const auto& [of, held] : paintPoints(scan, context, cause, color, out.colors)) {
-    const ReasonEntry* const known = reason(of);
-    const std::string name = known == nullptr ? fmt::format("cause {}", of) : std::string(known->name);
-    out.legend.entries.push_back({name, held.color, -1, held.count});
+  const auto causeOf = [&](std::size_t point) { return scan[kCause][point]; };
+  const auto rowOf = [](std::uint32_t cause) { return findReason(static_cast<std::uint8_t>(cause)); };
+  const auto colorOf = [&](std::uint32_t cause) { return rowOf(cause) ? Rgb(rowOf(cause)->color) : kNoValue; };
+  for (const auto& [cause, counted] : paintPoints(scan, context, causeOf, colorOf, out.colors)) {
+    const ReasonEntry* const row = rowOf(cause);
+    const std::string name = row == nullptr ? fmt::format("cause {}", cause) : std::string(row->name);
+    out.legend.entries.push_back({.name = name, .color = counted.color, .points = counted.count});
   }
   return out;
 }
@@ -84,27 +85,32 @@ Coloring byCause(const Scan& scan, const ColorContext& context) {
 // Colours points by return number. There are few numbers, so each has a separate colour.
 Coloring byReturn(const Scan& scan, const ColorContext& context) {
   constexpr double kFirstReturn = 0.7;  // position of the first return's colour on the colour map
-  const bool single = scan[kReturn].empty() && scan.planes == 1;
-  const auto number = [&](std::size_t i) {
-    return single ? 1U : scan[kReturn].empty() ? keyOf(scan, i).number + 1U : scan[kReturn][i];
+  const bool hasOneReturn = scan[kReturn].empty() && scan.planes == 1;
+  const auto numberOf = [&](std::size_t point) {
+    return hasOneReturn ? 1U : scan[kReturn].empty() ? keyOf(scan, point).number + 1U : scan[kReturn][point];
   };
-  const auto color = [&](std::uint32_t of) { return of == 1 ? viridis(kFirstReturn) : instanceColor(of); };
+  const auto colorOf = [&](std::uint32_t number) {
+    return number == 1 ? viridis(kFirstReturn) : instanceColor(number);
+  };
   Coloring out{{}, {.title = "return"}};
-  for (const auto& [of, held] : paintPoints(scan, context, number, color, out.colors)) {
-    const std::string name = single    ? "first return (the only one)"
-                             : of == 0 ? "not known"
-                                       : fmt::format("return {}", of);
-    out.legend.entries.push_back({name, held.color, -1, held.count});
+  for (const auto& [number, counted] : paintPoints(scan, context, numberOf, colorOf, out.colors)) {
+    const std::string name = hasOneReturn  ? "first return (the only one)"
+                             : number == 0 ? "not known"
+                                           : fmt::format("return {}", number);
+    out.legend.entries.push_back({.name = name, .color = counted.color, .points = counted.count});
   }
   return out;
 }
 
-double percentile(std::vector<double>& values, double share) {
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
+// Returns the value below which the fraction `rank` of the values is. Reorders the values, of which there is at least
+// one.
+double percentile(std::vector<double>& values, double rank) {
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(rank * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
 }
 
+// How colours follow from numbers. Title and power: see Legend.
 struct Scale {
   std::string title;
   double clipped = 0;  // fraction of the values to cut off at an end that is not fixed
@@ -117,46 +123,59 @@ struct Scale {
 constexpr double kClipped = 0.01;
 constexpr std::size_t kMostSorted = 1'000'000;  // maximum number of values from which percentiles are computed
 
-// Colours points by a number. at(i) returns the value of point i. If the context has no ends of the scale, `scale`
-// states how they follow from the values.
-Coloring byNumber(const Scan& scan, const Scale& scale, const ColorContext& context, const auto& at) {
-  const std::optional<ScaleRange>& given = context.scale;
-  Coloring out{{}, {.title = scale.title, .scale = true, .power = scale.power}};
-  out.legend.integers = scale.integers;
-  out.legend.held = given.has_value();
+// Returns the ends of a scale that are not fixed from the values of the points with finite positions; 0 if there are
+// none. valueOf(point) returns a value; NaN: unknown.
+ScaleRange endsOf(const Scan& scan, const Scale& scale, const auto& valueOf) {
   std::vector<double> finite;
   const std::size_t step = scale.clipped > 0 ? scan.size() / kMostSorted + 1 : 1;
-  for (std::size_t i = 0; i < scan.size() && !given; i += step) {
-    if (isFinite(scan.position[i]) && std::isfinite(static_cast<double>(at(i)))) finite.push_back(at(i));
+  for (std::size_t i = 0; i < scan.size(); i += step) {
+    const double value = valueOf(i);
+    if (isFinite(scan.position[i]) && std::isfinite(value)) finite.push_back(value);
   }
-  const auto end = [&](const std::optional<double>& known, double share) {
-    return known ? *known : finite.empty() ? 0 : percentile(finite, share);
-  };
-  out.legend.low = given ? given->low : end(scale.low, scale.clipped);
-  out.legend.high = given ? given->high : end(scale.high, 1 - scale.clipped);
-  const double span = out.legend.high - out.legend.low;
+  const auto endAt = [&](double rank) { return finite.empty() ? 0 : percentile(finite, rank); };
+  const double low = scale.low ? *scale.low : endAt(scale.clipped);
+  return {low, scale.high ? *scale.high : endAt(1 - scale.clipped)};
+}
+
+// Colours points by a number. valueOf(point) returns it; NaN: unknown. The ends of the scale are those of the context
+// or, if it has none, endsOf().
+Coloring byNumber(const Scan& scan, const Scale& scale, const ColorContext& context, const auto& valueOf) {
+  const ScaleRange ends = context.scale ? *context.scale : endsOf(scan, scale, valueOf);
+  const double span = ends.high - ends.low;
+  Coloring out;
   out.colors.resize(scan.size());
   std::atomic<std::uint64_t> unknown = 0;
   parallelFor(scan.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-    std::uint64_t missing = 0;
+    std::uint64_t unknownInRange = 0;
     for (std::size_t i = first; i < last; ++i) {
-      const double value = at(i);
-      const double share = span > 0 ? std::clamp((value - out.legend.low) / span, 0.0, 1.0) : 0.5;
-      out.colors[i] = std::isfinite(value) ? viridis(std::pow(share, 1 / scale.power)) : kNoValue;
-      if (!std::isfinite(value) && isCounted(scan, context, i)) ++missing;
+      const double value = valueOf(i);
+      const double fraction = span > 0 ? std::clamp((value - ends.low) / span, 0.0, 1.0) : 0.5;
+      out.colors[i] = std::isfinite(value) ? viridis(std::pow(fraction, 1 / scale.power)) : kNoValue;
+      if (!std::isfinite(value) && isCounted(scan, context, i)) ++unknownInRange;
     }
-    unknown += missing;
+    unknown += unknownInRange;
   });
-  out.legend.unknown = unknown;
+  out.legend = {.title = scale.title,
+                .scale = true,
+                .low = ends.low,
+                .high = ends.high,
+                .power = scale.power,
+                .integers = scale.integers,
+                .endsChosen = context.scale.has_value(),
+                .unknown = unknown};
   return out;
 }
 
-double distanceOf(const Scan& scan, std::size_t i) {
-  return length(Vec3d(scan.position[i]));
+double distanceOf(const Scan& scan, std::size_t point) {
+  return length(Vec3d(scan.position[point]));
 }
 
+// Colours points by the errors of the context or, if it has none, by the difference to the column range_true.
 Coloring byError(const Scan& scan, const ColorContext& context) {
-  const Scale scale{context.errorTitle.empty() ? "error (m)" : context.errorTitle, kClipped, 2, 0.0};
+  const Scale scale{.title = context.errorTitle.empty() ? "error (m)" : context.errorTitle,
+                    .clipped = kClipped,
+                    .power = 2,
+                    .low = 0.0};
   if (!context.error.empty()) {
     if (context.error.size() != scan.size()) {
       throw Error(fmt::format("{} errors for the {} points of a scan", context.error.size(), scan.size()));
@@ -175,12 +194,15 @@ Coloring byError(const Scan& scan, const ColorContext& context) {
                   [&](std::size_t i) { return std::abs(distanceOf(scan, i) - scan[kRangeTrue][i]); });
 }
 
+// Colours points by a column of the table, which the scan has, in the way and the unit that the table states.
 Coloring byColumn(const Scan& scan, const Column& column, const ColorContext& context) {
-  if (column.display.colors == ColumnColors::Classes) return byClass(scan, context);
-  if (column.display.colors == ColumnColors::Instances) return byInstance(scan, context);
   const ColumnDisplay& display = column.display;
-  Scale scale{withUnit(ColorBy::titleOf(column), display.unit), display.scaleClipped, display.scalePower};
-  scale.integers = column.type != ColumnType::Float32;
+  if (display.colors == ColumnColors::Classes) return byClass(scan, context);
+  if (display.colors == ColumnColors::Instances) return byInstance(scan, context);
+  Scale scale{.title = withUnit(ColorBy::titleOf(column), display.unit),
+              .clipped = display.scaleClipped,
+              .power = display.scalePower,
+              .integers = column.type != ColumnType::Float32};
   if (display.scaleOfValidity) {
     scale.low = column.low * display.factor;
     scale.high = column.high * display.factor;
@@ -203,15 +225,16 @@ Coloring byForeign(const Scan& scan, const ForeignColumn& column, const ColorCon
       column.values);
 }
 
+// Returns the names of quantities in the order of their keys in the viewer; columns without a key come last.
 std::vector<std::string> namesInOrder() {
-  // The quantities that are not columns, and the keys in the viewer that select them.
-  const std::map<char, ColorBy> figures{{'4', kByRange}, {'7', kByHeight}, {'0', kByError}};
+  constexpr char kNoKey = '\0';
+  const std::map<char, ColorBy> computed{{'4', kByRange}, {'7', kByHeight}, {'0', kByError}};  // not columns, by key
   std::vector<std::string> names;
-  for (const char key : {'1', '2', '3', '4', '5', '6', '7', '8', '9', '0', '\0'}) {  // 0: columns without a key
+  for (const char key : {'1', '2', '3', '4', '5', '6', '7', '8', '9', '0', kNoKey}) {
     for (const Column& column : kColumns) {
       if (column.display.key == key) names.emplace_back(ColorBy::titleOf(column));
     }
-    if (figures.contains(key)) names.push_back(figures.at(key).name());
+    if (computed.contains(key)) names.push_back(computed.at(key).name());
   }
   return names;
 }
@@ -235,27 +258,28 @@ std::vector<ColorBy> colorsOf(const Scan& scan) {
   return colors;
 }
 
-bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown) {
+bool hasColor(const Scan& scan, const ColorBy& by, bool hasErrors) {
   if (by == kByRange || by == kByHeight || by == kByReturn) return true;
-  if (by == kByError) return errorKnown || !scan[kRangeTrue].empty();
+  if (by == kByError) return hasErrors || !scan[kRangeTrue].empty();
   const Column* const column = by.column();
-  return column == nullptr ? foreignOf(scan, by) != nullptr : holds(scan, *column);
+  return column == nullptr ? foreignOf(scan, by) != nullptr : hasColumn(scan, *column);
 }
 
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context) {
   const ColorBy by = colorBy.value_or(defaultFor(scan));
   if (by == kByRange) {
-    return byNumber(scan, {"range (m)", kClipped, 2}, context, [&](std::size_t i) { return distanceOf(scan, i); });
+    const Scale scale{.title = "range (m)", .clipped = kClipped, .power = 2};
+    return byNumber(scan, scale, context, [&](std::size_t i) { return distanceOf(scan, i); });
   }
   if (by == kByHeight) {
-    return byNumber(scan, {"height above the sensor (m)", kClipped}, context,
-                    [&](std::size_t i) { return scan.position[i].z; });
+    const Scale scale{.title = "height above the sensor (m)", .clipped = kClipped};
+    return byNumber(scan, scale, context, [&](std::size_t i) { return scan.position[i].z; });
   }
   if (by == kByError) return byError(scan, context);
   if (by == kByReturn) return byReturn(scan, context);
   if (by == kByCause && !scan[kCause].empty()) return byCause(scan, context);
   if (const Column* const column = by.column()) {
-    if (!holds(scan, *column) && scan.size() > 0) failForColumn(scan, by, column->name);
+    if (!hasColumn(scan, *column) && scan.size() > 0) failForColumn(scan, by, column->name);
     return byColumn(scan, *column, context);
   }
   const ForeignColumn* const foreign = foreignOf(scan, by);
@@ -263,33 +287,34 @@ Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, cons
   return byForeign(scan, *foreign, context);
 }
 
-Legend classLegend(const std::map<std::uint32_t, ColorOfId>& present, const Ontology* ontology) {
+Legend classLegend(const std::map<std::uint32_t, ColorOfId>& classes, const Ontology* ontology) {
   Legend legend{.title = "class"};
-  for (const auto& [id, held] : present) {
+  for (const auto& [id, counted] : classes) {
     legend.entries.push_back(
-        {className(ontology, static_cast<std::uint16_t>(id)), held.color, std::int64_t{id}, held.count});
+        {className(ontology, static_cast<std::uint16_t>(id)), counted.color, std::int64_t{id}, counted.count});
   }
   return legend;
 }
 
-Legend instanceLegend(std::map<std::uint32_t, ColorOfId> present) {
+Legend instanceLegend(std::map<std::uint32_t, ColorOfId> instances) {
   Legend legend{.title = "instance"};
-  const std::uint64_t none = present[0].count;
-  present.erase(0);
-  if (!present.empty()) {
-    std::uint64_t counted = 0;
-    for (const auto& [id, held] : present) counted += held.count;
-    legend.entries.push_back(
-        {pluralOf(present.size(), "instance") + ", a colour each", present.begin()->second.color, -1, counted});
+  const std::uint64_t withoutInstance = instances[0].count;
+  instances.erase(0);
+  if (!instances.empty()) {
+    std::uint64_t withInstance = 0;
+    for (const auto& [id, counted] : instances) withInstance += counted.count;
+    legend.entries.push_back({.name = pluralOf(instances.size(), "instance") + ", a colour each",
+                              .color = instances.begin()->second.color,
+                              .points = withInstance});
   }
-  legend.entries.push_back({"no instance", instanceColor(0), -1, none});
+  legend.entries.push_back({.name = "no instance", .color = instanceColor(0), .points = withoutInstance});
   return legend;
 }
 
 std::vector<ScaleTick> scaleTicks(const Legend& legend) {
   constexpr std::size_t kMostTicks = 6;
   // Least distance between ticks, as a fraction of the bar's length, so that labels do not overlap.
-  constexpr double kApart = 0.13;
+  constexpr double kLeastDistance = 0.13;
   constexpr double kSlack = 1e-9;  // tolerance as a fraction of the span, so that round values at the ends get a tick
   constexpr int kMostMultiples = 1000;
   const double low = legend.low;
@@ -303,9 +328,10 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
     for (int k = 0; k < kMostMultiples && ticks.size() < kMostTicks; ++k) {
       const double value = (first + k) * step;
       if (value > legend.high + kSlack * span) break;
-      const double share = std::pow(std::clamp((value - low) / span, 0.0, 1.0), 1 / legend.power);
-      const auto isFar = [&](const ScaleTick& other) { return std::abs(other.position - share) >= kApart; };
-      if (std::ranges::all_of(ticks, isFar)) ticks.push_back({share, fmt::format("{:.10g}", value == 0 ? 0.0 : value)});
+      const double position = std::pow(std::clamp((value - low) / span, 0.0, 1.0), 1 / legend.power);
+      const auto isFar = [&](const ScaleTick& other) { return std::abs(other.position - position) >= kLeastDistance; };
+      if (!std::ranges::all_of(ticks, isFar)) continue;
+      ticks.push_back({position, fmt::format("{:.10g}", value == 0 ? 0.0 : value)});  // never "-0"
     }
     if (legend.power == 1 || (legend.integers && step <= 1)) break;
   }
@@ -317,7 +343,7 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
 std::string scaleTitle(const Legend& legend) {
   std::string title = legend.title;
   if (legend.power == 2) title += ", by its square root";
-  if (legend.held) title += ", held";
+  if (legend.endsChosen) title += ", held";
   return title;
 }
 

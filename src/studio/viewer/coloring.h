@@ -53,9 +53,9 @@ inline const ColorBy kByError{"error"};
 // ten.
 const std::vector<std::string>& colorNames();
 
-// True if the scan can be coloured by this quantity. `errorKnown`: the errors of points, which are not part of a scan,
+// True if the scan can be coloured by this quantity. `hasErrors`: the errors of points, which are not part of a scan,
 // are known.
-bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown);
+bool hasColor(const Scan& scan, const ColorBy& by, bool hasErrors);
 
 // Returns the quantities of colorNames(), followed by the scan's foreign columns.
 std::vector<ColorBy> colorsOf(const Scan& scan);
@@ -86,7 +86,7 @@ struct Legend {
   double low = 0, high = 0;
   double power = 1;           // the colour at position t of the map shows the value low + (high - low) * t^power
   bool integers = false;      // true: the values are integers
-  bool held = false;          // true: the ends of the scale are chosen by the user, not computed from the values
+  bool endsChosen = false;    // true: the ends of the scale are chosen by the user, not computed from the values
   std::uint64_t unknown = 0;  // number of finite points whose value is unknown; they have the colour kNoValue
   std::string whyUnknown{};   // reason why values are unknown, such as "no partner in the reference"; may be empty
 };
@@ -129,30 +129,26 @@ struct ColorOfId {
   std::uint64_t count = 0;
 };
 
-// Appends to `colors` the colour of each element's id. Returns the ids of the elements that are counted. idOf(i)
-// returns the id of element i; colorOf(id) its colour; counts(i) whether the element is counted.
+// Appends to `colors` the colour of each of `elements` elements. idOf(i) returns the id of element i; colorOf(id) its
+// colour; isCounted(i) whether the legend counts the element. Returns the ids of the counted elements.
 std::map<std::uint32_t, ColorOfId> paint(std::size_t elements, const auto& idOf, const auto& colorOf,
-                                         const auto& counts, std::vector<Rgb>& colors) {
-  std::map<std::uint32_t, ColorOfId> present;
+                                         const auto& isCounted, std::vector<Rgb>& colors) {
+  std::map<std::uint32_t, ColorOfId> ids;
   colors.reserve(colors.size() + elements);
-  std::uint32_t last = 0;
-  ColorOfId* held = nullptr;
+  auto current = ids.end();  // the entry of the last element, since neighbouring elements mostly have the same id
   for (std::size_t i = 0; i < elements; ++i) {
     const std::uint32_t id = idOf(i);
-    if (held == nullptr || id != last) {  // neighbouring elements mostly have the same id
-      held = &present.try_emplace(id, ColorOfId{colorOf(id), 0}).first->second;
-      last = id;
-    }
-    colors.push_back(held->color);
-    held->count += counts(i) ? 1 : 0;
+    if (current == ids.end() || current->first != id) current = ids.try_emplace(id, ColorOfId{colorOf(id), 0}).first;
+    colors.push_back(current->second.color);
+    current->second.count += isCounted(i) ? 1 : 0;
   }
-  std::erase_if(present, [](const auto& entry) { return entry.second.count == 0; });
-  return present;
+  std::erase_if(ids, [](const auto& entry) { return entry.second.count == 0; });
+  return ids;
 }
 
-// Return the legends of elements that are coloured by class or by instance.
-Legend classLegend(const std::map<std::uint32_t, ColorOfId>& present, const Ontology* ontology);
-Legend instanceLegend(std::map<std::uint32_t, ColorOfId> present);
+// Return the legends of elements that are coloured by class or by instance, from the ids that paint() returns.
+Legend classLegend(const std::map<std::uint32_t, ColorOfId>& classes, const Ontology* ontology);
+Legend instanceLegend(std::map<std::uint32_t, ColorOfId> instances);
 
 struct ScaleTick {
   double position = 0;  // on the bar, from 0 at its low end to 1 at its high end

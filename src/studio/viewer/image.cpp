@@ -7,9 +7,9 @@
 namespace scanmill {
 
 Rgb mix(const Rgb& a, const Rgb& b, double t) {
-  Rgb out{};
-  for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(std::lround(a[c] + (b[c] - a[c]) * t));
-  return out;
+  Rgb mixed{};
+  for (std::size_t c = 0; c < 3; ++c) mixed[c] = static_cast<std::uint8_t>(std::lround(a[c] + (b[c] - a[c]) * t));
+  return mixed;
 }
 
 std::string encodePng(const Image& image) {

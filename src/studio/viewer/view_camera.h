@@ -28,7 +28,7 @@ struct CloseUp {
   Vec3d at;
   double within = 1;
 
-  bool holds(const Vec3d& point) const { return length(point - at) <= within; }
+  bool contains(const Vec3d& point) const { return length(point - at) <= within; }
 };
 
 // A pinhole or orthographic camera. Points are in the sensor frame or the canvas frame (m): x forward, y left, z up.

@@ -54,8 +54,8 @@ void setView(Canvas& canvas, bool depthEdges = false) {
   canvas.setViews({&view, 1});
 }
 
-Image drawn(Canvas& canvas, std::uint64_t mostPoints = 0) {
-  canvas.render(mostPoints);
+Image drawn(Canvas& canvas, std::uint64_t maxPoints = 0) {
+  canvas.render(maxPoints);
   return canvas.read();
 }
 

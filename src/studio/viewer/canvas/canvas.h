@@ -139,9 +139,9 @@ class Canvas {
   virtual void setImage(ImageId image, int width, int height, std::span<const Rgba> pixels) = 0;
   // Sets the overlay. It is drawn on top of all views until it is replaced.
   virtual void setOverlay(Overlay overlay) = 0;
-  // Draws the views and the overlay. If `mostPoints` is not 0, draws at most this number of points of each item, evenly
+  // Draws the views and the overlay. If `maxPoints` is not 0, draws at most this number of points of each item, evenly
   // chosen, to be fast during motion.
-  virtual void render(std::uint64_t mostPoints = 0) = 0;
+  virtual void render(std::uint64_t maxPoints = 0) = 0;
   virtual Image read() = 0;  // returns the picture that was drawn last
   // Shows the window and passes its events to `handle`, until `handle` returns false or the window is closed. `handle`
   // may call all functions except run(). If `handle` throws, run() ends and rethrows the exception.

@@ -17,7 +17,7 @@ namespace scanmill {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-constexpr std::size_t kGrain = 16384;
+constexpr std::size_t kGrain = 16384;  // points that a thread handles at a time
 
 bool isFalsePositive(const Scan& scan, std::size_t point) {
   return !scan[kCause].empty() && scan[kCause][point] == static_cast<std::uint8_t>(Reason::FalsePositive);
@@ -39,55 +39,62 @@ std::uint64_t beamOf(const PointKey& key) {
 
 // Returns the points with a finite position, sorted by beam; those of a beam are in the order of the scan.
 std::vector<BeamPoint> sortedByBeam(const Scan& scan) {
-  std::vector<BeamPoint> all;
-  all.reserve(scan.size());
+  std::vector<BeamPoint> points;
+  points.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (isFinite(scan.position[i])) all.push_back({beamOf(keyOf(scan, i)), static_cast<std::uint32_t>(i)});
+    if (isFinite(scan.position[i])) points.push_back({beamOf(keyOf(scan, i)), static_cast<std::uint32_t>(i)});
   }
-  std::ranges::sort(all);
-  return all;
+  std::ranges::sort(points);
+  return points;
 }
 
-// Returns the first points of a beam; in damaged scans a beam may have thousands.
-std::span<const BeamPoint> pointsOf(const std::vector<BeamPoint>& all, const PointKey& key) {
+// Returns the points of the key's beam, but at most 16, since in damaged scans a beam may have thousands. `sorted`: see
+// sortedByBeam().
+std::span<const BeamPoint> pointsOf(const std::vector<BeamPoint>& sorted, const PointKey& key) {
   constexpr std::size_t kMostReturns = 16;
-  const auto found = std::ranges::equal_range(all, beamOf(key), {}, &BeamPoint::beam);
-  return {found.begin(), std::min(found.size(), kMostReturns)};
+  const auto points = std::ranges::equal_range(sorted, beamOf(key), {}, &BeamPoint::beam);
+  return {points.begin(), std::min(points.size(), kMostReturns)};
+}
+
+// Returns why the points of the scans cannot be compared, as a text for the user; empty if they can.
+std::string whyNotComparable(const Scan& scan, const Scan& reference) {
+  for (const auto& [checked, name] :
+       {std::pair{&scan, "the scan"}, std::pair{&reference, "the noise-free reference"}}) {
+    if (knowsBeams(*checked)) continue;
+    return fmt::format(
+        "{} does not say which beam its points belong to: name ring and column in output.columns of its "
+        "pipeline",
+        name);
+  }
+  if (scan.rings != 0 && reference.rings != 0 && (scan.rings != reference.rings || scan.columns != reference.columns)) {
+    return fmt::format("the noise-free reference's sensor has {} x {} beams, not {} x {}", reference.rings,
+                       reference.columns, scan.rings, scan.columns);
+  }
+  return {};
 }
 
 }  // namespace
 
 std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std::string& why) {
-  for (const auto& [known, whose] :
-       {std::pair{knowsBeams(scan), "the scan"}, std::pair{knowsBeams(reference), "the noise-free reference"}}) {
-    if (known) continue;
-    why = fmt::format(
-        "{} does not say which beam its points belong to: name ring and column in output.columns of its "
-        "pipeline",
-        whose);
-    return {};
-  }
-  if (scan.rings != 0 && reference.rings != 0 && (scan.rings != reference.rings || scan.columns != reference.columns)) {
-    why = fmt::format("the noise-free reference's sensor has {} x {} beams, not {} x {}", reference.rings,
-                      reference.columns, scan.rings, scan.columns);
-    return {};
-  }
-  const bool numbered = numbersReturns(scan) && numbersReturns(reference);
-  const std::vector<BeamPoint> ofReference = sortedByBeam(reference);
-  const std::vector<BeamPoint> ofScan = numbered ? sortedByBeam(scan) : std::vector<BeamPoint>();
-  // True if the beam has as many returns in the scan as in the reference, and none of them is a false positive.
-  const auto sameReturns = [&](const PointKey& key, std::size_t count) {
-    const std::span<const BeamPoint> own = pointsOf(ofScan, key);
-    return own.size() == count &&
-           std::ranges::none_of(own, [&](const BeamPoint& p) { return isFalsePositive(scan, p.point); });
+  why = whyNotComparable(scan, reference);
+  if (!why.empty()) return {};
+  const bool areNumbered = numbersReturns(scan) && numbersReturns(reference);
+  const std::vector<BeamPoint> referencePoints = sortedByBeam(reference);
+  const std::vector<BeamPoint> scanPoints = areNumbered ? sortedByBeam(scan) : std::vector<BeamPoint>();
+  // True if return numbers identify surfaces: the beam has as many returns in the scan as in the reference, and none of
+  // them is a false positive.
+  const auto numbersMatch = [&](const PointKey& key, std::size_t referenceReturns) {
+    const std::span<const BeamPoint> returns = pointsOf(scanPoints, key);
+    return returns.size() == referenceReturns &&
+           std::ranges::none_of(returns, [&](const BeamPoint& p) { return isFalsePositive(scan, p.point); });
   };
   std::vector<float> errors(scan.size(), kUnknown);
   parallelFor(scan.size(), kGrain, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       if (!isFinite(scan.position[i]) || isFalsePositive(scan, i)) continue;
       const PointKey key = keyOf(scan, i);
-      const std::span<const BeamPoint> candidates = pointsOf(ofReference, key);
-      const bool byNumber = numbered && candidates.size() > 1 && sameReturns(key, candidates.size());
+      const std::span<const BeamPoint> candidates = pointsOf(referencePoints, key);
+      const bool byNumber = areNumbered && candidates.size() > 1 && numbersMatch(key, candidates.size());
       double least = std::numeric_limits<double>::infinity();
       for (const BeamPoint& candidate : candidates) {
         if (byNumber && keyOf(reference, candidate.point).number != key.number) continue;

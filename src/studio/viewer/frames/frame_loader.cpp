@@ -1,11 +1,7 @@
 #include "viewer/frames/frame_loader.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <cstdlib>
-#include <map>
-#include <mutex>
-#include <thread>
 #include <utility>
 
 #include "scan/scan.h"
@@ -14,8 +10,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::int64_t kMostAhead = 64;  // maximum number of frames that are read ahead, which play in several seconds
-
+// Returns about the memory that a frame takes.
 std::uint64_t frameBytes(const ViewFrame& frame) {
   const auto bytesOf = [](const auto& column) { return std::uint64_t{column.capacity()} * sizeof(column[0]); };
   std::uint64_t bytes = sizeof(ViewFrame);
@@ -26,183 +21,162 @@ std::uint64_t frameBytes(const ViewFrame& frame) {
   return bytes;
 }
 
-ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
-  try {
-    return source.load(frame);
-  } catch (const std::exception& e) {  // for example std::bad_alloc
-    return {source.keys().at(frame), {}, {reasonOf(e)}};
-  }
-}
-
 }  // namespace
 
-struct FrameLoader::State {
-  struct CachedFrame {
-    std::shared_ptr<const ViewFrame> frame;
-    std::uint64_t bytes = 0;
-  };
-
-  State(std::shared_ptr<const FrameSource> from, std::uint64_t limit) : source(std::move(from)), cacheBytes(limit) {}
-
-  // The caller must hold `mutex` when calling the following functions, except run().
-
-  void want(std::size_t frame, int newStep) {
-    wanted = frame;
-    step = newStep;
-    work.notify_all();
-  }
-
-  std::shared_ptr<const ViewFrame> find(std::size_t number) const {
-    const auto found = cached.find(number);
-    return found == cached.end() ? nullptr : found->second.frame;
-  }
-
-  // True if the loaded mesh shows the scene at the time in `scene`. If nothing in the scene moves, the time is ignored.
-  bool meshShows(const SceneChoice& scene) const {
-    if (mesh == nullptr) return false;
-    return meshScene == scene || (!mesh->moves && meshScene.file == scene.file && meshScene.seed == scene.seed);
-  }
-  bool meshMissing() const { return wantedMesh && !meshShows(*wantedMesh); }
-
-  // Returns the next frame to read ahead in the direction of `step` that is not cached; nothing if there is none. The
-  // requested frame and those that are read ahead, plus one frame of the largest size, may fill half of the cache. The
-  // other half is for frames that were shown before.
-  std::optional<std::size_t> nextAhead() const {
-    if (!wanted || step == 0) return std::nullopt;
-    std::uint64_t largest = 0, needed = 0;
-    for (std::int64_t i = 0; i <= kMostAhead; ++i) {
-      const std::int64_t at = static_cast<std::int64_t>(*wanted) + i * step;
-      if (at < 0 || at >= static_cast<std::int64_t>(source->keys().size())) break;
-      const auto number = static_cast<std::size_t>(at);
-      const auto found = cached.find(number);
-      if (found == cached.end()) return needed + largest <= cacheBytes / 2 ? std::optional(number) : std::nullopt;
-      needed += found->second.bytes;
-      largest = std::max(largest, found->second.bytes);
-    }
-    return std::nullopt;
-  }
-
-  std::optional<std::size_t> missingFrame() const { return wanted && !find(*wanted) ? wanted : std::nullopt; }
-
-  // Caches the frame, and removes the frames that are farthest from the requested one until all fit. If the frame
-  // itself is one of them, no more frames are read ahead.
-  void cache(std::size_t number, ViewFrame frame) {
-    const std::uint64_t bytes = frameBytes(frame);
-    cached[number] = {std::make_shared<const ViewFrame>(std::move(frame)), bytes};
-    const auto distance = [&](const auto& entry) {
-      return std::abs(static_cast<std::int64_t>(entry.first) - static_cast<std::int64_t>(*wanted));
-    };
-    std::uint64_t cachedBytes = 0;
-    for (const auto& entry : cached) cachedBytes += entry.second.bytes;
-    while (cachedBytes > cacheBytes && cached.size() > 1) {
-      const auto farthest = std::ranges::max_element(cached, {}, distance);
-      cachedBytes -= farthest->second.bytes;
-      cached.erase(farthest);
-    }
-    if (!cached.contains(number)) step = 0;
-  }
-
-  // The function of the loading thread: loads requested frames first, then the mesh, then reads frames ahead.
-  void run() {
-    std::unique_lock lock(mutex);
-    while (!stopping) {
-      auto number = missingFrame();
-      const bool loadsMesh = !number && meshMissing();
-      if (!number && !loadsMesh) number = nextAhead();
-      if (number) {
-        lock.unlock();
-        ViewFrame frame = loadFrame(*source, *number);
-        lock.lock();
-        cache(*number, std::move(frame));
-        done.notify_all();
-      } else if (loadsMesh) {
-        const SceneChoice scene = *wantedMesh;
-        lock.unlock();
-        auto made = std::make_shared<const ViewMesh>(loadViewMesh(scene.file, scene.seed, scene.time, scene.ontology));
-        lock.lock();
-        mesh = std::move(made);
-        meshScene = scene;
-        done.notify_all();
-      } else {
-        work.wait(lock);
-      }
-    }
-  }
-
-  const std::shared_ptr<const FrameSource> source;
-  const std::uint64_t cacheBytes;
-  mutable std::mutex mutex;
-  std::condition_variable work;
-  std::condition_variable done;
-  bool stopping = false;
-
-  std::map<std::size_t, CachedFrame> cached;
-  std::optional<std::size_t> wanted;
-  int step = 0;  // direction in which frames are read ahead; 0: none are
-
-  std::optional<SceneChoice> wantedMesh;
-  std::shared_ptr<const ViewMesh> mesh;
-  SceneChoice meshScene;
-
-  std::thread thread;
-};
-
 FrameLoader::FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t cacheBytes)
-    : state_(std::make_unique<State>(std::move(source), cacheBytes)) {
-  state_->thread = std::thread([state = state_.get()] { state->run(); });
+    : source_(std::move(source)), cacheBytes_(cacheBytes) {
+  thread_ = std::thread([this] { run(); });
 }
 
 FrameLoader::~FrameLoader() {
   {
-    const std::lock_guard lock(state_->mutex);
-    state_->stopping = true;
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
   }
-  state_->work.notify_all();
-  state_->thread.join();
+  requested_.notify_all();
+  thread_.join();
 }
 
 void FrameLoader::want(std::size_t frame, int step) {
-  const std::lock_guard lock(state_->mutex);
-  state_->want(frame, step);
+  const std::lock_guard lock(mutex_);
+  request(frame, step);
 }
 
 std::shared_ptr<const ViewFrame> FrameLoader::frame(std::size_t frame) {
-  const std::lock_guard lock(state_->mutex);
-  return state_->find(frame);
+  const std::lock_guard lock(mutex_);
+  return find(frame);
 }
 
 std::shared_ptr<const ViewFrame> FrameLoader::wait(std::size_t frame) {
-  State& s = *state_;
-  std::unique_lock lock(s.mutex);
-  if (s.wanted != frame) s.want(frame, 0);
-  s.done.wait(lock, [&] { return s.find(frame) != nullptr; });
-  return s.find(frame);
+  std::unique_lock lock(mutex_);
+  if (requestedFrame_ != frame) request(frame, 0);
+  loaded_.wait(lock, [&] { return find(frame) != nullptr; });
+  return find(frame);
 }
 
 void FrameLoader::wantMesh(const SceneChoice& scene) {
-  const std::lock_guard lock(state_->mutex);
-  state_->wantedMesh = scene;
-  state_->work.notify_all();
+  const std::lock_guard lock(mutex_);
+  requestedMesh_ = scene;
+  requested_.notify_all();
 }
 
 std::shared_ptr<const ViewMesh> FrameLoader::mesh(const SceneChoice& scene) {
-  const std::lock_guard lock(state_->mutex);
-  return state_->meshShows(scene) ? state_->mesh : nullptr;
+  const std::lock_guard lock(mutex_);
+  return meshShows(scene) ? mesh_ : nullptr;
 }
 
 std::shared_ptr<const ViewMesh> FrameLoader::waitMesh(const SceneChoice& scene) {
   wantMesh(scene);
-  State& s = *state_;
-  std::unique_lock lock(s.mutex);
-  s.done.wait(lock, [&] { return s.meshShows(scene); });
-  return s.mesh;
+  std::unique_lock lock(mutex_);
+  loaded_.wait(lock, [&] { return meshShows(scene); });
+  return mesh_;
 }
 
 std::string FrameLoader::busy() const {
-  const std::lock_guard lock(state_->mutex);
-  if (const auto number = state_->missingFrame()) return state_->source->keys()[*number];
-  if (state_->meshMissing()) return "scene " + state_->wantedMesh->file.stem().string();
+  const std::lock_guard lock(mutex_);
+  if (const auto frame = missingFrame()) return source_->keys()[*frame];
+  if (meshMissing()) return "scene " + requestedMesh_->file.stem().string();
   return {};
+}
+
+void FrameLoader::request(std::size_t frame, int step) {
+  requestedFrame_ = frame;
+  step_ = step;
+  requested_.notify_all();
+}
+
+std::shared_ptr<const ViewFrame> FrameLoader::find(std::size_t frame) const {
+  const auto found = cached_.find(frame);
+  return found == cached_.end() ? nullptr : found->second.frame;
+}
+
+// True if the loaded mesh shows the scene at the time in `scene`. If nothing in the scene moves, the time is ignored.
+bool FrameLoader::meshShows(const SceneChoice& scene) const {
+  if (mesh_ == nullptr) return false;
+  return meshScene_ == scene || (!mesh_->moves && meshScene_.file == scene.file && meshScene_.seed == scene.seed);
+}
+
+// Returns the requested frame if it is not cached.
+std::optional<std::size_t> FrameLoader::missingFrame() const {
+  return requestedFrame_ && !find(*requestedFrame_) ? requestedFrame_ : std::nullopt;
+}
+
+// Returns the next frame to read ahead in the direction of `step_` that is not cached; nothing if there is none. The
+// requested frame and those that are read ahead, plus one frame of the largest size, may fill half of the cache. The
+// other half is for frames that were shown before.
+std::optional<std::size_t> FrameLoader::nextAhead() const {
+  constexpr std::int64_t kMostAhead = 64;  // number of frames that are read ahead, which play in several seconds
+  if (!requestedFrame_ || step_ == 0) return std::nullopt;
+  std::uint64_t largestBytes = 0, cachedBytes = 0;  // of the cached frames ahead
+  for (std::int64_t i = 0; i <= kMostAhead; ++i) {
+    const std::int64_t index = static_cast<std::int64_t>(*requestedFrame_) + i * step_;
+    if (index < 0 || index >= static_cast<std::int64_t>(source_->keys().size())) break;
+    const auto frame = static_cast<std::size_t>(index);
+    const auto found = cached_.find(frame);
+    if (found == cached_.end()) {
+      return cachedBytes + largestBytes <= cacheBytes_ / 2 ? std::optional(frame) : std::nullopt;
+    }
+    cachedBytes += found->second.bytes;
+    largestBytes = std::max(largestBytes, found->second.bytes);
+  }
+  return std::nullopt;
+}
+
+// Caches the frame, and removes the frames that are farthest from the requested one until all fit. If the frame itself
+// is one of them, no more frames are read ahead.
+void FrameLoader::cache(std::size_t frame, ViewFrame loaded) {
+  const std::uint64_t bytes = frameBytes(loaded);
+  cached_[frame] = {std::make_shared<const ViewFrame>(std::move(loaded)), bytes};
+  const auto distance = [&](const auto& entry) {
+    return std::abs(static_cast<std::int64_t>(entry.first) - static_cast<std::int64_t>(*requestedFrame_));
+  };
+  std::uint64_t cachedBytes = 0;
+  for (const auto& entry : cached_) cachedBytes += entry.second.bytes;
+  while (cachedBytes > cacheBytes_ && cached_.size() > 1) {
+    const auto farthest = std::ranges::max_element(cached_, {}, distance);
+    cachedBytes -= farthest->second.bytes;
+    cached_.erase(farthest);
+  }
+  if (!cached_.contains(frame)) step_ = 0;
+}
+
+// Loads the requested frame first, then the requested mesh, then reads frames ahead; waits if there is nothing to load.
+void FrameLoader::run() {
+  std::unique_lock lock(mutex_);
+  while (!stopping_) {
+    if (const auto frame = missingFrame()) {
+      loadFrame(*frame, lock);
+    } else if (meshMissing()) {
+      loadMesh(lock);
+    } else if (const auto ahead = nextAhead()) {
+      loadFrame(*ahead, lock);
+    } else {
+      requested_.wait(lock);
+    }
+  }
+}
+
+void FrameLoader::loadFrame(std::size_t frame, std::unique_lock<std::mutex>& lock) {
+  lock.unlock();
+  ViewFrame loaded;
+  try {
+    loaded = source_->load(frame);
+  } catch (const std::exception& e) {  // for example std::bad_alloc
+    loaded = {.key = source_->keys().at(frame), .scans = {}, .problems = {reasonOf(e)}};
+  }
+  lock.lock();
+  cache(frame, std::move(loaded));
+  loaded_.notify_all();
+}
+
+void FrameLoader::loadMesh(std::unique_lock<std::mutex>& lock) {
+  const SceneChoice scene = *requestedMesh_;
+  lock.unlock();
+  auto loaded = std::make_shared<const ViewMesh>(loadViewMesh(scene.file, scene.seed, scene.time, scene.ontology));
+  lock.lock();
+  mesh_ = std::move(loaded);
+  meshScene_ = scene;
+  loaded_.notify_all();
 }
 
 }  // namespace scanmill

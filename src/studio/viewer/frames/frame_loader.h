@@ -3,10 +3,15 @@
 // Loads frames and scenes on a separate thread, so that the window never blocks. One thread makes the requests.
 // Indices of frames are less than the source's number of keys; want() and wait() do not check this.
 
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <thread>
 
 #include "viewer/frames/frame_source.h"
 #include "viewer/frames/view_mesh.h"
@@ -15,7 +20,8 @@ namespace scanmill {
 
 class FrameLoader {
  public:
-  // Caches the frames about the one that was requested last, up to `cacheBytes` bytes; that one is always cached.
+  // Caches the requested frame and the frames nearest to it, up to `cacheBytes` bytes together; the requested frame is
+  // always cached.
   explicit FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t cacheBytes = std::uint64_t{1} << 30);
   ~FrameLoader();  // waits until the current load is finished
   FrameLoader(const FrameLoader&) = delete;
@@ -42,8 +48,40 @@ class FrameLoader {
   std::string busy() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct CachedFrame {
+    std::shared_ptr<const ViewFrame> frame;
+    std::uint64_t bytes = 0;
+  };
+
+  // The caller of these functions holds `mutex_`.
+  void request(std::size_t frame, int step);
+  std::shared_ptr<const ViewFrame> find(std::size_t frame) const;
+  bool meshShows(const SceneChoice& scene) const;
+  bool meshMissing() const { return requestedMesh_ && !meshShows(*requestedMesh_); }
+  std::optional<std::size_t> missingFrame() const;
+  std::optional<std::size_t> nextAhead() const;
+  void cache(std::size_t frame, ViewFrame loaded);
+  // These functions run on the loading thread. `lock` holds `mutex_`, but not while data are loaded.
+  void run();
+  void loadFrame(std::size_t frame, std::unique_lock<std::mutex>& lock);
+  void loadMesh(std::unique_lock<std::mutex>& lock);
+
+  const std::shared_ptr<const FrameSource> source_;
+  const std::uint64_t cacheBytes_;
+  mutable std::mutex mutex_;           // guards all members below
+  std::condition_variable requested_;  // signals new requests, or the end, to the loading thread
+  std::condition_variable loaded_;     // signals that a frame or mesh has been loaded
+  bool stopping_ = false;
+
+  std::map<std::size_t, CachedFrame> cached_;  // by index of the frame
+  std::optional<std::size_t> requestedFrame_;
+  int step_ = 0;  // direction in which frames are read ahead; 0: none are
+
+  std::optional<SceneChoice> requestedMesh_;
+  std::shared_ptr<const ViewMesh> mesh_;  // the mesh that was loaded last, of `meshScene_`; null: none was
+  SceneChoice meshScene_;
+
+  std::thread thread_;
 };
 
 }  // namespace scanmill

@@ -24,7 +24,8 @@ namespace {
 class SceneFrames : public FrameSource {
  public:
   explicit SceneFrames(const ViewInput& input)
-      : choice_{input.path, input.seed.value_or(1), 0, input.ontology}, keys_{input.path.filename().string()} {
+      : choice_{.file = input.path, .seed = input.seed.value_or(1), .ontology = input.ontology},
+        keys_{input.path.filename().string()} {
     if (!input.over.empty() || !input.reference.empty() || !input.sensor.empty() || !input.scene.empty()) {
       throw InputError({input.path.string()},
                        "is a scene: --over, --reference, --sensor and --scene belong to a dataset, a shard or a scan");
@@ -46,9 +47,11 @@ class SceneFrames : public FrameSource {
   std::optional<Ontology> ontology_;
 };
 
-std::optional<fs::path> fileOf(const std::string& saved, const fs::path& datasetFolder) {
+// Returns the file with a path that a dataset's manifest records; nothing if the file is not found. The path is
+// relative to the pipeline's folder, which the manifest does not record, so each of pipelineFolders() is tried.
+std::optional<fs::path> fileOf(const std::string& recordedPath, const fs::path& datasetFolder) {
   for (const fs::path& folder : pipelineFolders(datasetFolder)) {
-    const fs::path file = fileOfSavedPath(saved, folder);
+    const fs::path file = fileOfSavedPath(recordedPath, folder);
     if (isFile(file)) return file;
   }
   return std::nullopt;
@@ -58,24 +61,22 @@ std::optional<fs::path> fileOf(const std::string& saved, const fs::path& dataset
 
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
   const std::string suffix = input.path.extension().string();
-  const bool regular = isFile(input.path);
-  if (regular && (suffix == ".yaml" || suffix == ".yml")) return std::make_unique<SceneFrames>(input);
+  const bool inputIsFile = isFile(input.path);
+  if (inputIsFile && (suffix == ".yaml" || suffix == ".yml")) return std::make_unique<SceneFrames>(input);
   if (input.seed && input.scene.empty() && pathExists(input.path)) {
     throw InputError({input.path.string()},
                      "is no scene: --seed is for a scene that is viewed by itself, or by --scene");
   }
-  if (regular) {
-    if (suffix == ".exr") {
-      throw InputError({input.path.string()}, "is an image of passes or hits, not a scan: it is viewed by itself");
-    }
-    if (suffix != ".tar" && !isScan(input.path)) {
-      throw InputError(
-          {input.path.string()},
-          fmt::format(
-              "is neither a dataset's folder nor a shard or scan (.tar, {}) nor a scene (.yaml); of a model, `scanmill "
-              "draft` makes a scene",
-              scanSuffixes()));
-    }
+  if (inputIsFile && suffix == ".exr") {
+    throw InputError({input.path.string()}, "is an image of passes or hits, not a scan: it is viewed by itself");
+  }
+  if (inputIsFile && suffix != ".tar" && !isScan(input.path)) {
+    throw InputError(
+        {input.path.string()},
+        fmt::format(
+            "is neither a dataset's folder nor a shard or scan (.tar, {}) nor a scene (.yaml); of a model, `scanmill "
+            "draft` makes a scene",
+            scanSuffixes()));
   }
   if (!input.scene.empty()) requireScene(input.scene);
   return std::make_unique<StoredFrames>(input);
@@ -93,7 +94,7 @@ std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const fs::pat
     return std::nullopt;
   }
   if (const auto file = fileOf(sequence->sceneFile, datasetFolder)) {
-    return SceneChoice{*file, sequence->seed, sequence->moving ? time : 0};
+    return SceneChoice{.file = *file, .seed = sequence->seed, .time = sequence->moving ? time : 0};
   }
   why = fmt::format("the scene '{}' of the dataset is not found here: {}", sequence->sceneFile, kAdvice);
   return std::nullopt;
@@ -106,8 +107,9 @@ std::optional<fs::path> vehicleOf(const Manifest& manifest, const fs::path& data
 
 void requireScene(const fs::path& file) {
   const Value root = readYaml(file);
-  if (fileKind(root) == FileKind::Scene) return;
-  if (fileKind(root) == FileKind::Pipeline) {
+  const FileKind kind = fileKind(root);
+  if (kind == FileKind::Scene) return;
+  if (kind == FileKind::Pipeline) {
     throw InputError({file.string()},
                      fmt::format("is a pipeline: `scanmill generate {} -o DIR` makes the dataset that can be viewed",
                                  file.string()));

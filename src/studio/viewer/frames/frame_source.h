@@ -113,8 +113,7 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input);
 // similar keys.
 std::size_t findFrame(const FrameSource& source, const std::string& wanted);
 
-// Returns the scene of a sequence at a time (s since the drive began). The manifest does not record the pipeline's
-// folder, so the scene's path is tried from each of pipelineFolders(). If the scene is not found or `sequence` is null,
+// Returns the scene of a sequence at a time (s since the drive began). If the scene is not found or `sequence` is null,
 // returns nothing, and `why` receives the reason.
 std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const std::filesystem::path& datasetFolder,
                                    double time, std::string& why);

@@ -23,34 +23,39 @@ namespace {
 // Returns a label for each file or folder: its name or, if two have the same name, its path in the folder that holds
 // all of them.
 std::vector<std::string> labelsOf(const std::vector<fs::path>& paths) {
-  std::vector<std::string> names, absolute;
+  std::vector<std::string> names, absolutePaths;
   for (const fs::path& path : paths) {
-    const fs::path clean = fs::absolute(path).lexically_normal();
-    absolute.push_back((clean.has_filename() ? clean : clean.parent_path()).string());
-    names.push_back(fs::path(absolute.back()).filename().string());
+    const fs::path normal = fs::absolute(path).lexically_normal();
+    absolutePaths.push_back((normal.has_filename() ? normal : normal.parent_path()).string());
+    names.push_back(fs::path(absolutePaths.back()).filename().string());
   }
-  const auto different = [](const std::vector<std::string>& all) { return std::set(all.begin(), all.end()).size(); };
-  if (different(names) == different(absolute)) return names;
-  fs::path common = fs::path(absolute.front()).parent_path();
-  const auto holds = [&](const std::string& path) {
-    return *fs::path(path).parent_path().lexically_relative(common).begin() != "..";
+  const auto countDistinct = [](const std::vector<std::string>& v) { return std::set(v.begin(), v.end()).size(); };
+  if (countDistinct(names) == countDistinct(absolutePaths)) return names;
+  fs::path folder = fs::path(absolutePaths.front()).parent_path();
+  const auto isInFolder = [&](const std::string& path) {
+    return *fs::path(path).parent_path().lexically_relative(folder).begin() != "..";
   };
-  while (!std::ranges::all_of(absolute, holds)) common = common.parent_path();
-  for (std::string& path : absolute) path = fs::path(path).lexically_relative(common).string();
-  return absolute;
+  while (!std::ranges::all_of(absolutePaths, isInFolder)) folder = folder.parent_path();
+  for (std::string& path : absolutePaths) path = fs::path(path).lexically_relative(folder).string();
+  return absolutePaths;
+}
+
+// True if the names of sensors or methods differ at most in upper and lower case.
+bool isSameName(const std::string& a, const std::string& b) {
+  return lowerCase(a) == lowerCase(b);
 }
 
 // Returns a description of the first class that has different names in the two ontologies; empty if there is none.
 std::string differenceOf(const Ontology& a, const Ontology& b) {
-  const auto name = [](const Ontology& ontology, std::uint16_t id) {
+  const auto nameIn = [](const Ontology& ontology, std::uint16_t id) {
     const SemanticClass* found = ontology.find(id);
     return found == nullptr ? std::string("nothing") : found->name;
   };
-  for (const Ontology* both : {&a, &b}) {
-    for (const SemanticClass& c : both->classes) {
-      if (name(a, c.id) != name(b, c.id)) {
-        return fmt::format("class {} is {} in '{}' and {} in '{}'", c.id, name(a, c.id), a.name, name(b, c.id), b.name);
-      }
+  for (const Ontology* ontology : {&a, &b}) {
+    for (const SemanticClass& c : ontology->classes) {
+      const std::string nameA = nameIn(a, c.id), nameB = nameIn(b, c.id);
+      if (nameA != nameB)
+        return fmt::format("class {} is {} in '{}' and {} in '{}'", c.id, nameA, a.name, nameB, b.name);
     }
   }
   return {};
@@ -79,11 +84,11 @@ std::vector<Vec3f> placedAtStart(const Scan& scan, const ScanRecord& record, con
 // A scan while it is loaded: where it is stored, and what has been read of it.
 struct StoredFrames::Loading {
   const Store* store = nullptr;
-  std::size_t sample = 0;
+  std::size_t sample = 0;  // index of the sample in the store
   StoredScan stored;
-  ViewScan scan;
-  std::vector<std::string> problems;
-  bool loaded = false;
+  ViewScan scan{};
+  std::vector<std::string> problems{};
+  bool loaded = false;  // true: the points could be read, even if there are problems
 };
 
 StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
@@ -91,13 +96,13 @@ StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
   paths.insert(paths.end(), input.over.begin(), input.over.end());
   const std::vector<std::string> labels = labelsOf(paths);
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    stores_.push_back({std::make_unique<const ScanStore>(paths[i]), labels[i], {}});
+    stores_.push_back({.scans = std::make_unique<const ScanStore>(paths[i]), .label = labels[i]});
   }
   if (!input.reference.empty()) reference_ = std::make_unique<const ScanStore>(input.reference);
   checkJoins();
-  takeOntology();
-  if (first().manifest() == nullptr) return;
-  for (const SampleRecord& s : first().manifest()->samples) sequences_[partsOfKey(s.key).sequence].push_back(&s);
+  chooseOntology();
+  if (mainStore().manifest() == nullptr) return;
+  for (const SampleRecord& s : mainStore().manifest()->samples) sequences_[partsOfKey(s.key).sequence].push_back(&s);
   for (auto& [name, samples] : sequences_) {
     std::ranges::stable_sort(samples, [](const SampleRecord* a, const SampleRecord* b) {
       const std::string frameA = partsOfKey(a->key).frame;
@@ -107,10 +112,12 @@ StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
   }
 }
 
+// Throws InputError unless samples of all stores can be joined by their keys, or all stores are single scans, and the
+// main store has the sensor that the user chooses.
 void StoredFrames::checkJoins() const {
   const std::string where = input_.path.string();
   if (StoredFrames::keys().empty()) throw InputError({where}, "holds no sample");
-  if (first().single()) {
+  if (mainStore().single()) {
     if (!input_.sensor.empty()) {
       throw InputError({where}, "is a single scan: --sensor chooses from a dataset or a shard");
     }
@@ -130,42 +137,40 @@ void StoredFrames::checkJoins() const {
     return;
   }
   if (input_.sensor.empty()) return;
-  const std::vector<std::string> sensors = first().sensors();
-  const bool known = std::ranges::any_of(
-      sensors, [&](const std::string& name) { return lowerCase(name) == lowerCase(input_.sensor); });
-  if (!known) {
+  const std::vector<std::string> sensors = mainStore().sensors();
+  if (std::ranges::none_of(sensors, [&](const std::string& name) { return isSameName(name, input_.sensor); })) {
     throw InputError({where},
                      fmt::format("has no sensor '{}'; it has {}", input_.sensor,
                                  sensors.empty() ? "none with a name" : fmt::format("{}", fmt::join(sensors, ", "))));
   }
 }
 
-void StoredFrames::takeOntology() {
+// Sets `ontology_` to the ontology that the user chooses, otherwise to that of the first store that has one, and sets
+// Store::classDifference.
+void StoredFrames::chooseOntology() {
   if (!input_.ontology.empty()) {
     ontology_ = readOntology(input_.ontology);
     return;
   }
-  std::string owner;
+  std::string chosenLabel;
   for (Store& s : stores_) {
     if (s.scans->ontology() == nullptr) continue;
-    const Ontology& own = *s.scans->ontology();
     if (!ontology_) {
-      ontology_ = own;
-      owner = s.label;
+      ontology_ = *s.scans->ontology();
+      chosenLabel = s.label;
     }
-    const std::string difference = differenceOf(*ontology_, own);
-    if (!difference.empty()) {
-      s.classes = fmt::format("{} has other classes than {}, whose names and colours are shown: {}", s.label, owner,
-                              difference);
+    if (const std::string difference = differenceOf(*ontology_, *s.scans->ontology()); !difference.empty()) {
+      s.classDifference = fmt::format("{} has other classes than {}, whose names and colours are shown: {}", s.label,
+                                      chosenLabel, difference);
     }
   }
 }
 
 // Finds the scans of a sample in all datasets, shards and scans that are open. Adds a line to `problems` for each store
 // that does not have the sample.
-std::vector<StoredFrames::Loading> StoredFrames::find(const std::string& key,
-                                                      std::vector<std::string>& problems) const {
-  std::vector<Loading> all;
+std::vector<StoredFrames::Loading> StoredFrames::findScans(const std::string& key,
+                                                           std::vector<std::string>& problems) const {
+  std::vector<Loading> scans;
   for (const Store& s : stores_) {
     const auto sample = s.scans->single() ? std::optional<std::size_t>(0) : s.scans->find(key);
     if (!sample) {
@@ -174,22 +179,24 @@ std::vector<StoredFrames::Loading> StoredFrames::find(const std::string& key,
     }
     try {
       for (StoredScan& scan : s.scans->scans(*sample, input_.sensor)) {
-        all.push_back({&s, *sample, std::move(scan), {}, {}, false});
+        scans.push_back({.store = &s, .sample = *sample, .stored = std::move(scan)});
       }
     } catch (const InputError& e) {
       problems.emplace_back(e.what());
     }
   }
-  return all;
+  return scans;
 }
 
-void StoredFrames::nameScans(std::vector<Loading>& all) const {
+// Names each scan after its sensor, with the method if there are several, and the store if there are several or the
+// sensor is unknown. Names that are used already get a number.
+void StoredFrames::nameScans(std::vector<Loading>& scans) const {
   std::set<std::string> methods;
-  for (const Loading& l : all) {
+  for (const Loading& l : scans) {
     if (!l.stored.method.empty()) methods.insert(l.stored.method);
   }
-  std::set<std::string> taken;
-  for (Loading& l : all) {
+  std::set<std::string> usedNames;
+  for (Loading& l : scans) {
     std::string name = l.stored.sensor;
     if (methods.size() > 1 && !l.stored.method.empty()) name += (name.empty() ? "" : ", ") + l.stored.method;
     if (name.empty()) {
@@ -198,32 +205,35 @@ void StoredFrames::nameScans(std::vector<Loading>& all) const {
       name = l.store->label + ": " + name;
     }
     l.scan.name = name;
-    for (int copy = 2; !taken.insert(l.scan.name).second; ++copy) l.scan.name = fmt::format("{} ({})", name, copy);
+    for (int copy = 2; !usedNames.insert(l.scan.name).second; ++copy) l.scan.name = fmt::format("{} ({})", name, copy);
   }
 }
 
+// Sets the errors of a scan to the distances from the reference's scan of the same sensor and revolution, if possible
+// by the same method. Throws InputError if there is none.
 void StoredFrames::addReferenceError(ViewScan& scan, const std::string& key) const {
   const auto sample = reference_->single() ? std::optional<std::size_t>(0) : reference_->find(key);
   if (!sample)
     throw InputError({reference_->path().string()}, fmt::format("the noise-free reference has no sample '{}'", key));
   const std::vector<StoredScan> references = reference_->scans(*sample, scan.sensor);
-  const auto ofRevolution = [&](const StoredScan& t) { return t.revolution == scan.revolution; };
-  auto same = std::ranges::find_if(references, [&](const StoredScan& t) {
-    return ofRevolution(t) && lowerCase(t.method) == lowerCase(scan.method);
-  });
-  if (same == references.end()) same = std::ranges::find_if(references, ofRevolution);
-  if (same == references.end()) {
+  const auto isSameRevolution = [&](const StoredScan& r) { return r.revolution == scan.revolution; };
+  auto partner = std::ranges::find_if(
+      references, [&](const StoredScan& r) { return isSameRevolution(r) && isSameName(r.method, scan.method); });
+  if (partner == references.end()) partner = std::ranges::find_if(references, isSameRevolution);
+  if (partner == references.end()) {
     throw InputError({reference_->path().string()},
                      fmt::format("the noise-free reference has no revolution {} of '{}' in the sample '{}'",
                                  scan.revolution, scan.sensor, key));
   }
   std::string why;
-  scan.error = referenceErrors(scan.scan, reference_->decode(*sample, *same), why);
+  scan.error = referenceErrors(scan.scan, reference_->decode(*sample, *partner), why);
   if (!why.empty()) throw InputError({reference_->path().string()}, why);
   scan.errorTitle = "distance to the reference (m)";
   scan.whyNoError = "no partner in the reference";
 }
 
+// Sets the errors of a scan: from the reference if there is one, otherwise from the column range_true if it has one.
+// `sensorsDiffer`: the sample has scans of several sensors.
 void StoredFrames::addError(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   if (reference_ == nullptr) {
@@ -239,7 +249,9 @@ void StoredFrames::addError(Loading& loading, const std::string& key, bool senso
   addReferenceError(scan, key);
 }
 
-void StoredFrames::loadOne(Loading& loading, const std::string& key, bool sensorsDiffer) const {
+// Reads the points of a scan that findScans() has found, and what the viewer shows beside them. Failures become
+// problems.
+void StoredFrames::loadScan(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   scan.sensor = loading.stored.sensor;
   scan.revolution = loading.stored.revolution;
@@ -265,25 +277,27 @@ void StoredFrames::loadOne(Loading& loading, const std::string& key, bool sensor
 ViewFrame StoredFrames::load(std::size_t frame) const {
   ViewFrame view;
   view.key = keys().at(frame);
-  std::vector<Loading> all = find(view.key, view.problems);
-  nameScans(all);
-  const bool sensorsDiffer = std::ranges::any_of(
-      all, [&](const Loading& l) { return lowerCase(l.stored.sensor) != lowerCase(all.front().stored.sensor); });
-  parallelFor(all.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) loadOne(all[i], view.key, sensorsDiffer);
+  std::vector<Loading> scans = findScans(view.key, view.problems);
+  nameScans(scans);
+  const bool sensorsDiffer = !std::ranges::all_of(
+      scans, [&](const Loading& l) { return isSameName(l.stored.sensor, scans.front().stored.sensor); });
+  parallelFor(scans.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) loadScan(scans[i], view.key, sensorsDiffer);
   });
-  for (Loading& l : all) {
+  for (Loading& l : scans) {
     if (std::string damage = l.loaded ? l.store->scans->damage(l.sample) : ""; !damage.empty()) {
       l.problems.push_back(fmt::format("{}; what lies before that is shown", damage));
     }
-    if (!l.store->classes.empty() && !l.scan.scan[kLabel].empty()) l.problems.push_back(l.store->classes);
+    if (!l.store->classDifference.empty() && !l.scan.scan[kLabel].empty()) {
+      l.problems.push_back(l.store->classDifference);
+    }
     appendNew(l.problems, view.problems);
     if (l.loaded) view.scans.push_back(std::move(l.scan));
   }
   try {
-    if (auto listed = first().objects(frame)) {
-      view.objects = std::move(listed->objects);
-      view.objectTime = listed->time;
+    if (auto list = mainStore().objects(frame)) {
+      view.objects = std::move(list->objects);
+      view.objectTime = list->time;
     }
   } catch (const InputError& e) {
     appendNew({e.what()}, view.problems);
@@ -292,11 +306,15 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
   return view;
 }
 
+// True if the user chooses the scan's sensor, or all sensors.
+bool StoredFrames::isShown(const ScanRecord& scan) const {
+  return input_.sensor.empty() || isSameName(scan.sensor, input_.sensor);
+}
+
 // Returns the sensor pose of the sample's first shown scan whose pose is known; null if there is none.
 const Pose* StoredFrames::poseOf(const SampleRecord& sample) const {
   for (const ScanRecord& scan : sample.scans) {
-    const bool shown = input_.sensor.empty() || lowerCase(scan.sensor) == lowerCase(input_.sensor);
-    if (shown && !scan.worldFromSensor.empty()) return &scan.worldFromSensor.front();
+    if (isShown(scan) && !scan.worldFromSensor.empty()) return &scan.worldFromSensor.front();
   }
   return nullptr;
 }
@@ -308,7 +326,7 @@ std::vector<Pose> StoredFrames::trajectory(std::size_t frame) const {
   std::vector<Pose> poses;
   if (found == sequences_.end()) return poses;
   for (const SampleRecord* sample : found->second) {
-    // If keys have no frame numbers, the order of samples is unknown: uses only the shown sample.
+    // If keys have no frame numbers, the order of samples is unknown: only the shown sample is used.
     if (sequence.empty() && sample->key != key) continue;
     if (const Pose* pose = poseOf(*sample)) poses.push_back(*pose);
   }
@@ -327,24 +345,25 @@ std::optional<SceneChoice> StoredFrames::scene(std::size_t frame, std::string& w
   const std::string& key = keys().at(frame);
   const ScanRecord* const scan = firstScan(key);
   const double time = scan == nullptr ? 0 : scan->time;
-  const SequenceRecord* const sequence = first().manifest() == nullptr ? nullptr : first().manifest()->sequenceOf(key);
+  const SequenceRecord* const sequence =
+      mainStore().manifest() == nullptr ? nullptr : mainStore().manifest()->sequenceOf(key);
   if (!input_.scene.empty()) {
     return SceneChoice{input_.scene, input_.seed.value_or(sequence == nullptr ? 1 : sequence->seed), time};
   }
-  return sceneOf(sequence, first().folder(), time, why);
+  return sceneOf(sequence, mainStore().folder(), time, why);
 }
 
 std::optional<std::filesystem::path> StoredFrames::vehicle() const {
-  const Manifest* const manifest = first().manifest();
-  return manifest == nullptr ? std::nullopt : vehicleOf(*manifest, first().folder());
+  const Manifest* const manifest = mainStore().manifest();
+  return manifest == nullptr ? std::nullopt : vehicleOf(*manifest, mainStore().folder());
 }
 
 // Returns the pose of the vehicle that carries the sensors, at the start of the sample's first scan.
 std::optional<Pose> StoredFrames::vehiclePose(const std::string& key) const {
   const ScanRecord* const scan = firstScan(key);
   if (scan == nullptr || scan->worldFromSensor.empty()) return {};
-  const auto sensor = std::ranges::find(first().manifest()->sensors, scan->sensor, &SensorRecord::name);
-  if (sensor == first().manifest()->sensors.end()) return {};
+  const auto sensor = std::ranges::find(mainStore().manifest()->sensors, scan->sensor, &SensorRecord::name);
+  if (sensor == mainStore().manifest()->sensors.end()) return {};
   return scan->worldFromSensor.front() * inverse(mountOf(*sensor, *scan));
 }
 
@@ -354,7 +373,7 @@ std::vector<std::uint16_t> StoredFrames::classes() const {
     if (s.scans->manifest() == nullptr) return {};
     for (const SampleRecord& sample : s.scans->manifest()->samples) {
       for (const ScanRecord& scan : sample.scans) {
-        if (!input_.sensor.empty() && lowerCase(scan.sensor) != lowerCase(input_.sensor)) continue;
+        if (!isShown(scan)) continue;
         for (const auto& [id, points] : scan.pointsPerClass) {
           if (points > 0) ids.insert(id);
         }

@@ -20,7 +20,7 @@ class StoredFrames : public FrameSource {
   explicit StoredFrames(const ViewInput& input);
 
   std::string title() const override { return stores_.front().label; }
-  const std::vector<std::string>& keys() const override { return first().keys(); }
+  const std::vector<std::string>& keys() const override { return mainStore().keys(); }
   const Ontology* ontology() const override { return ontology_ ? &*ontology_ : nullptr; }
   ViewFrame load(std::size_t frame) const override;
   std::vector<Pose> trajectory(std::size_t frame) const override;
@@ -31,19 +31,21 @@ class StoredFrames : public FrameSource {
  private:
   struct Store {
     std::unique_ptr<const ScanStore> scans;
-    std::string label;    // name of the file or folder, or its path if another store has the same name
-    std::string classes;  // how this store's classes differ from the shown classes, as text; empty: no difference
+    std::string label;  // name of the file or folder, or its path if another store has the same name
+    std::string
+        classDifference{};  // how the store's classes differ from the shown classes, as text; empty: they do not
   };
   struct Loading;
 
-  const ScanStore& first() const { return *stores_.front().scans; }
+  const ScanStore& mainStore() const { return *stores_.front().scans; }
   void checkJoins() const;
-  void takeOntology();
-  std::vector<Loading> find(const std::string& key, std::vector<std::string>& problems) const;
-  void loadOne(Loading& loading, const std::string& key, bool sensorsDiffer) const;
+  void chooseOntology();
+  std::vector<Loading> findScans(const std::string& key, std::vector<std::string>& problems) const;
+  void loadScan(Loading& loading, const std::string& key, bool sensorsDiffer) const;
   void addError(Loading& loading, const std::string& key, bool sensorsDiffer) const;
   void addReferenceError(ViewScan& scan, const std::string& key) const;
-  void nameScans(std::vector<Loading>& all) const;
+  void nameScans(std::vector<Loading>& scans) const;
+  bool isShown(const ScanRecord& scan) const;
   const Pose* poseOf(const SampleRecord& sample) const;
   const ScanRecord* firstScan(const std::string& key) const;
   std::optional<Pose> vehiclePose(const std::string& key) const;

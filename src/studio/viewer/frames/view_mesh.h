@@ -71,7 +71,8 @@ struct MeshHit {
   std::size_t triangle = 0;
   double distance = 0;  // distance from the ray's origin (m)
 };
-// Returns the nearest triangle that a ray hits; nothing if it hits none. `origin`: relative to mesh.origin (m).
+// Returns the nearest triangle that a ray hits; nothing if it hits none, or if the ray is not finite. `origin`:
+// relative to mesh.origin (m). `direction`: need not have unit length.
 std::optional<MeshHit> pickTriangle(const ViewMesh& mesh, const Vec3d& origin, const Vec3d& direction);
 
 }  // namespace scanmill

@@ -296,14 +296,14 @@ std::optional<ScaleRange> scaleBar(const Legend& legend, PanelUse use) {
   return ScaleRange{ends[0], ends[1]};
 }
 
-PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int mostWidth) {
+PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int maxWidth) {
   if (!legend.scale && legend.entries.empty()) return {};
   constexpr std::size_t kScaleRows = 6;  // bar, numbers, count of unknown values, and texts that are wrapped
   const std::size_t rows = legend.scale ? kScaleRows : legend.entries.size();
   // A row is as high as legendRow() and the spacing between rows; the title and the edges take two more.
   const int high = static_cast<int>(std::ceil((static_cast<double>(rows) + 2) * (1.3 * lineHeight + 2)));
   const int right = body.left + body.width;
-  if (right + sideWidth(lineHeight) > mostWidth) return {body.left, body.top + body.height, body.width, high};
+  if (right + sideWidth(lineHeight) > maxWidth) return {body.left, body.top + body.height, body.width, high};
   return {right, body.top, sideWidth(lineHeight), std::max(body.height, high)};
 }
 

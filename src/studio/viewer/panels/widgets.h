@@ -56,8 +56,8 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
 // has changed them.
 std::optional<ScaleRange> scaleBar(const Legend& legend, PanelUse use);
 // Returns the rectangle of a legend in a picture whose contents are in `body`: at their right side or, if the picture
-// would be wider than `mostWidth` pixels, below them. It is high enough for all entries, and empty if there are none.
-PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int mostWidth);
+// would be wider than `maxWidth` pixels, below them. It is high enough for all entries, and empty if there are none.
+PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int maxWidth);
 // Draws the entries or the scale of a legend in a picture, in a panel in `rect`.
 void legendPanel(const Legend& legend, const PixelRect& rect);
 

@@ -184,13 +184,13 @@ void CanvasScene::setOverlay(Overlay overlay) {
 
 // Draws the views, if they have changed, and then the overlay. VTK draws the views to one framebuffer, where they are
 // kept. They are copied to a second framebuffer, in which the overlay is drawn on top.
-void CanvasScene::draw(std::uint64_t mostPoints) {
+void CanvasScene::draw(std::uint64_t maxPoints) {
   vtkOpenGLState* state = window_->GetState();
-  if (!drawn_ || drawnPoints_ != mostPoints) {
-    for (auto& [number, item] : items_) item->choose(mostPoints);
+  if (!drawn_ || drawnPoints_ != maxPoints) {
+    for (auto& [number, item] : items_) item->choose(maxPoints);
     window_->Render();
     drawn_ = true;
-    drawnPoints_ = mostPoints;
+    drawnPoints_ = maxPoints;
   }
   state->Push();
   state->PushFramebufferBindings();

@@ -96,7 +96,7 @@ class CanvasScene {
   void setImage(ImageId image, int width, int height, std::span<const Rgba> pixels);
   void setOverlay(Overlay overlay);
 
-  void draw(std::uint64_t mostPoints);
+  void draw(std::uint64_t maxPoints);
   // Copies the picture to `pixels`, which has width * height entries, row by row from top to bottom.
   void read(std::span<Rgb> pixels);
   // Copies the picture to the context's default framebuffer.

@@ -149,17 +149,17 @@ void Item::setLook(const ItemLook& look) {
   }
 }
 
-void Item::choose(std::uint64_t mostPoints) {
+void Item::choose(std::uint64_t maxPoints) {
   const std::uint64_t count = all_.elements;
-  const bool few = kind_ == ItemKind::Points && mostPoints != 0 && mostPoints < count;
-  if (few && chosen_ != mostPoints) {
-    std::vector<std::uint32_t> elements(mostPoints);
-    for (std::uint64_t k = 0; k < mostPoints; ++k) {
-      const std::uint64_t at = sample(k, mostPoints, count);
+  const bool few = kind_ == ItemKind::Points && maxPoints != 0 && maxPoints < count;
+  if (few && chosen_ != maxPoints) {
+    std::vector<std::uint32_t> elements(maxPoints);
+    for (std::uint64_t k = 0; k < maxPoints; ++k) {
+      const std::uint64_t at = sample(k, maxPoints, count);
       elements[k] = drawn_ ? (*drawn_)[at] : static_cast<std::uint32_t>(at);
     }
     fill(few_, &elements);
-    chosen_ = mostPoints;
+    chosen_ = maxPoints;
   }
   const bool seen = count > 0 && look_.opacity > 0;
   all_.actor->SetVisibility(seen && !few);

@@ -41,8 +41,8 @@ class Item {
   const ItemLook& look() const { return look_; }
   std::uint32_t count() const { return count_; }  // number of elements
 
-  // Prepares for drawing at most `mostPoints` points; 0: all points.
-  void choose(std::uint64_t mostPoints);
+  // Prepares for drawing at most `maxPoints` points; 0: all points.
+  void choose(std::uint64_t maxPoints);
   std::array<vtkActor*, 2> actors() { return {all_.actor.Get(), few_.actor.Get()}; }
 
  private:

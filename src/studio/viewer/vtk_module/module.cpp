@@ -87,9 +87,9 @@ class VtkCanvas final : public Canvas {
   }
   void setOverlay(Overlay overlay) override { change(&CanvasScene::setOverlay, std::move(overlay)); }
 
-  void render(std::uint64_t mostPoints) override {
+  void render(std::uint64_t maxPoints) override {
     change([&](CanvasScene& scene) {
-      scene.draw(mostPoints);
+      scene.draw(maxPoints);
       if (window_ == nullptr) return;
       scene.showPicture();
       window_->present();

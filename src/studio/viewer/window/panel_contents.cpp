@@ -183,7 +183,7 @@ bool isOfClasses(const Legend& legend) {
 bool meansTheSame(const Legend& a, const Legend& b) {
   if (a.title != b.title) return false;
   if (a.scale || b.scale) {
-    return a.scale == b.scale && a.low == b.low && a.high == b.high && a.power == b.power && a.held == b.held;
+    return a.scale == b.scale && a.low == b.low && a.high == b.high && a.power == b.power && a.endsChosen == b.endsChosen;
   }
   return isOfClasses(a) && isOfClasses(b);
 }

@@ -93,16 +93,16 @@ std::string errorRow(const ViewScan& viewed) {
 
 }  // namespace
 
-PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::size_t point, const Ontology* ontology) {
+PickedElement describePoint(const ViewScan& viewed, std::size_t scanIndex, std::size_t point, const Ontology* ontology) {
   const Scan& scan = viewed.scan;
   const Vec3d p(scan.position[point]);
-  PickedThing thing;
-  thing.scan = scanIndex;
-  thing.point = point;
-  Rows& rows = thing.rows;
-  thing.heading = scan[kLabel].empty() ? "point" : className(ontology, scan[kLabel][point]);
+  PickedElement picked;
+  picked.scan = scanIndex;
+  picked.point = point;
+  Rows& rows = picked.rows;
+  picked.heading = scan[kLabel].empty() ? "point" : className(ontology, scan[kLabel][point]);
   if (!scan[kInstance].empty() && scan[kInstance][point] != 0) {
-    thing.heading += fmt::format(" {}", scan[kInstance][point]);
+    picked.heading += fmt::format(" {}", scan[kInstance][point]);
   }
   if (!scan[kLabel].empty()) {
     rows.emplace_back("class", fmt::format("{} ({})", className(ontology, scan[kLabel][point]), scan[kLabel][point]));
@@ -121,51 +121,51 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
   if (!viewed.sensor.empty()) rows.emplace_back("sensor", viewed.sensor);
   if (!viewed.method.empty()) rows.emplace_back("method", viewed.method);
   rows.emplace_back("point", fmt::format("{} of {}", point, grouped(scan.size())));
-  return thing;
+  return picked;
 }
 
-void addBrief(PickedThing& thing, const ViewScan& viewed, const ColorBy& shown) {
+void addBrief(PickedElement& picked, const ViewScan& viewed, const ColorBy& shown) {
   const bool inHeading = shown == kByClass || shown == kByInstance;
-  for (const auto& [name, value] : thing.rows) {
+  for (const auto& [name, value] : picked.rows) {
     const bool isShown = shown == kByError    ? name == errorRow(viewed)
                          : shown == kByHeight ? name == "z"
                                               : name == shown.name() && !inHeading;
-    if (name == "range" || name == "ring" || name == "column" || isShown) thing.brief.emplace_back(name, value);
+    if (name == "range" || name == "ring" || name == "column" || isShown) picked.brief.emplace_back(name, value);
   }
 }
 
-void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology) {
+void addInstance(PickedElement& picked, const InstanceSummary& summary, const Ontology* ontology) {
   const Vec3d& size = summary.size;
   const std::string points = pluralOf(summary.points.size(), "point");
   Rows rows{{"its points", grouped(summary.points.size())},
             {"its upright box", fmt::format("{:.2f} x {:.2f} x {:.2f} m", size.x, size.y, size.z)}};
-  thing.brief.emplace_back("instance", fmt::format("{}, {:.1f} x {:.1f} x {:.1f} m", points, size.x, size.y, size.z));
+  picked.brief.emplace_back("instance", fmt::format("{}, {:.1f} x {:.1f} x {:.1f} m", points, size.x, size.y, size.z));
   if (summary.classes.size() > 1) {
     std::string classes;
     for (const auto& [id, count] : summary.classes) {
       classes += fmt::format("{}{} {}", classes.empty() ? "" : ", ", className(ontology, id), grouped(count));
     }
-    thing.alarm = "its classes";
-    rows.emplace_back(thing.alarm, classes);
-    thing.brief.emplace_back(thing.alarm, classes);
+    picked.alarm = "its classes";
+    rows.emplace_back(picked.alarm, classes);
+    picked.brief.emplace_back(picked.alarm, classes);
   }
-  auto after = std::ranges::find_if(thing.rows, [](const auto& r) { return r.first == "instance"; });
-  if (after != thing.rows.end()) ++after;
-  thing.rows.insert(after, rows.begin(), rows.end());
+  auto after = std::ranges::find_if(picked.rows, [](const auto& r) { return r.first == "instance"; });
+  if (after != picked.rows.end()) ++after;
+  picked.rows.insert(after, rows.begin(), rows.end());
 }
 
-void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, const Ontology* ontology) {
+void addSameBeam(PickedElement& picked, const Scan& own, const ViewScan& other, const Ontology* ontology) {
   const Scan& scan = other.scan;
-  const std::optional<PointKey> key = keyIn(own, thing.point);
+  const std::optional<PointKey> key = keyIn(own, picked.point);
   if (!key || !knowsBeams(scan) || own.rings != scan.rings || own.columns != scan.columns) return;
   const auto point = pointOf(scan, *key);
   if (!point || !isFinite(scan.position[*point])) {
-    thing.rows.emplace_back(other.name, "no return");
+    picked.rows.emplace_back(other.name, "no return");
     return;
   }
   std::string text = fmt::format("{:.2f} m", length(Vec3d(scan.position[*point])));
   if (!scan[kLabel].empty()) text += ", " + className(ontology, scan[kLabel][*point]);
-  thing.rows.emplace_back(other.name, text);
+  picked.rows.emplace_back(other.name, text);
 }
 
 std::string fullName(const ViewScan& scan, const std::string& dataset) {
@@ -176,28 +176,28 @@ std::string fullName(const ViewScan& scan, const std::string& dataset) {
   return name.find(dataset) == std::string::npos && name.find(": ") == std::string::npos ? dataset + ": " + name : name;
 }
 
-PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPosition) {
-  PickedThing thing;
-  thing.scan = kNoScan;
-  thing.point = triangle;
+PickedElement describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPosition) {
+  PickedElement picked;
+  picked.scan = kNoScan;
+  picked.point = triangle;
   const std::uint16_t semantic = mesh.semantic[triangle];
   const std::uint32_t instance = mesh.instance[triangle];
   const ViewSurface& surface = mesh.surfaceOf(triangle);
   const std::string name = className(&mesh.ontology, semantic);
-  thing.heading = instance == 0 ? name : fmt::format("{} {}", name, instance);
-  thing.rows.emplace_back("object", mesh.parts[surface.part]);
-  thing.rows.emplace_back("class", fmt::format("{} ({})", name, semantic));
-  thing.rows.emplace_back("class by", mesh.rules[surface.rule]);
-  thing.rows.emplace_back("instance", instance == 0 ? "none" : fmt::format("{}", instance));
-  thing.rows.emplace_back("material", mesh.materials[surface.material]);
-  thing.rows.emplace_back("reflectance", fmt::format("{:.3g}", mesh.reflectance[surface.material]));
-  thing.rows.emplace_back("texture", surface.texture == 0 ? "none" : mesh.textures[surface.texture]);
-  addPosition(thing.rows, "world ", worldPosition);
-  thing.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, grouped(mesh.size())));
+  picked.heading = instance == 0 ? name : fmt::format("{} {}", name, instance);
+  picked.rows.emplace_back("object", mesh.parts[surface.part]);
+  picked.rows.emplace_back("class", fmt::format("{} ({})", name, semantic));
+  picked.rows.emplace_back("class by", mesh.rules[surface.rule]);
+  picked.rows.emplace_back("instance", instance == 0 ? "none" : fmt::format("{}", instance));
+  picked.rows.emplace_back("material", mesh.materials[surface.material]);
+  picked.rows.emplace_back("reflectance", fmt::format("{:.3g}", mesh.reflectance[surface.material]));
+  picked.rows.emplace_back("texture", surface.texture == 0 ? "none" : mesh.textures[surface.texture]);
+  addPosition(picked.rows, "world ", worldPosition);
+  picked.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, grouped(mesh.size())));
   for (const char* row : {"object", "class by", "material", "reflectance"}) {
-    if (const std::string value = valueIn(thing.rows, row); !value.empty()) thing.brief.emplace_back(row, value);
+    if (const std::string value = valueIn(picked.rows, row); !value.empty()) picked.brief.emplace_back(row, value);
   }
-  return thing;
+  return picked;
 }
 
 }  // namespace scanmill

@@ -46,7 +46,7 @@ SightLine sightLine(const ViewCamera& camera, double x, double y);
 constexpr std::size_t kNoScan = SIZE_MAX;
 
 // A point, or a triangle of a scene, that is under the pointer or was clicked, described for the user.
-struct PickedThing {
+struct PickedElement {
   std::string heading;  // class and instance id, such as "car 4711"
   std::vector<std::pair<std::string, std::string>> rows;
   std::vector<std::pair<std::string, std::string>> brief;  // rows of the tooltip beside the pointer
@@ -56,23 +56,23 @@ struct PickedThing {
   Vec3d position;                                          // position (m, canvas frame)
 };
 
-// Describes a point: all its columns with their units, its class and its beam. Does not set PickedThing::position.
-PickedThing describePoint(const ViewScan& scan, std::size_t scanIndex, std::size_t point, const Ontology* ontology);
+// Describes a point: all its columns with their units, its class and its beam. Does not set PickedElement::position.
+PickedElement describePoint(const ViewScan& scan, std::size_t scanIndex, std::size_t point, const Ontology* ontology);
 
 // Adds the rows that are shown while the pointer is over the point: range, ring and column, and `shown`, the quantity
 // that colours show.
-void addBrief(PickedThing& thing, const ViewScan& viewed, const ColorBy& shown);
+void addBrief(PickedElement& picked, const ViewScan& viewed, const ColorBy& shown);
 
 // Adds the instance's number of points in the scan, its size, and its classes if it has several.
-void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology);
+void addInstance(PickedElement& picked, const InstanceSummary& summary, const Ontology* ontology);
 
 // Adds a row about the point in `other` with the same beam and return number, if both scans assign points to beams and
 // have the same numbers of rings and columns.
-void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, const Ontology* ontology);
+void addSameBeam(PickedElement& picked, const Scan& own, const ViewScan& other, const Ontology* ontology);
 
 // Returns the scan's name together with its dataset, sensor and method, as far as these are known.
 std::string fullName(const ViewScan& scan, const std::string& dataset);
 
-PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPosition);
+PickedElement describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPosition);
 
 }  // namespace scanmill

@@ -97,15 +97,15 @@ void Pointer::release(const CanvasEvent& event) {
 }
 
 void Pointer::click(int px, int py) {
-  auto thing = pick(px, py);
+  auto picked = pick(px, py);
   context_.changes.panels = true;
   if (!measuring) {
     pinned.reset();
-    if (thing) pinned = withOtherScans(std::move(*thing));
+    if (picked) pinned = withOtherScans(std::move(*picked));
     return;
   }
-  if (!thing) return context_.notify("nothing lies there");
-  ends.push_back(thing->position);
+  if (!picked) return context_.notify("nothing lies there");
+  ends.push_back(picked->position);
   measuring = ends.size() < 2;
   placeMeasure();
 }
@@ -119,10 +119,10 @@ void Pointer::toggleMeasuring() {
 }
 
 void Pointer::turnAbout() {
-  auto thing = x >= 0 ? pick(x, y) : std::nullopt;
-  if (!thing) thing = pinned;
-  if (!thing) return context_.notify("nothing lies there");
-  lookAt(thing->position);
+  auto picked = x >= 0 ? pick(x, y) : std::nullopt;
+  if (!picked) picked = pinned;
+  if (!picked) return context_.notify("nothing lies there");
+  lookAt(picked->position);
 }
 
 void Pointer::lookAt(const Vec3d& place) {
@@ -145,46 +145,46 @@ std::optional<std::size_t> Pointer::viewAt(int px, int py) const {
   return {};
 }
 
-PickedThing Pointer::pickedPoint(std::size_t k, std::size_t point) const {
+PickedElement Pointer::pickedPoint(std::size_t k, std::size_t point) const {
   const ShownCloud& cloud = clouds_.list[k];
   const ViewScan& scan = clouds_.scanOf(cloud);
-  PickedThing thing = describePoint(scan, cloud.scan, point, context_.source->ontology());
-  thing.position = cloud.canvasFromScan * Vec3d(scan.drawnPositions()[point]);
-  addBrief(thing, scan, clouds_.colorOf(cloud.view));
-  if (const auto instance = instanceOf(thing)) {
-    addInstance(thing, summaryOf(cloud, *instance), context_.source->ontology());
-    sceneView_.addObjectRows(thing, *instance);
+  PickedElement picked = describePoint(scan, cloud.scan, point, context_.source->ontology());
+  picked.position = cloud.canvasFromScan * Vec3d(scan.drawnPositions()[point]);
+  addBrief(picked, scan, clouds_.colorOf(cloud.view));
+  if (const auto instance = instanceOf(picked)) {
+    addInstance(picked, summaryOf(cloud, *instance), context_.source->ontology());
+    sceneView_.addObjectRows(picked, *instance);
   }
-  return thing;
+  return picked;
 }
 
-PickedThing Pointer::withOtherScans(PickedThing thing) const {
-  if (thing.scan == kNoScan || thing.scan >= context_.frame->scans.size()) return thing;
-  const ViewScan& own = context_.frame->scans[thing.scan];
+PickedElement Pointer::withOtherScans(PickedElement picked) const {
+  if (picked.scan == kNoScan || picked.scan >= context_.frame->scans.size()) return picked;
+  const ViewScan& own = context_.frame->scans[picked.scan];
   std::vector<std::size_t> others;
   for (const ShownCloud& cloud : clouds_.list) {
-    if (cloud.scan == thing.scan || clouds_.isHidden(cloud)) continue;
+    if (cloud.scan == picked.scan || clouds_.isHidden(cloud)) continue;
     if (std::ranges::find(others, cloud.scan) == others.end()) others.push_back(cloud.scan);
   }
-  if (others.empty()) return thing;
-  thing.rows.insert(thing.rows.begin(), {"scan", fullName(own, context_.source->title())});
+  if (others.empty()) return picked;
+  picked.rows.insert(picked.rows.begin(), {"scan", fullName(own, context_.source->title())});
   for (const std::size_t other : others) {
-    addSameBeam(thing, own.scan, context_.frame->scans[other], context_.source->ontology());
+    addSameBeam(picked, own.scan, context_.frame->scans[other], context_.source->ontology());
   }
-  return thing;
+  return picked;
 }
 
-bool Pointer::isShown(const PickedThing& thing) const {
-  if (thing.scan == kNoScan) {
-    return sceneView_.meshItem.exists() && thing.point < sceneView_.mesh->size() &&
-           (sceneView_.meshShown.empty() || sceneView_.meshShown[thing.point] != 0);
+bool Pointer::isShown(const PickedElement& picked) const {
+  if (picked.scan == kNoScan) {
+    return sceneView_.meshItem.exists() && picked.point < sceneView_.mesh->size() &&
+           (sceneView_.meshShown.empty() || sceneView_.meshShown[picked.point] != 0);
   }
   return std::ranges::any_of(clouds_.list, [&](const ShownCloud& cloud) {
-    return cloud.scan == thing.scan && (cloud.shown.empty() || cloud.shown[thing.point] != 0);
+    return cloud.scan == picked.scan && (cloud.shown.empty() || cloud.shown[picked.point] != 0);
   });
 }
 
-std::optional<PickedThing> Pointer::pick(int px, int py) const {
+std::optional<PickedElement> Pointer::pick(int px, int py) const {
   const auto view = viewAt(px, py);
   if (!view) return {};
   const CanvasView& in = context_.redraw.views()[*view];
@@ -204,7 +204,7 @@ std::optional<PickedThing> Pointer::pick(int px, int py) const {
   return sceneView_.pickMesh(sightLine(in.camera, right, down));
 }
 
-std::optional<PickedThing> Pointer::pickStrip(const PixelRect& rect, int px, int py) const {
+std::optional<PickedElement> Pointer::pickStrip(const PixelRect& rect, int px, int py) const {
   if (!clouds_.strip || !rect.contains(px, py)) return {};
   const auto pixelIn = [](int place, int pixels, int shown) {
     return static_cast<std::size_t>(static_cast<std::int64_t>(place) * pixels / shown);
@@ -219,7 +219,7 @@ std::optional<PickedThing> Pointer::pickStrip(const PixelRect& rect, int px, int
 
 void Pointer::updateHover(bool panels, const std::optional<PixelRect>& strip) {
   context_.changes.hover = false;
-  std::optional<PickedThing> found;
+  std::optional<PickedElement> found;
   if (drag.button == 0 && x >= 0) {
     if (strip) {
       found = pickStrip(*strip, x, y);
@@ -235,24 +235,24 @@ void Pointer::updateHover(bool panels, const std::optional<PixelRect>& strip) {
   context_.changes.panels = true;
 }
 
-Rgb Pointer::colorOf(const PickedThing& thing) const {
+Rgb Pointer::colorOf(const PickedElement& picked) const {
   for (const ShownCloud& cloud : clouds_.list) {
-    if (cloud.scan == thing.scan && thing.point < cloud.coloring.colors.size()) {
-      return cloud.coloring.colors[thing.point];
+    if (cloud.scan == picked.scan && picked.point < cloud.coloring.colors.size()) {
+      return cloud.coloring.colors[picked.point];
     }
   }
-  if (thing.scan == kNoScan && sceneView_.mesh && thing.point < sceneView_.mesh->size())
-    return sceneView_.meshColoring.colors[thing.point];
+  if (picked.scan == kNoScan && sceneView_.mesh && picked.point < sceneView_.mesh->size())
+    return sceneView_.meshColoring.colors[picked.point];
   return kNoValue;
 }
 
-std::optional<std::uint32_t> Pointer::instanceOf(const PickedThing& thing) const {
+std::optional<std::uint32_t> Pointer::instanceOf(const PickedElement& picked) const {
   std::uint32_t id = 0;
-  if (thing.scan == kNoScan) {
-    if (sceneView_.mesh && thing.point < sceneView_.mesh->size()) id = sceneView_.mesh->instance[thing.point];
-  } else if (context_.frame && thing.scan < context_.frame->scans.size()) {
-    const Scan& scan = context_.frame->scans[thing.scan].scan;
-    if (thing.point < scan[kInstance].size()) id = scan[kInstance][thing.point];
+  if (picked.scan == kNoScan) {
+    if (sceneView_.mesh && picked.point < sceneView_.mesh->size()) id = sceneView_.mesh->instance[picked.point];
+  } else if (context_.frame && picked.scan < context_.frame->scans.size()) {
+    const Scan& scan = context_.frame->scans[picked.scan].scan;
+    if (picked.point < scan[kInstance].size()) id = scan[kInstance][picked.point];
   }
   return id == 0 ? std::nullopt : std::optional(id);
 }
@@ -271,15 +271,15 @@ const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t
 // Outlines the instance under the pointer: draws its points again in white, larger and slightly farther away.
 void Pointer::highlightInstance() {
   constexpr double kRest = 0.15;  // time without a move after which the pointer is at rest (s)
-  const PickedThing* const thing = shown();
+  const PickedElement* const picked = shown();
   std::optional<InstanceRef> wanted;
   const ShownCloud* cloud = nullptr;
-  if (thing != nullptr && thing->scan != kNoScan) {
-    const auto found = std::ranges::find(clouds_.list, thing->scan, &ShownCloud::scan);
-    const auto id = instanceOf(*thing);
+  if (picked != nullptr && picked->scan != kNoScan) {
+    const auto found = std::ranges::find(clouds_.list, picked->scan, &ShownCloud::scan);
+    const auto id = instanceOf(*picked);
     if (found != clouds_.list.end() && id) {
       cloud = &*found;
-      wanted = InstanceRef{thing->scan, *id};
+      wanted = InstanceRef{picked->scan, *id};
     }
   }
   if (wanted == highlighted_ && !context_.changes.items) {
@@ -329,9 +329,9 @@ void Pointer::placeOutline(const ShownCloud& cloud) {
 }
 
 void Pointer::placeBeam() {
-  const PickedThing* const thing = shown();
+  const PickedElement* const picked = shown();
   std::optional<std::pair<std::size_t, std::size_t>> beam;
-  if (thing != nullptr && thing->scan != kNoScan) beam.emplace(thing->scan, thing->point);
+  if (picked != nullptr && picked->scan != kNoScan) beam.emplace(picked->scan, picked->point);
   if (beam == beamOf_ && !context_.changes.items) return;  // the beam is the same; searching for returns is slow
   beamOf_ = beam;
   constexpr Rgb kBeam{255, 220, 80};

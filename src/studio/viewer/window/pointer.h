@@ -48,23 +48,23 @@ struct Pointer {
   void lookAt(const Vec3d& place);
   void placeMeasure();
   // Returns what is under the pointer, otherwise what was clicked; null if there is neither.
-  const PickedThing* shown() const { return hover ? &*hover : pinned ? &*pinned : nullptr; }
+  const PickedElement* shown() const { return hover ? &*hover : pinned ? &*pinned : nullptr; }
 
   // The point or triangle at a pixel:
-  std::optional<PickedThing> pick(int px, int py) const;
+  std::optional<PickedElement> pick(int px, int py) const;
   // Returns the point at a pixel of the range image. `rect`: rectangle of the canvas in which the image is drawn.
-  std::optional<PickedThing> pickStrip(const PixelRect& rect, int px, int py) const;
-  PickedThing pickedPoint(std::size_t cloud, std::size_t point) const;
-  // Returns `thing` with the name of its scan and the points of the same beam in other shown scans; unchanged if no
+  std::optional<PickedElement> pickStrip(const PixelRect& rect, int px, int py) const;
+  PickedElement pickedPoint(std::size_t cloud, std::size_t point) const;
+  // Returns `picked` with the name of its scan and the points of the same beam in other shown scans; unchanged if no
   // other scan is shown.
-  PickedThing withOtherScans(PickedThing thing) const;
+  PickedElement withOtherScans(PickedElement picked) const;
   // True if the point or triangle is not hidden and its scan is shown.
-  bool isShown(const PickedThing& thing) const;
+  bool isShown(const PickedElement& picked) const;
   // Finds the point or triangle under the pointer. `panels`: true if a panel covers it. `strip`: rectangle of the range
   // image if the pointer is over it.
   void updateHover(bool panels, const std::optional<PixelRect>& strip);
-  Rgb colorOf(const PickedThing& thing) const;
-  std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // returns the instance id, if there is one
+  Rgb colorOf(const PickedElement& picked) const;
+  std::optional<std::uint32_t> instanceOf(const PickedElement& picked) const;  // returns the instance id, if there is one
 
   // Outlines the points of the instance under the pointer, otherwise those of the clicked instance.
   void highlightInstance();
@@ -72,8 +72,8 @@ struct Pointer {
   void placeBeam();
 
   int x = -1, y = -1;  // pixel of the canvas; negative: the pointer is not on the canvas
-  std::optional<PickedThing> hover;
-  std::optional<PickedThing> pinned;  // the point or triangle that was clicked
+  std::optional<PickedElement> hover;
+  std::optional<PickedElement> pinned;  // the point or triangle that was clicked
   PointerDrag drag;
   bool measuring = false;
   std::vector<Vec3d> ends;  // ends of the measured distance (canvas frame)

@@ -215,7 +215,7 @@ void SceneView::lookAtFirstPoints() {
   Vec3d moved;
   double held = 0;
   for (std::size_t i = 0; i < scan.placed.size(); ++i) {
-    if (!closeUp->holds(Vec3d(scan.scan.position[i]))) continue;
+    if (!closeUp->contains(Vec3d(scan.scan.position[i]))) continue;
     moved += Vec3d(scan.placed[i]) - Vec3d(scan.scan.position[i]);
     held += 1;
   }

@@ -81,7 +81,7 @@ struct SceneView {
   void placeVehicle();
   void applyFilter();
   void chooseMeshColor(MeshColor by);
-  std::optional<PickedThing> pickMesh(const SightLine& line) const;
+  std::optional<PickedElement> pickMesh(const SightLine& line) const;
 
   // Functions in scene_view_mesh.cpp, for instances and for the objects in the list of a sample:
   Affine canvasFromBox(const ObjectRecord& object) const;
@@ -90,7 +90,7 @@ struct SceneView {
   void placeBoxes();
   // Returns the shown objects that the first scan's sensor sees, with their views: at most 30, the nearest first.
   std::vector<std::pair<const ObjectRecord*, const ObjectView*>> nearestSeenObjects() const;
-  void addObjectRows(PickedThing& thing, std::uint32_t instance) const;
+  void addObjectRows(PickedElement& picked, std::uint32_t instance) const;
   // Returns the instances of the first scan that is shown.
   const std::vector<InstanceSummary>& instances();
 

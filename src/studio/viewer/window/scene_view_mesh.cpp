@@ -91,7 +91,7 @@ void SceneView::chooseMeshColor(MeshColor by) {
   context_.changes.items = context_.changes.panels = true;
 }
 
-std::optional<PickedThing> SceneView::pickMesh(const SightLine& line) const {
+std::optional<PickedElement> SceneView::pickMesh(const SightLine& line) const {
   if (!meshItem.exists()) return {};
   const Affine meshFromCanvas = inverse(canvasFromWorld * Affine{{}, mesh->origin});
   Vec3d origin = meshFromCanvas * line.origin;
@@ -104,9 +104,9 @@ std::optional<PickedThing> SceneView::pickMesh(const SightLine& line) const {
     if (!hit) return {};
     const Vec3d spot = origin + direction * hit->distance;
     if (meshShown.empty() || meshShown[hit->triangle] != 0) {
-      PickedThing thing = describeTriangle(*mesh, hit->triangle, spot + mesh->origin);
-      thing.position = canvasFromWorld * (spot + mesh->origin);
-      return thing;
+      PickedElement picked = describeTriangle(*mesh, hit->triangle, spot + mesh->origin);
+      picked.position = canvasFromWorld * (spot + mesh->origin);
+      return picked;
     }
     origin = spot + direction * kBeyond;
   }
@@ -215,16 +215,16 @@ std::vector<std::pair<const ObjectRecord*, const ObjectView*>> SceneView::neares
   return seen;
 }
 
-void SceneView::addObjectRows(PickedThing& thing, std::uint32_t instance) const {
+void SceneView::addObjectRows(PickedElement& picked, std::uint32_t instance) const {
   const auto found = std::ranges::find(context_.frame->objects, instance, &ObjectRecord::id);
   if (found == context_.frame->objects.end()) return;
   const ObjectRecord& object = *found;
-  const auto add = [&](const char* what, const std::string& value) { thing.rows.emplace_back(what, value); };
+  const auto add = [&](const char* what, const std::string& value) { picked.rows.emplace_back(what, value); };
   add("object", object.name);
   add("box", fmt::format("{:.2f} x {:.2f} x {:.2f} m{}", object.size.x, object.size.y, object.size.z,
                          object.headingKnown ? "" : ", heading unknown"));
   if (object.moves) add("speed", fmt::format("{:.2f} m/s", length(object.velocity)));
-  const std::string& sensor = context_.frame->scans[thing.scan].sensor;
+  const std::string& sensor = context_.frame->scans[picked.scan].sensor;
   for (const ObjectView& view : object.views) {
     if (lowerCase(view.sensor) != lowerCase(sensor)) continue;
     add("visible",

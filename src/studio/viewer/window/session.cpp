@@ -87,15 +87,15 @@ void ViewSession::check() const {
               (another ? "; name another sample by --sample (`verify` lists the damaged ones)" : ""));
 }
 
-std::optional<PickedThing> ViewSession::pick(int x, int y) {
+std::optional<PickedElement> ViewSession::pick(int x, int y) {
   refresh();
-  auto thing = pointer_.pick(x, y);
-  if (thing) thing = pointer_.withOtherScans(std::move(*thing));
-  return thing;
+  auto picked = pointer_.pick(x, y);
+  if (picked) picked = pointer_.withOtherScans(std::move(*picked));
+  return picked;
 }
 
-void ViewSession::pin(const PickedThing& thing) {
-  pointer_.pinned = thing;
+void ViewSession::pin(const PickedElement& picked) {
+  pointer_.pinned = picked;
   context_.changes.panels = true;
 }
 

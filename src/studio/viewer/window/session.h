@@ -41,9 +41,9 @@ class ViewSession {
   const OrbitCamera& camera() const { return sceneView_.camera; }
   void setCamera(const OrbitCamera& camera) { sceneView_.setCamera(camera); }
   // Returns the point or the triangle at a pixel of the canvas.
-  std::optional<PickedThing> pick(int x, int y);
+  std::optional<PickedElement> pick(int x, int y);
   // Selects a point or a triangle as a click does.
-  void pin(const PickedThing& thing);
+  void pin(const PickedElement& picked);
   // Returns a line for each part of the shown frame that could not be loaded or coloured.
   std::vector<std::string> problems() const;
   // Returns hints for the user, each of which is shown once.

@@ -291,9 +291,9 @@ void ViewSession::toggleAlone() {
   }
   refresh();  // the last moves of the pointer may not have been processed yet
   updateHover();
-  const PickedThing* const thing = pointer_.shown();
-  if (thing == nullptr) return context_.notify("nothing lies there: point at an instance");
-  const auto id = pointer_.instanceOf(*thing);
+  const PickedElement* const picked = pointer_.shown();
+  if (picked == nullptr) return context_.notify("nothing lies there: point at an instance");
+  const auto id = pointer_.instanceOf(*picked);
   if (!id) return context_.notify("what lies there is of no instance");
   context_.filter.instances = {*id};
   applyFilter();

@@ -188,9 +188,9 @@ void ViewSession::drawStrip() {
   if (!clouds_.strip || panels_.rects.strip.height < 1) return;
   const PixelRect rect = panels_.stripRect();
   std::optional<std::pair<double, double>> mark;
-  const PickedThing* const thing = pointer_.shown();
-  if (thing != nullptr && thing->scan == clouds_.list[clouds_.stripCloud].scan) {
-    const auto [column, row] = clouds_.strip->place(thing->point);
+  const PickedElement* const picked = pointer_.shown();
+  if (picked != nullptr && picked->scan == clouds_.list[clouds_.stripCloud].scan) {
+    const auto [column, row] = clouds_.strip->place(picked->point);
     mark = std::pair(rect.left + (column + 0.5) * rect.width / clouds_.strip->image.width,
                      rect.top + (row + 0.5) * rect.height / clouds_.strip->image.height);
   }

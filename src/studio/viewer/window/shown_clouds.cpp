@@ -106,7 +106,7 @@ Coloring ShownClouds::colored(std::size_t scanIndex, std::size_t view) {
   try {
     context.scale = scaleOf(view);
     Coloring out = colorScan(scan.scan, colorOf(view), context);
-    out.legend.held = scales[view].has_value();
+    out.legend.endsChosen = scales[view].has_value();
     return out;
   } catch (const InputError& e) {
     colorProblem = fmt::format("{}: {}", scan.name, e.what());
@@ -200,7 +200,7 @@ std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& clou
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (!scan[kLabel].empty() && !classShown[scan[kLabel][i]]) continue;
     if (!filter.showsInstance(scan[kInstance].empty() ? 0 : scan[kInstance][i])) continue;
-    if (filter.closeUp && !filter.closeUp->holds(Vec3d(scan.position[i]))) continue;
+    if (filter.closeUp && !filter.closeUp->contains(Vec3d(scan.position[i]))) continue;
     cloud.shown[i] = 1;
     indices.push_back(static_cast<std::uint32_t>(i));
     if (isFinite(scan.position[i])) ++cloud.visible;

@@ -76,9 +76,9 @@ class FakeCanvas : public Canvas {
     overlay_ = std::move(overlay);
     painted_.clear();
   }
-  void render(std::uint64_t mostPoints) override {
+  void render(std::uint64_t maxPoints) override {
     ++renders;
-    lastMost = mostPoints;
+    lastMost = maxPoints;
   }
 
   Image read() override {

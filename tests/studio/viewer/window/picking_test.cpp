@@ -182,11 +182,11 @@ class ReturnRows : public testing::Test {
 TEST_F(ReturnRows, TellWhichOneItIs) {
   for (const ViewScan* view : {&dense_, &image_}) {
     for (const std::uint32_t number : {0u, 1u}) {
-      const PickedThing thing = describePoint(*view, 0, pointWith(view->scan, {1, 2, number}), nullptr);
-      EXPECT_EQ(rowOf(thing, "return"), std::to_string(number + 1)) << view->name;
-      EXPECT_EQ(rowOf(thing, "ring"), "1");
-      EXPECT_EQ(rowOf(thing, "column"), "2");
-      EXPECT_EQ(rowOf(thing, "range"), number == 0 ? "10.000 m" : "15.000 m");
+      const PickedElement picked = describePoint(*view, 0, pointWith(view->scan, {1, 2, number}), nullptr);
+      EXPECT_EQ(rowOf(picked, "return"), std::to_string(number + 1)) << view->name;
+      EXPECT_EQ(rowOf(picked, "ring"), "1");
+      EXPECT_EQ(rowOf(picked, "column"), "2");
+      EXPECT_EQ(rowOf(picked, "range"), number == 0 ? "10.000 m" : "15.000 m");
     }
   }
   EXPECT_EQ(rowOf(describePoint(dense_, 0, 0, nullptr), "cause"), "1");
@@ -194,9 +194,9 @@ TEST_F(ReturnRows, TellWhichOneItIs) {
 
 TEST_F(ReturnRows, JoinByBeamAndReturn) {
   const auto ofOther = [](const ViewScan& own, const ViewScan& other, const PointKey& key) {
-    PickedThing thing = describePoint(own, 0, pointWith(own.scan, key), nullptr);
-    addSameBeam(thing, own.scan, other, nullptr);
-    return rowOf(thing, other.name);
+    PickedElement picked = describePoint(own, 0, pointWith(own.scan, key), nullptr);
+    addSameBeam(picked, own.scan, other, nullptr);
+    return rowOf(picked, other.name);
   };
   EXPECT_EQ(ofOther(dense_, image_, {1, 2, 0}), "10.00 m, class 1");
   EXPECT_EQ(ofOther(dense_, image_, {1, 2, 1}), "15.00 m, class 2");

@@ -11,9 +11,9 @@ class SlowCanvas : public FakeCanvas {
   static constexpr double kPointsPerSecond = 1e6;
 
   SlowCanvas() : FakeCanvas(64, 48) {}
-  void render(std::uint64_t mostPoints) override {
-    FakeCanvas::render(mostPoints);
-    now += static_cast<double>(mostPoints == 0 ? points : std::min(points, mostPoints)) / kPointsPerSecond;
+  void render(std::uint64_t maxPoints) override {
+    FakeCanvas::render(maxPoints);
+    now += static_cast<double>(maxPoints == 0 ? points : std::min(points, maxPoints)) / kPointsPerSecond;
   }
 
   double now = 1;            // s

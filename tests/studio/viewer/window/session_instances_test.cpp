@@ -252,10 +252,10 @@ TEST(SessionBoxes, FitPointsOfAMovingSensor) {
   for (std::size_t i = 0; i < 2 * kEdges; ++i) car.add(Vec3d(boxes(world).places[i]));
   EXPECT_NEAR(length(car.center() - Vec3d{10.15, -9.8, -0.8}), 0, 1e-5) << "as far as it moves in 0.05 s";
   const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72);
-  const auto thing = world.session->pick(x, y);
-  ASSERT_TRUE(thing);
-  EXPECT_EQ(thing->position, Vec3d(scan.placed[thing->point]));
-  EXPECT_EQ(rowOf(*thing, "x"), fmt::format("{:.3f} m", scan.scan.position[thing->point].x)) << "as the file has it";
+  const auto picked = world.session->pick(x, y);
+  ASSERT_TRUE(picked);
+  EXPECT_EQ(picked->position, Vec3d(scan.placed[picked->point]));
+  EXPECT_EQ(rowOf(*picked, "x"), fmt::format("{:.3f} m", scan.scan.position[picked->point].x)) << "as the file has it";
 }
 
 // Views are of the sensor's first revolution.
@@ -314,12 +314,12 @@ TEST(SessionBoxes, PickingTellsTheObject) {
   SessionWorld world(listedFrames(), {.sample = "0"});
   const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72 + 70);
   world.click(x, y);
-  const std::optional<PickedThing> thing = world.session->pick(x, y);
-  ASSERT_TRUE(thing.has_value());
-  EXPECT_EQ(rowOf(*thing, "object"), "estate");
-  EXPECT_EQ(rowOf(*thing, "box"), "4.00 x 2.00 x 1.50 m");
-  EXPECT_EQ(rowOf(*thing, "speed"), "5.00 m/s");
-  EXPECT_EQ(rowOf(*thing, "visible"), "50 % (30 of 60 beams)");
+  const std::optional<PickedElement> picked = world.session->pick(x, y);
+  ASSERT_TRUE(picked.has_value());
+  EXPECT_EQ(rowOf(*picked, "object"), "estate");
+  EXPECT_EQ(rowOf(*picked, "box"), "4.00 x 2.00 x 1.50 m");
+  EXPECT_EQ(rowOf(*picked, "speed"), "5.00 m/s");
+  EXPECT_EQ(rowOf(*picked, "visible"), "50 % (30 of 60 beams)");
 }
 
 }  // namespace

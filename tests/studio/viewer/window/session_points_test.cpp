@@ -26,8 +26,8 @@ std::set<std::uint16_t> shownClasses(const SessionWorld& world, std::size_t fram
   return classes;
 }
 
-double numberOf(const PickedThing& thing, const std::string& name) {
-  return std::strtod(rowOf(thing, name).c_str(), nullptr);
+double numberOf(const PickedElement& picked, const std::string& name) {
+  return std::strtod(rowOf(picked, name).c_str(), nullptr);
 }
 
 TEST(SessionFilter, AClickInTheLegendHidesAClass) {
@@ -126,16 +126,16 @@ TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
     world.session->settle();
     for (std::size_t i = 0; i < scan.size(); i += 31) {
       const auto [x, y] = world.pixelOf(firstCloud(world), i);
-      const auto thing = world.session->pick(x, y);
+      const auto picked = world.session->pick(x, y);
       const PixelRect& rect = world.canvas.views().front().rect;
       const Projected own = world.canvas.views().front().camera.project(Vec3d(scan.position[i]));
       if (!rect.contains(x, y) || own.depth < 0.5) continue;
-      ASSERT_TRUE(thing);
-      const std::size_t p = thing->point;
+      ASSERT_TRUE(picked);
+      const std::size_t p = picked->point;
       const Projected found = world.canvas.views().front().camera.project(Vec3d(scan.position[p]));
       EXPECT_LE(found.depth, own.depth + 1e-3);
-      EXPECT_EQ(thing->scan, 0u);
-      EXPECT_NEAR(length(thing->position - Vec3d(scan.position[p])), 0, 1e-9);
+      EXPECT_EQ(picked->scan, 0u);
+      EXPECT_NEAR(length(picked->position - Vec3d(scan.position[p])), 0, 1e-9);
       const Vec3d at(scan.position[p]);
       for (const auto& [row, value, within] :
            std::initializer_list<std::tuple<const char*, double, double>>{{"x", at.x, 6e-4},
@@ -150,15 +150,15 @@ TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
                                                                           {"ring", scan[kRing][p], 0},
                                                                           {"column", scan[kColumn][p], 0},
                                                                           {"point", p, 0}}) {
-        EXPECT_NEAR(numberOf(*thing, row), value, within) << row;
+        EXPECT_NEAR(numberOf(*picked, row), value, within) << row;
       }
-      EXPECT_NEAR(std::remainder(radians(numberOf(*thing, "azimuth")) - std::atan2(at.y, at.x), 2 * kPi), 0, 1e-4);
-      EXPECT_EQ(rowOf(*thing, "sensor"), "top");
-      EXPECT_EQ(rowOf(*thing, "method"), "ray_tracing");
+      EXPECT_NEAR(std::remainder(radians(numberOf(*picked, "azimuth")) - std::atan2(at.y, at.x), 2 * kPi), 0, 1e-4);
+      EXPECT_EQ(rowOf(*picked, "sensor"), "top");
+      EXPECT_EQ(rowOf(*picked, "method"), "ray_tracing");
       const bool car = scan[kLabel][p] == kFakeCar;
-      EXPECT_EQ(rowOf(*thing, "class"), car ? "car (20)" : scan[kLabel][p] == kFakeTree ? "tree (2)" : "road (1)");
-      EXPECT_EQ(rowOf(*thing, "instance"), car ? "4711" : "none");
-      EXPECT_EQ(thing->heading, car ? "car 4711" : scan[kLabel][p] == kFakeTree ? "tree" : "road");
+      EXPECT_EQ(rowOf(*picked, "class"), car ? "car (20)" : scan[kLabel][p] == kFakeTree ? "tree (2)" : "road (1)");
+      EXPECT_EQ(rowOf(*picked, "instance"), car ? "4711" : "none");
+      EXPECT_EQ(picked->heading, car ? "car 4711" : scan[kLabel][p] == kFakeTree ? "tree" : "road");
       ++picked;
     }
   }
@@ -178,13 +178,13 @@ TEST(SessionPicking, ItsBeamIsTheSensors) {
   frames->frames[0].scans[0].beams = beams;
   SessionWorld world(frames);
   const auto [x, y] = world.pixelOf(firstCloud(world), 4 * 72 + 3);
-  const auto thing = world.session->pick(x, y);
-  ASSERT_TRUE(thing);
-  const auto beam = static_cast<std::size_t>(numberOf(*thing, "ring") * 72 + numberOf(*thing, "column"));
+  const auto picked = world.session->pick(x, y);
+  ASSERT_TRUE(picked);
+  const auto beam = static_cast<std::size_t>(numberOf(*picked, "ring") * 72 + numberOf(*picked, "column"));
   const Vec3d d = beams->direction[beam];
-  EXPECT_NEAR(numberOf(*thing, "beam azimuth"), degrees(std::atan2(d.y, d.x)), 1e-3);
-  EXPECT_NEAR(numberOf(*thing, "beam elevation"), degrees(std::asin(d.z)), 1e-3);
-  EXPECT_NEAR(numberOf(*thing, "beam fires at"), beams->time[beam] * 1e3, 1e-4);
+  EXPECT_NEAR(numberOf(*picked, "beam azimuth"), degrees(std::atan2(d.y, d.x)), 1e-3);
+  EXPECT_NEAR(numberOf(*picked, "beam elevation"), degrees(std::asin(d.z)), 1e-3);
+  EXPECT_NEAR(numberOf(*picked, "beam fires at"), beams->time[beam] * 1e3, 1e-4);
 }
 
 // Beams that several scans have: joined by ring and column.
@@ -199,12 +199,12 @@ TEST(SessionPicking, TheSameBeamOfTheOtherScans) {
     const SessionWorld world(frames, {.layout = layout});
     for (const bool returned : {true, false}) {
       const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72 + (returned ? 70 : 0));
-      const auto thing = world.session->pick(x, y);
-      ASSERT_TRUE(thing);
-      if (thing->scan != 0 || thing->point != 3u * 72 + (returned ? 70 : 0)) continue;
-      EXPECT_EQ(rowOf(*thing, "scan"), "fake: top, ray_tracing");
-      EXPECT_EQ(rowOf(*thing, "top, depth_camera"), returned ? "3.00 m, car" : "no return");
-      EXPECT_EQ(rowOf(*thing, "top, particle"), "") << "another sensor";
+      const auto picked = world.session->pick(x, y);
+      ASSERT_TRUE(picked);
+      if (picked->scan != 0 || picked->point != 3u * 72 + (returned ? 70 : 0)) continue;
+      EXPECT_EQ(rowOf(*picked, "scan"), "fake: top, ray_tracing");
+      EXPECT_EQ(rowOf(*picked, "top, depth_camera"), returned ? "3.00 m, car" : "no return");
+      EXPECT_EQ(rowOf(*picked, "top, particle"), "") << "another sensor";
     }
   }
 }
@@ -286,9 +286,9 @@ TEST(SessionViews, AnOverlayHasThePapersColours) {
   EXPECT_TRUE(world.canvas.shownOf(items[2]).empty());
   // What is picked is of the scan that is left.
   const auto [x, y] = world.pixelOf(items[1], 3 * 72);
-  const auto thing = world.session->pick(x, y);
-  ASSERT_TRUE(thing);
-  EXPECT_EQ(thing->scan, 1u);
+  const auto picked = world.session->pick(x, y);
+  ASSERT_TRUE(picked);
+  EXPECT_EQ(picked->scan, 1u);
   world.key("l");
   EXPECT_EQ(world.canvas.pointItems().size(), 1u);
 }
@@ -434,9 +434,9 @@ TEST(SessionOffscreen, PicturesHoldWhatIsShown) {
       for (const auto& [color, name] : {std::pair{kFakeRoadColor, "road"}, std::pair{kFakeTreeColor, "tree"},
                                         std::pair{kFakeCarColor, "car 4711"}}) {
         if (picture.at(x, y) != color) continue;
-        const auto thing = session.pick(x, y);
-        ASSERT_TRUE(thing) << x << "," << y;
-        EXPECT_EQ(thing->heading, name);
+        const auto picked = session.pick(x, y);
+        ASSERT_TRUE(picked) << x << "," << y;
+        EXPECT_EQ(picked->heading, name);
         ++same;
       }
     }

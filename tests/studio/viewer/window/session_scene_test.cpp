@@ -82,9 +82,9 @@ TEST_F(SceneViewer, APickNamesTextureAndRule) {
   ASSERT_EQ(mesh.problem, "");
   std::set<std::string> texturesAndRules;
   for (std::size_t t = 0; t < mesh.size(); ++t) {
-    const PickedThing thing = describeTriangle(mesh, t, {});
-    texturesAndRules.insert(rowOf(thing, "object") + " | " + rowOf(thing, "texture") + " | " +
-                            rowOf(thing, "class by"));
+    const PickedElement picked = describeTriangle(mesh, t, {});
+    texturesAndRules.insert(rowOf(picked, "object") + " | " + rowOf(picked, "texture") + " | " +
+                            rowOf(picked, "class by"));
   }
   EXPECT_THAT(texturesAndRules,
               testing::UnorderedElementsAre("own: left | wall.png | line 8: building (texture: wall*)",

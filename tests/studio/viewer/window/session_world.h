@@ -108,9 +108,9 @@ inline ItemId firstCloud(const SessionWorld& world) {
   return world.canvas.pointItems().front();
 }
 
-// The value of a row of a picked thing; empty where it has none of that name.
-inline std::string rowOf(const PickedThing& thing, const std::string& name) {
-  for (const auto& [key, value] : thing.rows) {
+// The value of a row of a picked picked; empty where it has none of that name.
+inline std::string rowOf(const PickedElement& picked, const std::string& name) {
+  for (const auto& [key, value] : picked.rows) {
     if (key == name) return value;
   }
   return "";
