@@ -32,7 +32,8 @@ struct ExrImage {
   PassPlanes planes;
   std::vector<float> incidence{};  // cosine of the incidence angle; only for hits
 
-  bool sees(std::size_t pixel) const { return std::isfinite(planes.depth[pixel]); }
+  // True if the pixel or beam shows a surface.
+  bool showsSurface(std::size_t pixel) const { return std::isfinite(planes.depth[pixel]); }
 };
 
 // A plane of an EXR file, such as its depths or its class ids, as an image.
@@ -43,14 +44,11 @@ struct PassPlane {
   Legend legend{};  // names and colours of classes or materials, or the scale of fractions; empty for other planes
 };
 
+// Reads an EXR file. Files of hits have a channel "range", those of passes do not.
 ExrImage readExr(const std::filesystem::path& file) {
   const ExrReader header(file);
-  const auto& channels = header.channels();
-  const auto has = [&](const char* name) {
-    return std::ranges::any_of(channels, [&](const ExrChannel& c) { return c.name == name; });
-  };
   ExrImage image;
-  if (!has("range")) {
+  if (std::ranges::count(header.channels(), "range", &ExrChannel::name) == 0) {
     PassImage passes = readPasses(file, passesIn(file));
     const Camera& c = passes.camera;
     image.width = static_cast<int>(c.width);
@@ -72,17 +70,18 @@ ExrImage readExr(const std::filesystem::path& file) {
 }
 
 // Returns the 1st and 99th percentile of the positive finite values. In large images only every 97th pixel is used.
-ScaleRange spanOf(const std::vector<float>& values) {
-  std::vector<float> seen;
-  for (std::size_t i = 0; i<values.size(); i += values.size()> 100'000 ? 97 : 1) {
-    if (std::isfinite(values[i]) && values[i] > 0) seen.push_back(values[i]);
+ScaleRange percentilesOf(const std::vector<float>& values) {
+  const std::size_t step = values.size() > 100'000 ? 97 : 1;
+  std::vector<float> sorted;
+  for (std::size_t i = 0; i < values.size(); i += step) {
+    if (std::isfinite(values[i]) && values[i] > 0) sorted.push_back(values[i]);
   }
-  if (seen.empty()) return {1, 1};
-  std::ranges::sort(seen);
-  const auto at = [&](double share) {
-    return double{seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))]};
+  if (sorted.empty()) return {1, 1};
+  std::ranges::sort(sorted);
+  const auto percentile = [&](double rank) {
+    return double{sorted[static_cast<std::size_t>(rank * static_cast<double>(sorted.size() - 1))]};
   };
-  return {at(0.01), at(0.99)};
+  return {percentile(0.01), percentile(0.99)};
 }
 
 // Creates the planes of an image.
@@ -110,11 +109,11 @@ class PlaneMaker {
       return id < source_.materials.size() ? source_.materials[id] : fmt::format("material {}", id);
     });
     addIds("primitive", p.primitive, colorEach);
-    addShare("reflectance", p.reflectance);
-    addShare("roughness", p.roughness);
-    addShare("metallic", p.metallic);
-    addShare("retroreflectance", p.retroreflectance);
-    addShare("cosine of the incidence", image_.incidence);
+    addNumbers("reflectance", p.reflectance);
+    addNumbers("roughness", p.roughness);
+    addNumbers("metallic", p.metallic);
+    addNumbers("retroreflectance", p.retroreflectance);
+    addNumbers("cosine of the incidence", image_.incidence);
     return std::move(planes_);
   }
 
@@ -124,17 +123,18 @@ class PlaneMaker {
     PassPlane plane{name, std::move(note), Image(image_.width, image_.height, kBackground)};
     plane.legend.title = name;
     for (std::size_t i = 0; i < plane.image.pixels.size(); ++i) {
-      if (image_.sees(i)) plane.image.pixels[i] = colorOf(i);
+      if (image_.showsSurface(i)) plane.image.pixels[i] = colorOf(i);
     }
     planes_.push_back(std::move(plane));
   }
 
+  // Adds the plane of depths or ranges, with a logarithmic scale.
   void addDistance() {
     const std::vector<float>& distance = image_.planes.depth;
-    const ScaleRange span = spanOf(distance);
-    const double scale = span.high > span.low ? 1 / std::log(span.high / span.low) : 0;
-    add(image_.ofSensor ? "range" : "depth", fmt::format("{:.2g} to {:.3g} m, by its logarithm", span.low, span.high),
-        [&](std::size_t i) { return viridis(std::log(std::max(double{distance[i]}, 1e-9) / span.low) * scale); });
+    const auto [low, high] = percentilesOf(distance);
+    const double scale = high > low ? 1 / std::log(high / low) : 0;
+    add(image_.ofSensor ? "range" : "depth", fmt::format("{:.2g} to {:.3g} m, by its logarithm", low, high),
+        [&, low = low](std::size_t i) { return viridis(std::log(std::max(double{distance[i]}, 1e-9) / low) * scale); });
   }
 
   // Adds a plane of ids. Its legend lists the names of the ids that occur, the most frequent first, if they have names.
@@ -143,22 +143,25 @@ class PlaneMaker {
               const std::function<std::string(std::uint32_t)>& nameOf = {}) {
     if (ids.empty()) return;
     std::vector<Rgb> colors;
-    const auto sees = [&](std::size_t i) { return image_.sees(i); };
-    const auto seen = paint(
-        ids.size(), [&](std::size_t i) { return ids[i]; }, colorOf, sees, colors);
+    const auto counted = paint(
+        ids.size(), [&](std::size_t i) { return ids[i]; }, colorOf,
+        [&](std::size_t i) { return image_.showsSurface(i); }, colors);
     add(name, nameOf ? "" : "a colour each", [&](std::size_t i) { return colors[i]; });
     if (!nameOf) return;
     std::vector<LegendEntry>& entries = planes_.back().legend.entries;
-    for (const auto& [id, held] : seen) entries.push_back({nameOf(id), held.color, std::int64_t{id}, held.count});
+    for (const auto& [id, pixels] : counted) {
+      entries.push_back({nameOf(id), pixels.color, std::int64_t{id}, pixels.count});
+    }
     std::ranges::stable_sort(entries, std::greater<>(), &LegendEntry::points);
   }
 
-  void addShare(const char* name, const std::vector<float>& values) {
+  // Adds a plane of numbers with a scale from 0 to 1, or to the largest number.
+  void addNumbers(const char* name, const std::vector<float>& values) {
     if (values.empty()) return;
-    const double most = std::max(1.0, double{*std::ranges::max_element(values)});
-    add(name, fmt::format("0 to {:.3g}", most), [&](std::size_t i) { return viridis(values[i] / most); });
+    const double high = std::max(1.0, double{*std::ranges::max_element(values)});
+    add(name, fmt::format("0 to {:.3g}", high), [&](std::size_t i) { return viridis(values[i] / high); });
     planes_.back().legend.scale = true;
-    planes_.back().legend.high = most;
+    planes_.back().legend.high = high;
   }
 
   const ExrImage& image_;
@@ -180,17 +183,17 @@ void keepPlane(std::vector<PassPlane>& planes, const std::string& name, const st
 std::vector<std::string> materialsOf(const Recording& recording, const std::string& image) {
   // Each scene and seed has a table of materials. If an image's name starts with the names of two scenes ("town" and
   // "town-s1-old"), the longer name is right.
-  const RecordedSequence* best = nullptr;
-  std::size_t longest = 0;
+  const RecordedSequence* sequence = nullptr;
+  std::size_t longestPrefix = 0;
   for (const RecordedSequence& s : recording.sequences) {
-    const std::string start = fmt::format("{}-s{}-", s.scene, s.seed);
-    if (!image.starts_with(start) || start.size() <= longest) continue;
-    best = &s;
-    longest = start.size();
+    const std::string prefix = fmt::format("{}-s{}-", s.scene, s.seed);
+    if (!image.starts_with(prefix) || prefix.size() <= longestPrefix) continue;
+    sequence = &s;
+    longestPrefix = prefix.size();
   }
   std::vector<std::string> names;
-  if (best == nullptr || best->materials >= recording.materials.size()) return names;
-  for (const Material& m : recording.materials[best->materials]) names.push_back(m.name);
+  if (sequence == nullptr || sequence->materials >= recording.materials.size()) return names;
+  for (const Material& m : recording.materials[sequence->materials]) names.push_back(m.name);
   return names;
 }
 
@@ -223,14 +226,14 @@ ExrSource findExr(const fs::path& path, const std::string& wanted) {
   return source;
 }
 
-// Scales the planes without interpolation, since ids must not be interpolated.
+// Planes are enlarged without interpolation, since ids must not be interpolated.
 Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
   constexpr double kReadableShare = 1.0 / 7;  // least height of a plane of hits divided by its width
-  constexpr int kInOneRow = 4;
-  constexpr double kLetter = 18;      // height of letters in pixels
-  constexpr int kTitleHeight = 30;    // height of the title in pixels
-  constexpr int kCaptionHeight = 26;  // height of the caption above each plane in pixels
-  constexpr int kGap = 8;             // space between planes in pixels
+  constexpr int kInOneRow = 4;                // largest number of planes in one row; more are in two rows
+  constexpr double kLetter = 18;              // height of letters in pixels
+  constexpr int kTitleHeight = 30;            // height of the title in pixels
+  constexpr int kCaptionHeight = 26;          // height of the caption above each plane in pixels
+  constexpr int kGap = 8;                     // space between planes in pixels
   const ExrImage image = readExr(source.file);
   std::vector<PassPlane> planes = PlaneMaker(image, source).make();
   if (!wanted.empty()) keepPlane(planes, wanted, source.file);
@@ -244,26 +247,22 @@ Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
   const int tileWidth = (planesWidth - kGap * (columns + 1)) / columns;
   const double share = static_cast<double>(image.height) / image.width;
   const double shownShare = image.ofSensor ? std::max(kReadableShare, share) : share;
-  const int tileHeight = std::clamp(static_cast<int>(std::lround(tileWidth * shownShare)), 1, 8192);
+  const int tileHeight = std::clamp(static_cast<int>(std::lround(tileWidth * shownShare)), 1, kMostPictureSide);
   const int rowHeight = kCaptionHeight + tileHeight + kGap;
-  PixelRect body{0, kTitleHeight, planesWidth, rows * rowHeight};
-  const PixelRect side = legendRect(legend, body, kLetter, width);
-  if (side.left > 0) body.height = side.height;
-  const int height = std::max(body.top + body.height, side.top + side.height);
-  PanelPicture picture(width, height, kLetter);
-  for (std::size_t i = 0; i < planes.size(); ++i) picture.setImage(static_cast<ImageId>(i), planes[i].image);
-  return picture.draw([&] {
-    titleRow({0, 0, width, kTitleHeight}, fmt::format("{}, {}", source.file.filename().string(), image.size), "");
-    panelAt("##planes", body, PanelUse::Picture, [&] {
-      for (int i = 0; i < count; ++i) {
-        const PassPlane& plane = planes[static_cast<std::size_t>(i)];
-        const int x = kGap + i % columns * (tileWidth + kGap);
-        const int y = kTitleHeight + i / columns * rowHeight;
-        textAt(x, y + 4, tileWidth, plane.note.empty() ? plane.name : fmt::format("{}, {}", plane.name, plane.note));
-        imageAt(static_cast<ImageId>(i), {x, y + kCaptionHeight, tileWidth, tileHeight});
-      }
-    });
-    legendPanel(legend, side);
+  LegendPicture picture{.title = fmt::format("{}, {}", source.file.filename().string(), image.size),
+                        .details = "",
+                        .body = {0, kTitleHeight, planesWidth, rows * rowHeight},
+                        .lineHeight = kLetter,
+                        .maxWidth = width};
+  for (const PassPlane& plane : planes) picture.images.push_back(&plane.image);
+  return drawWithLegend(picture, legend, [&] {
+    for (int i = 0; i < count; ++i) {
+      const PassPlane& plane = planes[static_cast<std::size_t>(i)];
+      const int x = kGap + i % columns * (tileWidth + kGap);
+      const int y = kTitleHeight + i / columns * rowHeight;
+      textAt(x, y + 4, tileWidth, plane.note.empty() ? plane.name : fmt::format("{}, {}", plane.name, plane.note));
+      imageAt(static_cast<ImageId>(i), {x, y + kCaptionHeight, tileWidth, tileHeight});
+    }
   });
 }
 

@@ -42,8 +42,8 @@ class OneScan final : public FrameSource {
 }  // namespace
 
 Rgb overlayColor(std::size_t scan) {
-  const std::size_t place = scan % (methods().size() + std::size(kMoreColors));
-  return place < methods().size() ? methods()[place].color : kMoreColors[place - methods().size()];
+  const std::size_t color = scan % (methods().size() + std::size(kMoreColors));
+  return color < methods().size() ? methods()[color].color : kMoreColors[color - methods().size()];
 }
 
 Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height, const std::string& title,
@@ -58,32 +58,28 @@ Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height
 
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
                      const std::string& title, const BeamTable* beams) {
-  constexpr ImageId kStrip = 1;
-  constexpr double kReadableWidth = 1600;
+  constexpr double kReadableWidth = 1600;     // least width (pixels)
   constexpr double kReadableShare = 1.0 / 7;  // least height of the image divided by its width
   const Coloring coloring = colorScan(scan, colorBy, {ontology});
   const Legend& legend = coloring.legend;
   const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {}, beams);
-  const auto steps = [](double wanted, int size) {
-    return std::clamp(static_cast<int>(std::ceil(wanted / size)), 1, std::max(kMostPictureSide / size, 1));
+  // Returns the factor by which a side of `size` pixels is enlarged to have at least `leastSize` pixels, if it fits.
+  const auto enlargement = [](double leastSize, int size) {
+    return std::clamp(static_cast<int>(std::ceil(leastSize / size)), 1, std::max(kMostPictureSide / size, 1));
   };
-  const int width = strip.image.width * steps(kReadableWidth, strip.image.width);
-  const int height = strip.image.height * steps(width * kReadableShare, strip.image.height);
+  const int width = strip.image.width * enlargement(kReadableWidth, strip.image.width);
+  const int height = strip.image.height * enlargement(width * kReadableShare, strip.image.height);
   const double lineHeight = pictureLineHeight(width, width);
-  const PixelRect body{0, static_cast<int>(std::lround(1.5 * lineHeight)), width, height};
-  const PixelRect side = legendRect(legend, body, lineHeight, kMostPictureSide);
-  PixelRect panel = body;
-  if (side.left > 0) panel.height = side.height;
-  const PixelRect top{0, 0, std::max(width, side.left + side.width), body.top};
-  PanelPicture picture(top.width, std::max(body.top + height, side.top + side.height), lineHeight);
-  picture.setImage(kStrip, strip.image);
-  return picture.draw([&] {
-    titleRow(top, fmt::format("{}, {}", title, describeStrip(strip)),
-             fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
-                         legend.scale ? scaleTitle(legend) : legend.title));
-    panelAt("##strip", panel, PanelUse::Picture, [&] { imageAt(kStrip, body); });
-    legendPanel(legend, side);
-    if (std::ranges::none_of(scan.position, isFinite<float>)) drawMessage(body, "no points");
+  const LegendPicture picture{.title = fmt::format("{}, {}", title, describeStrip(strip)),
+                              .details = fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
+                                                     legend.scale ? scaleTitle(legend) : legend.title),
+                              .body = {0, static_cast<int>(std::lround(1.5 * lineHeight)), width, height},
+                              .lineHeight = lineHeight,
+                              .maxWidth = kMostPictureSide,
+                              .images = {&strip.image}};
+  return drawWithLegend(picture, legend, [&] {
+    imageAt(ImageId{0}, picture.body);
+    if (std::ranges::none_of(scan.position, isFinite<float>)) drawMessage(picture.body, "no points");
   });
 }
 

@@ -39,8 +39,27 @@ float lineHeight() {
   return ImGui::GetFontSize();
 }
 
-ImVec2 sizeOf(const std::string& text, float wrap = -1) {
-  return ImGui::CalcTextSize(text.data(), text.data() + text.size(), false, wrap);
+ImVec2 sizeOf(const std::string& text) {
+  return ImGui::CalcTextSize(text.data(), text.data() + text.size());
+}
+
+ImVec2 topLeft(const PixelRect& rect) {
+  return {static_cast<float>(rect.left), static_cast<float>(rect.top)};
+}
+
+ImVec2 sizeOf(const PixelRect& rect) {
+  return {static_cast<float>(rect.width), static_cast<float>(rect.height)};
+}
+
+// Adds a text to a list of drawings. `position`: upper left corner of the text (pixels of the canvas).
+void addText(ImDrawList& list, const ImVec2& position, ImU32 color, const std::string& text) {
+  list.AddText(position, color, text.data(), text.data() + text.size());
+}
+
+// Adds a white ring with a black edge, which is visible on any background. `radius`: in heights of a line.
+void addRing(ImDrawList& list, const ImVec2& center, float radius) {
+  list.AddCircle(center, lineHeight() * radius, packed({0, 0, 0}), 0, lineHeight() * 0.25F);
+  list.AddCircle(center, lineHeight() * radius, packed({255, 255, 255}), 0, lineHeight() * 0.12F);
 }
 
 void drawWrapped(void (*draw)(const std::string&), const std::string& text) {
@@ -52,18 +71,25 @@ void drawWrapped(void (*draw)(const std::string&), const std::string& text) {
 // Returns the text; if it is wider than `width` pixels, only as much of its beginning as fits, followed by "...".
 std::string fitted(const std::string& text, float width) {
   if (sizeOf(text).x <= width) return text;
-  const float dots = sizeOf("...").x;
-  std::size_t kept = text.size();
-  const auto inLetter = [&](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80; };
+  const float dotsWidth = sizeOf("...").x;
+  std::size_t length = text.size();  // bytes that stay
+  // True if the byte continues a character of UTF-8.
+  const auto isInCharacter = [&](std::size_t byte) { return (static_cast<unsigned char>(text[byte]) & 0xC0) == 0x80; };
   // First halve the text repeatedly, since it may be very long.
-  while (kept > 64 && sizeOf(text.substr(0, kept / 2)).x > width) kept /= 2;
-  while (kept > 0 && (sizeOf(text.substr(0, kept)).x + dots > width || (kept < text.size() && inLetter(kept)))) --kept;
-  return text.substr(0, kept) + "...";
+  while (length > 64 && sizeOf(text.substr(0, length / 2)).x > width) length /= 2;
+  while (length > 0 &&
+         (sizeOf(text.substr(0, length)).x + dotsWidth > width || (length < text.size() && isInCharacter(length)))) {
+    --length;
+  }
+  return text.substr(0, length) + "...";
 }
 
-void swatch(const ImVec2& at, const Rgb& color, bool filled) {
+constexpr float kTextIndent = 1.25F;  // from the left end of a swatch to the text after it, in heights of a line
+
+// Draws the colour of a row of text as a small square. `rowCorner`: upper left corner of the row.
+void drawSwatch(const ImVec2& rowCorner, const Rgb& color, bool filled) {
   const float side = std::floor(lineHeight() * 0.75F);
-  const ImVec2 corner{std::floor(at.x), std::floor(at.y + (lineHeight() - side) / 2)};
+  const ImVec2 corner{std::floor(rowCorner.x), std::floor(rowCorner.y + (lineHeight() - side) / 2)};
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(corner, {corner.x + side, corner.y + side}, packed(filled ? color : mix(color, kNoValue, 0.4)));
   if (filled) return;
@@ -74,45 +100,44 @@ void swatch(const ImVec2& at, const Rgb& color, bool filled) {
 
 struct LegendRow {
   std::string name;
-  std::string count;
+  std::string count;  // number of points as text; empty: not shown
   Rgb color{};
   enum class Look { Shown, Absent, Partly, Hidden } look = Look::Shown;
 };
 
-// Draws a row of a legend. Returns true if the user has clicked the row.
-bool legendRow(int id, const LegendRow& row, bool clickable, float width) {
+// Draws a row of a legend: swatch, name and, at the right end, the count. `id`: unique in the legend. `width`: of the
+// row (pixels). Returns true if the user has clicked the row.
+bool drawLegendRow(int id, const LegendRow& row, bool clickable, float width) {
   using Look = LegendRow::Look;
-  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  const ImVec2 end{corner.x + width, corner.y + lineHeight() + 2};  // lower right corner
+  ImDrawList& list = *ImGui::GetWindowDrawList();
   bool pressed = false;
   ImGui::PushID(id);
   if (clickable) {
     ImGui::InvisibleButton("row", {std::max(width, 1.0F), lineHeight() + 2});
     pressed = ImGui::IsItemActivated();
     if (ImGui::IsItemHovered()) {
-      ImGui::GetWindowDrawList()->AddRectFilled({at.x - 2, at.y}, {at.x + width, at.y + lineHeight() + 2},
-                                                ImGui::GetColorU32(ImGuiCol_HeaderHovered), 3);
+      list.AddRectFilled({corner.x - 2, corner.y}, end, ImGui::GetColorU32(ImGuiCol_HeaderHovered), 3);
     }
   } else {
     ImGui::Dummy({std::max(width, 1.0F), lineHeight() + 2});
   }
   ImGui::PopID();
-  swatch({at.x, at.y + 1}, row.color, row.look == Look::Shown || row.look == Look::Absent);
+  const float top = corner.y + 1;  // of the text
+  drawSwatch({corner.x, top}, row.color, row.look == Look::Shown || row.look == Look::Absent);
+  const float countWidth = row.count.empty() ? 0 : sizeOf(row.count).x + lineHeight() * 0.5F;
+  const float nameLeft = corner.x + lineHeight() * kTextIndent;
+  const std::string name = fitted(row.name, width - lineHeight() * kTextIndent - countWidth);
+  if (name != row.name && ImGui::IsMouseHoveringRect(corner, end)) ImGui::SetTooltip("%s", row.name.c_str());
   const ImU32 color = ImGui::GetColorU32(row.look == Look::Shown ? ImGuiCol_Text : ImGuiCol_TextDisabled);
-  const float count = row.count.empty() ? 0 : sizeOf(row.count).x + lineHeight() * 0.5F;
-  ImDrawList& list = *ImGui::GetWindowDrawList();
-  const float left = at.x + lineHeight() * 1.25F;
-  const std::string name = fitted(row.name, width - lineHeight() * 1.25F - count);
-  if (name != row.name && ImGui::IsMouseHoveringRect(at, {at.x + width, at.y + lineHeight() + 2})) {
-    ImGui::SetTooltip("%s", row.name.c_str());
+  addText(list, {nameLeft, top}, color, name);
+  if (row.look == Look::Hidden) {  // the name is struck through
+    const float middle = top + lineHeight() * 0.55F;
+    list.AddLine({nameLeft, middle}, {nameLeft + sizeOf(name).x, middle}, color);
   }
-  list.AddText({left, at.y + 1}, color, name.data(), name.data() + name.size());
-  if (row.look == Look::Hidden) {
-    list.AddLine({left, at.y + 1 + lineHeight() * 0.55F}, {left + sizeOf(name).x, at.y + 1 + lineHeight() * 0.55F},
-                 color);
-  }
-  if (count > 0) {
-    list.AddText({at.x + width - count + lineHeight() * 0.5F, at.y + 1}, ImGui::GetColorU32(ImGuiCol_TextDisabled),
-                 row.count.data(), row.count.data() + row.count.size());
+  if (!row.count.empty()) {
+    addText(list, {end.x - sizeOf(row.count).x, top}, ImGui::GetColorU32(ImGuiCol_TextDisabled), row.count);
   }
   return pressed;
 }
@@ -121,14 +146,14 @@ bool legendRow(int id, const LegendRow& row, bool clickable, float width) {
 
 void panelAt(const char* name, const PixelRect& rect, PanelUse use, const std::function<void()>& body) {
   if (rect.width < 1 || rect.height < 1) return;
-  ImGui::SetNextWindowPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
-  ImGui::SetNextWindowSize({static_cast<float>(rect.width), static_cast<float>(rect.height)});
+  ImGui::SetNextWindowPos(topLeft(rect));
+  ImGui::SetNextWindowSize(sizeOf(rect));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
-  const ImGuiWindowFlags still =
+  const ImGuiWindowFlags scrolling =
       use == PanelUse::Interactive ? 0 : ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
-  if (ImGui::Begin(name, nullptr, kFixed | still)) body();
+  if (ImGui::Begin(name, nullptr, kFixed | scrolling)) body();
   ImGui::End();
   ImGui::PopStyleVar(3);
 }
@@ -137,12 +162,12 @@ void titleRow(const PixelRect& rect, const std::string& left, const std::string&
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
                       {lineHeight() * 0.6F, std::max(static_cast<float>(rect.height) - lineHeight(), 0.0F) / 2});
   panelAt("##title", rect, PanelUse::Picture, [&] {
-    const float room = ImGui::GetContentRegionAvail().x;
-    const std::string shown = fitted(left, room);
-    textLine(shown);
-    const float wide = sizeOf(right).x;
-    if (wide + sizeOf(shown).x + lineHeight() > room) return;
-    ImGui::SameLine(ImGui::GetCursorPosX() + room - wide);
+    const float width = ImGui::GetContentRegionAvail().x;
+    const std::string leftText = fitted(left, width);
+    textLine(leftText);
+    const float rightWidth = sizeOf(right).x;
+    if (rightWidth + sizeOf(leftText).x + lineHeight() > width) return;
+    ImGui::SameLine(ImGui::GetCursorPosX() + width - rightWidth);
     dimText(right);
   });
   ImGui::PopStyleVar();
@@ -162,129 +187,138 @@ void section(const std::string& title, PanelUse use, const std::function<void()>
 
 void drawLabels(const std::vector<PanelLabel>& labels) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const float away = lineHeight() * 0.5F;
-  std::vector<ImVec4> drawn;  // left, top, right and bottom of the texts
+  const float margin = lineHeight() * 0.5F;
+  struct TextArea {
+    ImVec2 corner, end;  // upper left and lower right
+  };
+  std::vector<TextArea> drawn;
   for (const PanelLabel& label : labels) {
-    const ImVec2 at{static_cast<float>(label.x), static_cast<float>(label.y)};
-    const auto left = static_cast<float>(label.within.left), width = static_cast<float>(label.within.width);
-    if (label.mark) {
-      list.AddCircle(at, lineHeight() * 0.45F, packed({0, 0, 0}), 0, lineHeight() * 0.25F);
-      list.AddCircle(at, lineHeight() * 0.45F, packed({255, 255, 255}), 0, lineHeight() * 0.12F);
-    }
+    const ImVec2 center{static_cast<float>(label.x), static_cast<float>(label.y)};
+    const ImVec2 viewCorner = topLeft(label.within), viewSize = sizeOf(label.within);
+    if (label.mark) addRing(list, center, 0.45F);
     if (label.text.empty()) continue;
-    const std::string text = fitted(label.text, width - 2 * away);
+    const std::string text = fitted(label.text, viewSize.x - 2 * margin);
     const ImVec2 size = sizeOf(text);
     // If the text would extend beyond the view, draw it on the other side of the mark.
-    float x = at.x + 2 * away;
-    if (x + size.x + away > left + width) x = std::max(at.x - 2 * away - size.x, left + away);
-    float y = at.y - away - size.y;
-    if (y < static_cast<float>(label.within.top) + away) y = at.y + 2 * away;
-    const ImVec4 area{x - 3, y - 1, x + size.x + 3, y + size.y + 1};
-    const auto overlaps = [&](const ImVec4& other) {
-      return area.x < other.z && other.x < area.z && area.y < other.w && other.y < area.w;
+    float x = center.x + 2 * margin;
+    if (x + size.x + margin > viewCorner.x + viewSize.x) {
+      x = std::max(center.x - 2 * margin - size.x, viewCorner.x + margin);
+    }
+    float y = center.y - margin - size.y;
+    if (y < viewCorner.y + margin) y = center.y + 2 * margin;
+    const TextArea area{{x - 3, y - 1}, {x + size.x + 3, y + size.y + 1}};
+    const auto overlaps = [&](const TextArea& other) {
+      return area.corner.x < other.end.x && other.corner.x < area.end.x && area.corner.y < other.end.y &&
+             other.corner.y < area.end.y;
     };
     if (label.optional && std::ranges::any_of(drawn, overlaps)) continue;
     drawn.push_back(area);
-    list.AddRectFilled({area.x, area.y}, {area.z, area.w}, packed(kBackground, 200), 3);
-    list.AddText({std::floor(x), std::floor(y)}, packed({255, 255, 255}), text.data(), text.data() + text.size());
+    list.AddRectFilled(area.corner, area.end, packed(kBackground, 200), 3);
+    addText(list, {std::floor(x), std::floor(y)}, packed({255, 255, 255}), text);
   }
 }
 
 void drawCaption(const PixelRect& view, const std::string& text, bool active) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const ImVec2 corner{static_cast<float>(view.left), static_cast<float>(view.top)};
-  const ImVec2 end{corner.x + static_cast<float>(view.width), corner.y + static_cast<float>(view.height)};
+  const ImVec2 viewCorner = topLeft(view), viewSize = sizeOf(view);
   const float inset = lineHeight() * 0.5F;
-  if (active) list.AddRect(corner, end, ImGui::GetColorU32(ImGuiCol_CheckMark), 0, 0, std::max(lineHeight() / 8, 2.0F));
-  const std::string shown = fitted(text, static_cast<float>(view.width) - 4 * inset);
-  if (text.empty() || static_cast<float>(view.height) < 3 * lineHeight()) return;
-  const ImVec2 at{corner.x + inset, corner.y + inset};
-  const ImVec2 size = sizeOf(shown);
-  list.AddRectFilled(at, {at.x + size.x + 2 * inset, at.y + size.y + inset}, ImGui::GetColorU32(ImGuiCol_WindowBg), 4);
-  list.AddText({at.x + inset, at.y + inset / 2}, ImGui::GetColorU32(ImGuiCol_Text), shown.data(),
-               shown.data() + shown.size());
+  if (active) {
+    list.AddRect(viewCorner, {viewCorner.x + viewSize.x, viewCorner.y + viewSize.y},
+                 ImGui::GetColorU32(ImGuiCol_CheckMark), 0, 0, std::max(lineHeight() / 8, 2.0F));
+  }
+  if (text.empty() || viewSize.y < 3 * lineHeight()) return;
+  const std::string caption = fitted(text, viewSize.x - 4 * inset);
+  const ImVec2 corner{viewCorner.x + inset, viewCorner.y + inset};
+  const ImVec2 size = sizeOf(caption);
+  list.AddRectFilled(corner, {corner.x + size.x + 2 * inset, corner.y + size.y + inset},
+                     ImGui::GetColorU32(ImGuiCol_WindowBg), 4);
+  addText(list, {corner.x + inset, corner.y + inset / 2}, ImGui::GetColorU32(ImGuiCol_Text), caption);
 }
 
 void drawMessage(const PixelRect& view, const std::string& text) {
-  constexpr float kLarge = 1.5F;
+  constexpr float kLarge = 1.5F;  // size of the letters in heights of a line
   const float size = lineHeight() * kLarge;
-  const float room = std::min(static_cast<float>(view.width) - 4 * size, 40 * size);
-  if (text.empty() || room < size) return;
-  const ImVec2 extent = ImGui::GetFont()->CalcTextSizeA(size, room, room, text.data(), text.data() + text.size());
-  const ImVec2 at{std::floor(static_cast<float>(view.left) + (static_cast<float>(view.width) - extent.x) / 2),
-                  std::floor(static_cast<float>(view.top) + (static_cast<float>(view.height) - extent.y) / 2)};
+  const ImVec2 viewCorner = topLeft(view), viewSize = sizeOf(view);
+  const float maxWidth = std::min(viewSize.x - 4 * size, 40 * size);
+  if (text.empty() || maxWidth < size) return;
+  const char* const textEnd = text.data() + text.size();
+  const ImVec2 extent = ImGui::GetFont()->CalcTextSizeA(size, maxWidth, maxWidth, text.data(), textEnd);
+  const ImVec2 corner{std::floor(viewCorner.x + (viewSize.x - extent.x) / 2),
+                      std::floor(viewCorner.y + (viewSize.y - extent.y) / 2)};
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  list.AddRectFilled({at.x - size, at.y - size / 2}, {at.x + extent.x + size, at.y + extent.y + size / 2},
+  list.AddRectFilled({corner.x - size, corner.y - size / 2},
+                     {corner.x + extent.x + size, corner.y + extent.y + size / 2},
                      ImGui::GetColorU32(ImGuiCol_WindowBg), size / 3);
-  list.AddText(ImGui::GetFont(), size, at, ImGui::GetColorU32(ImGuiCol_Text), text.data(), text.data() + text.size(),
-               room);
+  list.AddText(ImGui::GetFont(), size, corner, ImGui::GetColorU32(ImGuiCol_Text), text.data(), textEnd, maxWidth);
 }
 
-LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse panel) {
+LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse use) {
   using Look = LegendRow::Look;
-  const bool still = panel == PanelUse::Picture;
-  LegendUse use;
+  LegendClick click;
+  const std::size_t entries = legend.entries.size();
   const auto isHidden = [&](std::size_t i) { return i < hidden.size() && hidden[i]; };
-  std::uint64_t points = 0;
-  std::size_t gone = 0;
-  for (std::size_t i = 0; i < legend.entries.size(); ++i) {
-    points += legend.entries[i].points;
-    gone += isHidden(i) ? 1 : 0;
-  }
-  const auto count = [&](std::uint64_t n) { return points > 0 ? grouped(n) : std::string(); };
+  std::uint64_t points = 0;  // of all entries
+  for (const LegendEntry& entry : legend.entries) points += entry.points;
+  const auto isAbsent = [&](const LegendEntry& entry) { return points > 0 && entry.points == 0; };
+  const auto countText = [&](std::uint64_t count) { return points > 0 ? grouped(count) : std::string(); };
   const float width = ImGui::GetContentRegionAvail().x;
-  if (clickable && !still && legend.entries.size() > 1) {
-    const Look look = gone == 0 ? Look::Shown : gone < legend.entries.size() ? Look::Partly : Look::Hidden;
-    const ImVec4 text = ImGui::GetStyleColorVec4(ImGuiCol_Text);
-    const auto byte = [](float share) { return static_cast<std::uint8_t>(std::lround(share * 255)); };
-    use.all = legendRow(-1, {"all", count(points), {byte(text.x), byte(text.y), byte(text.z)}, look}, true, width);
+  if (clickable && use == PanelUse::Interactive && entries > 1) {
+    const auto hiddenEntries = static_cast<std::size_t>(std::ranges::count(hidden, true));
+    const Look look = hiddenEntries == 0 ? Look::Shown : hiddenEntries < entries ? Look::Partly : Look::Hidden;
+    const ImVec4 color = ImGui::GetStyleColorVec4(ImGuiCol_Text);
+    const auto byte = [](float channel) { return static_cast<std::uint8_t>(std::lround(channel * 255)); };
+    const LegendRow row{"all", countText(points), {byte(color.x), byte(color.y), byte(color.z)}, look};
+    click.all = drawLegendRow(-1, row, true, width);
   }
-  const float high = lineHeight() + 2 + ImGui::GetStyle().ItemSpacing.y;
-  const float room = ImGui::GetContentRegionAvail().y;
-  const auto absent = [&](const LegendEntry& entry) { return points > 0 && entry.points == 0; };
-  std::size_t left = legend.entries.size();  // number of entries that are not drawn yet
-  if (still) left -= static_cast<std::size_t>(std::ranges::count_if(legend.entries, absent));
-  auto lines = still ? static_cast<std::size_t>(std::max(room / high, 0.0F)) : left;
-  if (lines < left && lines > 0) --lines;  // one line is needed for the number of omitted entries
-  for (std::size_t i = 0; i < legend.entries.size() && lines > 0; ++i) {
+  // A picture shows only the entries that have points, and only as many as fit into the panel.
+  std::size_t undrawn = entries, lines = entries;
+  if (use == PanelUse::Picture) {
+    const float rowHeight = lineHeight() + 2 + ImGui::GetStyle().ItemSpacing.y;
+    undrawn -= static_cast<std::size_t>(std::ranges::count_if(legend.entries, isAbsent));
+    lines = static_cast<std::size_t>(std::max(ImGui::GetContentRegionAvail().y / rowHeight, 0.0F));
+  }
+  if (lines < undrawn && lines > 0) --lines;  // one line is needed for the number of omitted entries
+  for (std::size_t i = 0; i < entries && lines > 0; ++i) {
     const LegendEntry& entry = legend.entries[i];
-    if (still && absent(entry)) continue;
+    if (use == PanelUse::Picture && isAbsent(entry)) continue;
     --lines;
-    --left;
-    const Look look = isHidden(i) ? Look::Hidden : absent(entry) ? Look::Absent : Look::Shown;
-    if (legendRow(static_cast<int>(i), {entry.name, count(entry.points), entry.color, look}, clickable, width)) {
-      use.entry = i;
-    }
+    --undrawn;
+    const Look look = isHidden(i) ? Look::Hidden : isAbsent(entry) ? Look::Absent : Look::Shown;
+    const LegendRow row{entry.name, countText(entry.points), entry.color, look};
+    if (drawLegendRow(static_cast<int>(i), row, clickable, width)) click.entry = i;
   }
-  if (left > 0) dimText(fmt::format("+ {} more", left));
-  return use;
+  if (undrawn > 0) dimText(fmt::format("+ {} more", undrawn));
+  return click;
 }
 
-std::optional<ScaleRange> scaleBar(const Legend& legend, PanelUse use) {
-  constexpr int kSteps = 64;
-  const ImVec2 at = ImGui::GetCursorScreenPos();
+std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use) {
+  constexpr int kSteps = 64;  // rectangles of which the bar consists
+  constexpr float kTick = 3;  // length of a tick below the bar (pixels)
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x;
-  const float high = std::floor(lineHeight() * 0.9F);
+  const float barHeight = std::floor(lineHeight() * 0.9F), barBottom = corner.y + barHeight;
+  const ImU32 textColor = ImGui::GetColorU32(ImGuiCol_Text);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   for (int i = 0; i < kSteps; ++i) {
-    const ImU32 from = packed(viridis(static_cast<double>(i) / kSteps));
-    const ImU32 to = packed(viridis(static_cast<double>(i + 1) / kSteps));
-    list.AddRectFilledMultiColor({at.x + width * static_cast<float>(i) / kSteps, at.y},
-                                 {at.x + width * static_cast<float>(i + 1) / kSteps, at.y + high}, from, to, to, from);
+    const ImU32 left = packed(viridis(static_cast<double>(i) / kSteps));
+    const ImU32 right = packed(viridis(static_cast<double>(i + 1) / kSteps));
+    list.AddRectFilledMultiColor({corner.x + width * static_cast<float>(i) / kSteps, corner.y},
+                                 {corner.x + width * static_cast<float>(i + 1) / kSteps, barBottom}, left, right, right,
+                                 left);
   }
-  float free = at.x;  // left end of the part of the bar below which no number has been written
+  float freeLeft = corner.x;  // x from which on no number has been written
   for (const auto& [position, text] : scaleTicks(legend)) {
-    const float x = at.x + width * static_cast<float>(position);
-    const float wide = sizeOf(text).x;
-    list.AddLine({x, at.y + high}, {x, at.y + high + 3}, ImGui::GetColorU32(ImGuiCol_Text));
-    const float left = std::max(std::min(x - wide / 2, at.x + width - wide), at.x);
-    if (left < free) continue;
-    list.AddText({left, at.y + high + 3}, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
-    free = left + wide + lineHeight() / 3;
+    const float x = corner.x + width * static_cast<float>(position);
+    list.AddLine({x, barBottom}, {x, barBottom + kTick}, textColor);
+    const float textWidth = sizeOf(text).x;
+    const float left = std::max(std::min(x - textWidth / 2, corner.x + width - textWidth), corner.x);
+    if (left < freeLeft) continue;
+    addText(list, {left, barBottom + kTick}, textColor, text);
+    freeLeft = left + textWidth + lineHeight() / 3;
   }
-  ImGui::Dummy({1, high + lineHeight() + 4});
+  ImGui::Dummy({1, barHeight + lineHeight() + 4});
   if (legend.unknown > 0) {
-    legendRow(-2, {"no value", grouped(legend.unknown), kNoValue, LegendRow::Look::Shown}, false, width);
+    drawLegendRow(-2, {"no value", grouped(legend.unknown), kNoValue}, false, width);
     if (!legend.whyUnknown.empty()) drawWrapped(dimText, legend.whyUnknown);
   }
   if (use == PanelUse::Picture) return {};
@@ -300,23 +334,38 @@ PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHei
   if (!legend.scale && legend.entries.empty()) return {};
   constexpr std::size_t kScaleRows = 6;  // bar, numbers, count of unknown values, and texts that are wrapped
   const std::size_t rows = legend.scale ? kScaleRows : legend.entries.size();
-  // A row is as high as legendRow() and the spacing between rows; the title and the edges take two more.
-  const int high = static_cast<int>(std::ceil((static_cast<double>(rows) + 2) * (1.3 * lineHeight + 2)));
+  // A row is as high as drawLegendRow() and the spacing between rows; the title and the edges take two more.
+  const int height = static_cast<int>(std::ceil((static_cast<double>(rows) + 2) * (1.3 * lineHeight + 2)));
   const int right = body.left + body.width;
-  if (right + sideWidth(lineHeight) > maxWidth) return {body.left, body.top + body.height, body.width, high};
-  return {right, body.top, sideWidth(lineHeight), std::max(body.height, high)};
+  if (right + sideWidth(lineHeight) > maxWidth) return {body.left, body.top + body.height, body.width, height};
+  return {right, body.top, sideWidth(lineHeight), std::max(body.height, height)};
 }
 
-void legendPanel(const Legend& legend, const PixelRect& rect) {
-  panelAt("##side", rect, PanelUse::Picture, [&] {
-    section(legend.scale ? scaleTitle(legend) : legend.title, PanelUse::Picture, [&] {
-      if (legend.scale) {
-        scaleBar(legend, PanelUse::Picture);
-      } else {
-        legendRows(legend, {}, false, PanelUse::Picture);
-      }
+Image drawWithLegend(const LegendPicture& picture, const Legend& legend, const std::function<void()>& drawBody) {
+  PixelRect body = picture.body;
+  const PixelRect side = legendRect(legend, body, picture.lineHeight, picture.maxWidth);
+  if (side.left > 0) body.height = side.height;
+  const PixelRect top{0, 0, std::max(body.width, side.left + side.width), body.top};
+  const int height = std::max(body.top + body.height, side.top + side.height);
+  const std::unique_ptr<Canvas> canvas = openOffscreen(top.width, height);
+  ImGuiLayer imgui(*canvas, picture.lineHeight);
+  for (std::size_t i = 0; i < picture.images.size(); ++i) {
+    setImage(*canvas, static_cast<ImageId>(i), *picture.images[i]);
+  }
+  for (int i = 0; i < 2; ++i) {  // sizes that depend on contents are known in the second frame
+    imgui.frame([&] {
+      titleRow(top, picture.title, picture.details);
+      panelAt("##body", body, PanelUse::Picture, drawBody);
+      panelAt("##side", side, PanelUse::Picture, [&] {
+        section(legend.scale ? scaleTitle(legend) : legend.title, PanelUse::Picture, [&] {
+          legend.scale ? void(drawScale(legend, PanelUse::Picture))
+                       : void(drawLegendRows(legend, {}, false, PanelUse::Picture));
+        });
+      });
     });
-  });
+  }
+  canvas->render();
+  return canvas->read();
 }
 
 void textAt(double x, double y, double width, const std::string& text) {
@@ -325,8 +374,8 @@ void textAt(double x, double y, double width, const std::string& text) {
 }
 
 void heading(const std::string& text, const Rgb& color) {
-  swatch(ImGui::GetCursorScreenPos(), color, true);
-  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + lineHeight() * 1.25F);
+  drawSwatch(ImGui::GetCursorScreenPos(), color, true);
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + lineHeight() * kTextIndent);
   textLine(text);
 }
 
@@ -340,10 +389,10 @@ void valueRows(const char* id, const NamedValues& rows, const std::string& alarm
     ImGui::TableNextColumn();
     dimText(name);
     ImGui::TableNextColumn();
-    const bool warns = !alarm.empty() && name == alarm;
-    if (warns) ImGui::PushStyleColor(ImGuiCol_Text, packed(kAlarm));
+    const bool isAlarm = !alarm.empty() && name == alarm;
+    if (isAlarm) ImGui::PushStyleColor(ImGuiCol_Text, packed(kAlarm));
     drawWrapped(textLine, value);
-    if (warns) ImGui::PopStyleColor();
+    if (isAlarm) ImGui::PopStyleColor();
   }
   ImGui::EndTable();
 }
@@ -365,51 +414,49 @@ bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair
   const ImVec2 corner = ImGui::GetWindowPos();
   const ImVec2 size = ImGui::GetWindowSize();
   ImGui::PushClipRect(corner, {corner.x + size.x, corner.y + size.y}, false);  // clips the image at the panel's edge
-  ImGui::SetCursorScreenPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
-  ImGui::Image(textureOf(image), {static_cast<float>(rect.width), static_cast<float>(rect.height)});
-  const bool over = ImGui::IsItemHovered();
+  ImGui::SetCursorScreenPos(topLeft(rect));
+  ImGui::Image(textureOf(image), sizeOf(rect));
+  const bool isHovered = ImGui::IsItemHovered();
   if (mark) {
-    const ImVec2 at{static_cast<float>(mark->first), static_cast<float>(mark->second)};
-    ImDrawList& list = *ImGui::GetWindowDrawList();
-    list.AddCircle(at, lineHeight() * 0.4F, packed({0, 0, 0}), 0, lineHeight() * 0.25F);
-    list.AddCircle(at, lineHeight() * 0.4F, packed({255, 255, 255}), 0, lineHeight() * 0.12F);
+    addRing(*ImGui::GetWindowDrawList(), {static_cast<float>(mark->first), static_cast<float>(mark->second)}, 0.4F);
   }
   ImGui::PopClipRect();
-  return over;
+  return isHovered;
 }
 
-bool messages(const PixelRect& within, const std::vector<std::string>& problems,
-              const std::vector<std::string>& notices) {
+bool drawMessages(const PixelRect& within, const std::vector<std::string>& problems,
+                  const std::vector<std::string>& notices) {
   const float margin = lineHeight() * 0.5F;
-  const float wide = std::min(static_cast<float>(within.width) - 2 * margin, lineHeight() * 36);
-  float bottom = static_cast<float>(within.top + within.height) - margin;
-  if (wide < lineHeight()) return false;
-  bool closed = false;
-  const auto box = [&](const char* name, const std::vector<std::string>& texts, bool warns) {
+  const float maxWidth = std::min(static_cast<float>(within.width) - 2 * margin, lineHeight() * 36);
+  float bottom = static_cast<float>(within.top + within.height) - margin;  // y of the lower edge of the next box
+  if (maxWidth < lineHeight()) return false;
+  // Draws a box of texts at `bottom`, which it moves up. Returns true if the user has clicked a box of problems.
+  const auto drawBox = [&](const char* name, const std::vector<std::string>& texts, bool areProblems) {
     constexpr std::size_t kMost = 6;
-    if (texts.empty()) return;
+    if (texts.empty()) return false;
     ImGui::SetNextWindowPos({static_cast<float>(within.left) + margin, bottom}, ImGuiCond_Always, {0, 1});
-    ImGui::SetNextWindowSizeConstraints({1, 1}, {wide, static_cast<float>(within.height) * 0.6F});
-    if (warns) ImGui::PushStyleColor(ImGuiCol_Border, packed(kAlarm));
-    ImGui::Begin(name, nullptr, kMessage | (warns ? 0 : ImGuiWindowFlags_NoInputs));
-    ImGui::PushTextWrapPos(wide - 2 * margin);
+    ImGui::SetNextWindowSizeConstraints({1, 1}, {maxWidth, static_cast<float>(within.height) * 0.6F});
+    if (areProblems) ImGui::PushStyleColor(ImGuiCol_Border, packed(kAlarm));
+    ImGui::Begin(name, nullptr, kMessage | (areProblems ? 0 : ImGuiWindowFlags_NoInputs));
+    ImGui::PushTextWrapPos(maxWidth - 2 * margin);
     for (std::size_t i = 0; i < std::min(texts.size(), kMost); ++i) textLine(texts[i]);
     if (texts.size() > kMost) textLine(fmt::format("+ {} more", texts.size() - kMost));
     ImGui::PopTextWrapPos();
-    if (warns && ImGui::IsWindowHovered() && ImGui::IsMouseClicked(0)) closed = true;
+    const bool clicked = areProblems && ImGui::IsWindowHovered() && ImGui::IsMouseClicked(0);
     bottom -= ImGui::GetWindowHeight() + margin;
     ImGui::End();
-    if (warns) ImGui::PopStyleColor();
+    if (areProblems) ImGui::PopStyleColor();
+    return clicked;
   };
-  box("##problems", problems, true);
-  box("##notices", notices, false);
-  return closed;
+  const bool dismissed = drawBox("##problems", problems, true);
+  drawBox("##notices", notices, false);
+  return dismissed;
 }
 
 bool helpWindow(const NamedValues& keys) {
-  const ImVec2 all = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({all.x / 2, all.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
-  ImGui::SetNextWindowSize({std::min(lineHeight() * 44, all.x), std::min(lineHeight() * 48, all.y * 0.9F)});
+  const ImVec2 canvas = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({canvas.x / 2, canvas.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
+  ImGui::SetNextWindowSize({std::min(lineHeight() * 44, canvas.x), std::min(lineHeight() * 48, canvas.y * 0.9F)});
   ImGui::SetNextWindowFocus();
   bool open = true;
   if (ImGui::Begin("Keys", &open,

@@ -45,21 +45,32 @@ void drawCaption(const PixelRect& view, const std::string& text, bool active);
 // Draws the reason why a view is empty, in large letters in the middle of the view.
 void drawMessage(const PixelRect& view, const std::string& text);
 
-// The user's clicks in a legend.
-struct LegendUse {
+// The user's click in a legend.
+struct LegendClick {
   std::optional<std::size_t> entry;  // index of the clicked entry
   bool all = false;                  // true: the row for all entries was clicked
 };
 // Draws the entries of a legend, and returns what was clicked. `hidden`: true for hidden entries; empty: all are shown.
-LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse use);
+// `clickable`: the user can hide and show entries.
+LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse use);
 // Draws the scale of a legend. An interactive panel also has input fields for its ends; returns the ends if the user
 // has changed them.
-std::optional<ScaleRange> scaleBar(const Legend& legend, PanelUse use);
+std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use);
 // Returns the rectangle of a legend in a picture whose contents are in `body`: at their right side or, if the picture
 // would be wider than `maxWidth` pixels, below them. It is high enough for all entries, and empty if there are none.
 PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int maxWidth);
-// Draws the entries or the scale of a legend in a picture, in a panel in `rect`.
-void legendPanel(const Legend& legend, const PixelRect& rect);
+
+// A picture of images with a title above them.
+struct LegendPicture {
+  std::string title, details;          // texts at the left and the right of the title's row
+  PixelRect body;                      // rectangle of the contents; the title is above it
+  double lineHeight = 15;              // height of a line of text in pixels, see ImGuiLayer
+  int maxWidth = 0;                    // see legendRect()
+  std::vector<const Image*> images{};  // images of the contents, with the ids 0, 1 and so on
+};
+// Draws such a picture with a legend at the place of legendRect(). `drawBody` draws the contents. Throws Error like
+// openOffscreen().
+Image drawWithLegend(const LegendPicture& picture, const Legend& legend, const std::function<void()>& drawBody);
 
 void textLine(const std::string& text);
 void dimText(const std::string& text);
@@ -77,30 +88,10 @@ void tooltip(const std::string& title, const Rgb& color, const NamedValues& rows
 bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair<double, double>>& mark = {});
 
 // Draws messages in the lower left corner of `within`. Returns true if the user has dismissed the problems by a click.
-bool messages(const PixelRect& within, const std::vector<std::string>& problems,
-              const std::vector<std::string>& notices);
+bool drawMessages(const PixelRect& within, const std::vector<std::string>& problems,
+                  const std::vector<std::string>& notices);
 
 // Draws a window with the list of keys and their functions. Returns false if the user has closed it.
 bool helpWindow(const NamedValues& keys);
-
-class PanelPicture {
- public:
-  // `width`, `height`: in pixels. `lineHeight`: height of a line of text in pixels, see ImGuiLayer. Throws Error like
-  // openOffscreen().
-  PanelPicture(int width, int height, double lineHeight)
-      : canvas_(openOffscreen(width, height)), imgui_(*canvas_, lineHeight) {}
-
-  Canvas& canvas() { return *canvas_; }
-  void setImage(ImageId image, const Image& picture) { scanmill::setImage(*canvas_, image, picture); }
-  Image draw(const std::function<void()>& panels) {
-    for (int i = 0; i < 2; ++i) imgui_.frame(panels);  // sizes that depend on contents are known in the second frame
-    canvas_->render();
-    return canvas_->read();
-  }
-
- private:
-  std::unique_ptr<Canvas> canvas_;
-  ImGuiLayer imgui_;
-};
 
 }  // namespace scanmill

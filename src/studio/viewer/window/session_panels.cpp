@@ -156,7 +156,7 @@ void ViewSession::drawLegends(bool ofScales) {
       for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
       const bool clickable =
           std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
-      const LegendUse use = legendRows(legend, hidden, clickable, panelUse());
+      const LegendClick use = legendRows(legend, hidden, clickable, panelUse());
       if (use.all) act({KeyAction::ShowAllClasses});
       if (use.entry) pressLegend(legend.entries[*use.entry], panels_.imgui.shift() || panels_.imgui.clicks() == 2);
     });

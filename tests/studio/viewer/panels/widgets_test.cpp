@@ -69,10 +69,10 @@ TEST_F(PanelParts, StandWhereTheyShallAndHaveThePointerThere) {
 // Each entry has a sample of its colour, filled while it is shown; a press on its row says which it was.
 TEST_F(PanelParts, RowsOfALegendShowAndTell) {
   std::vector<bool> hidden{false, true, false};
-  LegendUse use;
+  LegendClick use;
   const auto panel = [&] {
     panelAt("panel", {0, 0, 300, 300}, PanelUse::Interactive, [&] {
-      const LegendUse now = legendRows(classes(), hidden, true, PanelUse::Interactive);
+      const LegendClick now = legendRows(classes(), hidden, true, PanelUse::Interactive);
       if (now.all || now.entry) use = now;
     });
   };
@@ -149,7 +149,7 @@ TEST_F(PanelParts, AScaleHasTheColoursOfTheMap) {
 TEST_F(PanelParts, MessagesAreReadAndClickedAway) {
   std::vector<std::string> problems{"shard.tar: is damaged"};
   bool closed = false;
-  const auto panel = [&] { closed = messages({0, 0, kWidth, kHeight}, problems, {"saved"}) || closed; };
+  const auto panel = [&] { closed = drawMessages({0, 0, kWidth, kHeight}, problems, {"saved"}) || closed; };
   draw(panel);
   const auto both = written();
   EXPECT_GT(both, 1000);
