@@ -26,6 +26,23 @@ struct BeamAzimuths {
   bool fullTurn = false;       // true: a full revolution, where the first column follows the last
 };
 
+// Sums over pairs of numbers, for their covariance.
+struct PairSums {
+  double x = 0, y = 0, xx = 0, yy = 0, xy = 0, count = 0;
+
+  void add(double newX, double newY) {
+    x += newX;
+    y += newY;
+    xx += newX * newX;
+    yy += newY * newY;
+    xy += newX * newY;
+    count += 1;
+  }
+  double covariance() const { return xy * count - x * y; }  // times the square of `count`
+  // Returns the product of the standard deviations, times the square of `count`.
+  double spread() const { return std::sqrt((xx * count - x * x) * (yy * count - y * y)); }
+};
+
 struct GridSize {
   std::size_t rings = 1, columns = 1;
 };
@@ -38,8 +55,8 @@ struct OutwardColumns {
   std::size_t start = 0;  // pixel column of column 0 of the destaggered image
 
   std::size_t pixelColumn(std::size_t ring, std::size_t column) const {
-    const std::size_t c = image.columnOf(ring, static_cast<std::uint32_t>(column));
-    return (start + (mirrored ? image.width - c : c)) % image.width;
+    const std::size_t shifted = image.columnOf(ring, static_cast<std::uint32_t>(column));
+    return (start + (mirrored ? image.width - shifted : shifted)) % image.width;
   }
 };
 
@@ -47,39 +64,42 @@ struct OutwardColumns {
 using Directions = std::vector<std::complex<float>>;
 
 // Returns the directions of all beams, if the beam table has the scan's rings and columns, otherwise those of the
-// points. `ring` and `column`: one per point.
-Directions directionsOf(const Scan& scan, const std::vector<std::size_t>& ring, const std::vector<std::size_t>& column,
-                        const GridSize& grid, const BeamTable* beams) {
+// points.
+Directions directionsOf(const Scan& scan, const GridSize& grid, const BeamTable* beams) {
   constexpr double kOnAxis = 1e-3;  // points nearer to the z axis than this (m) have no meaningful azimuth
-  Directions all(grid.rings * grid.columns);
-  const auto put = [&](std::size_t beam, const Vec3d& p) {
-    const double away = std::hypot(p.x, p.y);
-    if (std::isfinite(away) && away > kOnAxis) all[beam] = std::complex<float>(std::complex(p.x, p.y) / away);
+  Directions directions(grid.rings * grid.columns);
+  const auto setDirection = [&](std::size_t beam, const Vec3d& p) {
+    const double distance = std::hypot(p.x, p.y);
+    if (!std::isfinite(distance) || distance <= kOnAxis) return;
+    directions[beam] = std::complex<float>(std::complex(p.x, p.y) / distance);
   };
-  if (beams != nullptr && beams->columns == grid.columns && beams->direction.size() == all.size()) {
-    for (std::size_t beam = 0; beam < all.size(); ++beam) put(beam, beams->direction[beam]);
+  if (beams != nullptr && beams->columns == grid.columns && beams->direction.size() == directions.size()) {
+    for (std::size_t beam = 0; beam < directions.size(); ++beam) setDirection(beam, beams->direction[beam]);
   } else {
-    for (std::size_t i = 0; i < scan.size(); ++i) put(ring[i] * grid.columns + column[i], Vec3d(scan.position[i]));
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const PointKey key = keyOf(scan, i);
+      setDirection(key.ring * grid.columns + key.column, Vec3d(scan.position[i]));
+    }
   }
-  return all;
+  return directions;
 }
 
 // Returns the mean angle from column to column (rad), refined by beams of a ring that are farther and farther apart; 0
 // if there are too few beams.
 double stepOf(const Directions& directions, std::size_t columns) {
-  constexpr std::size_t kLeast = 16;  // least number of pairs of beams
+  constexpr std::size_t kLeastPairs = 16;
   double step = 0;
-  for (std::size_t apart = 1; apart <= std::max<std::size_t>(columns / 4, 1); apart *= 4) {
-    std::complex<double> turned;  // sum of the unit vectors of all turns from beam to beam
+  for (std::size_t distance = 1; distance <= std::max<std::size_t>(columns / 4, 1); distance *= 4) {  // in columns
+    std::complex<double> sum;  // of the rotations from beam to beam, each a unit vector
     std::size_t pairs = 0;
-    for (std::size_t beam = 0; beam + apart < directions.size(); ++beam) {
-      if (beam % columns + apart >= columns) continue;
-      const std::complex<double> turn = directions[beam + apart] * std::conj(directions[beam]);
-      turned += turn;
-      pairs += turn == 0.0 ? 0 : 1;
+    for (std::size_t beam = 0; beam + distance < directions.size(); ++beam) {
+      if (beam % columns + distance >= columns) continue;
+      const std::complex<double> rotation = directions[beam + distance] * std::conj(directions[beam]);
+      sum += rotation;
+      pairs += rotation == 0.0 ? 0 : 1;
     }
-    const auto columnsApart = static_cast<double>(apart);
-    if (pairs >= kLeast) step += std::arg(turned * std::polar(1.0, -step * columnsApart)) / columnsApart;
+    const auto steps = static_cast<double>(distance);
+    if (pairs >= kLeastPairs) step += std::arg(sum * std::polar(1.0, -step * steps)) / steps;
   }
   return step;
 }
@@ -91,7 +111,7 @@ std::optional<BeamAzimuths> fullTurnOf(const Directions& directions, const GridS
   constexpr double kTurnSlack = 0.03;
   constexpr double kLeastAgreement = 0.8;  // least mean length of a ring's sum of unit vectors; 1: all are equal
   const double fullStep = std::copysign(2 * kPi / static_cast<double>(grid.columns), step);
-  std::vector<std::complex<double>> sums(grid.rings);
+  std::vector<std::complex<double>> sums(grid.rings);  // of the directions, rotated back by the column's azimuth
   double count = 0;
   for (std::size_t beam = 0; beam < directions.size(); ++beam) {
     const std::complex<double> direction = directions[beam];
@@ -102,9 +122,9 @@ std::optional<BeamAzimuths> fullTurnOf(const Directions& directions, const GridS
   for (const std::complex<double>& sum : sums) agreement += std::abs(sum);
   if (!(std::abs(step / fullStep - 1) < kTurnSlack && agreement >= kLeastAgreement * count)) return {};
   const double first = std::arg(std::accumulate(sums.begin(), sums.end(), std::complex<double>()));
-  BeamAzimuths azimuths{first, std::vector<double>(grid.rings), fullStep, true};
-  for (std::size_t r = 0; r < grid.rings; ++r) {
-    if (std::abs(sums[r]) > 0) azimuths.offset[r] = wrapped(std::arg(sums[r]) - first);
+  BeamAzimuths azimuths{.first = first, .offset = std::vector<double>(grid.rings), .step = fullStep, .fullTurn = true};
+  for (std::size_t ring = 0; ring < grid.rings; ++ring) {
+    if (std::abs(sums[ring]) > 0) azimuths.offset[ring] = wrapped(std::arg(sums[ring]) - first);
   }
   return azimuths;
 }
@@ -114,27 +134,18 @@ bool followsColumns(const Directions& directions, std::size_t columns, double st
   constexpr double kCorrelated = 0.5;  // least correlation of azimuth and column
   std::complex<double> middle;
   for (const std::complex<float>& direction : directions) middle += std::complex<double>(direction);
-  double sumA = 0, sumC = 0, sumAA = 0, sumCC = 0, sumAC = 0, count = 0;
+  PairSums sums;  // of azimuths (rad, relative to the middle of all directions) and columns
   for (std::size_t beam = 0; beam < directions.size(); ++beam) {
     const std::complex<double> direction = directions[beam];
     if (direction == 0.0) continue;
-    const double a = std::arg(direction * std::conj(middle));
-    const auto c = static_cast<double>(beam % columns);
-    sumA += a;
-    sumC += c;
-    sumAA += a * a;
-    sumCC += c * c;
-    sumAC += a * c;
-    ++count;
+    sums.add(std::arg(direction * std::conj(middle)), static_cast<double>(beam % columns));
   }
-  const double covariance = sumAC * count - sumA * sumC;
-  const double spread = std::sqrt((sumAA * count - sumA * sumA) * (sumCC * count - sumC * sumC));
-  return std::copysign(1.0, step) * covariance > kCorrelated * spread;
+  return std::copysign(1.0, step) * sums.covariance() > kCorrelated * sums.spread();
 }
 
 // Returns the azimuths that the directions show: those of a full turn, otherwise rings that are not shifted. Returns
 // nothing if azimuths neither increase nor decrease with the column.
-std::optional<BeamAzimuths> estimated(const Directions& directions, const GridSize& grid) {
+std::optional<BeamAzimuths> estimateAzimuths(const Directions& directions, const GridSize& grid) {
   const double step = stepOf(directions, grid.columns);
   if (step == 0) return {};
   if (auto turn = fullTurnOf(directions, grid, step)) return turn;
@@ -143,20 +154,16 @@ std::optional<BeamAzimuths> estimated(const Directions& directions, const GridSi
 }
 
 // Returns the azimuths of the beams: those of the sensor's beam table `beams` if it has the scan's rings and columns
-// and its rings are cones, otherwise those of estimated().
-std::optional<BeamAzimuths> beamAzimuths(const Scan& scan, const std::vector<std::size_t>& ring,
-                                         const std::vector<std::size_t>& column, const GridSize& grid,
-                                         const BeamTable* beams) {
+// and its rings are cones, otherwise those of estimateAzimuths().
+std::optional<BeamAzimuths> beamAzimuths(const Scan& scan, const GridSize& grid, const BeamTable* beams) {
   const bool onCones = beams != nullptr && beams->azimuthOffset.size() == grid.rings && beams->onCones() &&
                        beams->rings == grid.rings && beams->columns == grid.columns;
-  if (!onCones || grid.columns < 2) return estimated(directionsOf(scan, ring, column, grid, beams), grid);
-  BeamAzimuths azimuths;
-  azimuths.step = (beams->azimuth(static_cast<std::uint32_t>(grid.columns - 1)) - beams->azimuth(0)) /
-                  static_cast<double>(grid.columns - 1);
-  azimuths.fullTurn = beams->fullTurn();
-  azimuths.first = beams->azimuth(0);
-  azimuths.offset = beams->azimuthOffset;
-  return azimuths;
+  if (!onCones || grid.columns < 2) return estimateAzimuths(directionsOf(scan, grid, beams), grid);
+  const auto lastColumn = static_cast<std::uint32_t>(grid.columns - 1);
+  return BeamAzimuths{.first = beams->azimuth(0),
+                      .offset = beams->azimuthOffset,
+                      .step = (beams->azimuth(lastColumn) - beams->azimuth(0)) / lastColumn,
+                      .fullTurn = beams->fullTurn()};
 }
 
 // Returns the pixel columns of the beams such that the left side of the image shows what is on the sensor's left. If
@@ -179,27 +186,20 @@ std::optional<OutwardColumns> lookingOutward(const BeamAzimuths& azimuths, std::
 
 // True if elevations increase with the ring number, determined by the sign of their covariance.
 bool elevationsRise(const Scan& scan) {
-  double sumRing = 0, sumElevation = 0, sumBoth = 0, count = 0;
+  PairSums sums;  // of rings and elevations (rad)
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (!isFinite(scan.position[i])) continue;
     const Vec3d p(scan.position[i]);
-    const double elevation = std::atan2(p.z, std::hypot(p.x, p.y));
-    const auto ring = static_cast<double>(keyOf(scan, i).ring);
-    sumRing += ring;
-    sumElevation += elevation;
-    sumBoth += ring * elevation;
-    count += 1;
+    if (isFinite(p)) sums.add(static_cast<double>(keyOf(scan, i).ring), std::atan2(p.z, std::hypot(p.x, p.y)));
   }
-  return sumBoth * count > sumRing * sumElevation;
+  return sums.covariance() > 0;
 }
 
 // Returns the scan's numbers of rings and columns; if it is not organised, as many as its points need.
 GridSize gridOf(const Scan& scan) {
   GridSize size{std::max<std::size_t>(scan.rings, 1), std::max<std::size_t>(scan.columns, 1)};
   if (!scan.organised) {
-    for (const char* name : {"ring", "column"}) {
-      const auto& column = name[0] == 'r' ? scan[kRing] : scan[kColumn];
-      if (column.empty() && scan.size() > 0) {
+    for (const auto& [name, missing] : {std::pair{"ring", scan[kRing].empty()}, {"column", scan[kColumn].empty()}}) {
+      if (missing && scan.size() > 0) {
         throw InputError(
             fmt::format("the scan has no column '{}', which a range image needs where a scan is not organised: name "
                         "it in the pipeline's output.columns",
@@ -221,30 +221,20 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
   const GridSize grid = gridOf(scan);
   RangeStrip strip;
   strip.columns = grid.columns;
-  std::vector<std::size_t> ring(scan.size());
-  std::vector<std::size_t> column(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const PointKey key = keyOf(scan, i);
-    ring[i] = key.ring;
-    column[i] = key.column;
-  }
-  std::size_t width = grid.columns;
-  const auto azimuths = beamAzimuths(scan, ring, column, grid, beams);
+  const auto azimuths = beamAzimuths(scan, grid, beams);
   const auto outward = azimuths ? lookingOutward(*azimuths, grid.columns) : std::nullopt;
-  if (outward && outward->image.width <= kMostPictureSide) {
-    for (std::size_t i = 0; i < scan.size(); ++i) column[i] = outward->pixelColumn(ring[i], column[i]);
-    width = outward->image.width;
-    strip.outward = true;
-    strip.fullTurn = azimuths->fullTurn;
-  }
+  strip.outward = outward && outward->image.width <= kMostPictureSide;
+  strip.fullTurn = strip.outward && azimuths->fullTurn;
+  const std::size_t width = strip.outward ? outward->image.width : grid.columns;
   strip.image = Image(static_cast<int>(width), static_cast<int>(grid.rings), kBackground);
   strip.ringsRise = elevationsRise(scan);
   strip.pointAt.assign(strip.image.pixels.size(), kNoPoint);
   strip.pixelOf.resize(scan.size());
   std::vector<double> nearest(strip.image.pixels.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const std::size_t row = strip.ringsRise ? grid.rings - 1 - ring[i] : ring[i];
-    const std::size_t pixel = row * width + column[i];
+    const PointKey key = keyOf(scan, i);
+    const std::size_t row = strip.ringsRise ? grid.rings - 1 - key.ring : key.ring;
+    const std::size_t pixel = row * width + (strip.outward ? outward->pixelColumn(key.ring, key.column) : key.column);
     strip.pixelOf[i] = static_cast<std::uint32_t>(pixel);
     const double range = length(Vec3d(scan.position[i]));
     if (!(range < nearest[pixel]) || (!shown.empty() && !shown[i])) continue;  // also skips misses, whose range is NaN
@@ -256,9 +246,10 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
 }
 
 std::string describeStrip(const RangeStrip& strip) {
-  const char* how = "in the sensor's order: its columns do not follow the azimuth";
-  if (strip.outward) how = strip.fullTurn ? "looking outward, straight ahead in the middle" : "looking outward";
-  return fmt::format("{} rings x {} columns, {}", strip.image.height, strip.columns, how);
+  const char* const order = !strip.outward   ? "in the sensor's order: its columns do not follow the azimuth"
+                            : strip.fullTurn ? "looking outward, straight ahead in the middle"
+                                             : "looking outward";
+  return fmt::format("{} rings x {} columns, {}", strip.image.height, strip.columns, order);
 }
 
 }  // namespace scanmill

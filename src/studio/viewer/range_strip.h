@@ -28,7 +28,7 @@ struct RangeStrip {
   std::size_t columns = 0;  // number of the sensor's columns; the image is wider if rings of a partial turn are shifted
 
   // Returns the column and the row of the pixel of a point.
-  std::pair<int, int> place(std::size_t point) const {
+  std::pair<int, int> pixelPosition(std::size_t point) const {
     const auto width = static_cast<std::uint32_t>(image.width);
     return {static_cast<int>(pixelOf[point] % width), static_cast<int>(pixelOf[point] / width)};
   }

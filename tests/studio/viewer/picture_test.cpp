@@ -99,7 +99,7 @@ TEST(RangeImage, HasAPixelPerBeam) {
   const RangeStrip strip = makeRangeStrip(scan, std::vector<Rgb>(scan.size()), {});
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Rgb expected = scan[kColumn][i] < 10 ? Rgb{0, 255, 0} : Rgb{255, 0, 0};
-    const auto [column, row] = strip.place(i);
+    const auto [column, row] = strip.pixelPosition(i);
     EXPECT_EQ(image.at(column * stepX, top + row * stepY), expected);
     EXPECT_EQ(image.at(column * stepX + stepX - 1, top + row * stepY + stepY - 1), expected);
   }

@@ -44,7 +44,7 @@ TEST(RangeStrip, PointsAndPixelsLeadToEachOther) {
     ASSERT_EQ(strip.image.height, 8);
     EXPECT_EQ(strip.ringsRise, rising);
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      const auto [column, row] = strip.place(i);
+      const auto [column, row] = strip.pixelPosition(i);
       EXPECT_EQ(row, rising ? 7 - scan[kRing][i] : scan[kRing][i]);
       EXPECT_EQ(strip.pointAt[strip.pixelOf[i]], i);
       EXPECT_EQ(strip.image.at(column, row), colors[i]);
@@ -82,7 +82,7 @@ TEST(RangeStrip, TheNearestThatIsShownWins) {
   const RangeStrip none = makeRangeStrip(scan, colors, {false, false, false});
   EXPECT_EQ(none.pointAt, std::vector<std::uint32_t>{kNoPoint});
   EXPECT_EQ(none.image.pixels[0], kBackground);
-  EXPECT_EQ(none.place(1), std::pair(0, 0)) << "where it would stand";
+  EXPECT_EQ(none.pixelPosition(1), std::pair(0, 0)) << "where it would stand";
 }
 
 TEST(RangeStrip, SaysWhatIsMissing) {
@@ -178,7 +178,7 @@ TEST(BeamAzimuths, EveryPointKeepsItsOwnPixel) {
       ASSERT_LT(strip.pixelOf[i], strip.pointAt.size());
       ASSERT_EQ(strip.pointAt[strip.pixelOf[i]], i);
       pixels.insert(strip.pixelOf[i]);
-      ASSERT_EQ(strip.place(i).second, strip.ringsRise ? 7 - scan[kRing][i] : scan[kRing][i]);
+      ASSERT_EQ(strip.pixelPosition(i).second, strip.ringsRise ? 7 - scan[kRing][i] : scan[kRing][i]);
     }
     EXPECT_EQ(pixels.size(), scan.size());
     EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(strip.pointAt, kNoPoint)),
@@ -201,7 +201,7 @@ TEST(BeamAzimuths, PixelColumnsAreAzimuths) {
     const double center = full ? 60 : (strip.image.width - 1) / 2.0;
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const double left = std::remainder(azimuthOf(scan.position[i]) - middle, 2 * kPi) / step;
-      const double found = center - strip.place(i).first;
+      const double found = center - strip.pixelPosition(i).first;
       ASSERT_LE(std::abs(full ? std::remainder(found - left, 120) : found - left), full && turning.known ? 1.02 : 1.52)
           << turning.first << ' ' << turning.offset << ' ' << turning.clockwise << turning.known;
     }
@@ -232,7 +232,7 @@ TEST(BeamAzimuths, AFewHitsAreOnTheirSide) {
         for (std::size_t i = 0; i < scan.size(); ++i) {
           if (!isFinite(scan.position[i])) continue;
           const double expected = 60 - azimuthOf(scan.position[i]) / radians(field) * 120;
-          ASSERT_NEAR(strip.place(i).first, expected, 2) << field << clockwise;
+          ASSERT_NEAR(strip.pixelPosition(i).first, expected, 2) << field << clockwise;
         }
       }
     }
@@ -249,7 +249,7 @@ TEST(BeamAzimuths, ColumnsOfNoAzimuthStayAsTheyAre) {
   const RangeStrip strip = stripOf(scan, nullptr);
   EXPECT_FALSE(strip.outward);
   EXPECT_NE(describeStrip(strip).find("do not follow the azimuth"), std::string::npos);
-  for (std::size_t i = 0; i < scan.size(); ++i) ASSERT_EQ(strip.place(i).first, scan[kColumn][i]);
+  for (std::size_t i = 0; i < scan.size(); ++i) ASSERT_EQ(strip.pixelPosition(i).first, scan[kColumn][i]);
   Scan one;
   one.position = {{5, 0, 0}};
   one[kRing] = one[kColumn] = {0};
@@ -285,7 +285,7 @@ TEST(BeamAzimuths, AnImageStaysAnImage) {
       EXPECT_EQ(strip.image.width, 100);
       for (std::size_t i = 0; i < scan.size(); ++i) {
         const int column = scan[kColumn][i];
-        ASSERT_EQ(strip.place(i).first, side < 0 ? column : 99 - column);  // left is left
+        ASSERT_EQ(strip.pixelPosition(i).first, side < 0 ? column : 99 - column);  // left is left
       }
     }
   }
@@ -306,7 +306,7 @@ TEST(BeamAzimuths, ARealSensorsColumnsAreWhereItsPointsAre) {
     if (!isFinite(scan.position[i])) continue;
     ASSERT_EQ(outward.pointAt[outward.pixelOf[i]], i);
     const double left = azimuthOf(scan.position[i]) / step;
-    const double found = outward.image.width / 2 - outward.place(i).first;
+    const double found = outward.image.width / 2 - outward.pixelPosition(i).first;
     strayed += std::abs(std::remainder(found - left, outward.image.width)) > 1.5 ? 1 : 0;
     count += 1;
   }

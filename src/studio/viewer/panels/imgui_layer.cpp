@@ -106,24 +106,51 @@ void setModifiers(ImGuiIO& io, bool shift, bool control) {
 }
 #endif
 
+// Returns the triangles that Dear ImGui has drawn as an overlay of the canvas. Each of its lists has indices of
+// vertices of its own; in the overlay, the vertices of all lists follow one another.
+Overlay overlayOf(const ImDrawData& drawn, const Canvas& canvas) {
+  static_assert(sizeof(ImDrawVert) == sizeof(OverlayVertex) &&
+                offsetof(ImDrawVert, col) == offsetof(OverlayVertex, color));
+  Overlay overlay;
+  overlay.vertices.reserve(static_cast<std::size_t>(drawn.TotalVtxCount));
+  overlay.corners.reserve(static_cast<std::size_t>(drawn.TotalIdxCount));
+  for (int k = 0; k < drawn.CmdListsCount; ++k) {
+    const ImDrawList& list = *drawn.CmdLists[k];
+    const std::size_t firstVertex = overlay.vertices.size();
+    const auto vertices = static_cast<std::size_t>(list.VtxBuffer.Size);
+    overlay.vertices.resize(firstVertex + vertices);
+    if (vertices > 0) {
+      std::memcpy(static_cast<void*>(overlay.vertices.data() + firstVertex), list.VtxBuffer.Data,
+                  vertices * sizeof(OverlayVertex));
+    }
+    for (const ImDrawCmd& command : list.CmdBuffer) {
+      const ImVec4& clip = command.ClipRect;  // left, top, right and bottom
+      const int left = std::max(static_cast<int>(clip.x), 0);
+      const int top = std::max(static_cast<int>(clip.y), 0);
+      const int width = std::min(static_cast<int>(clip.z), canvas.width()) - left;
+      const int height = std::min(static_cast<int>(clip.w), canvas.height()) - top;
+      overlay.parts.push_back({.clip = {left, top, width, height},
+                               .image = static_cast<ImageId>(reinterpret_cast<std::uintptr_t>(command.GetTexID())),
+                               .first = overlay.corners.size(),
+                               .count = command.ElemCount});
+      for (unsigned i = 0; i < command.ElemCount; ++i) {
+        const ImDrawIdx index = list.IdxBuffer[static_cast<int>(command.IdxOffset + i)];
+        overlay.corners.push_back(static_cast<std::uint32_t>(firstVertex + command.VtxOffset + index));
+      }
+    }
+  }
+  return overlay;
+}
+
 }  // namespace
 
-struct ImGuiLayer::State {
-  Canvas& canvas;
-  ImGuiContext* context;
-  int clicks = 1;
-  std::vector<ImGuiKey> pressed;  // keys to release after the next frame
+ImGuiIO& ImGuiLayer::io() const {
+  ImGui::SetCurrentContext(context_);
+  return ImGui::GetIO();
+}
 
-  // Makes the context current.
-  ImGuiIO& io() const {
-    ImGui::SetCurrentContext(context);
-    return ImGui::GetIO();
-  }
-};
-
-ImGuiLayer::ImGuiLayer(Canvas& canvas, double lineHeight)
-    : state_(std::make_unique<State>(State{canvas, ImGui::CreateContext(), 1, {}})) {
-  ImGuiIO& io = state_->io();
+ImGuiLayer::ImGuiLayer(Canvas& canvas, double lineHeight) : canvas_(canvas), context_(ImGui::CreateContext()) {
+  ImGuiIO& io = this->io();
   io.IniFilename = nullptr;
   io.LogFilename = nullptr;
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
@@ -139,7 +166,8 @@ ImGuiLayer::ImGuiLayer(Canvas& canvas, double lineHeight)
   canvas.setImage(kFontImage, width, height, atlas);
   io.Fonts->SetTexID(textureOf(kFontImage));
   ImGuiStyle& style = ImGui::GetStyle();
-  style.ScaleAllSizes(static_cast<float>(lineHeight / 14));
+  constexpr double kUsualLineHeight = 14;  // for which Dear ImGui's sizes are made (pixels)
+  style.ScaleAllSizes(static_cast<float>(lineHeight / kUsualLineHeight));
   style.WindowRounding = style.PopupRounding = style.ChildRounding = static_cast<float>(lineHeight / 3);
   style.FrameRounding = style.GrabRounding = style.ScrollbarRounding = static_cast<float>(lineHeight / 4);
   style.AntiAliasedLinesUseTex = false;
@@ -148,11 +176,11 @@ ImGuiLayer::ImGuiLayer(Canvas& canvas, double lineHeight)
 }
 
 ImGuiLayer::~ImGuiLayer() {
-  ImGui::DestroyContext(state_->context);
+  ImGui::DestroyContext(context_);
 }
 
 double ImGuiLayer::lineHeight() const {
-  return state_->io().Fonts->Fonts.front()->FontSize;
+  return io().Fonts->Fonts.front()->FontSize;
 }
 
 double ImGuiLayer::row() const {
@@ -161,91 +189,54 @@ double ImGuiLayer::row() const {
 
 void ImGuiLayer::take(const CanvasEvent& event) {
   using Kind = CanvasEvent::Kind;
-  ImGuiIO& io = state_->io();
+  ImGuiIO& io = this->io();
   if (event.kind == Kind::Move || event.kind == Kind::Down || event.kind == Kind::Up || event.kind == Kind::Wheel) {
     io.MousePos = {static_cast<float>(event.x), static_cast<float>(event.y)};
     setModifiers(io, event.shift, event.control);
   }
   if (event.kind == Kind::Down || event.kind == Kind::Up) {
-    constexpr std::array<int, 4> kButtons{0, 0, 2, 1};
-    io.MouseDown[kButtons[static_cast<std::size_t>(std::clamp(event.button, 1, 3))]] = event.kind == Kind::Down;
-    state_->clicks = event.clicks;
+    constexpr std::array<int, 3> kButtons{0, 2, 1};  // Dear ImGui's indices of the left, middle and right button
+    io.MouseDown[kButtons[static_cast<std::size_t>(std::clamp(event.button, 1, 3) - 1)]] = event.kind == Kind::Down;
+    clicks_ = event.clicks;
   }
   if (event.kind == Kind::Wheel && std::isfinite(event.amount)) io.MouseWheel += static_cast<float>(event.amount);
   if (event.kind != Kind::Key) return;
   for (const auto& [name, key] : kKeys) {
     if (name != event.key) continue;
     setKey(io, key, true);
-    state_->pressed.push_back(key);
+    pressedKeys_.push_back(key);
     return;
   }
   io.AddInputCharactersUTF8(event.text.c_str());
 }
 
 void ImGuiLayer::frame(const std::function<void()>& panels) {
-  ImGuiIO& io = state_->io();
-  io.DisplaySize = {static_cast<float>(state_->canvas.width()), static_cast<float>(state_->canvas.height())};
+  ImGuiIO& io = this->io();
+  io.DisplaySize = {static_cast<float>(canvas_.width()), static_cast<float>(canvas_.height())};
   ImGui::NewFrame();
   panels();
   ImGui::Render();
-  for (const ImGuiKey key : std::exchange(state_->pressed, {})) setKey(io, key, false);
-
-  static_assert(sizeof(ImDrawVert) == sizeof(OverlayVertex) &&
-                offsetof(ImDrawVert, col) == offsetof(OverlayVertex, color));
-  const ImDrawData& drawn = *ImGui::GetDrawData();
-  Overlay overlay;
-  overlay.vertices.resize(static_cast<std::size_t>(drawn.TotalVtxCount));
-  overlay.corners.reserve(static_cast<std::size_t>(drawn.TotalIdxCount));
-  std::size_t before = 0;
-  for (int k = 0; k < drawn.CmdListsCount; ++k) {
-    const ImDrawList& list = *drawn.CmdLists[k];
-    const auto vertices = static_cast<std::size_t>(list.VtxBuffer.Size);
-    if (vertices > 0) {
-      std::memcpy(static_cast<void*>(overlay.vertices.data() + before), list.VtxBuffer.Data,
-                  vertices * sizeof(OverlayVertex));
-    }
-    for (const ImDrawCmd& command : list.CmdBuffer) {
-      OverlayPart part;
-      part.first = overlay.corners.size();
-      part.count = command.ElemCount;
-      part.image = static_cast<ImageId>(reinterpret_cast<std::uintptr_t>(command.GetTexID()));
-      const ImVec4& clip = command.ClipRect;
-      const int left = std::max(static_cast<int>(clip.x), 0);
-      const int top = std::max(static_cast<int>(clip.y), 0);
-      part.clip = {left, top, std::min(static_cast<int>(clip.z), state_->canvas.width()) - left,
-                   std::min(static_cast<int>(clip.w), state_->canvas.height()) - top};
-      for (unsigned i = 0; i < command.ElemCount; ++i) {
-        const ImDrawIdx index = list.IdxBuffer[static_cast<int>(command.IdxOffset + i)];
-        overlay.corners.push_back(static_cast<std::uint32_t>(before + command.VtxOffset + index));
-      }
-      overlay.parts.push_back(part);
-    }
-    before += vertices;
-  }
-  state_->canvas.setOverlay(std::move(overlay));
+  for (const int key : std::exchange(pressedKeys_, {})) setKey(io, static_cast<ImGuiKey>(key), false);
+  canvas_.setOverlay(overlayOf(*ImGui::GetDrawData(), canvas_));
 }
 
 bool ImGuiLayer::hasPointer() const {
-  return state_->io().WantCaptureMouse;
+  return io().WantCaptureMouse;
 }
 
 bool ImGuiLayer::hasKeys() const {
-  return state_->io().WantTextInput;
+  return io().WantTextInput;
 }
 
 bool ImGuiLayer::closeMenus() {
-  ImGui::SetCurrentContext(state_->context);
-  if (state_->context->OpenPopupStack.empty()) return false;
+  ImGui::SetCurrentContext(context_);
+  if (context_->OpenPopupStack.empty()) return false;
   ImGui::ClosePopupToLevel(0, true);
   return true;
 }
 
-int ImGuiLayer::clicks() const {
-  return state_->clicks;
-}
-
 bool ImGuiLayer::shift() const {
-  return state_->io().KeyShift;
+  return io().KeyShift;
 }
 
 void setImage(Canvas& canvas, ImageId image, const Image& picture) {

@@ -4,10 +4,13 @@
 // panels.
 
 #include <functional>
-#include <memory>
+#include <vector>
 
 #include "viewer/canvas/canvas.h"
 #include "viewer/image.h"
+
+struct ImGuiContext;
+struct ImGuiIO;
 
 namespace scanmill {
 
@@ -34,12 +37,16 @@ class ImGuiLayer {
   // Closes open menus and lists. Returns false if none was open.
   bool closeMenus();
   // Returns how many times the button was pressed at the same place in quick succession; 2 for a double click.
-  int clicks() const;
-  bool shift() const;
+  int clicks() const { return clicks_; }
+  bool shift() const;  // true: the shift key was pressed at the last event of the pointer
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  ImGuiIO& io() const;  // makes the context current and returns its input and output
+
+  Canvas& canvas_;
+  ImGuiContext* const context_;
+  int clicks_ = 1;
+  std::vector<int> pressedKeys_;  // values of ImGuiKey; released after the next frame
 };
 
 // Uploads an image for panels; textureOf() returns its texture.

@@ -9,27 +9,40 @@ namespace scanmill {
 
 namespace {
 
-// Returns the number of columns of a grid of equal parts that come near to being 1.4 times as wide as high.
-int columnsFor(const PixelRect& body, int parts) {
-  constexpr double kPleasing = 1.4;
+// Returns the number of columns of a grid of `cells` equal rectangles that come near to being 1.4 times as wide as
+// high: one row, one column, or two of each.
+int columnsFor(const PixelRect& body, int cells) {
+  constexpr double kPleasing = 1.4;  // width of a view divided by its height; chosen by eye
   const double shape = body.width / (kPleasing * body.height);
-  if (parts == 4 && shape > 0.5 && shape < 2) return 2;
-  return shape > 1 ? parts : 1;
+  if (cells == 4 && shape > 0.5 && shape < 2) return 2;
+  return shape > 1 ? cells : 1;
 }
 
-std::pair<int, int> part(int from, int length, int parts, int index, int gap) {
-  const auto edge = [&](int i) { return static_cast<int>(static_cast<std::int64_t>(length + gap) * i / parts); };
-  return {from + edge(index), std::max(edge(index + 1) - edge(index) - gap, 1)};
+struct Interval {
+  int begin = 0, length = 1;  // pixels
+};
+
+// Divides an interval into equal cells with gaps of `gap` pixels, and returns the cell with this index.
+Interval cellOf(const Interval& whole, int cells, int index, int gap) {
+  const auto edge = [&](int i) { return static_cast<int>(static_cast<std::int64_t>(whole.length + gap) * i / cells); };
+  return {whole.begin + edge(index), std::max(edge(index + 1) - edge(index) - gap, 1)};
+}
+
+// Removes the lowest `height` pixels of a rectangle and returns them.
+PixelRect cutBottom(PixelRect& rect, int height) {
+  rect.height -= height;
+  return {rect.left, rect.top + rect.height, rect.width, height};
 }
 
 }  // namespace
 
+// The line height is 1/56 of the height of the largest 16 : 9 rectangle in the picture (chosen by eye).
 double pictureLineHeight(int width, int height) {
   return std::clamp(std::round(std::min(width / 16.0 * 9, static_cast<double>(height)) / 56), 10.0, 90.0);
 }
 
 double lineHeightOf(const Canvas& canvas, bool still) {
-  constexpr double kLetter = 15;
+  constexpr double kLetter = 15;  // height of a line in a window whose display has the scale 1 (pixels)
   return still ? pictureLineHeight(canvas.width(), canvas.height())
                : std::clamp(std::round(kLetter * canvas.scale()), 10.0, 60.0);
 }
@@ -49,22 +62,17 @@ PanelRects panelRects(int width, int height, const PanelNeeds& needs) {
     body.height -= row;
   }
   if (needs.bar && row > 0) {
-    const int high = std::min(static_cast<int>(std::lround(needs.row * 1.5)), body.height / 3);
-    rects.bar = {0, body.top + body.height - high, body.width, high};
-    body.height -= high;
+    rects.bar = cutBottom(body, std::min(static_cast<int>(std::lround(needs.row * 1.5)), body.height / 3));
   }
   if (needs.stripHeight > 0) {
     int caption = static_cast<int>(std::lround(needs.lineHeight * 1.5));
     const int image = std::clamp(needs.stripHeight, 1, std::max(body.height / 2, 1));
     if (caption + image > body.height * 2 / 3) caption = 0;
-    const int high = std::min(caption + image, body.height - 1);
-    rects.strip = {0, body.top + body.height - high, body.width, high};
-    body.height -= high;
+    rects.strip = cutBottom(body, std::min(caption + image, body.height - 1));
   }
   if (needs.side && width >= needs.lineHeight * kLeastLetters) {
-    const int wide = sideWidth(needs.lineHeight);
-    rects.side = {width - wide, body.top, wide, body.height};
-    body.width -= wide;
+    body.width -= sideWidth(needs.lineHeight);
+    rects.side = {body.width, body.top, sideWidth(needs.lineHeight), body.height};
   }
   rects.body = body;
   return rects;
@@ -73,20 +81,21 @@ PanelRects panelRects(int width, int height, const PanelNeeds& needs) {
 int stripHeight(int imageHeight, int width, int height) {
   constexpr double kFlattest = 1.0 / 7;  // preferred height divided by width; flatter images are hard to read
   constexpr double kMostShare = 0.2;     // maximum height as a fraction of the canvas's height
-  const int wanted = std::max(static_cast<int>(std::min(width * kFlattest, height * kMostShare)), 1);
-  return imageHeight <= 0 || imageHeight > wanted ? wanted : wanted / imageHeight * imageHeight;
+  const int preferred = std::max(static_cast<int>(std::min(width * kFlattest, height * kMostShare)), 1);
+  return imageHeight <= 0 || imageHeight > preferred ? preferred : preferred / imageHeight * imageHeight;
 }
 
-std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t count, int gap) {
-  const int parts = static_cast<int>(count);
-  const int columns = columnsFor(body, parts);
-  const int rows = parts / columns;
-  if (body.width < 16 * columns || body.height < 16 * rows) gap = 0;
+std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t cells, int gap) {
+  constexpr int kLeastWithGaps = 16;  // least side of a cell that has gaps (pixels)
+  const int count = static_cast<int>(cells);
+  const int columns = columnsFor(body, count);
+  const int rows = count / columns;
+  if (body.width < kLeastWithGaps * columns || body.height < kLeastWithGaps * rows) gap = 0;
   std::vector<PixelRect> rects;
-  for (int i = 0; i < parts; ++i) {
-    const auto [left, width] = part(body.left, body.width, columns, i % columns, gap);
-    const auto [top, height] = part(body.top, body.height, rows, i / columns, gap);
-    rects.push_back({left, top, width, height});
+  for (int i = 0; i < count; ++i) {
+    const Interval x = cellOf({body.left, body.width}, columns, i % columns, gap);
+    const Interval y = cellOf({body.top, body.height}, rows, i / columns, gap);
+    rects.push_back({.left = x.begin, .top = y.begin, .width = x.length, .height = y.length});
   }
   return rects;
 }

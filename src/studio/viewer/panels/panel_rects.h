@@ -37,8 +37,8 @@ PanelRects panelRects(int width, int height, const PanelNeeds& needs);
 // is a multiple of imageHeight if such a height fits.
 int stripHeight(int imageHeight, int width, int height);
 
-// Divides `body` into a grid of exactly `parts` equal rectangles with gaps of `gap` pixels; each rectangle has at least
-// one pixel.
-std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t parts, int gap);
+// Divides `body` into a grid of `cells` equal rectangles with gaps of `gap` pixels, row by row; each rectangle has at
+// least one pixel.
+std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t cells, int gap);
 
 }  // namespace scanmill

@@ -34,7 +34,7 @@ void section(const std::string& title, PanelUse use, const std::function<void()>
 struct PanelLabel {
   double x = 0;  // position on the canvas (pixels); the text is drawn to the right of this point and above it
   double y = 0;
-  std::string text;
+  std::string text{};
   PixelRect within{};     // rectangle of the view in which the text must lie
   bool mark = true;       // draws a small ring at (x, y)
   bool optional = false;  // true: left out if its text would overlap that of an earlier label

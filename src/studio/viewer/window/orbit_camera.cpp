@@ -18,7 +18,7 @@ namespace {
 constexpr double kLeastDistance = 0.1;   // least distance from the eye to the target (m)
 constexpr double kMostDistance = 1e4;    // largest distance from the eye to the target (m)
 constexpr double kFarthestTarget = 1e5;  // largest absolute coordinate of the target along each axis (m)
-constexpr double kUsualFocal = 1.15;
+constexpr double kUsualFocal = 1.15;     // default of OrbitCamera::focal
 
 // Returns the height (pixels) of the largest 16 : 9 rectangle in the picture. Focal lengths are multiples of this
 // height, so that a picture of any shape shows at least the contents of a 16 : 9 picture.
@@ -26,6 +26,7 @@ double sideOf(int width, int height) {
   return std::min(width / 16.0 * 9.0, static_cast<double>(height));
 }
 
+// Return unit vectors of the line of sight and to the right of the picture.
 Vec3d forwardOf(double yaw, double pitch) {
   return {std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), -std::sin(pitch)};
 }
@@ -34,9 +35,9 @@ Vec3d rightOf(double yaw) {
   return {std::sin(yaw), -std::cos(yaw), 0};
 }
 
-Vec3d within(const Vec3d& place) {
+Vec3d limitedTarget(const Vec3d& position) {
   const auto limited = [](double v) { return std::clamp(v, -kFarthestTarget, kFarthestTarget); };
-  return {limited(place.x), limited(place.y), limited(place.z)};
+  return {limited(position.x), limited(position.y), limited(position.z)};
 }
 
 [[noreturn]] void refuse(const std::string& text) {
@@ -47,52 +48,58 @@ Vec3d within(const Vec3d& place) {
       fmt::join(kViewNames, ", "), kLeastDistance, kMostDistance, text));
 }
 
-// Moves the camera, without turning it, so that the points are centred and nearly fill the picture. Returns true if
-// they fill its height, and false if they fill its width.
-bool fill(OrbitCamera& camera, const std::vector<Vec3d>& points, const Vec3d& middle, int width, int height) {
-  constexpr double kFilled = 0.9;
+enum class FilledSide { Width, Height };
+
+// Moves the camera, without turning it, so that the points are centred and nearly fill the picture. Returns which side
+// of the picture they fill. `middle`: see OrbitCamera::fillWith().
+FilledSide fillPicture(OrbitCamera& camera, const std::vector<Vec3d>& points, const Vec3d& middle, int width,
+                       int height) {
+  constexpr double kFilled = 0.9;  // fraction of the picture's side
   const ViewCamera view = camera.camera(width, height);
-  // Slopes of the lines of sight to the sides of the filled part of the picture, to the right and downwards (m per m of
-  // depth); 0 if the camera is orthographic.
-  const double slope = view.orthographic ? 0 : kFilled / (2 * view.focal);
-  const std::array<Vec3d, 2> axes{view.right, view.down};
-  const std::array<double, 2> slopes{slope * width, slope * height};
-  // The planes through the sides of the filled part that touch the points, as places on the axes at depth 0.
-  std::array<double, 2> first{1e30, 1e30};
-  std::array<double, 2> last{-1e30, -1e30};
+  // An axis of the picture: its direction, and the slope (m per m of depth) of the lines of sight to both sides of the
+  // filled part of the picture; 0 if the camera is orthographic. Planes along these lines touch the points; `low` and
+  // `high` are where they cross the axis at depth 0 (m).
+  struct PictureAxis {
+    Vec3d direction;
+    int pixels;
+    double slope;
+    double low = 1e30, high = -1e30;
+  };
+  const double slopePerPixel = view.orthographic ? 0 : kFilled / (2 * view.focal);
+  PictureAxis x{view.right, width, slopePerPixel * width}, y{view.down, height, slopePerPixel * height};
   for (const Vec3d& point : points) {
-    for (std::size_t k = 0; k < 2; ++k) {
-      const double spread = slopes[k] * dot(point, view.forward);
-      first[k] = std::min(first[k], dot(point, axes[k]) + spread);
-      last[k] = std::max(last[k], dot(point, axes[k]) - spread);
+    for (PictureAxis* axis : {&x, &y}) {
+      const double reach = axis->slope * dot(point, view.forward);
+      axis->low = std::min(axis->low, dot(point, axis->direction) + reach);
+      axis->high = std::max(axis->high, dot(point, axis->direction) - reach);
     }
   }
   const double depth = dot(middle, view.forward);
-  camera.target = axes[0] * ((first[0] + last[0]) / 2) + axes[1] * ((first[1] + last[1]) / 2) + view.forward * depth;
+  camera.target = x.direction * ((x.low + x.high) / 2) + y.direction * ((y.low + y.high) / 2) + view.forward * depth;
   if (view.orthographic) {
-    const std::array<double, 2> shares{(last[0] - first[0]) / width, (last[1] - first[1]) / height};
-    camera.distance *= std::max(shares[0], shares[1]) * view.focal / kFilled;
-    return shares[1] > shares[0];
+    const auto metresPerPixel = [](const PictureAxis& axis) { return (axis.high - axis.low) / axis.pixels; };
+    camera.distance *= std::max(metresPerPixel(x), metresPerPixel(y)) * view.focal / kFilled;
+    return metresPerPixel(y) > metresPerPixel(x) ? FilledSide::Height : FilledSide::Width;
   }
-  // Opposite planes intersect at the eye's depth.
-  const std::array<double, 2> eyes{(first[0] - last[0]) / (2 * slopes[0]), (first[1] - last[1]) / (2 * slopes[1])};
-  camera.distance = depth - std::min(eyes[0], eyes[1]);
-  return eyes[1] < eyes[0];
+  // The planes of an axis intersect at the eye's depth.
+  const auto eyeDepth = [](const PictureAxis& axis) { return (axis.low - axis.high) / (2 * axis.slope); };
+  camera.distance = depth - std::min(eyeDepth(x), eyeDepth(y));
+  return eyeDepth(y) < eyeDepth(x) ? FilledSide::Height : FilledSide::Width;
 }
 
 // Returns the smallest box that holds all points but the hundredth at each end of each axis.
 Box boxOfMost(const std::vector<Vec3d>& points) {
   constexpr double kBeyond = 0.01;
+  const auto beyond = static_cast<std::ptrdiff_t>(kBeyond * static_cast<double>(points.size()));
   Box box{};
   for (double Vec3d::*const axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
-    std::vector<double> all;
-    all.reserve(points.size());
-    for (const Vec3d& p : points) all.push_back(p.*axis);
-    const auto beyond = static_cast<std::ptrdiff_t>(kBeyond * static_cast<double>(all.size()));
-    std::nth_element(all.begin(), all.begin() + beyond, all.end());
-    box.low.*axis = all[static_cast<std::size_t>(beyond)];
-    std::nth_element(all.begin(), all.end() - 1 - beyond, all.end());
-    box.high.*axis = *(all.end() - 1 - beyond);
+    std::vector<double> coordinates;
+    for (const Vec3d& p : points) coordinates.push_back(p.*axis);
+    const auto low = coordinates.begin() + beyond, high = coordinates.end() - 1 - beyond;
+    std::ranges::nth_element(coordinates, low);
+    box.low.*axis = *low;
+    std::ranges::nth_element(coordinates, high);
+    box.high.*axis = *high;
   }
   return box;
 }
@@ -132,61 +139,64 @@ void OrbitCamera::pan(double right, double down, int width, int height) {
   const double metresPerPixel = distance / (focal * std::max(sideOf(width, height), 1.0));
   const Vec3d forward = forwardOf(yaw, pitch);
   const Vec3d rightward = rightOf(yaw);
-  target = within(target - rightward * (right * metresPerPixel) - cross(forward, rightward) * (down * metresPerPixel));
+  const Vec3d downward = cross(forward, rightward);
+  target = limitedTarget(target - rightward * (right * metresPerPixel) - downward * (down * metresPerPixel));
 }
 
 void OrbitCamera::zoom(double steps) {
   distance = std::clamp(distance * std::pow(0.9, steps), kLeastDistance, kMostDistance);
 }
 
-void OrbitCamera::lookAt(const Vec3d& place) {
-  const Vec3d from = eye();
-  const Vec3d line = place - from;
-  const double far = length(line);
-  target = within(place);
-  if (orthographic || !(far > 0)) return;
-  yaw = line.x == 0 && line.y == 0 ? yaw : std::atan2(line.y, line.x);
-  pitch = std::atan2(-line.z, std::hypot(line.x, line.y));
-  distance = std::clamp(far, kLeastDistance, kMostDistance);
+void OrbitCamera::lookAt(const Vec3d& position) {
+  const Vec3d sight = position - eye();
+  target = limitedTarget(position);
+  if (orthographic || !(length(sight) > 0)) return;
+  if (sight.x != 0 || sight.y != 0) yaw = std::atan2(sight.y, sight.x);
+  pitch = std::atan2(-sight.z, std::hypot(sight.x, sight.y));
+  distance = std::clamp(length(sight), kLeastDistance, kMostDistance);
 }
 
 void OrbitCamera::fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height) {
-  while (!fill(*this, points, middle, width, height) && view == View::Chase && pitch < radians(45)) pitch += radians(5);
+  while (fillPicture(*this, points, middle, width, height) == FilledSide::Width && view == View::Chase &&
+         pitch < radians(45)) {
+    pitch += radians(5);
+  }
   distance = std::clamp(distance, kLeastDistance, kMostDistance);
 }
 
 OrbitCamera OrbitCamera::seeing(const std::vector<Vec3d>& points, View view, int width, int height) const {
-  constexpr double kLeastSeen = 0.2;
-  const ViewCamera sees = camera(width, height);
-  const auto seen = std::ranges::count_if(points, [&](const Vec3d& point) {
-    const Projected p = sees.project(point);
-    return p.depth >= sees.nearest && p.x >= 0 && p.x < width && p.y >= 0 && p.y < height;
+  constexpr double kLeastVisible = 0.2;  // fraction of the points
+  const ViewCamera projection = camera(width, height);
+  const auto visible = std::ranges::count_if(points, [&](const Vec3d& point) {
+    const Projected p = projection.project(point);
+    return p.depth >= projection.nearest && p.x >= 0 && p.x < width && p.y >= 0 && p.y < height;
   });
-  const bool enough = static_cast<double>(seen) >= kLeastSeen * static_cast<double>(points.size());
+  const bool enough = static_cast<double>(visible) >= kLeastVisible * static_cast<double>(points.size());
   if (enough || view == View::Driver) return *this;
-  const Box most = boxOfMost(points);
-  std::vector<Vec3d> shown;
-  std::ranges::copy_if(points, std::back_inserter(shown), [&](const Vec3d& p) {
-    const auto within = [&](double Vec3d::*axis) { return most.low.*axis <= p.*axis && p.*axis <= most.high.*axis; };
-    return within(&Vec3d::x) && within(&Vec3d::y) && within(&Vec3d::z);
+  const Box box = boxOfMost(points);
+  std::vector<Vec3d> inBox;
+  std::ranges::copy_if(points, std::back_inserter(inBox), [&](const Vec3d& p) {
+    return std::ranges::all_of(std::array{&Vec3d::x, &Vec3d::y, &Vec3d::z}, [&](double Vec3d::*axis) {
+      return box.low.*axis <= p.*axis && p.*axis <= box.high.*axis;
+    });
   });
   OrbitCamera moved = *this;
-  moved.fillWith(shown, most.center(), view, width, height);
+  moved.fillWith(inBox, box.center(), view, width, height);
   return moved;
 }
 
 void OrbitCamera::moveBy(const Affine& newFromOld) {
-  target = within(newFromOld * target);
+  target = limitedTarget(newFromOld * target);
   yaw = wrapped(yaw + std::atan2(newFromOld.linear.x.y, newFromOld.linear.x.x));
 }
 
 std::string OrbitCamera::text() const {
-  const auto millimetres = [](double m) { return std::round(m * 1000) / 1000 + 0.0; };
-  std::string out = fmt::format("{:.6g},{:.6g},{:.6g},{:.12g},{:.12g},{:.12g}", degrees(yaw), degrees(pitch), distance,
-                                millimetres(target.x), millimetres(target.y), millimetres(target.z));
-  if (focal != kUsualFocal) out += fmt::format(",{:.6g}", focal);
-  if (orthographic) out += ",ortho";
-  return out;
+  const auto toMillimetres = [](double m) { return std::round(m * 1000) / 1000 + 0.0; };  // never -0
+  std::string text = fmt::format("{:.6g},{:.6g},{:.6g},{:.12g},{:.12g},{:.12g}", degrees(yaw), degrees(pitch), distance,
+                                 toMillimetres(target.x), toMillimetres(target.y), toMillimetres(target.z));
+  if (focal != kUsualFocal) text += fmt::format(",{:.6g}", focal);
+  if (orthographic) text += ",ortho";
+  return text;
 }
 
 OrbitCamera presetCamera(View view) {
@@ -221,26 +231,26 @@ CameraChoice parseCamera(const std::string& text) {
     if (kViewNames[i] == text) return {presetCamera(view), view};
   }
   constexpr std::string_view kOrtho = ",ortho";
-  std::string_view rest = text;
+  std::string_view numbers = text;
   OrbitCamera camera;
-  if (rest.ends_with(kOrtho)) {
+  if (numbers.ends_with(kOrtho)) {
     camera.orthographic = true;
-    rest.remove_suffix(kOrtho.size());
+    numbers.remove_suffix(kOrtho.size());
   }
   std::vector<double> values;
-  const char* at = rest.data();
-  const char* const end = at + rest.size();
+  const char* next = numbers.data();
+  const char* const end = next + numbers.size();
   while (true) {
     double value = 0;
-    const auto read = std::from_chars(at, end, value);
-    if (read.ec != std::errc() || !std::isfinite(value)) refuse(text);
+    const auto [stop, error] = std::from_chars(next, end, value);
+    if (error != std::errc() || !std::isfinite(value)) refuse(text);
     values.push_back(value);
-    if (read.ptr == end) break;
-    if (*read.ptr != ',') refuse(text);
-    at = read.ptr + 1;
+    if (stop == end) break;
+    if (*stop != ',') refuse(text);
+    next = stop + 1;
   }
-  const bool counted = values.size() == 3 || values.size() == 6 || values.size() == 7;
-  if (!counted || std::abs(values[1]) > 90 || values[2] < kLeastDistance || values[2] > kMostDistance) refuse(text);
+  const bool isComplete = values.size() == 3 || values.size() == 6 || values.size() == 7;
+  if (!isComplete || std::abs(values[1]) > 90 || values[2] < kLeastDistance || values[2] > kMostDistance) refuse(text);
   camera.yaw = wrapped(radians(values[0]));
   camera.pitch = radians(values[1]);
   camera.distance = values[2];

@@ -31,14 +31,14 @@ struct OrbitCamera {
   void pan(double right, double down, int width, int height);
   // Moves towards the target, a tenth of the distance per step; the distance stays between 0.1 m and 10 km.
   void zoom(double steps);
-  // Makes `place` the target. A pinhole camera keeps its position and turns; an orthographic camera only moves.
-  void lookAt(const Vec3d& place);
+  // Makes `position` the target. A pinhole camera keeps its position and turns; an orthographic camera only moves.
+  void lookAt(const Vec3d& position);
   // Moves the camera, without turning it, so that the points are centred and nearly fill a picture of this size
   // (pixels). A camera of View::Chase also looks down more steeply, up to 45 degrees, at points that would leave much
   // of the picture's height empty. `middle`: the point at whose depth the target is.
   void fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height);
-  // Returns this camera of a named view or, if less than a fifth of the points would be in a picture of this size, a
-  // camera that fillWith() has moved to nearly all of them. View::Driver stays at the sensor.
+  // Returns this camera, which is that of a named view, or, if less than a fifth of the points would be in a picture of
+  // this size, a camera that fillWith() has moved to nearly all of them. View::Driver stays at the sensor.
   [[nodiscard]] OrbitCamera seeing(const std::vector<Vec3d>& points, View view, int width, int height) const;
   // Transforms the camera to a new frame, so that the view stays the same. `newFromOld` may rotate only about z.
   void moveBy(const Affine& newFromOld);

@@ -25,32 +25,40 @@ void PanelContents::arrange() {
   fillPanes();
   collectLegends();
   addMessages();
-  PanelNeeds needs{.lineHeight = imgui.lineHeight(),
-                   .row = imgui.row(),
-                   .title = !context_.options.bare,
-                   .bar = !context_.options.bare && !context_.options.still};
-  needs.side = !context_.options.bare && (needs.bar || pointer_.pinned || !legends.empty());
-  if (clouds_.strip && !context_.options.bare)
-    needs.stripHeight = stripHeight(clouds_.strip->image.height, context_.canvas.width(), context_.canvas.height());
-  rects = panelRects(context_.canvas.width(), context_.canvas.height(), needs);
+  const int width = context_.canvas.width(), height = context_.canvas.height();
+  const bool hasPanels = !context_.options.bare;
+  const bool hasBar = hasPanels && !context_.options.still;
+  rects = panelRects(
+      width, height,
+      {.lineHeight = imgui.lineHeight(),
+       .row = imgui.row(),
+       .title = hasPanels,
+       .side = hasPanels && (hasBar || pointer_.pinned || !legends.empty()),
+       .bar = hasBar,
+       .stripHeight = hasPanels && clouds_.strip ? stripHeight(clouds_.strip->image.height, width, height) : 0});
 }
 
+// Sets captions and legends of the views. In the overlay, the legend lists the scans.
 void PanelContents::fillPanes() {
   panes.assign(clouds_.viewCount(), {});
-  bool differ = false;
-  for (std::size_t v = 1; v < clouds_.viewCount(); ++v) differ = differ || clouds_.colorOf(v) != clouds_.colorOf(0);
+  bool colorsDiffer = false;  // true: the views show different quantities
+  for (std::size_t v = 1; v < clouds_.viewCount(); ++v) {
+    colorsDiffer = colorsDiffer || clouds_.colorOf(v) != clouds_.colorOf(0);
+  }
   for (const ShownCloud& cloud : clouds_.list) {
     ViewPane& pane = panes[cloud.view];
     const std::string& name = clouds_.scanOf(cloud).name;
     if (clouds_.overlaid()) {
       pane.legend.title = "scan";
-      pane.legend.entries.push_back(
-          {name, overlayColor(cloud.scan), static_cast<std::int64_t>(cloud.scan), cloud.finite});
+      pane.legend.entries.push_back({.name = name,
+                                     .color = overlayColor(cloud.scan),
+                                     .id = static_cast<std::int64_t>(cloud.scan),
+                                     .points = cloud.finite});
       continue;
     }
     pane.active = clouds_.activeView == cloud.view && clouds_.viewCount() > 1;
     pane.caption = name;
-    if (differ) pane.caption += fmt::format("{}{}", name.empty() ? "" : ": ", clouds_.colorOf(cloud.view).name());
+    if (colorsDiffer) pane.caption += fmt::format("{}{}", name.empty() ? "" : ": ", clouds_.colorOf(cloud.view).name());
     if (cloud.finite == 0) continue;
     pane.legend = cloud.coloring.legend;
     completeClasses(pane.legend);
@@ -59,23 +67,28 @@ void PanelContents::fillPanes() {
 }
 
 std::vector<CanvasView> PanelContents::views() const {
-  std::vector<CanvasView> placed;
+  std::vector<CanvasView> views;
   for (const PixelRect& rect : gridRects(rects.body, panes.size(), 1)) {
-    CanvasView view{.rect = rect, .camera = sceneView_.camera.camera(rect.width, rect.height)};
-    view.farthest = std::max(sceneView_.farthest(view.camera.eye), 2 * view.camera.nearest);
-    view.background = context_.options.background;
-    view.depthEdges = context_.options.depthEdges;
-    placed.push_back(view);
+    const ViewCamera camera = sceneView_.camera.camera(rect.width, rect.height);
+    views.push_back({.rect = rect,
+                     .camera = camera,
+                     .farthest = std::max(sceneView_.farthest(camera.eye), 2 * camera.nearest),
+                     .background = context_.options.background,
+                     .depthEdges = context_.options.depthEdges});
   }
-  return placed;
+  return views;
 }
 
-void PanelContents::addLabel(const Vec3d& spot, const std::string& text, bool mark, bool optional) {
+// Adds a label at a position (canvas frame) in each view that shows the position.
+void PanelContents::addLabel(const Vec3d& position, const PanelLabel& label) {
   for (const CanvasView& view : context_.redraw.views()) {
-    const Projected p = view.camera.project(spot);
+    const Projected p = view.camera.project(position);
     if (!(p.depth >= view.camera.nearest)) continue;
     if (!(p.x >= 0 && p.y >= 0 && p.x < view.rect.width && p.y < view.rect.height)) continue;
-    labels.push_back({view.rect.left + p.x, view.rect.top + p.y, text, view.rect, mark, optional});
+    PanelLabel& added = labels.emplace_back(label);
+    added.x = view.rect.left + p.x;
+    added.y = view.rect.top + p.y;
+    added.within = view.rect;
   }
 }
 
@@ -84,37 +97,46 @@ void PanelContents::addLabels() {
   if (context_.options.rangeRings && !clouds_.list.empty()) {
     // Put the labels of the rings in the direction of the camera, where they are visible.
     const Vec3d ahead{std::cos(sceneView_.camera.yaw), std::sin(sceneView_.camera.yaw), 0};
-    for (const double radius : kRingRadii)
-      addLabel(sceneView_.ground + ahead * radius, fmt::format("{} m", radius), false);
-  }
-  if (context_.options.axes) {
-    // If the scans are from sensors at different places, label each place with a sensor's name.
-    std::vector<Vec3d> named;
-    for (const ShownCloud& cloud : clouds_.list) {
-      const Vec3d& stands = cloud.canvasFromScan.translation;
-      const bool near = std::ranges::any_of(named, [&](const Vec3d& n) { return length(n - stands) < 0.05; });
-      if (near) continue;
-      if (named.size() == 1) addLabel(named.front(), clouds_.scanOf(clouds_.list.front()).sensor, false);
-      named.push_back(stands);
-      if (named.size() > 1) addLabel(stands, clouds_.scanOf(cloud).sensor, false);
+    for (const double radius : kRingRadii) {
+      addLabel(sceneView_.ground + ahead * radius, {.text = fmt::format("{} m", radius), .mark = false});
     }
   }
+  if (context_.options.axes) addSensorLabels();
   // Label the nearest objects with class, id and the fraction (%) of the object that is not occluded.
   for (const auto& [object, view] : sceneView_.nearestSeenObjects()) {
-    addLabel(sceneView_.canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
-             fmt::format("{} {}, {:.0f} % visible", className(context_.source->ontology(), object->semantic),
-                         object->id, 100 * view->visibility().value_or(0)),
-             false, true);
+    const std::string name = className(context_.source->ontology(), object->semantic);
+    const double visible = 100 * view->visibility().value_or(0);
+    addLabel(
+        sceneView_.canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
+        {.text = fmt::format("{} {}, {:.0f} % visible", name, object->id, visible), .mark = false, .optional = true});
   }
-  for (const Vec3d& end : pointer_.ends) addLabel(end, "", true);
-  if (!pointer_.ends.empty() && (pointer_.ends.size() == 2 || (pointer_.measuring && pointer_.hover))) {
-    const Vec3d to = pointer_.ends.size() == 2 ? pointer_.ends[1] : pointer_.hover->position;
-    const Vec3d line = to - pointer_.ends[0];
-    addLabel(pointer_.ends[0] + line * 0.5,
-             fmt::format("{:.3f} m (dx {:.3f}, dy {:.3f}, dz {:.3f})", length(line), line.x, line.y, line.z), false);
+  const std::vector<Vec3d>& ends = pointer_.ends;
+  for (const Vec3d& end : ends) addLabel(end, {});
+  if (!ends.empty() && (ends.size() == 2 || (pointer_.measuring && pointer_.hover))) {
+    const Vec3d end = ends.size() == 2 ? ends[1] : pointer_.hover->position;
+    const Vec3d line = end - ends[0];
+    addLabel(ends[0] + line * 0.5,
+             {.text = fmt::format("{:.3f} m (dx {:.3f}, dy {:.3f}, dz {:.3f})", length(line), line.x, line.y, line.z),
+              .mark = false});
   }
-  if (pointer_.pinned) addLabel(pointer_.pinned->position, "", true);
-  if (pointer_.hover) addLabel(pointer_.hover->position, "", true);
+  if (pointer_.pinned) addLabel(pointer_.pinned->position, {});
+  if (pointer_.hover) addLabel(pointer_.hover->position, {});
+}
+
+// If the scans are from sensors at different positions, labels each position with the name of a sensor that is there.
+void PanelContents::addSensorLabels() {
+  constexpr double kSamePosition = 0.05;  // m
+  std::vector<const ShownCloud*> distinct;
+  for (const ShownCloud& cloud : clouds_.list) {
+    const auto isNear = [&](const ShownCloud* other) {
+      return length(other->canvasFromScan.translation - cloud.canvasFromScan.translation) < kSamePosition;
+    };
+    if (std::ranges::none_of(distinct, isNear)) distinct.push_back(&cloud);
+  }
+  if (distinct.size() < 2) return;
+  for (const ShownCloud* cloud : distinct) {
+    addLabel(cloud->canvasFromScan.translation, {.text = clouds_.scanOf(*cloud).sensor, .mark = false});
+  }
 }
 
 std::string PanelContents::title() const {
@@ -138,29 +160,29 @@ std::string PanelContents::summary() const {
     visible += cloud.visible;
     finite += cloud.finite;
   }
-  std::string out;
-  if (context_.source->isScene()) {
-    if (sceneView_.mesh) out = fmt::format("{} triangles", grouped(sceneView_.mesh->size()));
+  const bool isScene = context_.source->isScene();
+  const ShownFilter& filter = context_.filter;
+  std::string text;
+  if (isScene) {
+    if (sceneView_.mesh) text = fmt::format("{} triangles", grouped(sceneView_.mesh->size()));
   } else if (visible == finite) {
-    out = pluralOf(finite, "point");
+    text = pluralOf(finite, "point");
   } else {
-    out = fmt::format("{} of {} points", grouped(visible), grouped(finite));
+    text = fmt::format("{} of {} points", grouped(visible), grouped(finite));
   }
-  if (const std::string filtered = context_.filter.classes.text(
-          context_.source->isScene() && sceneView_.mesh ? &sceneView_.mesh->ontology : context_.source->ontology());
-      !filtered.empty()) {
-    out += ", " + filtered;
+  const Ontology* const ontology =
+      isScene && sceneView_.mesh ? &sceneView_.mesh->ontology : context_.source->ontology();
+  if (const std::string classes = filter.classes.text(ontology); !classes.empty()) text += ", " + classes;
+  if (filter.instances.size() == 1) text += fmt::format(", only instance {}", *filter.instances.begin());
+  if (filter.instances.size() > 1) text += fmt::format(", only {} instances", filter.instances.size());
+  if (const auto& closeUp = filter.closeUp) {
+    text += fmt::format(", {:.4g} m about {:.4g},{:.4g},{:.4g}", closeUp->within, closeUp->at.x, closeUp->at.y,
+                        closeUp->at.z);
   }
-  if (context_.filter.instances.size() == 1)
-    out += fmt::format(", only instance {}", *context_.filter.instances.begin());
-  if (context_.filter.instances.size() > 1) out += fmt::format(", only {} instances", context_.filter.instances.size());
-  if (const auto& closeUp = context_.filter.closeUp) {
-    out += fmt::format(", {:.4g} m about {:.4g},{:.4g},{:.4g}", closeUp->within, closeUp->at.x, closeUp->at.y,
-                       closeUp->at.z);
+  if (pointer_.measuring) {
+    text += fmt::format(", distance: click the {} end", pointer_.ends.empty() ? "first" : "second");
   }
-  if (pointer_.measuring)
-    out += fmt::format(", distance: click the {} end", pointer_.ends.empty() ? "first" : "second");
-  return out;
+  return text;
 }
 
 PixelRect PanelContents::stripRect() const {
@@ -175,17 +197,20 @@ PixelRect PanelContents::stripRect() const {
 
 namespace {
 
-bool isOfClasses(const Legend& legend) {
+// True if all entries are classes (or scans, in the overlay).
+bool listsIds(const Legend& legend) {
   return !legend.entries.empty() &&
          std::ranges::all_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
 }
 
+// True if the colours of both legends have the same meaning.
 bool meansTheSame(const Legend& a, const Legend& b) {
   if (a.title != b.title) return false;
   if (a.scale || b.scale) {
-    return a.scale == b.scale && a.low == b.low && a.high == b.high && a.power == b.power && a.endsChosen == b.endsChosen;
+    return a.scale == b.scale && a.low == b.low && a.high == b.high && a.power == b.power &&
+           a.endsChosen == b.endsChosen;
   }
-  return isOfClasses(a) && isOfClasses(b);
+  return listsIds(a) && listsIds(b);
 }
 
 LegendEntry* entryOf(Legend& legend, std::int64_t id) {
@@ -197,11 +222,11 @@ LegendEntry* entryOf(Legend& legend, std::int64_t id) {
 
 // Adds the classes that occur in other frames to a legend, so that its rows are the same in all frames.
 void PanelContents::completeClasses(Legend& legend) const {
-  if (!isOfClasses(legend)) return;
+  if (!listsIds(legend)) return;
   for (const std::uint16_t id : clouds_.presentClasses) {
     if (entryOf(legend, id) != nullptr) continue;
-    legend.entries.push_back(
-        {className(context_.source->ontology(), id), classColor(context_.source->ontology(), id), id, 0});
+    const Ontology* const ontology = context_.source->ontology();
+    legend.entries.push_back({.name = className(ontology, id), .color = classColor(ontology, id), .id = id});
   }
   std::ranges::sort(legend.entries, {}, &LegendEntry::id);
 }
@@ -211,33 +236,37 @@ void PanelContents::completeClasses(Legend& legend) const {
 void PanelContents::collectLegends() {
   legends.clear();
   for (std::size_t v = 0; v < panes.size() && context_.options.legends; ++v) {
-    const Legend& own = panes[v].legend;
-    if (!own.scale && own.entries.empty()) continue;
-    const auto same =
-        std::ranges::find_if(legends, [&](const LegendBlock& block) { return meansTheSame(block.legend, own); });
-    if (same == legends.end()) {
-      legends.push_back({own, {v}});
+    const Legend& legend = panes[v].legend;
+    if (!legend.scale && legend.entries.empty()) continue;
+    const auto shared =
+        std::ranges::find_if(legends, [&](const LegendBlock& block) { return meansTheSame(block.legend, legend); });
+    if (shared == legends.end()) {
+      legends.push_back({.legend = legend, .views = {v}});
       continue;
     }
-    same->views.push_back(v);
-    same->legend.unknown += own.unknown;
-    for (const LegendEntry& entry : own.entries) {
-      if (entryOf(same->legend, entry.id) == nullptr) same->legend.entries.push_back(entry);
+    shared->views.push_back(v);
+    shared->legend.unknown += legend.unknown;
+    for (const LegendEntry& entry : legend.entries) {
+      if (entryOf(shared->legend, entry.id) == nullptr) shared->legend.entries.push_back(entry);
     }
   }
-  for (auto& [legend, shownIn] : legends) {
-    if (shownIn.size() < 2) continue;
-    Legend active;
-    if (clouds_.activeView && std::ranges::find(shownIn, *clouds_.activeView) != shownIn.end()) {
-      active = panes[*clouds_.activeView].legend;
-      legend.unknown = active.unknown;
-    }
-    for (LegendEntry& entry : legend.entries) {
-      const LegendEntry* const counted = entryOf(active, entry.id);
-      entry.points = counted == nullptr ? 0 : counted->points;
-    }
-    if (!legend.scale) std::ranges::sort(legend.entries, {}, &LegendEntry::id);
+  for (LegendBlock& block : legends) {
+    if (block.views.size() > 1) countActiveView(block);
   }
+}
+
+// Sets the numbers of points of a legend that several views share to those of the active view.
+void PanelContents::countActiveView(LegendBlock& block) {
+  Legend active;  // without entries unless the active view is one of the block's views
+  if (clouds_.activeView && std::ranges::count(block.views, *clouds_.activeView) > 0) {
+    active = panes[*clouds_.activeView].legend;
+    block.legend.unknown = active.unknown;
+  }
+  for (LegendEntry& entry : block.legend.entries) {
+    const LegendEntry* const activeEntry = entryOf(active, entry.id);
+    entry.points = activeEntry == nullptr ? 0 : activeEntry->points;
+  }
+  if (!block.legend.scale) std::ranges::sort(block.legend.entries, {}, &LegendEntry::id);
 }
 
 bool PanelContents::isHidden(const LegendEntry& entry) const {

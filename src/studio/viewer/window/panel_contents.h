@@ -43,7 +43,7 @@ struct PanelContents {
   std::vector<CanvasView> views() const;
   void addLabels();
   std::string title() const;
-  std::string summary() const;
+  std::string summary() const;  // returns the number of shown points or triangles, and what the filter shows
   PixelRect stripRect() const;  // returns the rectangle of the range image
   bool isHidden(const LegendEntry& entry) const;
 
@@ -59,10 +59,12 @@ struct PanelContents {
  private:
   // Functions in panel_contents.cpp:
   void fillPanes();
-  void addLabel(const Vec3d& spot, const std::string& text, bool mark, bool optional = false);
+  void addLabel(const Vec3d& position, const PanelLabel& label);
+  void addSensorLabels();
   // Legends, and the messages of views that show nothing:
   void completeClasses(Legend& legend) const;
   void collectLegends();
+  void countActiveView(LegendBlock& block);
   void addMessages();
 
   const SessionContext& context_;

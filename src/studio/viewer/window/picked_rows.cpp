@@ -10,10 +10,8 @@ namespace scanmill {
 
 namespace {
 
-using Rows = std::vector<std::pair<std::string, std::string>>;
-
-std::string angle(double rad) {
-  return fmt::format("{:.3f} deg", degrees(rad));
+std::string angleText(double radians) {
+  return fmt::format("{:.3f} deg", degrees(radians));
 }
 
 // Returns ring, column and return number of a point; nothing if the scan does not assign points to beams.
@@ -21,22 +19,22 @@ std::optional<PointKey> keyIn(const Scan& scan, std::size_t point) {
   return knowsBeams(scan) ? std::optional(keyOf(scan, point)) : std::nullopt;
 }
 
-std::string valueIn(const Rows& rows, const std::string& name) {
-  const auto found = std::ranges::find(rows, name, &Rows::value_type::first);
+std::string valueIn(const NamedTexts& rows, const std::string& name) {
+  const auto found = std::ranges::find(rows, name, &NamedTexts::value_type::first);
   return found == rows.end() ? "" : found->second;
 }
 
 // Returns the index of the point with this ring, column and return number; nothing if the scan has no such point.
-std::optional<std::size_t> pointOf(const Scan& scan, const PointKey& wanted) {
+std::optional<std::size_t> pointWithKey(const Scan& scan, const PointKey& key) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (keyOf(scan, i) == wanted) return i;
+    if (keyOf(scan, i) == key) return i;
   }
   return {};
 }
 
 // Adds the point's values in the columns of the table and in the file's foreign columns, except for class, instance,
 // ring and column, which other rows show.
-void addColumns(Rows& rows, const Scan& scan, std::size_t point) {
+void addColumns(NamedTexts& rows, const Scan& scan, std::size_t point) {
   const ColumnSet inOtherRows(kLabel, kInstance, kRing, kColumn);
   visitTable(scan, [&](auto key, const auto& values) {
     if (values.empty() || inOtherRows.has(key)) return;
@@ -44,40 +42,51 @@ void addColumns(Rows& rows, const Scan& scan, std::size_t point) {
   });
   for (const ForeignColumn& column : scan.foreign) {
     // A column of another program may have the same name as a column of the table.
-    const bool known = std::ranges::any_of(rows, [&](const auto& row) { return row.first == column.name; });
+    const bool isUsed = std::ranges::count(rows, column.name, &NamedTexts::value_type::first) > 0;
     std::visit(
         [&](const auto& values) {
-          rows.emplace_back(column.name + (known ? " (in the file)" : ""), fmt::format("{}", values[point]));
+          rows.emplace_back(column.name + (isUsed ? " (in the file)" : ""), fmt::format("{}", values[point]));
         },
         column.values);
   }
 }
 
-void addBeam(Rows& rows, const ViewScan& scan, std::size_t point) {
-  const std::optional<PointKey> key = keyIn(scan.scan, point);
-  const BeamTable* const table = scan.beams.get();
-  const bool same = key && table != nullptr && table->columns == scan.scan.columns && key->column < table->columns;
-  const std::size_t beam = key ? std::size_t{key->ring} * scan.scan.columns + key->column : 0;
-  const bool known = same && beam < table->direction.size();
-  const Vec3d direction = known ? table->direction[beam] : Vec3d(scan.scan.position[point]);
-  if (scan.scan.organised || !scan.scan[kRing].empty()) {
-    rows.emplace_back("ring", fmt::format("{}", scan.scan.organised ? key->ring : scan.scan[kRing][point]));
+// Adds ring, column and return number of a point, as far as the scan has them.
+void addKey(NamedTexts& rows, const Scan& scan, std::size_t point) {
+  const PointKey key = scan.organised ? keyOf(scan, point) : PointKey{};  // an organised scan need not have columns
+  if (scan.organised || !scan[kRing].empty()) {
+    rows.emplace_back("ring", fmt::format("{}", scan.organised ? key.ring : scan[kRing][point]));
   }
-  if (scan.scan.organised || !scan.scan[kColumn].empty()) {
-    rows.emplace_back("column", fmt::format("{}", scan.scan.organised ? key->column : scan.scan[kColumn][point]));
+  if (scan.organised || !scan[kColumn].empty()) {
+    rows.emplace_back("column", fmt::format("{}", scan.organised ? key.column : scan[kColumn][point]));
   }
-  if (scan.scan.organised && scan.scan.planes > 1 && scan.scan[kReturn].empty()) {
-    rows.emplace_back("return", fmt::format("{}", key->number + 1));
-  }
-  const std::string of = known ? "beam " : "";  // if the beam is unknown, the angles of the point are shown
-  rows.emplace_back(of + "azimuth", angle(std::atan2(direction.y, direction.x)));
-  rows.emplace_back(of + "elevation", angle(std::atan2(direction.z, std::hypot(direction.x, direction.y))));
-  if (known && beam < table->time.size()) {
-    rows.emplace_back("beam fires at", displayText(kTime.row, double{table->time[beam]}));
+  if (scan.organised && scan.planes > 1 && scan[kReturn].empty()) {
+    rows.emplace_back("return", fmt::format("{}", key.number + 1));
   }
 }
 
-void addPosition(Rows& rows, const std::string& frame, const Vec3d& p) {
+// Returns the index of the point's beam in the scan's beam table; nothing if the beam is unknown.
+std::optional<std::size_t> beamOf(const ViewScan& viewed, std::size_t point) {
+  const std::optional<PointKey> key = keyIn(viewed.scan, point);
+  const BeamTable* const table = viewed.beams.get();
+  if (!key || table == nullptr || table->columns != viewed.scan.columns || key->column >= table->columns) return {};
+  const std::size_t beam = std::size_t{key->ring} * table->columns + key->column;
+  return beam < table->direction.size() ? std::optional(beam) : std::nullopt;
+}
+
+// Adds the angles of the point's beam or, if it is unknown, of the point, and the time at which the beam fires.
+void addBeam(NamedTexts& rows, const ViewScan& viewed, std::size_t point) {
+  const std::optional<std::size_t> beam = beamOf(viewed, point);
+  const Vec3d direction = beam ? viewed.beams->direction[*beam] : Vec3d(viewed.scan.position[point]);
+  const std::string prefix = beam ? "beam " : "";
+  rows.emplace_back(prefix + "azimuth", angleText(std::atan2(direction.y, direction.x)));
+  rows.emplace_back(prefix + "elevation", angleText(std::atan2(direction.z, std::hypot(direction.x, direction.y))));
+  if (beam && *beam < viewed.beams->time.size()) {
+    rows.emplace_back("beam fires at", displayText(kTime.row, double{viewed.beams->time[*beam]}));
+  }
+}
+
+void addPosition(NamedTexts& rows, const std::string& frame, const Vec3d& p) {
   for (const auto& [axis, metres] : {std::pair("x", p.x), {"y", p.y}, {"z", p.z}}) {
     rows.emplace_back(frame + axis, fmt::format("{:.3f} m", metres));
   }
@@ -93,22 +102,20 @@ std::string errorRow(const ViewScan& viewed) {
 
 }  // namespace
 
-PickedElement describePoint(const ViewScan& viewed, std::size_t scanIndex, std::size_t point, const Ontology* ontology) {
+PickedElement describePoint(const ViewScan& viewed, std::size_t scanIndex, std::size_t point,
+                            const Ontology* ontology) {
   const Scan& scan = viewed.scan;
   const Vec3d p(scan.position[point]);
-  PickedElement picked;
-  picked.scan = scanIndex;
-  picked.point = point;
-  Rows& rows = picked.rows;
-  picked.heading = scan[kLabel].empty() ? "point" : className(ontology, scan[kLabel][point]);
-  if (!scan[kInstance].empty() && scan[kInstance][point] != 0) {
-    picked.heading += fmt::format(" {}", scan[kInstance][point]);
-  }
+  PickedElement picked{.heading = "point", .scan = scanIndex, .point = point};
+  NamedTexts& rows = picked.rows;
   if (!scan[kLabel].empty()) {
-    rows.emplace_back("class", fmt::format("{} ({})", className(ontology, scan[kLabel][point]), scan[kLabel][point]));
+    picked.heading = className(ontology, scan[kLabel][point]);
+    rows.emplace_back("class", fmt::format("{} ({})", picked.heading, scan[kLabel][point]));
   }
   if (!scan[kInstance].empty()) {
-    rows.emplace_back("instance", scan[kInstance][point] == 0 ? "none" : fmt::format("{}", scan[kInstance][point]));
+    const std::uint32_t instance = scan[kInstance][point];
+    if (instance != 0) picked.heading += fmt::format(" {}", instance);
+    rows.emplace_back("instance", instance == 0 ? "none" : fmt::format("{}", instance));
   }
   rows.emplace_back("range", fmt::format("{:.3f} m", length(p)));
   addPosition(rows, "", p);
@@ -117,6 +124,7 @@ PickedElement describePoint(const ViewScan& viewed, std::size_t scanIndex, std::
     const double error = double{viewed.error[point]};
     rows.emplace_back(errorRow(viewed), std::isfinite(error) ? fmt::format("{:.4f} m", error) : "not known");
   }
+  addKey(rows, scan, point);
   addBeam(rows, viewed, point);
   if (!viewed.sensor.empty()) rows.emplace_back("sensor", viewed.sensor);
   if (!viewed.method.empty()) rows.emplace_back("method", viewed.method);
@@ -125,20 +133,22 @@ PickedElement describePoint(const ViewScan& viewed, std::size_t scanIndex, std::
 }
 
 void addBrief(PickedElement& picked, const ViewScan& viewed, const ColorBy& shown) {
-  const bool inHeading = shown == kByClass || shown == kByInstance;
+  const bool isInHeading = shown == kByClass || shown == kByInstance;
+  const std::string shownRow = shown == kByError    ? errorRow(viewed)
+                               : shown == kByHeight ? "z"
+                               : isInHeading        ? ""
+                                                    : shown.name();
   for (const auto& [name, value] : picked.rows) {
-    const bool isShown = shown == kByError    ? name == errorRow(viewed)
-                         : shown == kByHeight ? name == "z"
-                                              : name == shown.name() && !inHeading;
-    if (name == "range" || name == "ring" || name == "column" || isShown) picked.brief.emplace_back(name, value);
+    const bool isBrief = name == "range" || name == "ring" || name == "column" || name == shownRow;
+    if (isBrief) picked.brief.emplace_back(name, value);
   }
 }
 
 void addInstance(PickedElement& picked, const InstanceSummary& summary, const Ontology* ontology) {
   const Vec3d& size = summary.size;
   const std::string points = pluralOf(summary.points.size(), "point");
-  Rows rows{{"its points", grouped(summary.points.size())},
-            {"its upright box", fmt::format("{:.2f} x {:.2f} x {:.2f} m", size.x, size.y, size.z)}};
+  NamedTexts rows{{"its points", grouped(summary.points.size())},
+                  {"its upright box", fmt::format("{:.2f} x {:.2f} x {:.2f} m", size.x, size.y, size.z)}};
   picked.brief.emplace_back("instance", fmt::format("{}, {:.1f} x {:.1f} x {:.1f} m", points, size.x, size.y, size.z));
   if (summary.classes.size() > 1) {
     std::string classes;
@@ -149,16 +159,16 @@ void addInstance(PickedElement& picked, const InstanceSummary& summary, const On
     rows.emplace_back(picked.alarm, classes);
     picked.brief.emplace_back(picked.alarm, classes);
   }
-  auto after = std::ranges::find_if(picked.rows, [](const auto& r) { return r.first == "instance"; });
-  if (after != picked.rows.end()) ++after;
-  picked.rows.insert(after, rows.begin(), rows.end());
+  auto next = std::ranges::find(picked.rows, "instance", &NamedTexts::value_type::first);
+  if (next != picked.rows.end()) ++next;  // the row after "instance"
+  picked.rows.insert(next, rows.begin(), rows.end());
 }
 
-void addSameBeam(PickedElement& picked, const Scan& own, const ViewScan& other, const Ontology* ontology) {
+void addSameBeam(PickedElement& picked, const Scan& pickedScan, const ViewScan& other, const Ontology* ontology) {
   const Scan& scan = other.scan;
-  const std::optional<PointKey> key = keyIn(own, picked.point);
-  if (!key || !knowsBeams(scan) || own.rings != scan.rings || own.columns != scan.columns) return;
-  const auto point = pointOf(scan, *key);
+  const std::optional<PointKey> key = keyIn(pickedScan, picked.point);
+  if (!key || !knowsBeams(scan) || pickedScan.rings != scan.rings || pickedScan.columns != scan.columns) return;
+  const auto point = pointWithKey(scan, *key);
   if (!point || !isFinite(scan.position[*point])) {
     picked.rows.emplace_back(other.name, "no return");
     return;
@@ -177,21 +187,20 @@ std::string fullName(const ViewScan& scan, const std::string& dataset) {
 }
 
 PickedElement describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPosition) {
-  PickedElement picked;
-  picked.scan = kNoScan;
-  picked.point = triangle;
   const std::uint16_t semantic = mesh.semantic[triangle];
   const std::uint32_t instance = mesh.instance[triangle];
   const ViewSurface& surface = mesh.surfaceOf(triangle);
   const std::string name = className(&mesh.ontology, semantic);
-  picked.heading = instance == 0 ? name : fmt::format("{} {}", name, instance);
-  picked.rows.emplace_back("object", mesh.parts[surface.part]);
-  picked.rows.emplace_back("class", fmt::format("{} ({})", name, semantic));
-  picked.rows.emplace_back("class by", mesh.rules[surface.rule]);
-  picked.rows.emplace_back("instance", instance == 0 ? "none" : fmt::format("{}", instance));
-  picked.rows.emplace_back("material", mesh.materials[surface.material]);
-  picked.rows.emplace_back("reflectance", fmt::format("{:.3g}", mesh.reflectance[surface.material]));
-  picked.rows.emplace_back("texture", surface.texture == 0 ? "none" : mesh.textures[surface.texture]);
+  PickedElement picked{.heading = instance == 0 ? name : fmt::format("{} {}", name, instance),
+                       .rows = {{"object", mesh.parts[surface.part]},
+                                {"class", fmt::format("{} ({})", name, semantic)},
+                                {"class by", mesh.rules[surface.rule]},
+                                {"instance", instance == 0 ? "none" : fmt::format("{}", instance)},
+                                {"material", mesh.materials[surface.material]},
+                                {"reflectance", fmt::format("{:.3g}", mesh.reflectance[surface.material])},
+                                {"texture", surface.texture == 0 ? "none" : mesh.textures[surface.texture]}},
+                       .scan = kNoScan,
+                       .point = triangle};
   addPosition(picked.rows, "world ", worldPosition);
   picked.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, grouped(mesh.size())));
   for (const char* row : {"object", "class by", "material", "reflectance"}) {

@@ -18,90 +18,108 @@ struct PointFunction {
   float operator()(const Vec3f& p) const { return dot(p, linear) + constant; }
 };
 
-// Functions of a point of the item: its depth, and w times its distance (pixels) to the right of the pointer and below
-// the pointer. w is the depth, or 1 for an orthographic camera.
-struct ToPointer {
+// Functions of a point of the item: its depth, and its distance (pixels) to the right of the pointer and below the
+// pointer, both times a weight w, which saves divisions. w is the depth, or 1 for an orthographic camera.
+struct PointerFunctions {
   PointFunction right, down, depth;
   bool orthographic;
 
-  ToPointer(const ViewCamera& camera, const Affine& canvasFromItem, double x, double y)
+  // `x`, `y`: position of the pointer in the camera's picture (pixels).
+  PointerFunctions(const ViewCamera& camera, const Affine& canvasFromItem, double x, double y)
       : orthographic(camera.orthographic) {
     const Mat3 itemFromCanvas = transposed(canvasFromItem.linear);  // of directions
-    const Vec3d start = canvasFromItem.translation - camera.eye;
-    // Returns dot(axis, point) - pixels * w.
-    const auto function = [&](const Vec3d& axis, double pixels) {
-      const Vec3d towards = orthographic ? axis : axis - camera.forward * pixels;
-      return PointFunction{Vec3f(itemFromCanvas * towards),
-                           static_cast<float>(dot(towards, start) - (orthographic ? pixels : 0))};
+    const Vec3d itemFromEye = canvasFromItem.translation - camera.eye;
+    // Returns the function dot(axis, point) - pixels * w of points relative to the eye.
+    const auto makeFunction = [&](const Vec3d& axis, double pixels) {
+      const Vec3d direction = orthographic ? axis : axis - camera.forward * pixels;
+      return PointFunction{Vec3f(itemFromCanvas * direction),
+                           static_cast<float>(dot(direction, itemFromEye) - (orthographic ? pixels : 0))};
     };
-    right = function(camera.right * camera.focal, x - camera.centerX);
-    down = function(camera.down * camera.focal, y - camera.centerY);
-    depth = function(camera.forward, 0);
+    right = makeFunction(camera.right * camera.focal, x - camera.centerX);
+    down = makeFunction(camera.down * camera.focal, y - camera.centerY);
+    depth = makeFunction(camera.forward, 0);
   }
+  float weight(float depthOfPoint) const { return orthographic ? 1.0F : depthOfPoint; }
+};
+
+// Distances from the pointer (pixels): a point covers the pointer if it is at most `half` to the right or left and
+// above or below; other points are picked up to the distance `far`. Points nearer than the depth `nearest` (m) are not
+// drawn.
+struct PickLimits {
+  float half, far, nearest;
 };
 
 // A point near the pointer. The lesser one is picked: of points that cover the pointer the nearest to the eye, of those
 // beside it the nearest to the pointer.
 struct Candidate {
   bool beside = false;
-  double nearness = 0;  // depth or, if the point is beside the pointer, distance from the pointer
-  double other = 0;     // the other of depth and distance
+  double first = 0;   // depth or, if the point is beside the pointer, distance from the pointer
+  double second = 0;  // distance or, if the point is beside the pointer, depth
   std::size_t cloud = 0, point = 0;
   auto operator<=>(const Candidate&) const = default;
+  double distance() const { return beside ? first : second; }
 };
+
+// True if at least one of the points may be near the pointer. Has no branch in its loop, so that the compiler can use
+// SIMD.
+bool isAnyNear(std::span<const Vec3f> points, const PointerFunctions& functions, const PickLimits& limits) {
+  int near = 0;
+  for (const Vec3f& p : points) {
+    const float depth = functions.depth(p);
+    const float scale = limits.far * functions.weight(depth);
+    near |= static_cast<int>(std::fabs(functions.right(p)) <= scale) &
+            static_cast<int>(std::fabs(functions.down(p)) <= scale) & static_cast<int>(depth >= limits.nearest);
+  }
+  return near != 0;
+}
+
+// Returns the point as a candidate, without its indices; nothing if it is not near the pointer.
+std::optional<Candidate> candidateAt(const Vec3f& point, const PointerFunctions& functions, const PickLimits& limits) {
+  const float depth = functions.depth(point);
+  const float w = functions.weight(depth);
+  const float right = std::fabs(functions.right(point)) / w;
+  const float down = std::fabs(functions.down(point)) / w;
+  if (!(depth >= limits.nearest && right <= limits.far && down <= limits.far)) return {};
+  const float distance = std::hypot(right, down);
+  if (right <= limits.half && down <= limits.half) return Candidate{false, depth, distance};
+  if (!(distance <= limits.far)) return {};
+  return Candidate{true, distance, depth};
+}
 
 }  // namespace
 
 std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewCamera& camera, double x, double y,
                                   double size, double reach) {
-  constexpr std::size_t kGrain = 1 << 16;
-  constexpr std::size_t kBlock = 64;
+  constexpr std::size_t kGrain = 1 << 16;  // points that a thread handles at a time
+  constexpr std::size_t kBlock = 64;       // points that isAnyNear() tests together
   std::optional<Candidate> best;
-  std::mutex merging;
+  std::mutex merging;  // guards `best`
   const auto half = static_cast<float>(size / 2 + 0.5);
-  const float far = std::max(half, static_cast<float>(reach));
-  const auto nearest = static_cast<float>(camera.nearest);
+  const PickLimits limits{
+      .half = half, .far = std::max(half, static_cast<float>(reach)), .nearest = static_cast<float>(camera.nearest)};
   for (std::size_t c = 0; c < clouds.size(); ++c) {
     const PickCloud& cloud = clouds[c];
-    const ToPointer m(camera, cloud.canvasFromItem, x, y);
-    const Vec3f* const points = cloud.positions.data();
+    const PointerFunctions functions(camera, cloud.canvasFromItem, x, y);
     parallelFor(cloud.positions.size(), kGrain, [&](std::size_t first, std::size_t last) {
-      std::optional<Candidate> own;
+      std::optional<Candidate> bestInRange;
       for (std::size_t begin = first; begin < last; begin += kBlock) {
         const std::size_t end = std::min(begin + kBlock, last);
-        // Test if any point of the block is near the pointer, without a branch, so that the compiler can use SIMD.
-        int near = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-          const float w = m.depth(points[i]);
-          const float scale = far * (m.orthographic ? 1.0F : w);
-          const float r = m.right(points[i]);
-          const float d = m.down(points[i]);
-          near |= static_cast<int>(std::fabs(r) <= scale) & static_cast<int>(std::fabs(d) <= scale) &
-                  static_cast<int>(w >= nearest);
-        }
-        if (near == 0) continue;
+        if (!isAnyNear(cloud.positions.subspan(begin, end - begin), functions, limits)) continue;
         for (std::size_t i = begin; i < end; ++i) {
           if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
-          const Vec3f& p = points[i];
-          const float depth = m.depth(p);
-          const float w = m.orthographic ? 1.0F : depth;
-          const float r = std::fabs(m.right(p)) / w;
-          const float d = std::fabs(m.down(p)) / w;
-          if (!(depth >= nearest && r <= far && d <= far)) continue;
-          const float distance = std::hypot(r, d);
-          const bool covers = r <= half && d <= half;
-          if (!covers && !(distance <= far)) continue;
-          const Candidate candidate =
-              covers ? Candidate{false, depth, distance, c, i} : Candidate{true, distance, depth, c, i};
-          if (!own || candidate < *own) own = candidate;
+          std::optional<Candidate> candidate = candidateAt(cloud.positions[i], functions, limits);
+          if (!candidate) continue;
+          candidate->cloud = c;
+          candidate->point = i;
+          if (!bestInRange || *candidate < *bestInRange) bestInRange = candidate;
         }
       }
       const std::lock_guard lock(merging);
-      if (own && (!best || *own < *best)) best = own;
+      if (bestInRange && (!best || *bestInRange < *best)) best = bestInRange;
     });
   }
   if (!best) return {};
-  return PointHit{best->cloud, best->point, best->beside ? best->nearness : best->other};
+  return PointHit{.cloud = best->cloud, .point = best->point, .distance = best->distance()};
 }
 
 SightLine sightLine(const ViewCamera& camera, double x, double y) {

@@ -26,8 +26,9 @@ struct PickCloud {
 };
 
 struct PointHit {
-  std::size_t cloud = 0, point = 0;
-  double distance = 0;  // distance from the pointer (pixels)
+  std::size_t cloud = 0;  // index in the list of clouds
+  std::size_t point = 0;  // index in the cloud
+  double distance = 0;    // distance from the pointer (pixels)
 };
 
 // Returns the point that is visible at the pixel (x, y) of the camera's picture. Points are drawn as squares of `size`
@@ -45,15 +46,20 @@ SightLine sightLine(const ViewCamera& camera, double x, double y);
 
 constexpr std::size_t kNoScan = SIZE_MAX;
 
+// Names and values, in the order in which the user sees them.
+using NamedTexts = std::vector<std::pair<std::string, std::string>>;
+
 // A point, or a triangle of a scene, that is under the pointer or was clicked, described for the user.
 struct PickedElement {
-  std::string heading;  // class and instance id, such as "car 4711"
-  std::vector<std::pair<std::string, std::string>> rows;
-  std::vector<std::pair<std::string, std::string>> brief;  // rows of the tooltip beside the pointer
-  std::string alarm;                                       // name of the row that is shown as a warning; empty: none
-  std::size_t scan = 0;                                    // index of the scan in the frame; kNoScan: a triangle
-  std::size_t point = 0;                                   // index of the point in the scan or the triangle in the mesh
-  Vec3d position;                                          // position (m, canvas frame)
+  std::string heading{};  // class and instance id, such as "car 4711"
+  NamedTexts rows{};
+  NamedTexts brief{};     // rows of the tooltip beside the pointer
+  std::string alarm{};    // name of the row that is shown as a warning; empty: none
+  std::size_t scan = 0;   // index of the scan in the frame; kNoScan: a triangle
+  std::size_t point = 0;  // index of the point in the scan or the triangle in the mesh
+  Vec3d position{};       // position (m, canvas frame)
+
+  bool isPoint() const { return scan != kNoScan; }
 };
 
 // Describes a point: all its columns with their units, its class and its beam. Does not set PickedElement::position.
@@ -68,11 +74,13 @@ void addInstance(PickedElement& picked, const InstanceSummary& summary, const On
 
 // Adds a row about the point in `other` with the same beam and return number, if both scans assign points to beams and
 // have the same numbers of rings and columns.
-void addSameBeam(PickedElement& picked, const Scan& own, const ViewScan& other, const Ontology* ontology);
+void addSameBeam(PickedElement& picked, const Scan& pickedScan, const ViewScan& other, const Ontology* ontology);
 
 // Returns the scan's name together with its dataset, sensor and method, as far as these are known.
 std::string fullName(const ViewScan& scan, const std::string& dataset);
 
+// Describes a triangle of a scene. `worldPosition`: the picked position on the triangle (m). Does not set
+// PickedElement::position.
 PickedElement describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPosition);
 
 }  // namespace scanmill

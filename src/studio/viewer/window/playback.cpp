@@ -17,9 +17,9 @@ void Playback::goTo(std::size_t frame, int step) {
 
 bool Playback::stepBy(std::ptrdiff_t steps) {
   const auto last = static_cast<std::ptrdiff_t>(count()) - 1;
-  const auto from = static_cast<std::ptrdiff_t>(requested_);
-  const std::ptrdiff_t target = std::clamp(from + steps, std::ptrdiff_t{0}, last);
-  if (target == from) return false;
+  const auto current = static_cast<std::ptrdiff_t>(requested_);
+  const std::ptrdiff_t target = std::clamp(current + steps, std::ptrdiff_t{0}, last);
+  if (target == current) return false;
   goTo(static_cast<std::size_t>(target), steps > 0 ? 1 : -1);
   return true;
 }
@@ -28,9 +28,9 @@ std::shared_ptr<const ViewFrame> Playback::take(double now) {
   if (settled()) return nullptr;
   auto loaded = loader_->frame(requested_);
   if (!loaded) return nullptr;
-  const bool next = current_ && requested_ == *current_ + 1;
+  const bool followsCurrent = current_ && requested_ == *current_ + 1;
   const std::optional<double> time = loaded->scans.empty() ? std::nullopt : std::optional(loaded->scans.front().time);
-  recordedSeconds_ = next ? time.value_or(0) - currentTime_.value_or(0) : 0;
+  recordedSeconds_ = followsCurrent ? time.value_or(0) - currentTime_.value_or(0) : 0;
   currentTime_ = time;
   current_ = requested_;
   shownAt_ = now;

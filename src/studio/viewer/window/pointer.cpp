@@ -13,28 +13,27 @@ constexpr Rgb kMeasureColor{255, 240, 90};
 
 constexpr double kReach = 8;  // largest distance of a picked point from the pointer (pixels)
 
-// Returns the points of a point's beam, the nearest first; nothing if no beam of the scan can have several points.
+// Returns the drawn positions of the returns of a point's beam, the nearest first; nothing if no beam of the scan can
+// have several returns.
 std::vector<Vec3f> returnsOf(const ViewScan& viewed, std::size_t point) {
   const Scan& scan = viewed.scan;
   if (!knowsBeams(scan) || (scan.organised ? scan.planes < 2 : scan[kReturn].empty())) return {};
-  const PointKey own = keyOf(scan, point);
-  std::vector<std::size_t> all;
+  const PointKey beam = keyOf(scan, point);
+  std::vector<std::size_t> returns;  // indices of points
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const PointKey key = keyOf(scan, i);
-    if (key.ring == own.ring && key.column == own.column && isFinite(scan.position[i])) {
-      all.push_back(i);
-    }
+    if (key.ring == beam.ring && key.column == beam.column && isFinite(scan.position[i])) returns.push_back(i);
   }
-  std::ranges::sort(all, {}, [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
-  std::vector<Vec3f> places;
-  for (const std::size_t i : all) places.push_back(viewed.drawnPositions()[i]);
-  return places;
+  std::ranges::sort(returns, {}, [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
+  std::vector<Vec3f> positions;
+  for (const std::size_t i : returns) positions.push_back(viewed.drawnPositions()[i]);
+  return positions;
 }
 
 }  // namespace
 
 Pointer::Pointer(SessionContext& context, const ShownClouds& clouds, SceneView& sceneView)
-    : context_(context), clouds_(clouds), sceneView_(sceneView), highlightItem_(context.canvas, kHighlightItem) {}
+    : context_(context), clouds_(clouds), sceneView_(sceneView) {}
 
 void Pointer::leaveFrame() {
   hover.reset();
@@ -57,10 +56,12 @@ void Pointer::press(const CanvasEvent& event) {
   drag = {};
   if (!viewAt(event.x, event.y)) return;
   if (event.button == 1 && event.clicks == 2) return turnAbout();
-  drag.button = event.button;
-  drag.pan = event.button != 1 || event.shift;
-  drag.downX = drag.x = event.x;
-  drag.downY = drag.y = event.y;
+  drag = {.button = event.button,
+          .pan = event.button != 1 || event.shift,
+          .downX = event.x,
+          .downY = event.y,
+          .x = event.x,
+          .y = event.y};
 }
 
 void Pointer::moveTo(const CanvasEvent& event) {
@@ -70,10 +71,10 @@ void Pointer::moveTo(const CanvasEvent& event) {
   context_.changes.hover = true;
   lastMove_ = context_.redraw.now();
   if (drag.button == 0) return;
-  const int right = event.x - drag.x;
-  const int down = event.y - drag.y;
   drag.moved = drag.moved || std::abs(event.x - drag.downX) > kStill || std::abs(event.y - drag.downY) > kStill;
   if (!drag.moved || context_.redraw.views().empty()) return;
+  const int right = event.x - drag.x;  // since the last move
+  const int down = event.y - drag.y;
   drag.x = event.x;
   drag.y = event.y;
   const PixelRect& rect = context_.redraw.views()[viewAt(drag.downX, drag.downY).value_or(0)].rect;
@@ -88,12 +89,12 @@ void Pointer::moveTo(const CanvasEvent& event) {
 
 void Pointer::release(const CanvasEvent& event) {
   if (event.button != drag.button) return;
-  const PointerDrag was = drag;
+  const bool isClick = drag.button == 1 && !drag.moved;
   drag = {};
   x = event.x;
   y = event.y;
   context_.changes.hover = true;
-  if (was.button == 1 && !was.moved) click(event.x, event.y);
+  if (isClick) click(event.x, event.y);
 }
 
 void Pointer::click(int px, int py) {
@@ -125,9 +126,9 @@ void Pointer::turnAbout() {
   lookAt(picked->position);
 }
 
-void Pointer::lookAt(const Vec3d& place) {
+void Pointer::lookAt(const Vec3d& position) {
   OrbitCamera turned = sceneView_.camera;
-  turned.lookAt(place);
+  turned.lookAt(position);
   sceneView_.setCamera(turned);
 }
 
@@ -145,8 +146,8 @@ std::optional<std::size_t> Pointer::viewAt(int px, int py) const {
   return {};
 }
 
-PickedElement Pointer::pickedPoint(std::size_t k, std::size_t point) const {
-  const ShownCloud& cloud = clouds_.list[k];
+PickedElement Pointer::pickedPoint(std::size_t cloudIndex, std::size_t point) const {
+  const ShownCloud& cloud = clouds_.list[cloudIndex];
   const ViewScan& scan = clouds_.scanOf(cloud);
   PickedElement picked = describePoint(scan, cloud.scan, point, context_.source->ontology());
   picked.position = cloud.canvasFromScan * Vec3d(scan.drawnPositions()[point]);
@@ -159,24 +160,24 @@ PickedElement Pointer::pickedPoint(std::size_t k, std::size_t point) const {
 }
 
 PickedElement Pointer::withOtherScans(PickedElement picked) const {
-  if (picked.scan == kNoScan || picked.scan >= context_.frame->scans.size()) return picked;
-  const ViewScan& own = context_.frame->scans[picked.scan];
-  std::vector<std::size_t> others;
+  if (!picked.isPoint() || picked.scan >= context_.frame->scans.size()) return picked;
+  const ViewScan& pickedScan = context_.frame->scans[picked.scan];
+  std::vector<std::size_t> otherScans;
   for (const ShownCloud& cloud : clouds_.list) {
     if (cloud.scan == picked.scan || clouds_.isHidden(cloud)) continue;
-    if (std::ranges::find(others, cloud.scan) == others.end()) others.push_back(cloud.scan);
+    if (std::ranges::find(otherScans, cloud.scan) == otherScans.end()) otherScans.push_back(cloud.scan);
   }
-  if (others.empty()) return picked;
-  picked.rows.insert(picked.rows.begin(), {"scan", fullName(own, context_.source->title())});
-  for (const std::size_t other : others) {
-    addSameBeam(picked, own.scan, context_.frame->scans[other], context_.source->ontology());
+  if (otherScans.empty()) return picked;
+  picked.rows.insert(picked.rows.begin(), {"scan", fullName(pickedScan, context_.source->title())});
+  for (const std::size_t scan : otherScans) {
+    addSameBeam(picked, pickedScan.scan, context_.frame->scans[scan], context_.source->ontology());
   }
   return picked;
 }
 
 bool Pointer::isShown(const PickedElement& picked) const {
-  if (picked.scan == kNoScan) {
-    return sceneView_.meshItem.exists() && picked.point < sceneView_.mesh->size() &&
+  if (!picked.isPoint()) {
+    return sceneView_.meshPlaced && picked.point < sceneView_.mesh->size() &&
            (sceneView_.meshShown.empty() || sceneView_.meshShown[picked.point] != 0);
   }
   return std::ranges::any_of(clouds_.list, [&](const ShownCloud& cloud) {
@@ -185,53 +186,55 @@ bool Pointer::isShown(const PickedElement& picked) const {
 }
 
 std::optional<PickedElement> Pointer::pick(int px, int py) const {
-  const auto view = viewAt(px, py);
-  if (!view) return {};
-  const CanvasView& in = context_.redraw.views()[*view];
-  const double right = px - in.rect.left + 0.5;  // position of the pixel's middle in the view
-  const double down = py - in.rect.top + 0.5;
+  const auto viewIndex = viewAt(px, py);
+  if (!viewIndex) return {};
+  const CanvasView& view = context_.redraw.views()[*viewIndex];
+  const double right = px - view.rect.left + 0.5;  // position of the pixel's middle in the view
+  const double down = py - view.rect.top + 0.5;
   std::vector<PickCloud> candidates;
-  std::vector<std::size_t> cloudOf;
+  std::vector<std::size_t> cloudIndices;  // of the candidates in the list of clouds
   for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
     const ShownCloud& cloud = clouds_.list[k];
-    if (cloud.view != *view) continue;
+    if (cloud.view != *viewIndex) continue;
     candidates.push_back({clouds_.scanOf(cloud).drawnPositions(), cloud.shown, cloud.canvasFromScan});
-    cloudOf.push_back(k);
+    cloudIndices.push_back(k);
   }
-  if (const auto hit = pickPoint(candidates, in.camera, right, down, sceneView_.pointSize(), kReach)) {
-    return pickedPoint(cloudOf[hit->cloud], hit->point);
+  if (const auto hit = pickPoint(candidates, view.camera, right, down, sceneView_.pointSize(), kReach)) {
+    return pickedPoint(cloudIndices[hit->cloud], hit->point);
   }
-  return sceneView_.pickMesh(sightLine(in.camera, right, down));
+  return sceneView_.pickMesh(sightLine(view.camera, right, down));
 }
 
 std::optional<PickedElement> Pointer::pickStrip(const PixelRect& rect, int px, int py) const {
   if (!clouds_.strip || !rect.contains(px, py)) return {};
-  const auto pixelIn = [](int place, int pixels, int shown) {
-    return static_cast<std::size_t>(static_cast<std::int64_t>(place) * pixels / shown);
+  // Returns the row or column of the image that is `offset` pixels from the edge of the rectangle.
+  const auto imagePixel = [](int offset, int imagePixels, int rectPixels) {
+    return static_cast<std::size_t>(static_cast<std::int64_t>(offset) * imagePixels / rectPixels);
   };
   const Image& image = clouds_.strip->image;
-  const std::size_t index = pixelIn(py - rect.top, image.height, rect.height) * static_cast<std::size_t>(image.width) +
-                            pixelIn(px - rect.left, image.width, rect.width);
-  const std::uint32_t point = clouds_.strip->pointAt[index];
+  const std::size_t row = imagePixel(py - rect.top, image.height, rect.height);
+  const std::size_t column = imagePixel(px - rect.left, image.width, rect.width);
+  const std::uint32_t point = clouds_.strip->pointAt[row * static_cast<std::size_t>(image.width) + column];
   if (point == kNoPoint) return {};
   return pickedPoint(clouds_.stripCloud, point);
 }
 
-void Pointer::updateHover(bool panels, const std::optional<PixelRect>& strip) {
+void Pointer::updateHover(bool isOverPanel, const std::optional<PixelRect>& strip) {
   context_.changes.hover = false;
-  std::optional<PickedElement> found;
+  std::optional<PickedElement> picked;
   if (drag.button == 0 && x >= 0) {
     if (strip) {
-      found = pickStrip(*strip, x, y);
-    } else if (!panels) {
-      found = pick(x, y);
+      picked = pickStrip(*strip, x, y);
+    } else if (!isOverPanel) {
+      picked = pick(x, y);
     }
   }
-  const bool same = found.has_value() == hover.has_value() &&
-                    (!found || (found->scan == hover->scan && found->point == hover->point && found->scan != kNoScan &&
-                                found->position == hover->position && found->brief == hover->brief));
-  if (same) return;
-  hover = std::move(found);
+  // The position on a triangle changes with each move.
+  const auto isSamePoint = [](const PickedElement& a, const PickedElement& b) {
+    return a.isPoint() && a.scan == b.scan && a.point == b.point && a.position == b.position && a.brief == b.brief;
+  };
+  if (picked && hover ? isSamePoint(*picked, *hover) : !picked && !hover) return;
+  hover = std::move(picked);
   context_.changes.panels = true;
 }
 
@@ -241,14 +244,14 @@ Rgb Pointer::colorOf(const PickedElement& picked) const {
       return cloud.coloring.colors[picked.point];
     }
   }
-  if (picked.scan == kNoScan && sceneView_.mesh && picked.point < sceneView_.mesh->size())
+  if (!picked.isPoint() && sceneView_.mesh && picked.point < sceneView_.mesh->size())
     return sceneView_.meshColoring.colors[picked.point];
   return kNoValue;
 }
 
 std::optional<std::uint32_t> Pointer::instanceOf(const PickedElement& picked) const {
   std::uint32_t id = 0;
-  if (picked.scan == kNoScan) {
+  if (!picked.isPoint()) {
     if (sceneView_.mesh && picked.point < sceneView_.mesh->size()) id = sceneView_.mesh->instance[picked.point];
   } else if (context_.frame && picked.scan < context_.frame->scans.size()) {
     const Scan& scan = context_.frame->scans[picked.scan].scan;
@@ -259,11 +262,10 @@ std::optional<std::uint32_t> Pointer::instanceOf(const PickedElement& picked) co
 
 // Returns the instance's summary. The last summary is cached, since the pointer often stays on the same instance.
 const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t instance) const {
-  const InstanceRef place{cloud.scan, instance};
-  if (!lastSummary_ || !(lastSummary_->first == place)) {
+  const InstanceRef key{cloud.scan, instance};
+  if (!lastSummary_ || !(lastSummary_->first == key)) {
     const ViewScan& viewed = clouds_.scanOf(cloud);
-    lastSummary_.emplace(place,
-                         summarizeInstance(viewed.scan, viewed.drawnPositions(), instance, cloud.canvasFromScan));
+    lastSummary_.emplace(key, summarizeInstance(viewed.scan, viewed.drawnPositions(), instance, cloud.canvasFromScan));
   }
   return lastSummary_->second;
 }
@@ -272,26 +274,23 @@ const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t
 void Pointer::highlightInstance() {
   constexpr double kRest = 0.15;  // time without a move after which the pointer is at rest (s)
   const PickedElement* const picked = shown();
-  std::optional<InstanceRef> wanted;
-  const ShownCloud* cloud = nullptr;
-  if (picked != nullptr && picked->scan != kNoScan) {
-    const auto found = std::ranges::find(clouds_.list, picked->scan, &ShownCloud::scan);
+  std::optional<InstanceRef> pickedInstance;
+  auto cloud = clouds_.list.end();  // a cloud with the instance
+  if (picked != nullptr && picked->isPoint()) {
+    cloud = std::ranges::find(clouds_.list, picked->scan, &ShownCloud::scan);
     const auto id = instanceOf(*picked);
-    if (found != clouds_.list.end() && id) {
-      cloud = &*found;
-      wanted = InstanceRef{picked->scan, *id};
-    }
+    if (cloud != clouds_.list.end() && id) pickedInstance = InstanceRef{picked->scan, *id};
   }
-  if (wanted == highlighted_ && !context_.changes.items) {
+  if (pickedInstance == highlighted_ && !context_.changes.items) {
     if (highlighted_ && context_.changes.views) placeOutline(*cloud);
     return;
   }
   // If drawing takes long, do not draw again for every point that the moving pointer passes.
-  const bool moves = context_.redraw.now() - lastMove_ < kRest;
-  if (!context_.changes.items && context_.redraw.slow() && moves) return;
-  highlighted_ = wanted;
+  const bool isMoving = context_.redraw.now() - lastMove_ < kRest;
+  if (!context_.changes.items && context_.redraw.slow() && isMoving) return;
+  highlighted_ = pickedInstance;
   context_.changes.highlight = true;
-  if (!highlighted_) return highlightItem_.drop();
+  if (!highlighted_) return context_.canvas.drop(kHighlightItem);
   setOutlinePoints(*cloud);
   placeOutline(*cloud);
 }
@@ -299,12 +298,12 @@ void Pointer::highlightInstance() {
 // Outlines the shown points of the instance `highlighted_`.
 void Pointer::setOutlinePoints(const ShownCloud& cloud) {
   std::vector<Vec3f> points;
-  const std::vector<Vec3f>& all = clouds_.scanOf(cloud).drawnPositions();
+  const std::vector<Vec3f>& positions = clouds_.scanOf(cloud).drawnPositions();
   for (const std::uint32_t i : summaryOf(cloud, highlighted_->id).points) {
     if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
-    points.push_back(Vec3f(cloud.canvasFromScan * Vec3d(all[i])));
+    points.push_back(Vec3f(cloud.canvasFromScan * Vec3d(positions[i])));
   }
-  highlightItem_.setPoints(points, std::vector<Rgb>(points.size(), Rgb{255, 255, 255}));
+  context_.canvas.setPoints(kHighlightItem, points, std::vector<Rgb>(points.size(), Rgb{255, 255, 255}));
 }
 
 // Places the outline behind the points, as seen by the camera.
@@ -314,35 +313,34 @@ void Pointer::placeOutline(const ShownCloud& cloud) {
   constexpr double kBehind = 0.2;    // distance of the outline behind the points for an orthographic camera (m)
   if (context_.redraw.views().empty()) return;
   ItemLook look{.views = 0};
-  for (const ShownCloud& same : clouds_.list) {
-    if (same.scan == cloud.scan) look.views |= 1U << same.view;
+  for (const ShownCloud& shownCloud : clouds_.list) {
+    if (shownCloud.scan == cloud.scan) look.views |= 1U << shownCloud.view;
   }
   look.size = sceneView_.pointSize() + 2 * kEdge;
-  const ViewCamera& seenBy = context_.redraw.views().front().camera;  // all views have the same eye
-  if (seenBy.orthographic) {
-    look.canvasFromItem.translation = seenBy.forward * kBehind;
+  const ViewCamera& camera = context_.redraw.views().front().camera;  // all views have the same eye
+  if (camera.orthographic) {
+    look.canvasFromItem.translation = camera.forward * kBehind;
   } else {
     look.canvasFromItem.linear = {{kFarther, 0, 0}, {0, kFarther, 0}, {0, 0, kFarther}};
-    look.canvasFromItem.translation = seenBy.eye * (1 - kFarther);
+    look.canvasFromItem.translation = camera.eye * (1 - kFarther);
   }
-  highlightItem_.setLook(look);
+  context_.canvas.setLook(kHighlightItem, look);
 }
 
 void Pointer::placeBeam() {
+  constexpr Rgb kBeamColor{255, 220, 80};
   const PickedElement* const picked = shown();
-  std::optional<std::pair<std::size_t, std::size_t>> beam;
-  if (picked != nullptr && picked->scan != kNoScan) beam.emplace(picked->scan, picked->point);
-  if (beam == beamOf_ && !context_.changes.items) return;  // the beam is the same; searching for returns is slow
-  beamOf_ = beam;
-  constexpr Rgb kBeam{255, 220, 80};
+  std::optional<ScanPoint> point;
+  if (picked != nullptr && picked->isPoint()) point = ScanPoint{picked->scan, picked->point};
+  if (point == beamPoint_ && !context_.changes.items) return;  // the beam is the same; searching for returns is slow
+  beamPoint_ = point;
   LineSet lines;
-  for (const ShownCloud& cloud : clouds_.list) {
-    if (!beam || cloud.scan != beam->first) continue;
-    const std::vector<Vec3f> places = returnsOf(clouds_.scanOf(cloud), beam->second);
-    for (std::size_t i = 0; i + 1 < places.size(); ++i) {
-      lines.add(cloud.canvasFromScan * Vec3d(places[i]), cloud.canvasFromScan * Vec3d(places[i + 1]), kBeam);
+  const auto cloud = std::ranges::find_if(clouds_.list, [&](const auto& c) { return point && c.scan == point->scan; });
+  if (cloud != clouds_.list.end()) {
+    const std::vector<Vec3f> returns = returnsOf(clouds_.scanOf(*cloud), point->point);
+    for (std::size_t i = 0; i + 1 < returns.size(); ++i) {
+      lines.add(cloud->canvasFromScan * Vec3d(returns[i]), cloud->canvasFromScan * Vec3d(returns[i + 1]), kBeamColor);
     }
-    break;
   }
   if (lines.colors.empty() && !beamDrawn_) return;
   beamDrawn_ = !lines.colors.empty();

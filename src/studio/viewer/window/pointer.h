@@ -23,12 +23,18 @@ struct InstanceRef {
   bool operator==(const InstanceRef&) const = default;
 };
 
+// A point of the frame: indices of the scan in the frame and of the point in the scan.
+struct ScanPoint {
+  std::size_t scan = 0, point = 0;
+  bool operator==(const ScanPoint&) const = default;
+};
+
 struct PointerDrag {
-  int button = 0;  // button that is pressed, see CanvasEvent; 0: none
-  bool pan = false;
+  int button = 0;            // button that is pressed, see CanvasEvent; 0: none
+  bool pan = false;          // true: the drag moves the camera; false: the drag turns it
   int downX = 0, downY = 0;  // pixel at which the button was pressed
-  int x = 0, y = 0;
-  bool moved = false;
+  int x = 0, y = 0;          // pixel of the last move
+  bool moved = false;        // true: the pointer has moved so far that the release is no click
 };
 
 struct Pointer {
@@ -45,7 +51,7 @@ struct Pointer {
   void release(const CanvasEvent& event);
   void toggleMeasuring();
   void turnAbout();
-  void lookAt(const Vec3d& place);
+  void lookAt(const Vec3d& position);
   void placeMeasure();
   // Returns what is under the pointer, otherwise what was clicked; null if there is neither.
   const PickedElement* shown() const { return hover ? &*hover : pinned ? &*pinned : nullptr; }
@@ -54,17 +60,19 @@ struct Pointer {
   std::optional<PickedElement> pick(int px, int py) const;
   // Returns the point at a pixel of the range image. `rect`: rectangle of the canvas in which the image is drawn.
   std::optional<PickedElement> pickStrip(const PixelRect& rect, int px, int py) const;
-  PickedElement pickedPoint(std::size_t cloud, std::size_t point) const;
+  // Describes a point. `cloudIndex`: index of its cloud in ShownClouds::list.
+  PickedElement pickedPoint(std::size_t cloudIndex, std::size_t point) const;
   // Returns `picked` with the name of its scan and the points of the same beam in other shown scans; unchanged if no
   // other scan is shown.
   PickedElement withOtherScans(PickedElement picked) const;
   // True if the point or triangle is not hidden and its scan is shown.
   bool isShown(const PickedElement& picked) const;
-  // Finds the point or triangle under the pointer. `panels`: true if a panel covers it. `strip`: rectangle of the range
+  // Finds the point or triangle under the pointer. `isOverPanel`: a panel covers it. `strip`: rectangle of the range
   // image if the pointer is over it.
-  void updateHover(bool panels, const std::optional<PixelRect>& strip);
+  void updateHover(bool isOverPanel, const std::optional<PixelRect>& strip);
   Rgb colorOf(const PickedElement& picked) const;
-  std::optional<std::uint32_t> instanceOf(const PickedElement& picked) const;  // returns the instance id, if there is one
+  std::optional<std::uint32_t> instanceOf(
+      const PickedElement& picked) const;  // returns the instance id, if there is one
 
   // Outlines the points of the instance under the pointer, otherwise those of the clicked instance.
   void highlightInstance();
@@ -90,9 +98,8 @@ struct Pointer {
   SceneView& sceneView_;
   double lastMove_ = 0;  // time of the pointer's last move (s)
   mutable std::optional<std::pair<InstanceRef, InstanceSummary>> lastSummary_;
-  std::optional<InstanceRef> highlighted_;  // the instance that is highlighted on the canvas
-  CanvasItem highlightItem_;
-  std::optional<std::pair<std::size_t, std::size_t>> beamOf_;  // indices of scan and point whose beam is drawn
+  std::optional<InstanceRef> highlighted_;  // the instance that is highlighted on the canvas; absent: there is none
+  std::optional<ScanPoint> beamPoint_;      // the point whose beam is drawn
   bool beamDrawn_ = false;
 };
 

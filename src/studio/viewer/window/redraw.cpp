@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint64_t kLeast = 150'000;  // least limit for the points of all items together; about one scan
+constexpr std::uint64_t kLeastPoints = 150'000;  // least limit for the points of all items together; about one scan
 
 }  // namespace
 
@@ -18,44 +18,47 @@ RedrawScheduler::RedrawScheduler(Canvas& canvas, std::function<double()> seconds
 }
 
 void RedrawScheduler::setViews(std::vector<CanvasView> views) {
-  const bool same =
-      std::ranges::equal(views, views_, [](const CanvasView& a, const CanvasView& b) { return a.rect == b.rect; });
-  if (same && !changes.views && !changes.items) return;
+  const bool sameRects = std::ranges::equal(views, views_, {}, &CanvasView::rect, &CanvasView::rect);
+  if (sameRects && !changes.views && !changes.items) return;
   views_ = std::move(views);
   canvas_.setViews(views_);
   changes.views = true;
 }
 
 // Returns how many points of each item to draw at most (0: all), for `items` items with `total` points together.
-std::uint64_t RedrawScheduler::mostOfEach(std::uint64_t total, std::size_t items) const {
-  constexpr double kWantedMs = 30;
-  const auto all = std::max(static_cast<std::uint64_t>(pointsPerMs_ * kWantedMs), kLeast);
-  return total <= all || items == 0 ? 0 : all / items;
+std::uint64_t RedrawScheduler::pointsPerItem(std::uint64_t total, std::size_t items) const {
+  constexpr double kPictureMs = 30;  // intended time for drawing a picture during motion
+  const auto limit = std::max(static_cast<std::uint64_t>(pointsPerMs_ * kPictureMs), kLeastPoints);
+  return total <= limit || items == 0 ? 0 : limit / items;
 }
 
-void RedrawScheduler::measured(std::uint64_t points, double ms) {
-  if (points < kLeast / 2 || !(ms > 0)) return;
-  pointsPerMs_ += 0.5 * (std::clamp(static_cast<double>(points) / ms, 500.0, 1e6) - pointsPerMs_);
+// Updates the estimate of the drawing speed with the time that a picture of so many points took. Pictures of few points
+// say little about the speed.
+void RedrawScheduler::updateSpeed(std::uint64_t points, double ms) {
+  if (points < kLeastPoints / 2 || !(ms > 0)) return;
+  constexpr double kSlowest = 500, kFastest = 1e6;  // plausible speeds (points per ms)
+  constexpr double kNewShare = 0.5;                 // weight of the new measurement
+  pointsPerMs_ += kNewShare * (std::clamp(static_cast<double>(points) / ms, kSlowest, kFastest) - pointsPerMs_);
 }
 
 void RedrawScheduler::draw(Detail detail, std::uint64_t points, std::size_t items, double began) {
-  const bool whole = detail == Detail::AllPoints;
+  const bool drawsAll = detail == Detail::AllPoints;
   const bool sceneChanged = changes.views || changes.items;
-  if (!sceneChanged && !changes.panels && !changes.highlight && !(whole && partial_)) return;
-  const std::uint64_t most = whole ? 0 : sceneChanged ? mostOfEach(points, items) : lastMost_;
-  const double before = now();
-  canvas_.render(most);
+  if (!sceneChanged && !changes.panels && !changes.highlight && !(drawsAll && partial_)) return;
+  const std::uint64_t maxPoints = drawsAll ? 0 : sceneChanged ? pointsPerItem(points, items) : lastMaxPoints_;
+  const double renderBegan = now();
+  canvas_.render(maxPoints);
   lastPicture_ = now();
   if (sceneChanged) lastChange_ = lastPicture_;
-  if (sceneChanged || (whole && partial_)) {
-    const double seconds = lastPicture_ - before;
-    measured(most == 0 ? points : std::min(points, most * items), seconds * 1e3);
-    if (most == 0) allPointsSeconds_ = seconds;
+  if (sceneChanged || (drawsAll && partial_)) {
+    const double seconds = lastPicture_ - renderBegan;
+    updateSpeed(maxPoints == 0 ? points : std::min(points, maxPoints * items), seconds * 1e3);
+    if (maxPoints == 0) allPointsSeconds_ = seconds;
   }
-  lastMost_ = most;
-  partial_ = most != 0;
+  lastMaxPoints_ = maxPoints;
+  partial_ = maxPoints != 0;
   pictureSeconds_ = lastPicture_ - began;
-  changes = {false, false, false, false, changes.hover};
+  changes = {.views = false, .items = false, .panels = false, .highlight = false, .hover = changes.hover};
 }
 
 bool RedrawScheduler::mayFollowPointer() const {
@@ -65,8 +68,8 @@ bool RedrawScheduler::mayFollowPointer() const {
 
 bool RedrawScheduler::allPointsDue() const {
   // Time (s) without changes after which all points are drawn. It is longer if drawing all points takes long.
-  const double rest = 0.15 + 0.5 * allPointsSeconds_;
-  return partial_ && now() - lastChange_ > rest;
+  const double pause = 0.15 + 0.5 * allPointsSeconds_;
+  return partial_ && now() - lastChange_ > pause;
 }
 
 bool RedrawScheduler::slow() const {

@@ -49,19 +49,19 @@ class RedrawScheduler {
   Changes changes;
 
  private:
-  std::uint64_t mostOfEach(std::uint64_t total, std::size_t items) const;
-  void measured(std::uint64_t points, double ms);
+  std::uint64_t pointsPerItem(std::uint64_t total, std::size_t items) const;
+  void updateSpeed(std::uint64_t points, double ms);
 
   Canvas& canvas_;
   std::function<double()> seconds_;
   std::vector<CanvasView> views_;
-  double pointsPerMs_ = 20'000;  // drawing speed, estimated from the time that previous pictures took
-  bool partial_ = false;         // true: the last picture did not show all points
-  std::uint64_t lastMost_ = 0;   // maximum number of points per item in the last picture; 0: no limit
-  double lastChange_ = 0;        // time of the last change of cameras, views or items (s)
-  double allPointsSeconds_ = 0;  // duration of drawing the last picture of all points (s)
-  double lastPicture_ = 0;       // time of the last picture (s)
-  double pictureSeconds_ = 0;    // duration of the last picture, including the work before drawing (s)
+  double pointsPerMs_ = 20'000;      // drawing speed, estimated from the time that previous pictures took
+  bool partial_ = false;             // true: the last picture did not show all points
+  std::uint64_t lastMaxPoints_ = 0;  // maximum number of points per item in the last picture; 0: no limit
+  double lastChange_ = 0;            // time of the last change of cameras, views or items (s)
+  double allPointsSeconds_ = 0;      // duration of drawing the last picture of all points (s)
+  double lastPicture_ = 0;           // time of the last picture (s)
+  double pictureSeconds_ = 0;        // duration of the last picture, including the work before drawing (s)
 };
 
 }  // namespace scanmill

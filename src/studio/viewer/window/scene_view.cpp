@@ -10,46 +10,45 @@ namespace {
 constexpr Rgb kRingColor{120, 130, 150};
 constexpr Rgb kTrackColor{255, 214, 64};
 
-// Returns the corners of the boxes of parts that are in the box, or its own corners if there are hardly any.
-std::vector<Vec3d> pointsIn(const ViewMesh& mesh, const Box& box) {
-  std::vector<Vec3d> points;
-  const auto addCorners = [&](const Box& of) {
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3d p{corner & 1 ? of.high.x : of.low.x, corner & 2 ? of.high.y : of.low.y,
-                    corner & 4 ? of.high.z : of.low.z};
-      Box grown = box;
-      grown.add(p);
-      if (grown.low == box.low && grown.high == box.high) points.push_back(p);
+// Returns the corners of the mesh's part boxes that are in the box, or the box's own corners if there are hardly any.
+std::vector<Vec3d> cornersIn(const ViewMesh& mesh, const Box& box) {
+  std::vector<Vec3d> corners;
+  const auto addCorners = [&](const Box& part) {
+    for (const double x : {part.low.x, part.high.x}) {
+      for (const double y : {part.low.y, part.high.y}) {
+        for (const double z : {part.low.z, part.high.z}) {
+          const bool isInBox = box.low.x <= x && x <= box.high.x && box.low.y <= y && y <= box.high.y &&
+                               box.low.z <= z && z <= box.high.z;
+          if (isInBox) corners.push_back({x, y, z});
+        }
+      }
     }
   };
   for (const Box& part : mesh.partBoxes) addCorners(part);
-  if (points.size() < 8) addCorners(box);
-  return points;
+  if (corners.size() < 8) addCorners(box);
+  return corners;
 }
 
 }  // namespace
 
 SceneView::SceneView(SessionContext& context, ShownClouds& clouds)
-    : camera(context.options.camera.camera),
-      meshItem(context.canvas, kMeshItem),
-      vehicleItem(context.canvas, kVehicleItem),
-      context_(context),
-      clouds_(clouds) {
+    : camera(context.options.camera.camera), context_(context), clouds_(clouds) {
   findRoadUsers();
 }
 
 void SceneView::takeFrame(std::size_t index) {
   worldFromAnchor.reset();
   for (const ViewScan& scan : context_.frame->scans) {
-    if (scan.worldFromSensor && !worldFromAnchor) worldFromAnchor = scan.worldFromSensor;
+    if (!worldFromAnchor) worldFromAnchor = scan.worldFromSensor;
   }
   trajectory = context_.source->trajectory(index);
   computeCanvasFrame();
 }
 
-// Computes canvasFromWorld.
+// Computes canvasFromWorld from `mesh` (a scene without scans), `worldFromAnchor`, `world` and `trajectory`: the origin
+// of the canvas is the mesh's, the start of the trajectory, or the sensor.
 void SceneView::computeCanvasFrame() {
-  instancesOf_.reset();  // the cached boxes of instances are in the old canvas frame
+  summarized_.reset();  // the cached boxes of instances are in the old canvas frame
   if (context_.source->isScene()) {
     canvasFromWorld = mesh ? Affine{{}, -mesh->origin} : Affine{};
   } else if (!worldFromAnchor) {
@@ -72,7 +71,7 @@ Affine SceneView::canvasFromScan(const ViewScan& scan) const {
 }
 
 void SceneView::placeClouds() {
-  content_.clear();
+  contents_.clear();
   ground = {};
   for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
     ShownCloud& cloud = clouds_.list[k];
@@ -80,11 +79,11 @@ void SceneView::placeClouds() {
     cloud.canvasFromScan = canvasFromScan(viewed);
     context_.canvas.setLook(cloudItem(k),
                             {.canvasFromItem = cloud.canvasFromScan, .size = pointSize(), .views = 1U << cloud.view});
-    double radius = 0;
+    double radius2 = 0;
     for (const Vec3f& p : viewed.drawnPositions()) {
-      if (isFinite(p)) radius = std::max(radius, double{dot(p, p)});
+      if (isFinite(p)) radius2 = std::max(radius2, double{dot(p, p)});
     }
-    content_.push_back({cloud.canvasFromScan.translation, std::sqrt(radius)});
+    contents_.push_back({.center = cloud.canvasFromScan.translation, .radius = std::sqrt(radius2)});
   }
   if (!clouds_.list.empty()) {
     const ShownCloud& first = clouds_.list.front();
@@ -95,35 +94,33 @@ void SceneView::placeClouds() {
 }
 
 void SceneView::placeGuides() {
+  constexpr double kThin = 1, kThick = 2;  // widths of lines (pixels)
   LineSet axes;
   if (context_.options.axes && context_.source->isScene()) addAxes(axes, canvasFromWorld, 2);
   if (context_.options.axes) {
     for (const ShownCloud& cloud : clouds_.list) addAxes(axes, cloud.canvasFromScan, 1);
   }
-  setLines(kAxesItem, axes, 2);
+  setLines(kAxesItem, axes, kThick);
   placeVehicle();
   LineSet rings;
   if (context_.options.rangeRings && !clouds_.list.empty()) addRangeRings(rings, ground, kRingColor);
-  setLines(kRangeRingsItem, rings, 1);
+  setLines(kRangeRingsItem, rings, kThin);
   LineSet track;
   if (context_.options.trajectory && worldFromAnchor && trajectory.size() > 1) {
-    std::vector<Vec3d> places;
-    std::size_t current = 0;
-    for (const Pose& pose : trajectory) {
-      const auto away = [&](std::size_t i) { return length(trajectory[i].translation - worldFromAnchor->translation); };
-      if (away(places.size()) < away(current)) current = places.size();
-      places.push_back(canvasFromWorld * pose.translation);
-    }
-    addTrack(track, places, current, kTrackColor);
+    std::vector<Vec3d> positions;
+    for (const Pose& pose : trajectory) positions.push_back(canvasFromWorld * pose.translation);
+    const auto nearest = std::ranges::min_element(
+        trajectory, {}, [&](const Pose& pose) { return length(pose.translation - worldFromAnchor->translation); });
+    addTrack(track, positions, static_cast<std::size_t>(nearest - trajectory.begin()), kTrackColor);
   }
-  setLines(kTrackItem, track, 2);
+  setLines(kTrackItem, track, kThick);
   placeBoxes();
   context_.changes.items = context_.changes.panels = true;
 }
 
 void SceneView::setLines(ItemId item, const LineSet& lines, double width) {
   context_.canvas.setLines(item, lines.ends, lines.colors);
-  context_.canvas.setLook(item, {.size = width, .views = (1U << clouds_.viewCount()) - 1});
+  context_.canvas.setLook(item, {.size = width, .views = allViews()});
 }
 
 std::optional<Affine> SceneView::toggleWorld() {
@@ -142,19 +139,20 @@ std::optional<Affine> SceneView::toggleWorld() {
 }
 
 double SceneView::farthest(const Vec3d& eye) const {
-  constexpr double kLeast = 20;
-  double far = kLeast;
-  const auto reach = [&](const Vec3d& center, double radius) { far = std::max(far, length(center - eye) + radius); };
-  for (const ContentBall& ball : content_) reach(ball.center, ball.radius + 1);
-  if (context_.options.rangeRings && !content_.empty()) reach(ground, kRingRadii.back());
+  double distance = 20;  // least bound (m)
+  const auto include = [&](const Vec3d& center, double radius) {
+    distance = std::max(distance, length(center - eye) + radius);
+  };
+  for (const ContentBall& ball : contents_) include(ball.center, ball.radius + 1);  // 1 m for the axes
+  if (context_.options.rangeRings && !contents_.empty()) include(ground, kRingRadii.back());
   if (context_.options.trajectory && worldFromAnchor) {
-    for (const Pose& pose : trajectory) reach(canvasFromWorld * pose.translation, 1);
+    for (const Pose& pose : trajectory) include(canvasFromWorld * pose.translation, 1);
   }
   if (mesh && meshOn() && !mesh->bounds.empty()) {
     const Box& box = mesh->bounds;
-    reach(canvasFromWorld * (mesh->origin + box.center()), length(box.high - box.low) / 2);
+    include(canvasFromWorld * (mesh->origin + box.center()), length(box.high - box.low) / 2);
   }
-  return far;
+  return distance;
 }
 
 double SceneView::pointSize() const {
@@ -163,67 +161,73 @@ double SceneView::pointSize() const {
 }
 
 OrbitCamera SceneView::preset(View view) const {
-  OrbitCamera chosen = presetCamera(view);
+  OrbitCamera fitted = presetCamera(view);
   if (context_.source->isScene()) {
     // Shows the complete scene, or only ViewMesh::core if the scene is much larger than its core. Scenes often have
     // ground around them, which only the view from above shows.
-    const double kFarAway = view == View::Above ? 3 : 1.2;
-    if (!mesh) return chosen;
-    const auto longest = [](const Box& box) { return box.empty() ? 0 : length(box.high - box.low); };
-    const bool whole = longest(mesh->bounds) < kFarAway * longest(mesh->core);
-    const Box& shown = whole ? mesh->bounds : mesh->core;
-    chosen.fillWith(pointsIn(*mesh, shown), shown.center(), view, context_.canvas.width(), context_.canvas.height());
-    return chosen;
+    const double largestRatio = view == View::Above ? 3 : 1.2;  // of the diagonals of scene and core; chosen by eye
+    if (!mesh) return fitted;
+    const auto diagonal = [](const Box& box) { return box.empty() ? 0 : length(box.high - box.low); };
+    const bool showsAll = diagonal(mesh->bounds) < largestRatio * diagonal(mesh->core);
+    const Box& shown = showsAll ? mesh->bounds : mesh->core;
+    fitted.fillWith(cornersIn(*mesh, shown), shown.center(), view, context_.canvas.width(), context_.canvas.height());
+    return fitted;
   }
-  if (world && worldFromAnchor) chosen.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
-  return chosen.seeing(pointsOnCanvas(), view, context_.canvas.width(), context_.canvas.height());
+  if (world && worldFromAnchor) fitted.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
+  return fitted.seeing(pointsOnCanvas(), view, context_.canvas.width(), context_.canvas.height());
 }
 
-// Returns the places of the shown scans' finite points, or of some of them if they are many.
+// Returns the positions of the shown scans' finite points, or of some of them if they are many.
 std::vector<Vec3d> SceneView::pointsOnCanvas() const {
   constexpr std::size_t kEnough = 50'000;
-  std::vector<Vec3d> places;
+  std::vector<Vec3d> points;
   for (const ShownCloud& cloud : clouds_.list) {
-    const std::vector<Vec3f>& all = clouds_.scanOf(cloud).drawnPositions();
-    for (std::size_t i = 0; i < all.size(); i += all.size() / kEnough + 1) {
-      if (isFinite(all[i])) places.push_back(cloud.canvasFromScan * Vec3d(all[i]));
+    const std::vector<Vec3f>& positions = clouds_.scanOf(cloud).drawnPositions();
+    for (std::size_t i = 0; i < positions.size(); i += positions.size() / kEnough + 1) {
+      if (isFinite(positions[i])) points.push_back(cloud.canvasFromScan * Vec3d(positions[i]));
     }
   }
-  return places;
+  return points;
 }
 
 OrbitCamera SceneView::firstCamera() const {
   const CameraChoice& choice = context_.options.camera;
   if (choice.view && !context_.options.closeUp) return preset(*choice.view);
-  OrbitCamera chosen = choice.camera;
-  if (choice.placed && context_.source->isScene()) chosen.target = canvasFromWorld * chosen.target;
-  return chosen;
+  OrbitCamera first = choice.camera;
+  if (choice.placed && context_.source->isScene()) first.target = canvasFromWorld * first.target;
+  return first;
 }
 
 void SceneView::lookAtFirstPoints() {
   const std::optional<CloseUp>& closeUp = context_.options.closeUp;
-  if (framed_ || clouds_.list.empty()) return;
-  framed_ = !pointsOnCanvas().empty();
-  if (!closeUp) return setCamera(firstCamera());
+  if (isFitted_ || clouds_.list.empty()) return;
+  isFitted_ = !pointsOnCanvas().empty();
+  setCamera(closeUp ? closeUpCamera(*closeUp) : firstCamera());
+}
+
+// Returns a camera that looks at the ball of the close-up from the direction of `camera`. Unless the user has chosen
+// the distance, the ball fills most of the picture.
+OrbitCamera SceneView::closeUpCamera(const CloseUp& closeUp) const {
   constexpr double kFilled = 0.85;  // fraction of the picture's shorter side that the ball fills; panels need the rest
   const int width = context_.canvas.width();
   const int height = context_.canvas.height();
-  OrbitCamera chosen = camera;
-  chosen.orthographic = false;
-  // The ball is in the frames of the points' own columns. The camera looks at where its points are on the canvas.
+  OrbitCamera moved = camera;
+  moved.orthographic = false;
+  // The ball is in the frames of the points' own columns. The camera looks at where its points are on the canvas, which
+  // is moved by the mean motion of the points.
   const ViewScan& scan = clouds_.scanOf(clouds_.list.front());
-  Vec3d moved;
-  double held = 0;
+  Vec3d motionSum;
+  double points = 0;
   for (std::size_t i = 0; i < scan.placed.size(); ++i) {
-    if (!closeUp->contains(Vec3d(scan.scan.position[i]))) continue;
-    moved += Vec3d(scan.placed[i]) - Vec3d(scan.scan.position[i]);
-    held += 1;
+    if (!closeUp.contains(Vec3d(scan.scan.position[i]))) continue;
+    motionSum += Vec3d(scan.placed[i]) - Vec3d(scan.scan.position[i]);
+    points += 1;
   }
-  chosen.target = clouds_.list.front().canvasFromScan * (closeUp->at + moved * (held > 0 ? 1 / held : 0));
+  moved.target = clouds_.list.front().canvasFromScan * (closeUp.at + motionSum * (points > 0 ? 1 / points : 0));
   // Slope of the tangents from the eye to the ball, relative to the line of sight.
-  const double slope = kFilled * std::min(width, height) / 2 / chosen.camera(width, height).focal;
-  if (context_.options.camera.view) chosen.distance = closeUp->within * std::hypot(1, 1 / slope);
-  setCamera(chosen);
+  const double slope = kFilled * std::min(width, height) / 2 / moved.camera(width, height).focal;
+  if (context_.options.camera.view) moved.distance = closeUp.within * std::hypot(1, 1 / slope);
+  return moved;
 }
 
 std::string SceneView::cameraText() const {

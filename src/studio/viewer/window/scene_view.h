@@ -103,8 +103,7 @@ struct SceneView {
   std::shared_ptr<const ViewMesh> mesh;  // the loaded mesh; null: none is loaded
   std::optional<SceneChoice> meshWanted;
   std::string meshProblem;
-  CanvasItem meshItem;
-  CanvasItem vehicleItem;
+  bool meshPlaced = false;  // true: the canvas has the mesh
   MeshColor meshColor = MeshColor::Class;
   Coloring meshColoring;
   std::vector<std::uint8_t> meshShown;  // for each triangle, 1 if it is shown; empty: all are shown
@@ -113,18 +112,24 @@ struct SceneView {
  private:
   void computeCanvasFrame();
   Affine canvasFromScan(const ViewScan& scan) const;
+  OrbitCamera closeUpCamera(const CloseUp& closeUp) const;
   std::vector<Vec3d> pointsOnCanvas() const;
   void findRoadUsers();
   bool isBoxShown(const ObjectRecord& object) const;
-  void placeInstanceBoxes(LineSet& lines);
+  void addObjectBox(LineSet& lines, const ObjectRecord& object) const;
+  void addInstanceBoxes(LineSet& lines);
+  void showScene();
+  std::uint32_t allViews() const { return (1U << clouds_.viewCount()) - 1; }  // see ItemLook::views
 
   SessionContext& context_;
   ShownClouds& clouds_;
-  std::vector<ContentBall> content_;
-  bool framed_ = false;  // true: the camera has been fitted to the first frame or the scene's mesh, which happens once
-  std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf_;  // frame and scan of the cached `instances_`
+  std::vector<ContentBall> contents_;  // one per shown cloud
+  bool isFitted_ =
+      false;  // true: the camera has been fitted to the first frame or the scene's mesh, which happens once
+  std::optional<std::pair<const ViewFrame*, std::size_t>> summarized_;  // frame and scan of the cached `instances_`
   std::vector<InstanceSummary> instances_;
   std::optional<ViewMesh> vehicle_;    // mesh of the ego vehicle, once it has been loaded
+  bool vehiclePlaced_ = false;         // true: the canvas has `vehicle_`
   std::set<std::uint16_t> roadUsers_;  // classes of road users in the source's ontology
 };
 

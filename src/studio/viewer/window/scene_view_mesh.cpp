@@ -20,36 +20,40 @@ namespace scanmill {
 void SceneView::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
   mesh = std::move(loaded);
   meshProblem = mesh ? mesh->problem : "";
-  context_.changes.panels = true;
   placeMesh();
 }
 
 void SceneView::placeMesh() {
   context_.changes.items = context_.changes.panels = true;
-  if (!meshSeen()) {
-    meshItem.drop();
+  meshPlaced = meshSeen();
+  if (!meshPlaced) {
+    context_.canvas.drop(kMeshItem);
     meshShown.clear();
     if (mesh && mesh->size() > 0 && meshOn()) context_.notify("no mesh: the pose of the scan is not known");
     return;
   }
   computeCanvasFrame();
   meshColoring = colorMesh(*mesh, meshColor);
-  meshItem.setTriangles(mesh->corners, meshColoring.colors);
+  context_.canvas.setTriangles(kMeshItem, mesh->corners, meshColoring.colors);
   placeMeshLook();
   applyFilter();
-  if (!context_.source->isScene()) return;
+  if (context_.source->isScene()) showScene();
+}
+
+// Draws the guides of a scene without scans. The first time, also moves the camera and reports what the scene lacks.
+void SceneView::showScene() {
   placeGuides();
-  if (framed_) return;
-  framed_ = true;
+  if (isFitted_) return;
+  isFitted_ = true;
   setCamera(firstCamera());
   for (const std::string& warning : mesh->warnings) context_.hint(warning);
 }
 
 void SceneView::applyFilter() {
   meshShown.clear();
-  if (!meshItem.exists()) return;
+  if (!meshPlaced) return;
   const ShownFilter& filter = context_.filter;
-  if (filter.classes.showsAll() && filter.instances.empty()) return meshItem.showAll();
+  if (filter.classes.showsAll() && filter.instances.empty()) return context_.canvas.showAll(kMeshItem);
   std::vector<std::uint32_t> indices;
   meshShown.assign(mesh->size(), 0);
   for (std::size_t i = 0; i < mesh->size(); ++i) {
@@ -57,29 +61,32 @@ void SceneView::applyFilter() {
     meshShown[i] = 1;
     indices.push_back(static_cast<std::uint32_t>(i));
   }
-  meshItem.showOnly(indices);
+  context_.canvas.showOnly(kMeshItem, indices);
 }
 
 void SceneView::placeMeshLook() {
-  if (!meshItem.exists()) return;
-  constexpr double kFaint = 0.25;
-  const ItemLook look{.canvasFromItem = canvasFromWorld * Affine{{}, mesh->origin},
-                      .opacity = context_.source->isScene() ? 1 : kFaint,
-                      .views = (1U << clouds_.viewCount()) - 1};
-  meshItem.setLook(look);
+  if (!meshPlaced) return;
+  constexpr double kOpacityWithScans = 0.25;
+  context_.canvas.setLook(kMeshItem, {.canvasFromItem = canvasFromWorld * Affine{{}, mesh->origin},
+                                      .opacity = context_.source->isScene() ? 1 : kOpacityWithScans,
+                                      .views = allViews()});
   context_.changes.items = true;
 }
 
 void SceneView::placeVehicle() {
-  const bool known = context_.frame && context_.frame->worldFromVehicle && worldFromAnchor;
-  const auto file = known && context_.options.axes ? context_.source->vehicle() : std::nullopt;
-  if (!file) return vehicleItem.drop();
-  if (!vehicle_) vehicle_ = loadViewMesh(*file, 1, 0, {});
-  if (vehicle_->size() == 0) return;
-  if (!vehicleItem.exists()) vehicleItem.setTriangles(vehicle_->corners, colorMesh(*vehicle_, MeshColor::Class).colors);
-  vehicleItem.setLook(
-      {.canvasFromItem = canvasFromWorld * toAffine(*context_.frame->worldFromVehicle) * Affine{{}, vehicle_->origin},
-       .views = (1U << clouds_.viewCount()) - 1});
+  Canvas& canvas = context_.canvas;
+  const bool isPoseKnown = context_.frame && context_.frame->worldFromVehicle && worldFromAnchor;
+  const auto file = isPoseKnown && context_.options.axes ? context_.source->vehicle() : std::nullopt;
+  if (file && !vehicle_) vehicle_ = loadViewMesh(*file, 1);
+  const bool places = file && vehicle_->size() > 0;
+  if (places && !vehiclePlaced_) {
+    canvas.setTriangles(kVehicleItem, vehicle_->corners, colorMesh(*vehicle_, MeshColor::Class).colors);
+  }
+  vehiclePlaced_ = places;
+  if (!places) return canvas.drop(kVehicleItem);
+  const Affine canvasFromVehicle = canvasFromWorld * toAffine(*context_.frame->worldFromVehicle);
+  canvas.setLook(kVehicleItem,
+                 {.canvasFromItem = canvasFromVehicle * Affine{{}, vehicle_->origin}, .views = allViews()});
   context_.changes.items = true;
 }
 
@@ -87,12 +94,12 @@ void SceneView::chooseMeshColor(MeshColor by) {
   meshColor = by;
   if (!mesh || mesh->size() == 0) return;
   meshColoring = colorMesh(*mesh, meshColor);
-  meshItem.setColors(meshColoring.colors);
+  if (meshPlaced) context_.canvas.setColors(kMeshItem, meshColoring.colors);
   context_.changes.items = context_.changes.panels = true;
 }
 
 std::optional<PickedElement> SceneView::pickMesh(const SightLine& line) const {
-  if (!meshItem.exists()) return {};
+  if (!meshPlaced) return {};
   const Affine meshFromCanvas = inverse(canvasFromWorld * Affine{{}, mesh->origin});
   Vec3d origin = meshFromCanvas * line.origin;
   const Vec3d direction = meshFromCanvas.linear * line.direction;
@@ -102,13 +109,13 @@ std::optional<PickedElement> SceneView::pickMesh(const SightLine& line) const {
   for (int layer = 0; layer < kMostLayers; ++layer) {
     const auto hit = pickTriangle(*mesh, origin, direction);
     if (!hit) return {};
-    const Vec3d spot = origin + direction * hit->distance;
+    const Vec3d position = origin + direction * hit->distance;  // relative to mesh->origin
     if (meshShown.empty() || meshShown[hit->triangle] != 0) {
-      PickedElement picked = describeTriangle(*mesh, hit->triangle, spot + mesh->origin);
-      picked.position = canvasFromWorld * (spot + mesh->origin);
+      PickedElement picked = describeTriangle(*mesh, hit->triangle, position + mesh->origin);
+      picked.position = canvasFromWorld * (position + mesh->origin);
       return picked;
     }
-    origin = spot + direction * kBeyond;
+    origin = position + direction * kBeyond;
   }
   return {};
 }
@@ -116,19 +123,23 @@ std::optional<PickedElement> SceneView::pickMesh(const SightLine& line) const {
 namespace {
 
 constexpr Rgb kUnknownClass{200, 200, 200};
-constexpr double kFaint = 0.75;  // fraction of the background in the colour of objects that the sensor does not see
+constexpr double kUnseenShare =
+    0.75;  // fraction of the background in the colour of objects that the sensor does not see
 constexpr double kUnseenWithin = 40;    // largest distance (m) of drawn objects that the sensor does not see
 constexpr std::size_t kMostNames = 30;  // largest number of objects with a label
+
+// Returns how a sensor sees the object; null if the object has no such view.
+const ObjectView* viewOf(const ObjectRecord& object, const std::string& sensor) {
+  const auto found = std::ranges::find_if(
+      object.views, [&](const ObjectView& view) { return lowerCase(view.sensor) == lowerCase(sensor); });
+  return found == object.views.end() ? nullptr : &*found;
+}
 
 }  // namespace
 
 const ObjectView* SceneView::viewOfShownSensor(const ObjectRecord& object) const {
   if (clouds_.list.empty()) return nullptr;
-  const std::string sensor = lowerCase(clouds_.scanOf(clouds_.list.front()).sensor);
-  for (const ObjectView& view : object.views) {
-    if (lowerCase(view.sensor) == sensor) return &view;
-  }
-  return nullptr;
+  return viewOf(object, clouds_.scanOf(clouds_.list.front()).sensor);
 }
 
 // Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the box is where it was
@@ -149,8 +160,8 @@ Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
   return canvasFromWorld * toAffine(worldFromBox);
 }
 
+// Sets `roadUsers_`: the classes that KITTI's object benchmark has, too.
 void SceneView::findRoadUsers() {
-  roadUsers_.clear();
   const Ontology* const ontology = context_.source->ontology();
   if (ontology == nullptr) return;
   const ClassMap kitti(*ontology, readOntology(namedResource("kitti", "labels")));
@@ -162,9 +173,9 @@ void SceneView::findRoadUsers() {
 bool SceneView::isBoxShown(const ObjectRecord& object) const {
   if (context_.options.boxes == BoxChoice::None) return false;
   // Instances that the user names are drawn whatever their class.
-  const bool roadUsers =
+  const bool onlyRoadUsers =
       context_.options.boxes == BoxChoice::RoadUsers && !roadUsers_.empty() && context_.filter.instances.empty();
-  if (roadUsers && !roadUsers_.contains(object.semantic)) return false;
+  if (onlyRoadUsers && !roadUsers_.contains(object.semantic)) return false;
   if (const auto& closeUp = context_.filter.closeUp) {
     // The point of the box that is nearest to the middle of the close-up, both in the frame of the box.
     const Vec3d middle = inverse(canvasFromBox(object)) * (clouds_.list.front().canvasFromScan * closeUp->at);
@@ -180,27 +191,31 @@ void SceneView::placeBoxes() {
   LineSet lines;
   if (context_.frame && worldFromAnchor && !clouds_.list.empty()) {
     for (const ObjectRecord& object : context_.frame->objects) {
-      if (!isBoxShown(object)) continue;
-      const SemanticClass* const known =
-          context_.source->ontology() == nullptr ? nullptr : context_.source->ontology()->find(object.semantic);
-      const Rgb color = known == nullptr ? kUnknownClass : known->color;
-      const ObjectView* const view = viewOfShownSensor(object);
-      const bool seen = view != nullptr && view->points > 0;
-      const Affine place = canvasFromBox(object);
-      if (!seen && length(place.translation - clouds_.list.front().canvasFromScan.translation) > kUnseenWithin)
-        continue;
-      addBox(lines, place, object.size, object.headingKnown,
-             seen ? color : mix(color, context_.options.background, kFaint));
-      constexpr double kSeconds = 1;  // a moving object gets a line to where its centre is after this time
-      if (object.moves) {
-        const Vec3d& center = place.translation;
-        lines.add(center, center + canvasFromWorld.linear * (object.velocity * kSeconds), color);
-      }
+      if (isBoxShown(object)) addObjectBox(lines, object);
     }
   }
-  placeInstanceBoxes(lines);
+  addInstanceBoxes(lines);
   setLines(kBoxesItem, lines, 1);
   context_.changes.items = context_.changes.panels = true;
+}
+
+// Adds the box of an object, paler if the sensor does not see the object. Far objects that the sensor does not see have
+// no box.
+void SceneView::addObjectBox(LineSet& lines, const ObjectRecord& object) const {
+  const Ontology* const ontology = context_.source->ontology();
+  const SemanticClass* const found = ontology == nullptr ? nullptr : ontology->find(object.semantic);
+  const Rgb fullColor = found == nullptr ? kUnknownClass : found->color;
+  const ObjectView* const view = viewOfShownSensor(object);
+  const bool isSeen = view != nullptr && view->points > 0;
+  const Affine box = canvasFromBox(object);
+  if (!isSeen && length(box.translation - clouds_.list.front().canvasFromScan.translation) > kUnseenWithin) return;
+  const Rgb color = isSeen ? fullColor : mix(fullColor, context_.options.background, kUnseenShare);
+  addBox(lines, box, object.size, color);
+  if (object.headingKnown) addBoxFront(lines, box, object.size, color);
+  constexpr double kSeconds = 1;  // a moving object gets a line to where its centre is after this time
+  if (!object.moves) return;
+  const Vec3d& center = box.translation;
+  lines.add(center, center + canvasFromWorld.linear * (object.velocity * kSeconds), fullColor);
 }
 
 std::vector<std::pair<const ObjectRecord*, const ObjectView*>> SceneView::nearestSeenObjects() const {
@@ -210,27 +225,24 @@ std::vector<std::pair<const ObjectRecord*, const ObjectView*>> SceneView::neares
     const ObjectView* const view = viewOfShownSensor(object);
     if (view != nullptr && view->points > 0 && isBoxShown(object)) seen.emplace_back(&object, view);
   }
-  std::ranges::sort(seen, {}, [](const auto& one) { return length(one.second->sensorFromBox.translation); });
+  std::ranges::sort(seen, {}, [](const auto& entry) { return length(entry.second->sensorFromBox.translation); });
   if (seen.size() > kMostNames) seen.resize(kMostNames);
   return seen;
 }
 
 void SceneView::addObjectRows(PickedElement& picked, std::uint32_t instance) const {
-  const auto found = std::ranges::find(context_.frame->objects, instance, &ObjectRecord::id);
-  if (found == context_.frame->objects.end()) return;
-  const ObjectRecord& object = *found;
-  const auto add = [&](const char* what, const std::string& value) { picked.rows.emplace_back(what, value); };
-  add("object", object.name);
-  add("box", fmt::format("{:.2f} x {:.2f} x {:.2f} m{}", object.size.x, object.size.y, object.size.z,
-                         object.headingKnown ? "" : ", heading unknown"));
-  if (object.moves) add("speed", fmt::format("{:.2f} m/s", length(object.velocity)));
-  const std::string& sensor = context_.frame->scans[picked.scan].sensor;
-  for (const ObjectView& view : object.views) {
-    if (lowerCase(view.sensor) != lowerCase(sensor)) continue;
-    add("visible",
-        fmt::format("{:.0f} % ({} of {} beams)", 100 * view.visibility().value_or(0), view.beams, view.beamsAlone));
-    if (view.truncation > 0) add("out of view", fmt::format("{:.0f} %", 100 * view.truncation));
-  }
+  const auto object = std::ranges::find(context_.frame->objects, instance, &ObjectRecord::id);
+  if (object == context_.frame->objects.end()) return;
+  NamedTexts& rows = picked.rows;
+  rows.emplace_back("object", object->name);
+  rows.emplace_back("box", fmt::format("{:.2f} x {:.2f} x {:.2f} m{}", object->size.x, object->size.y, object->size.z,
+                                       object->headingKnown ? "" : ", heading unknown"));
+  if (object->moves) rows.emplace_back("speed", fmt::format("{:.2f} m/s", length(object->velocity)));
+  const ObjectView* const view = viewOf(*object, context_.frame->scans[picked.scan].sensor);
+  if (view == nullptr) return;
+  rows.emplace_back("visible", fmt::format("{:.0f} % ({} of {} beams)", 100 * view->visibility().value_or(0),
+                                           view->beams, view->beamsAlone));
+  if (view->truncation > 0) rows.emplace_back("out of view", fmt::format("{:.0f} %", 100 * view->truncation));
 }
 
 std::uint16_t classOf(const InstanceSummary& instance) {
@@ -239,64 +251,67 @@ std::uint16_t classOf(const InstanceSummary& instance) {
 
 const std::vector<InstanceSummary>& SceneView::instances() {
   const ShownCloud& cloud = clouds_.list.front();
-  const std::pair<const ViewFrame*, std::size_t> of{context_.frame.get(), cloud.scan};
-  if (instancesOf_ != of) {
+  const std::pair<const ViewFrame*, std::size_t> frameAndScan{context_.frame.get(), cloud.scan};
+  if (summarized_ != frameAndScan) {
     const ViewScan& viewed = clouds_.scanOf(cloud);
     instances_ = summarizeInstances(viewed.scan, viewed.drawnPositions(), cloud.canvasFromScan);
-    instancesOf_ = of;
+    summarized_ = frameAndScan;
   }
   return instances_;
 }
 
 // Adds the smallest upright box around each instance's points, in the colour of the instance's most frequent class.
-void SceneView::placeInstanceBoxes(LineSet& lines) {
+void SceneView::addInstanceBoxes(LineSet& lines) {
   if (!instanceBoxes || clouds_.list.empty() || !context_.frame->objects.empty()) return;
   for (const InstanceSummary& instance : instances()) {
     const std::uint16_t semantic = classOf(instance);
     if (!context_.filter.showsInstance(instance.id) || !context_.filter.classes.shows(semantic)) continue;
-    addBox(lines, instance.levelFromBox, instance.size, false, classColor(context_.source->ontology(), semantic));
+    addBox(lines, instance.levelFromBox, instance.size, classColor(context_.source->ontology(), semantic));
   }
 }
 
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
   Coloring out;
-  const auto painted = [&](const auto& idOf, const auto& colorOf) {
+  // Adds the colours of all triangles. idOf(triangle) returns the triangle's id, colorOf(id) its colour.
+  const auto addColors = [&](const auto& idOf, const auto& colorOf) {
     return paint(
         mesh.size(), idOf, colorOf, [](std::size_t) { return true; }, out.colors);
   };
-  // Colours by the names that surfaces refer to by `which`; names[i] has the colour instanceColor(first + i). The most
-  // frequent name comes first in the legend; rules keep their order.
-  const auto byName = [&](const std::vector<std::string>& names, std::uint32_t ViewSurface::*which,
-                          std::uint32_t first) {
-    const auto id = [&](std::size_t t) { return mesh.surfaceOf(t).*which; };
-    for (const auto& [i, held] : painted(id, [&](std::uint32_t name) { return instanceColor(first + name); })) {
-      out.legend.entries.push_back({names[i], held.color, -1, held.count});
+  // Adds colours and legend by the names to which the member `index` of surfaces refers; names[i] has the colour
+  // instanceColor(firstColor + i). The most frequent name comes first in the legend; rules keep their order.
+  const auto addByName = [&](const std::vector<std::string>& names, std::uint32_t ViewSurface::*index,
+                             std::uint32_t firstColor) {
+    const auto nameOf = [&](std::size_t triangle) { return mesh.surfaceOf(triangle).*index; };
+    const auto colorOf = [&](std::uint32_t name) { return instanceColor(firstColor + name); };
+    for (const auto& [name, triangles] : addColors(nameOf, colorOf)) {
+      out.legend.entries.push_back({.name = names[name], .color = triangles.color, .points = triangles.count});
     }
     if (by != MeshColor::Rule) std::ranges::stable_sort(out.legend.entries, std::greater<>(), &LegendEntry::points);
   };
   switch (by) {
     case MeshColor::Class: {
       const auto color = [&](std::uint32_t id) { return classColor(&mesh.ontology, static_cast<std::uint16_t>(id)); };
-      out.legend = classLegend(painted([&](std::size_t t) { return mesh.semantic[t]; }, color), &mesh.ontology);
+      out.legend = classLegend(addColors([&](std::size_t t) { return mesh.semantic[t]; }, color), &mesh.ontology);
       break;
     }
     case MeshColor::Instance:
-      out.legend = instanceLegend(painted([&](std::size_t t) { return mesh.instance[t]; }, instanceColor));
+      out.legend = instanceLegend(addColors([&](std::size_t t) { return mesh.instance[t]; }, instanceColor));
       break;
     case MeshColor::Object:
-      painted([&](std::size_t t) { return mesh.surfaceOf(t).part + 1; }, instanceColor);
+      addColors([&](std::size_t t) { return mesh.surfaceOf(t).part + 1; }, instanceColor);
       if (mesh.parts.empty()) break;
-      out.legend.entries.push_back(
-          {pluralOf(mesh.parts.size(), "object") + ", a colour each", instanceColor(1), -1, mesh.size()});
+      out.legend.entries.push_back({.name = pluralOf(mesh.parts.size(), "object") + ", a colour each",
+                                    .color = instanceColor(1),
+                                    .points = mesh.size()});
       break;
     case MeshColor::Material:
-      byName(mesh.materials, &ViewSurface::material, 1);
+      addByName(mesh.materials, &ViewSurface::material, 1);
       break;
     case MeshColor::Texture:
-      byName(mesh.textures, &ViewSurface::texture, 0);
+      addByName(mesh.textures, &ViewSurface::texture, 0);  // the first entry, no texture, is grey
       break;
     case MeshColor::Rule:
-      byName(mesh.rules, &ViewSurface::rule, 0);
+      addByName(mesh.rules, &ViewSurface::rule, 0);
       break;
     case MeshColor::Reflectance:
       for (std::size_t t = 0; t < mesh.size(); ++t) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/append_new.h"
 #include "base/error.h"
 
 namespace scanmill {
@@ -12,7 +13,7 @@ namespace scanmill {
 namespace {
 
 // Returns the source. Throws InputError if it has no frame.
-std::shared_ptr<const FrameSource> notEmpty(std::shared_ptr<const FrameSource> source) {
+std::shared_ptr<const FrameSource> withFrames(std::shared_ptr<const FrameSource> source) {
   if (source->keys().empty()) throw InputError(fmt::format("{}: holds no sample", source->title()));
   return source;
 }
@@ -20,31 +21,31 @@ std::shared_ptr<const FrameSource> notEmpty(std::shared_ptr<const FrameSource> s
 // Throws InputError if no point of the frame's scans is in the close-up. The message states the nearest point.
 void requirePoints(const ViewFrame& frame, const CloseUp& closeUp) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  double distance = kNone;
+  double leastDistance = kNone;
   Vec3d nearest;
   for (const ViewScan& viewed : frame.scans) {
     for (const Vec3f& p : viewed.scan.position) {
-      const double here = length(Vec3d(p) - closeUp.at);
-      if (!(here < distance)) continue;
-      distance = here;
+      const double distance = length(Vec3d(p) - closeUp.at);
+      if (!(distance < leastDistance)) continue;
+      leastDistance = distance;
       nearest = Vec3d(p);
     }
   }
-  if (distance <= closeUp.within) return;
+  if (leastDistance <= closeUp.within) return;
   const auto text = [](const Vec3d& v) { return fmt::format("{:.4g},{:.4g},{:.4g}", v.x, v.y, v.z); };
   throw InputError(fmt::format(
       "no point is within {:.4g} m of {}: {}", closeUp.within, text(closeUp.at),
-      distance == kNone ? std::string("there is none at all")
-                        : fmt::format("the nearest is {:.4g} m from there, at {}; take another --at or a larger "
-                                      "--within",
-                                      distance, text(nearest))));
+      leastDistance == kNone ? std::string("there is none at all")
+                             : fmt::format("the nearest is {:.4g} m from there, at {}; take another --at or a larger "
+                                           "--within",
+                                           leastDistance, text(nearest))));
 }
 
 }  // namespace
 
 ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canvas, const ViewOptions& options,
                          std::unique_ptr<FrameLoader> loader)
-    : context_(notEmpty(std::move(source)), canvas, options),
+    : context_(withFrames(std::move(source)), canvas, options),
       playback_(context_.source, loader ? std::move(loader) : std::make_unique<FrameLoader>(context_.source),
                 options.sample),
       clouds_(context_),
@@ -77,14 +78,16 @@ void ViewSession::check() const {
   if (clouds_.columnMissing) throw InputError(*clouds_.columnMissing);
   const auto& frame = context_.frame;
   const auto& mesh = sceneView_.mesh;
-  const bool nothing =
+  const bool isEmpty =
       context_.source->isScene() ? mesh == nullptr || mesh->size() == 0 : !frame || frame->scans.empty();
-  if (!nothing && context_.filter.closeUp) return requirePoints(*frame, *context_.filter.closeUp);
-  if (!nothing) return;
-  const auto all = problems();
-  const bool another = context_.options.sample.empty() && context_.source->keys().size() > 1;
-  throw Error((all.empty() ? "nothing could be loaded" : all.front()) +
-              (another ? "; name another sample by --sample (`verify` lists the damaged ones)" : ""));
+  if (!isEmpty) {
+    if (context_.filter.closeUp) requirePoints(*frame, *context_.filter.closeUp);
+    return;
+  }
+  const std::vector<std::string> reasons = problems();
+  const bool hasOtherSamples = context_.options.sample.empty() && context_.source->keys().size() > 1;
+  throw Error((reasons.empty() ? "nothing could be loaded" : reasons.front()) +
+              (hasOtherSamples ? "; name another sample by --sample (`verify` lists the damaged ones)" : ""));
 }
 
 std::optional<PickedElement> ViewSession::pick(int x, int y) {
@@ -119,11 +122,11 @@ void ViewSession::togglePlaying() {
   takeWhatIsLoaded();
 }
 
+// Tells the user if classes have no names.
 void ViewSession::hintAtNames() {
-  if (context_.source->ontology() != nullptr) return;
-  const bool labelled =
+  const bool hasLabels =
       std::ranges::any_of(context_.frame->scans, [](const ViewScan& scan) { return !scan.scan[kLabel].empty(); });
-  if (!labelled) return;
+  if (context_.source->ontology() != nullptr || !hasLabels) return;
   context_.hint(
       "the classes have no names here: a scan or shard away from its dataset does not know them; "
       "open it with --ontology labels/scanmill.yaml, or the file of its own classes");
@@ -145,7 +148,7 @@ void ViewSession::showFrame(std::shared_ptr<const ViewFrame> loaded) {
   arrange();
   sceneView_.lookAtFirstPoints();
   if (sceneView_.meshOn()) wantMesh();
-  if (sceneView_.meshItem.exists() != sceneView_.meshSeen()) placeMesh();
+  if (sceneView_.meshPlaced != sceneView_.meshSeen()) placeMesh();
 }
 
 // Updates everything that depends on the frame and the layout.
@@ -165,6 +168,7 @@ void ViewSession::applyFilter() {
   pointer_.hover.reset();
 }
 
+// Requests the scene of the current frame. If the scene is not known, removes the mesh and reports why.
 void ViewSession::wantMesh() {
   if (!playback_.current()) return;
   std::string why;
@@ -192,13 +196,13 @@ void ViewSession::placeMesh() {
 }
 
 std::vector<std::string> ViewSession::problems() const {
-  std::vector<std::string> all;
-  if (context_.frame) all = context_.frame->problems;
-  for (const std::string* one :
+  std::vector<std::string> lines;
+  if (context_.frame) lines = context_.frame->problems;
+  for (const std::string* line :
        {&clouds_.colorProblem, &sceneView_.meshProblem, &clouds_.stripProblem, &clouds_.instanceProblem}) {
-    if (!one->empty() && std::ranges::find(all, *one) == all.end()) all.push_back(*one);
+    if (!line->empty()) appendNew({*line}, lines);
   }
-  return all;
+  return lines;
 }
 
 void ViewSession::refresh() {
@@ -211,6 +215,8 @@ void ViewSession::updateHover() {
   pointer_.updateHover(covered, panels_.overStrip && !panels_.help ? std::optional(panels_.stripRect()) : std::nullopt);
 }
 
+// Draws a picture if something has changed. The order matters: the rectangles of the views first, then what is under
+// the pointer, then labels and panels, which show it.
 void ViewSession::flush(Detail detail) {
   const double began = context_.redraw.now();
   const Changes& changes = context_.changes;
@@ -218,9 +224,9 @@ void ViewSession::flush(Detail detail) {
   if (changes.items && pointer_.pinned && !pointer_.isShown(*pointer_.pinned)) pointer_.pinned.reset();
   // When the picture changes, another point may be under the pointer, even if the pointer rests.
   if (changes.hover || changes.views || changes.items) {
-    const bool held = panels_.imgui.hasPointer();
+    const bool wasOverPanel = panels_.imgui.hasPointer();
     runPanels();
-    if (held || panels_.imgui.hasPointer())
+    if (wasOverPanel || panels_.imgui.hasPointer())
       context_.changes.panels = true;  // panels highlight their parts under the pointer
     updateHover();
   }

@@ -51,10 +51,15 @@ class ViewSession {
 
  private:
   // Functions in session_events.cpp:
+  void handleButtonOrWheel(const CanvasEvent& event);
   void tick();
   void key(const CanvasEvent& event);
   void act(const KeyMeaning& meaning);
   void escape();
+  void resizePoints(int pixels);
+  void toggleProjection();
+  void openPrompt();
+  void nextScan();
   void toggleLayout(ViewLayout layout);
   void nextBackground();
   void nextBoxes();
@@ -63,7 +68,7 @@ class ViewSession {
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);
   void toggleWorld();
-  void toggleAlone();
+  void toggleInstanceAlone();
   void savePicture();
   // Return why a key or quantity cannot be used for a scene; empty: it can.
   std::string sceneLacks(const KeyMeaning& meaning) const;
@@ -91,9 +96,16 @@ class ViewSession {
   void drawMenus();
   PanelUse panelUse() const { return context_.options.still ? PanelUse::Picture : PanelUse::Interactive; }
   bool isOn(const KeyMeaning& meaning) const;
-  void drawColumns();
-  void drawLegends(bool ofScales);
-  void pressLegend(const LegendEntry& entry, bool alone);
+  void drawSidePanel();
+  void drawMessagesOfSession();
+  void drawColorMenu();
+  enum class LegendKind { Scale, Entries };
+  void drawLegends(LegendKind kind);
+  void drawScaleOf(const LegendBlock& block);
+  void drawEntriesOf(const Legend& legend);
+  void showOnlyScan(std::size_t scan);
+  void toggleScan(std::size_t scan);
+  std::vector<const InstanceSummary*> sortedInstances();
   void drawInstances();
   void drawStrip();
   void drawFrameBar();

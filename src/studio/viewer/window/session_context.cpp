@@ -36,8 +36,9 @@ ClassFilter::ClassFilter(const std::vector<std::string>& names, bool only, const
     : only_(only && !names.empty()) {
   for (const std::string& name : names) {
     std::uint16_t id = 0;
-    const auto read = std::from_chars(name.data(), name.data() + name.size(), id);
-    if (read.ec == std::errc() && read.ptr == name.data() + name.size()) {
+    const char* const end = name.data() + name.size();
+    const auto [stop, error] = std::from_chars(name.data(), end, id);
+    if (error == std::errc() && stop == end) {
       listed_.insert(id);
     } else if (ontology != nullptr) {
       listed_.insert(ontology->require(name, {}).id);
@@ -57,44 +58,39 @@ void ClassFilter::showOnly(std::uint16_t id) {
   listed_ = {id};
 }
 
-void ClassFilter::showAll() {
-  only_ = false;
-  listed_.clear();
-}
-
 std::string ClassFilter::text(const Ontology* ontology) const {
   if (showsAll()) return {};
   if (listed_.empty()) return "all classes hidden";
-  constexpr std::size_t kNamed = 3;
-  std::string out = only_ ? "only " : "without ";
-  std::size_t named = 0;
+  constexpr std::size_t kMostNames = 3;
+  std::string text = only_ ? "only " : "without ";
+  std::size_t names = 0;
   for (const std::uint16_t id : listed_) {
-    if (named == kNamed) return out + fmt::format(" and {} more", listed_.size() - kNamed);
-    out += (named++ == 0 ? "" : ", ") + className(ontology, id);
+    if (names == kMostNames) return text + fmt::format(" and {} more", listed_.size() - kMostNames);
+    text += (names++ == 0 ? "" : ", ") + className(ontology, id);
   }
-  return out;
+  return text;
 }
 
 namespace {
 
-InstanceSummary summaryOf(const Scan& scan, std::span<const Vec3f> placed, std::uint32_t instance,
-                          std::vector<std::uint32_t> points, const Affine& levelFromPlaces) {
+// Returns the summary of an instance with these points. Other parameters: see summarizeInstance().
+InstanceSummary summaryOf(const Scan& scan, std::span<const Vec3f> positions, std::uint32_t instance,
+                          std::vector<std::uint32_t> points, const Affine& levelFromPoints) {
   InstanceSummary summary;
   summary.id = instance;
   std::map<std::uint16_t, std::uint64_t> classes;
-  std::vector<Vec2d> ground;
-  ground.reserve(points.size());
+  std::vector<Vec2d> horizontal;  // positions without their heights
   for (const std::uint32_t i : points) {
-    const Vec3d p = levelFromPlaces * Vec3d(placed[i]);
-    ground.push_back({p.x, p.y});
+    const Vec3d p = levelFromPoints * Vec3d(positions[i]);
+    horizontal.push_back({p.x, p.y});
     if (!scan[kLabel].empty()) ++classes[scan[kLabel][i]];
   }
   summary.classes.assign(classes.begin(), classes.end());
   std::ranges::stable_sort(summary.classes, std::greater<>(), [](const auto& entry) { return entry.second; });
-  summary.levelFromBox.linear = toMatrix(fromYawPitchRoll(longSideOf(std::move(ground)), 0, 0));
+  summary.levelFromBox.linear = toMatrix(fromYawPitchRoll(longSideOf(std::move(horizontal)), 0, 0));
   const Mat3 boxFromLevel = transposed(summary.levelFromBox.linear);
   Box box;
-  for (const std::uint32_t i : points) box.add(boxFromLevel * (levelFromPlaces * Vec3d(placed[i])));
+  for (const std::uint32_t i : points) box.add(boxFromLevel * (levelFromPoints * Vec3d(positions[i])));
   if (!box.empty()) {
     summary.size = box.high - box.low;
     summary.levelFromBox.translation = summary.levelFromBox.linear * box.center();
@@ -105,27 +101,27 @@ InstanceSummary summaryOf(const Scan& scan, std::span<const Vec3f> placed, std::
 
 }  // namespace
 
-InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> places, std::uint32_t instance,
-                                  const Affine& levelFromPlaces) {
+InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> positions, std::uint32_t instance,
+                                  const Affine& levelFromPoints) {
   std::vector<std::uint32_t> points;
   for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
-    if (scan[kInstance][i] == instance && isFinite(places[i])) points.push_back(static_cast<std::uint32_t>(i));
+    if (scan[kInstance][i] == instance && isFinite(positions[i])) points.push_back(static_cast<std::uint32_t>(i));
   }
-  return summaryOf(scan, places, instance, std::move(points), levelFromPlaces);
+  return summaryOf(scan, positions, instance, std::move(points), levelFromPoints);
 }
 
-std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> places,
-                                                const Affine& levelFromPlaces) {
-  std::map<std::uint32_t, std::vector<std::uint32_t>> points;
+std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> positions,
+                                                const Affine& levelFromPoints) {
+  std::map<std::uint32_t, std::vector<std::uint32_t>> pointsOf;  // by instance id
   for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
-    if (scan[kInstance][i] != 0 && isFinite(places[i])) {
-      points[scan[kInstance][i]].push_back(static_cast<std::uint32_t>(i));
-    }
+    const std::uint32_t id = scan[kInstance][i];
+    if (id != 0 && isFinite(positions[i])) pointsOf[id].push_back(static_cast<std::uint32_t>(i));
   }
-  std::vector<InstanceSummary> all;
-  all.reserve(points.size());
-  for (auto& [id, own] : points) all.push_back(summaryOf(scan, places, id, std::move(own), levelFromPlaces));
-  return all;
+  std::vector<InstanceSummary> summaries;
+  for (auto& [id, points] : pointsOf) {
+    summaries.push_back(summaryOf(scan, positions, id, std::move(points), levelFromPoints));
+  }
+  return summaries;
 }
 
 }  // namespace scanmill

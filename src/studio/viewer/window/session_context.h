@@ -35,7 +35,6 @@ class ClassFilter {
   void toggle(std::uint16_t id);
   // Shows this class alone.
   void showOnly(std::uint16_t id);
-  void showAll();
   // Returns a description, such as "without road, car" or "only road"; empty if all classes are shown.
   std::string text(const Ontology* ontology) const;
 
@@ -103,12 +102,12 @@ struct InstanceSummary {
   Affine levelFromBox;
 };
 
-// Summarises one instance. `places`: positions of the scan's points (m). `levelFromPlaces`: transform from their frame
-// to a frame whose z axis is vertical.
-InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> places, std::uint32_t instance,
-                                  const Affine& levelFromPlaces);
+// Summarises one instance. `positions`: positions of the scan's points (m). `levelFromPoints`: transform from their
+// frame to a frame whose z axis is vertical.
+InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> positions, std::uint32_t instance,
+                                  const Affine& levelFromPoints);
 // Summarises all instances except 0, in the order of their ids.
-std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> places,
-                                                const Affine& levelFromPlaces);
+std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> positions,
+                                                const Affine& levelFromPoints);
 
 }  // namespace scanmill

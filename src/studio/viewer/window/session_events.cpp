@@ -1,4 +1,4 @@
-// Handles events, and executes the actions of keys, or says that a scene without scans has none of what they act on.
+// Handles events, and executes the commands of keys and menus.
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -36,22 +36,7 @@ bool ViewSession::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Down:
     case CanvasEvent::Kind::Up:
     case CanvasEvent::Kind::Wheel:
-      // Panels receive the event first. Views receive every release, but presses and the wheel only if no panel
-      // uses them.
-      panels_.imgui.take(event);
-      runPanels();
-      context_.changes.panels = true;
-      if (event.kind == CanvasEvent::Kind::Up) {
-        pointer_.release(event);
-      } else if (panels_.imgui.hasPointer()) {
-        break;
-      } else if (event.kind == CanvasEvent::Kind::Down) {
-        pointer_.press(event);
-      } else if (std::isfinite(event.amount)) {
-        OrbitCamera zoomed = sceneView_.camera;
-        zoomed.zoom(std::clamp(event.amount, -20.0, 20.0));
-        sceneView_.setCamera(zoomed);
-      }
+      handleButtonOrWheel(event);
       break;
     case CanvasEvent::Kind::Move:
       panels_.imgui.take(event);
@@ -69,8 +54,8 @@ bool ViewSession::handle(const CanvasEvent& event) {
       break;
   }
   if (quit_) return false;
-  const bool passing = event.kind == CanvasEvent::Kind::Move || event.kind == CanvasEvent::Kind::Wheel;
-  if (!passing || context_.redraw.mayFollowPointer()) {
+  const bool comesInSeries = event.kind == CanvasEvent::Kind::Move || event.kind == CanvasEvent::Kind::Wheel;
+  if (!comesInSeries || context_.redraw.mayFollowPointer()) {
     flush(Detail::Fast);
     for (const std::string& problem : problems()) warn(problem);  // warn() prints each text only once
     for (const std::string& text : context_.hints) warn(text);
@@ -78,6 +63,23 @@ bool ViewSession::handle(const CanvasEvent& event) {
   return true;
 }
 
+// Handles a press, a release or a turn of the wheel. Panels receive the event first. Views receive every release, but
+// presses and the wheel only if no panel uses them.
+void ViewSession::handleButtonOrWheel(const CanvasEvent& event) {
+  panels_.imgui.take(event);
+  runPanels();
+  context_.changes.panels = true;
+  if (event.kind == CanvasEvent::Kind::Up) return pointer_.release(event);
+  if (panels_.imgui.hasPointer()) return;
+  if (event.kind == CanvasEvent::Kind::Down) return pointer_.press(event);
+  if (!std::isfinite(event.amount)) return;
+  OrbitCamera zoomed = sceneView_.camera;
+  zoomed.zoom(std::clamp(event.amount, -20.0, 20.0));
+  sceneView_.setCamera(zoomed);
+}
+
+// Does what time requires: shows what has been loaded, plays frames, removes old notices, and draws all points if
+// nothing has changed for a while.
 void ViewSession::tick() {
   // The time is read before takeWhatIsLoaded() shows a frame, so that playback_.tick() does not replace the frame
   // before it is drawn.
@@ -101,6 +103,7 @@ void ViewSession::key(const CanvasEvent& event) {
   context_.acting.reset();
 }
 
+// Executes a command, or tells the user why it does nothing for a scene without scans.
 void ViewSession::act(const KeyMeaning& meaning) {
   if (context_.source->isScene()) {
     if (const std::string why = sceneLacks(meaning); !why.empty()) return context_.notify(why);
@@ -113,21 +116,15 @@ void ViewSession::act(const KeyMeaning& meaning) {
     case KeyAction::AutomaticScale:
       return clouds_.resetScales();
     case KeyAction::ResizePoints:
-      context_.options.pointSize = std::clamp(sceneView_.pointSize() + meaning.number, 1.0, 20.0);
-      sceneView_.placeClouds();
-      return context_.notify(fmt::format("points of {:.0f} px", context_.options.pointSize));
+      return resizePoints(meaning.number);
     case KeyAction::NextBackground:
       return nextBackground();
     case KeyAction::Switch:
       return switchOption(meaning.option);
     case KeyAction::ToggleBoxes:
       return nextBoxes();
-    case KeyAction::ToggleProjection: {
-      OrbitCamera other = sceneView_.camera;
-      other.orthographic = !other.orthographic;
-      sceneView_.setCamera(other);
-      return context_.notify(other.orthographic ? "orthographic" : "perspective");
-    }
+    case KeyAction::ToggleProjection:
+      return toggleProjection();
     case KeyAction::PresetView:
       return sceneView_.setCamera(sceneView_.preset(static_cast<View>(meaning.number)));
     case KeyAction::TurnAbout:
@@ -143,34 +140,22 @@ void ViewSession::act(const KeyMeaning& meaning) {
     case KeyAction::Play:
       return togglePlaying();
     case KeyAction::GoTo:
-      if (context_.options.bare) return;  // there is no panel to type into
-      panels_.help = false;               // closes the help, which would otherwise receive the keys
-      panels_.prompt = "";
-      context_.changes.panels = true;
-      return;
+      return openPrompt();
     case KeyAction::ToggleOverlay:
-      if (context_.frame && context_.frame->scans.size() < 2)
-        return context_.notify("the sample has no other scan to lay over it");
       return toggleLayout(ViewLayout::Overlay);
     case KeyAction::ToggleSplit:
       return toggleLayout(ViewLayout::Split);
     case KeyAction::NextView:
       return nextView();
     case KeyAction::NextScan:
-      if (!context_.frame || context_.frame->scans.size() < 2) return context_.notify("the sample has no other scan");
-      clouds_.scanName = context_.frame->scans[(clouds_.shownScan() + 1) % context_.frame->scans.size()].name;
-      context_.options.layout = ViewLayout::One;
-      return arrange();
+      return nextScan();
     case KeyAction::ToggleWorld:
       return toggleWorld();
     case KeyAction::ShowAllClasses:
-      context_.filter.classes.showAll();
-      context_.filter.instances.clear();
-      context_.filter.hiddenScans.clear();
-      context_.filter.closeUp.reset();
+      context_.filter = {};
       return arrange();  // legends count all points again, not only those of a close-up
     case KeyAction::InstanceAlone:
-      return toggleAlone();
+      return toggleInstanceAlone();
     case KeyAction::Measure:
       return pointer_.toggleMeasuring();
     case KeyAction::SavePicture:
@@ -187,9 +172,40 @@ void ViewSession::act(const KeyMeaning& meaning) {
   }
 }
 
+void ViewSession::resizePoints(int pixels) {
+  context_.options.pointSize = std::clamp(sceneView_.pointSize() + pixels, 1.0, 20.0);
+  sceneView_.placeClouds();
+  context_.notify(fmt::format("points of {:.0f} px", context_.options.pointSize));
+}
+
+void ViewSession::toggleProjection() {
+  OrbitCamera changed = sceneView_.camera;
+  changed.orthographic = !changed.orthographic;
+  sceneView_.setCamera(changed);
+  context_.notify(changed.orthographic ? "orthographic" : "perspective");
+}
+
+// Asks the user for a frame. Closes the help, which would otherwise receive the keys.
+void ViewSession::openPrompt() {
+  if (context_.options.bare) return;  // there is no panel to type into
+  panels_.help = false;
+  panels_.prompt = "";
+  context_.changes.panels = true;
+}
+
+void ViewSession::nextScan() {
+  if (!context_.frame || context_.frame->scans.size() < 2) return context_.notify("the sample has no other scan");
+  clouds_.scanName = context_.frame->scans[(clouds_.shownScan() + 1) % context_.frame->scans.size()].name;
+  context_.options.layout = ViewLayout::One;
+  arrange();
+}
+
 // Chooses a layout; if it is chosen already, the layout One.
-void ViewSession::toggleLayout(ViewLayout wantedLayout) {
-  context_.options.layout = context_.options.layout == wantedLayout ? ViewLayout::One : wantedLayout;
+void ViewSession::toggleLayout(ViewLayout layout) {
+  if (layout == ViewLayout::Overlay && context_.frame && context_.frame->scans.size() < 2) {
+    return context_.notify("the sample has no other scan to lay over it");
+  }
+  context_.options.layout = context_.options.layout == layout ? ViewLayout::One : layout;
   clouds_.activeView.reset();
   if (context_.options.layout == ViewLayout::Split && context_.frame && context_.frame->scans.size() == 1)
     clouds_.activeView = 1;
@@ -198,8 +214,9 @@ void ViewSession::toggleLayout(ViewLayout wantedLayout) {
 }
 
 void ViewSession::nextBackground() {
-  const auto is = std::ranges::find(kBackgrounds, context_.options.background);
-  context_.options.background = is == kBackgrounds.end() || is + 1 == kBackgrounds.end() ? kBackgrounds.front() : is[1];
+  const auto current = std::ranges::find(kBackgrounds, context_.options.background);
+  const bool isLast = current == kBackgrounds.end() || current + 1 == kBackgrounds.end();
+  context_.options.background = isLast ? kBackgrounds.front() : current[1];
   context_.changes.views = context_.changes.panels = true;
 }
 
@@ -218,9 +235,9 @@ void ViewSession::nextBoxes() {
   return context_.notify(fmt::format("boxes {}", kBoxTexts[static_cast<std::size_t>(context_.options.boxes)]));
 }
 
+// Activates the next view; after the last view, all views are active if they show different scans.
 void ViewSession::nextView() {
   if (clouds_.viewCount() < 2) return context_.notify("there is one view only; s splits it");
-  // Each press activates the next view; after the last view, all views are active if they show different scans.
   clouds_.activeView = clouds_.activeView ? *clouds_.activeView + 1 : 0;
   if (*clouds_.activeView >= clouds_.viewCount()) clouds_.activeView.reset();
   if (!clouds_.activeView && context_.frame->scans.size() == 1) clouds_.activeView = 0;
@@ -228,6 +245,7 @@ void ViewSession::nextView() {
   clouds_.makeStrip();
 }
 
+// Switches one of the options that KeyMeaning::option names, and draws what depends on it.
 void ViewSession::switchOption(bool ViewOptions::*option) {
   if (option == &ViewOptions::trajectory && sceneView_.trajectory.size() < 2) {
     return context_.notify("there is no trajectory");
@@ -243,6 +261,8 @@ void ViewSession::switchOption(bool ViewOptions::*option) {
   placeMesh();
 }
 
+// Closes or ends the first that applies: menus, the help, measuring, the selection, the display of one instance, and
+// playing.
 void ViewSession::escape() {
   context_.changes.panels = true;
   if (panels_.imgui.closeMenus()) return;
@@ -253,7 +273,7 @@ void ViewSession::escape() {
   } else if (pointer_.pinned) {
     pointer_.pinned.reset();
   } else if (!context_.filter.instances.empty()) {
-    toggleAlone();
+    toggleInstanceAlone();
   } else if (playback_.playing()) {
     playback_.stop();
   } else {
@@ -264,9 +284,8 @@ void ViewSession::escape() {
 void ViewSession::chooseColor(const ColorBy& by) {
   if (!context_.source->isScene()) return clouds_.chooseColor(by);
   const auto name = std::ranges::find(kMeshColorNames, by.name());
-  if (name != kMeshColorNames.end()) {
-    sceneView_.chooseMeshColor(static_cast<MeshColor>(name - kMeshColorNames.begin()));
-  }
+  if (name == kMeshColorNames.end()) return;
+  sceneView_.chooseMeshColor(static_cast<MeshColor>(name - kMeshColorNames.begin()));
 }
 
 void ViewSession::cycleColor(int step) {
@@ -283,7 +302,8 @@ void ViewSession::toggleWorld() {
   context_.notify(sceneView_.world ? "standing in the world" : "following the sensor");
 }
 
-void ViewSession::toggleAlone() {
+// Shows only the instance under the pointer, or all instances again.
+void ViewSession::toggleInstanceAlone() {
   if (!context_.filter.instances.empty()) {
     context_.filter.instances.clear();
     applyFilter();

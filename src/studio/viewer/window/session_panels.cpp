@@ -21,51 +21,58 @@ void ViewSession::runPanels() {
   panels_.imgui.frame([&] { drawPanels(); });
 }
 
+// Draws what is on top of the views, then the panels around them. A picture has a title instead of menus, and nothing
+// that the user can change.
 void ViewSession::drawPanels() {
   panels_.overStrip = false;
   drawLabels(panels_.labels);
   for (std::size_t v = 0; v < std::min(panels_.panes.size(), context_.redraw.views().size()); ++v) {
-    drawMessage(context_.redraw.views()[v].rect, panels_.panes[v].message);
-    if (panels_.panes.size() > 1)
-      drawCaption(context_.redraw.views()[v].rect, panels_.panes[v].caption, panels_.panes[v].active);
+    const PixelRect& view = context_.redraw.views()[v].rect;
+    drawMessage(view, panels_.panes[v].message);
+    if (panels_.panes.size() > 1) drawCaption(view, panels_.panes[v].caption, panels_.panes[v].active);
   }
   if (context_.options.bare) return;
   context_.options.still ? titleRow(panels_.rects.title, panels_.title(), panels_.summary()) : drawMenus();
-  const PanelUse use = panelUse();
-  panelAt("##side", panels_.rects.side, use, [&] {
-    if (!context_.options.still) drawColumns();
-    drawLegends(true);
-    if (pointer_.pinned) {
-      section("Point", use, [&] {
-        heading(pointer_.pinned->heading, pointer_.colorOf(*pointer_.pinned));
-        valueRows("point", pointer_.pinned->rows, pointer_.pinned->alarm);
-      });
-    }
-    if (!context_.options.still && !clouds_.list.empty()) {
-      const bool known = !clouds_.scanOf(clouds_.list.front()).scan[kInstance].empty();
-      if (known && ImGui::CollapsingHeader("Instances")) drawInstances();
-    }
-    drawLegends(false);
-  });
+  panelAt("##side", panels_.rects.side, panelUse(), [&] { drawSidePanel(); });
   drawStrip();
   if (!context_.options.still) {
     drawFrameBar();
-    std::vector<std::string> notices;
-    for (const ViewNotice& notice : context_.notices) notices.push_back(notice.text);
-    if (messages(panels_.rects.body, problems(), notices)) {  // the frame's own problems cannot be dismissed
-      clouds_.colorProblem.clear();
-      sceneView_.meshProblem.clear();
-      clouds_.stripProblem.clear();
-      clouds_.instanceProblem.clear();
-      context_.changes.panels = true;
-    }
+    drawMessagesOfSession();
     if (panels_.prompt) drawPrompt();
     if (panels_.help && !helpWindow(viewKeys())) panels_.help = false;
   }
   drawTooltip();
 }
 
-// True if what the command switches is on.
+void ViewSession::drawSidePanel() {
+  if (!context_.options.still) drawColorMenu();
+  drawLegends(LegendKind::Scale);
+  if (pointer_.pinned) {
+    section("Point", panelUse(), [&] {
+      heading(pointer_.pinned->heading, pointer_.colorOf(*pointer_.pinned));
+      valueRows("point", pointer_.pinned->rows, pointer_.pinned->alarm);
+    });
+  }
+  if (!context_.options.still && !clouds_.list.empty()) {
+    const bool hasInstances = !clouds_.scanOf(clouds_.list.front()).scan[kInstance].empty();
+    if (hasInstances && ImGui::CollapsingHeader("Instances")) drawInstances();
+  }
+  drawLegends(LegendKind::Entries);
+}
+
+// Draws problems and notices. A click dismisses the problems, except those of the frame, which are drawn again.
+void ViewSession::drawMessagesOfSession() {
+  std::vector<std::string> notices;
+  for (const ViewNotice& notice : context_.notices) notices.push_back(notice.text);
+  if (!drawMessages(panels_.rects.body, problems(), notices)) return;
+  for (std::string* problem :
+       {&clouds_.colorProblem, &sceneView_.meshProblem, &clouds_.stripProblem, &clouds_.instanceProblem}) {
+    problem->clear();
+  }
+  context_.changes.panels = true;
+}
+
+// True if what the command switches is on; menus then show a tick.
 bool ViewSession::isOn(const KeyMeaning& meaning) const {
   using enum KeyAction;
   if (meaning.option != nullptr) return context_.options.*meaning.option;
@@ -76,26 +83,27 @@ bool ViewSession::isOn(const KeyMeaning& meaning) const {
          (meaning.action == InstanceAlone && !context_.filter.instances.empty());
 }
 
+// Draws the menus of all commands and, at the right end of their row, the title and the summary.
 void ViewSession::drawMenus() {
   if (!ImGui::BeginMainMenuBar()) return;
-  std::string_view open;
-  bool drawn = false;
+  std::string_view menu;    // the menu of the last command
+  bool isMenuOpen = false;  // true: the user has opened it, and its commands are drawn
   for (const ViewCommand& command : viewCommands()) {
     if (command.menu.empty()) continue;
-    if (command.menu != open) {
-      if (drawn) ImGui::EndMenu();
-      open = command.menu;
-      drawn = ImGui::BeginMenu(open.data());
+    if (command.menu != menu) {
+      if (isMenuOpen) ImGui::EndMenu();
+      menu = command.menu;
+      isMenuOpen = ImGui::BeginMenu(menu.data());
     }
-    if (!drawn) continue;
-    const std::string lacks = context_.source->isScene() ? sceneLacks(command.meaning) : "";
+    if (!isMenuOpen) continue;
+    const bool isUsable = !context_.source->isScene() || sceneLacks(command.meaning).empty();
     const bool on = isOn(command.meaning);
-    if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), on, lacks.empty())) act(command.meaning);
+    if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), on, isUsable)) act(command.meaning);
   }
-  if (drawn) ImGui::EndMenu();
+  if (isMenuOpen) ImGui::EndMenu();
   const std::string text = fmt::format("{}   {}", panels_.title(), panels_.summary());
-  const float wide = ImGui::CalcTextSize(text.c_str()).x;
-  const float left = static_cast<float>(context_.canvas.width()) - wide - ImGui::GetFontSize();
+  const float textWidth = ImGui::CalcTextSize(text.c_str()).x;
+  const float left = static_cast<float>(context_.canvas.width()) - textWidth - ImGui::GetFontSize();
   ImGui::SameLine(std::max(left, ImGui::GetCursorPosX() + ImGui::GetFontSize()));
   ImGui::TextUnformatted(panels_.title().c_str());
   ImGui::SameLine();
@@ -104,11 +112,11 @@ void ViewSession::drawMenus() {
 }
 
 // Draws the menu of quantities that colours can show: those of colorsOf() that the scan has, or kMeshColorNames.
-void ViewSession::drawColumns() {
-  std::vector<ColorBy> all;
-  std::string shown;
+void ViewSession::drawColorMenu() {
+  std::vector<ColorBy> quantities;
+  std::string shown;  // name of the quantity that colours show now
   if (context_.source->isScene()) {
-    for (const std::string_view name : kMeshColorNames) all.emplace_back(std::string(name));
+    for (const std::string_view name : kMeshColorNames) quantities.emplace_back(std::string(name));
     shown = kMeshColorNames[static_cast<std::size_t>(sceneView_.meshColor)];
   } else if (!clouds_.list.empty() && !clouds_.overlaid()) {
     const std::size_t view = clouds_.activeView.value_or(0);
@@ -116,81 +124,86 @@ void ViewSession::drawColumns() {
     if (cloud == nullptr) return;
     const ViewScan& scan = context_.frame->scans[cloud->scan];
     for (const ColorBy& by : colorsOf(scan.scan)) {
-      if (clouds_.hasColor(scan, by)) all.push_back(by);
+      if (clouds_.hasColor(scan, by)) quantities.push_back(by);
     }
     shown = clouds_.colorOf(view).name();
   }
-  if (all.empty()) return;
+  if (quantities.empty()) return;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   if (!ImGui::BeginCombo("##columns", ("colours: " + shown).c_str())) return;
   std::optional<ColorBy> chosen;
-  for (const ColorBy& by : all) {
+  for (const ColorBy& by : quantities) {
     if (ImGui::Selectable(by.name().c_str(), by.name() == shown)) chosen = by;
   }
   ImGui::EndCombo();
   if (chosen) chooseColor(*chosen);
 }
 
-// Draws the legends that are scales if `ofScales` is true; otherwise draws those that are lists.
-void ViewSession::drawLegends(bool ofScales) {
-  const bool choose = !context_.options.still && !clouds_.overlaid() && !clouds_.list.empty();
+// Draws the legends of one kind. What the user clicks or changes is applied at once.
+void ViewSession::drawLegends(LegendKind kind) {
   const auto blocks = panels_.legends;  // a copy, since a click changes `legends`
   for (const LegendBlock& block : blocks) {
     const Legend& legend = block.legend;
-    if (legend.scale != ofScales) continue;
-    std::string name = legend.scale ? scaleTitle(legend) : legend.title;
+    if (legend.scale != (kind == LegendKind::Scale)) continue;
+    std::string title = legend.scale ? scaleTitle(legend) : legend.title;
     if (blocks.size() > 1 && context_.frame && context_.frame->scans.size() > 1) {
-      name += ": " + panels_.panes[block.views.front()].caption;
+      title += ": " + panels_.panes[block.views.front()].caption;
     }
-    section(name, panelUse(), [&] {
-      if (legend.scale) {
-        const auto range = scaleBar(legend, choose ? PanelUse::Interactive : PanelUse::Picture);
-        if (!range) return;
-        for (const std::size_t view : block.views) {
-          clouds_.scales[view] = range;
-          clouds_.recolor(view);
-        }
-        return;
-      }
-      std::vector<bool> hidden;
-      for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
-      const bool clickable =
-          std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
-      const LegendClick use = legendRows(legend, hidden, clickable, panelUse());
-      if (use.all) act({KeyAction::ShowAllClasses});
-      if (use.entry) pressLegend(legend.entries[*use.entry], panels_.imgui.shift() || panels_.imgui.clicks() == 2);
-    });
+    section(title, panelUse(), [&] { legend.scale ? drawScaleOf(block) : drawEntriesOf(legend); });
   }
 }
 
-// Hides or shows the class or the scan of a legend's row; if `alone` is true, shows this class or scan and no other.
-void ViewSession::pressLegend(const LegendEntry& entry, bool alone) {
-  if (entry.id < 0) return;
+void ViewSession::drawScaleOf(const LegendBlock& block) {
+  const bool hasFields = !context_.options.still && !clouds_.overlaid() && !clouds_.list.empty();
+  const auto ends = drawScale(block.legend, hasFields ? PanelUse::Interactive : PanelUse::Picture);
+  if (!ends) return;
+  for (const std::size_t view : block.views) {
+    clouds_.scales[view] = ends;
+    clouds_.recolor(view);
+  }
+}
+
+void ViewSession::drawEntriesOf(const Legend& legend) {
+  std::vector<bool> hidden;
+  for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
+  const bool clickable = std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
+  const LegendClick click = drawLegendRows(legend, hidden, clickable, panelUse());
+  if (click.all) act({KeyAction::ShowAllClasses});
+  if (!click.entry || legend.entries[*click.entry].id < 0) return;
+  const bool showsOnly = panels_.imgui.shift() || panels_.imgui.clicks() == 2;
+  const std::int64_t id = legend.entries[*click.entry].id;
   if (clouds_.overlaid()) {
-    const auto chosen = static_cast<std::size_t>(entry.id);
-    if (alone) {
-      context_.filter.hiddenScans.clear();
-      for (std::size_t s = 0; s < context_.frame->scans.size(); ++s) {
-        if (s != chosen) context_.filter.hiddenScans.insert(context_.frame->scans[s].name);
-      }
-    } else if (context_.filter.hiddenScans.erase(context_.frame->scans[chosen].name) == 0) {
-      context_.filter.hiddenScans.insert(context_.frame->scans[chosen].name);
-    }
-  } else if (const auto id = static_cast<std::uint16_t>(entry.id); alone) {
-    context_.filter.classes.showOnly(id);
+    showsOnly ? showOnlyScan(static_cast<std::size_t>(id)) : toggleScan(static_cast<std::size_t>(id));
+  } else if (showsOnly) {
+    context_.filter.classes.showOnly(static_cast<std::uint16_t>(id));
   } else {
-    context_.filter.classes.toggle(id);
+    context_.filter.classes.toggle(static_cast<std::uint16_t>(id));
   }
   applyFilter();
 }
 
+// Change the filter of scans in the overlay of all scans. `scan`: index in the frame.
+void ViewSession::showOnlyScan(std::size_t scan) {
+  context_.filter.hiddenScans.clear();
+  for (std::size_t s = 0; s < context_.frame->scans.size(); ++s) {
+    if (s != scan) context_.filter.hiddenScans.insert(context_.frame->scans[s].name);
+  }
+}
+
+void ViewSession::toggleScan(std::size_t scan) {
+  const std::string& name = context_.frame->scans[scan].name;
+  if (context_.filter.hiddenScans.erase(name) == 0) context_.filter.hiddenScans.insert(name);
+}
+
+// Draws the range image with a ring around the point that is under the pointer or was clicked. A click selects a point
+// and turns the camera to it.
 void ViewSession::drawStrip() {
   if (!clouds_.strip || panels_.rects.strip.height < 1) return;
   const PixelRect rect = panels_.stripRect();
-  std::optional<std::pair<double, double>> mark;
-  const PickedElement* const picked = pointer_.shown();
-  if (picked != nullptr && picked->scan == clouds_.list[clouds_.stripCloud].scan) {
-    const auto [column, row] = clouds_.strip->place(picked->point);
+  std::optional<std::pair<double, double>> mark;  // centre of the ring (pixels of the canvas)
+  const PickedElement* const marked = pointer_.shown();
+  if (marked != nullptr && marked->scan == clouds_.list[clouds_.stripCloud].scan) {
+    const auto [column, row] = clouds_.strip->pixelPosition(marked->point);
     mark = std::pair(rect.left + (column + 0.5) * rect.width / clouds_.strip->image.width,
                      rect.top + (row + 0.5) * rect.height / clouds_.strip->image.height);
   }
@@ -217,39 +230,40 @@ void ViewSession::drawFrameBar() {
   const std::size_t requested = playback_.requested();
   panelAt("##frames", panels_.rects.bar, PanelUse::Picture, [&] {
     const float lineHeight = ImGui::GetFontSize();
-    const bool several = playback_.count() > 1;
-    if (several) {
+    const bool hasSeveralFrames = playback_.count() > 1;
+    if (hasSeveralFrames) {
       if (ImGui::Button(playback_.playing() ? "Pause" : "Play", {lineHeight * 4, 0})) togglePlaying();
       ImGui::SameLine();
       const float width = ImGui::GetContentRegionAvail().x;
       ImGui::SetNextItemWidth(width < lineHeight * 30 ? width : width * 0.45F);
       const int last = static_cast<int>(playback_.count()) - 1;
-      int at = static_cast<int>(requested);
-      if (ImGui::SliderInt("##frame", &at, 0, last, "", ImGuiSliderFlags_AlwaysClamp) &&
-          at != static_cast<int>(requested)) {
+      const int before = static_cast<int>(requested);
+      int frame = before;  // SliderInt() changes it
+      if (ImGui::SliderInt("##frame", &frame, 0, last, "", ImGuiSliderFlags_AlwaysClamp) && frame != before) {
         playback_.stop();
-        goTo(static_cast<std::size_t>(std::clamp(at, 0, last)), at > static_cast<int>(requested) ? 1 : -1);
+        goTo(static_cast<std::size_t>(std::clamp(frame, 0, last)), frame > before ? 1 : -1);
       }
       ImGui::SameLine();
       ImGui::AlignTextToFramePadding();
       textLine(fmt::format("#{} of {}   {}", requested, playback_.count(), context_.source->keys()[requested]));
     }
     if (playback_.busy().empty()) return;
-    if (several) ImGui::SameLine();
+    if (hasSeveralFrames) ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
     dimText("loading " + playback_.busy());
   });
 }
 
+// Draws the window that asks for a frame: a field for a part of the key or the index, and a list of the frames that
+// match what the user has typed so far. A click or Return shows a frame; Escape closes the window.
 void ViewSession::drawPrompt() {
-  constexpr std::size_t kMost = 200;
+  constexpr std::size_t kMost = 200;  // largest number of keys in the list
   const float lineHeight = ImGui::GetFontSize();
-  const float middle = static_cast<float>(panels_.rects.body.left) + static_cast<float>(panels_.rects.body.width) / 2;
-  const auto wide = static_cast<float>(panels_.rects.body.width);
-  const auto high = static_cast<float>(panels_.rects.body.height);
-  ImGui::SetNextWindowPos({middle, static_cast<float>(panels_.rects.body.top) + lineHeight}, ImGuiCond_Always,
-                          {0.5F, 0});
-  ImGui::SetNextWindowSize({std::min(lineHeight * 28, wide), std::min(lineHeight * 22, high - 2 * lineHeight)});
+  const PixelRect& body = panels_.rects.body;
+  const auto width = static_cast<float>(body.width), height = static_cast<float>(body.height);
+  ImGui::SetNextWindowPos({static_cast<float>(body.left) + width / 2, static_cast<float>(body.top) + lineHeight},
+                          ImGuiCond_Always, {0.5F, 0});
+  ImGui::SetNextWindowSize({std::min(lineHeight * 28, width), std::min(lineHeight * 22, height - 2 * lineHeight)});
   ImGui::Begin("Go to sample", nullptr,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings);
@@ -258,18 +272,17 @@ void ViewSession::drawPrompt() {
   if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
   const bool entered = ImGui::InputText("##key", &*panels_.prompt, ImGuiInputTextFlags_EnterReturnsTrue);
   ImGui::Separator();
-  std::size_t found = 0;
+  std::size_t matches = 0;
   std::optional<std::string> chosen;
-  const bool byIndex = panels_.prompt->starts_with('#');
+  const std::string& typed = *panels_.prompt;
   for (std::size_t i = 0; i < context_.source->keys().size(); ++i) {
     const std::string& key = context_.source->keys()[i];
-    const bool fits =
-        byIndex ? fmt::format("#{}", i).starts_with(*panels_.prompt) : key.find(*panels_.prompt) != std::string::npos;
-    if (!fits) continue;
-    if (found++ < kMost && ImGui::Selectable(key.c_str())) chosen = key;
+    const bool isMatch =
+        typed.starts_with('#') ? fmt::format("#{}", i).starts_with(typed) : key.find(typed) != std::string::npos;
+    if (isMatch && matches++ < kMost && ImGui::Selectable(key.c_str())) chosen = key;
   }
-  if (found > kMost) ImGui::TextDisabled("and %s more", grouped(found - kMost).c_str());
-  if (found == 0) ImGui::TextDisabled("no key holds this");
+  if (matches > kMost) ImGui::TextDisabled("and %s more", grouped(matches - kMost).c_str());
+  if (matches == 0) ImGui::TextDisabled("no key holds this");
   ImGui::End();
   if (entered) chosen = *panels_.prompt;
   if (ImGui::IsKeyPressed(ImGuiKey_Escape) || (entered && panels_.prompt->empty())) return panels_.prompt.reset();
@@ -282,41 +295,49 @@ void ViewSession::drawPrompt() {
   }
 }
 
-// Draws the tooltip beside the pointer.
+// Draws the tooltip beside the pointer, unless the point under the pointer is described in the side panel already.
 void ViewSession::drawTooltip() {
-  const bool isPinned = pointer_.pinned && pointer_.hover && pointer_.pinned->scan == pointer_.hover->scan &&
-                        pointer_.pinned->point == pointer_.hover->point;
-  if (pointer_.hover && !isPinned && !pointer_.measuring && !panels_.help)
-    tooltip(pointer_.hover->heading, pointer_.colorOf(*pointer_.hover), pointer_.hover->brief, pointer_.hover->alarm);
+  const std::optional<PickedElement>&hover = pointer_.hover, &pinned = pointer_.pinned;
+  const bool isPinned = pinned && hover && pinned->scan == hover->scan && pinned->point == hover->point;
+  if (hover && !isPinned && !pointer_.measuring && !panels_.help)
+    tooltip(hover->heading, pointer_.colorOf(*hover), hover->brief, hover->alarm);
 }
 
+// Returns the instances in the order that the user has chosen for the table which is being drawn.
+std::vector<const InstanceSummary*> ViewSession::sortedInstances() {
+  std::vector<const InstanceSummary*> instances;
+  for (const InstanceSummary& instance : sceneView_.instances()) instances.push_back(&instance);
+  const ImGuiTableSortSpecs* const sort = ImGui::TableGetSortSpecs();
+  if (sort == nullptr || sort->SpecsCount == 0) return instances;
+  const auto valueOf = [&](const InstanceSummary* instance) {
+    const std::array<double, 4> columns{static_cast<double>(classOf(*instance)), static_cast<double>(instance->id),
+                                        static_cast<double>(instance->points.size()), instance->size.x};
+    return columns.at(static_cast<std::size_t>(sort->Specs->ColumnIndex));
+  };
+  const bool descending = sort->Specs->SortDirection == ImGuiSortDirection_Descending;
+  std::ranges::stable_sort(instances, {}, [&](const auto* i) { return descending ? -valueOf(i) : valueOf(i); });
+  return instances;
+}
+
+// Draws the table of the instances of the first shown scan. A click on a row selects a point of the instance and turns
+// the camera to the instance.
 void ViewSession::drawInstances() {
-  constexpr int kRows = 14;
+  constexpr int kVisibleRows = 14;
   constexpr ImGuiTableFlags kTable = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
                                      ImGuiTableFlags_NoSavedSettings | ImGuiTableFlags_SizingStretchProp;
-  const float high = ImGui::GetTextLineHeightWithSpacing() * kRows;
-  if (!ImGui::BeginTable("instances", 4, kTable, {0, high})) return;
+  const float height = ImGui::GetTextLineHeightWithSpacing() * kVisibleRows;
+  if (!ImGui::BeginTable("instances", 4, kTable, {0, height})) return;
   ImGui::TableSetupScrollFreeze(0, 1);
   // A first click on the heading of the columns "points" and "box (m)" sorts in descending order.
-  for (const auto& [name, share] : {std::pair("class", 0.28F), {"id", 0.12F}, {"points", 0.19F}, {"box (m)", 0.41F}}) {
-    const bool large = name[0] == 'p' || name[0] == 'b';
-    ImGui::TableSetupColumn(
-        name, ImGuiTableColumnFlags_WidthStretch | (large ? ImGuiTableColumnFlags_PreferSortDescending : 0), share);
-  }
+  constexpr ImGuiTableColumnFlags kUp = ImGuiTableColumnFlags_WidthStretch;
+  constexpr ImGuiTableColumnFlags kDown = kUp | ImGuiTableColumnFlags_PreferSortDescending;
+  ImGui::TableSetupColumn("class", kUp, 0.28F);  // the numbers are fractions of the table's width
+  ImGui::TableSetupColumn("id", kUp, 0.12F);
+  ImGui::TableSetupColumn("points", kDown, 0.19F);
+  ImGui::TableSetupColumn("box (m)", kDown, 0.41F);
   ImGui::TableHeadersRow();
-  std::vector<const InstanceSummary*> rows;
-  for (const InstanceSummary& instance : sceneView_.instances()) rows.push_back(&instance);
-  if (const ImGuiTableSortSpecs* const sort = ImGui::TableGetSortSpecs(); sort != nullptr && sort->SpecsCount > 0) {
-    const auto value = [&](const InstanceSummary* instance) {
-      const std::array<double, 4> columns{static_cast<double>(classOf(*instance)), static_cast<double>(instance->id),
-                                          static_cast<double>(instance->points.size()), instance->size.x};
-      return columns.at(static_cast<std::size_t>(sort->Specs->ColumnIndex));
-    };
-    const bool down = sort->Specs->SortDirection == ImGuiSortDirection_Descending;
-    std::ranges::stable_sort(
-        rows, [&](const auto* a, const auto* b) { return down ? value(a) > value(b) : value(a) < value(b); });
-  }
-  ImGuiListClipper clipper;
+  const std::vector<const InstanceSummary*> rows = sortedInstances();
+  ImGuiListClipper clipper;  // chooses the rows that the table's scroll position shows
   clipper.Begin(static_cast<int>(rows.size()));
   const InstanceSummary* chosen = nullptr;
   while (clipper.Step()) {
@@ -326,8 +347,8 @@ void ViewSession::drawInstances() {
       ImGui::TableNextColumn();
       ImGui::PushID(static_cast<int>(instance.id));
       const std::string name = className(context_.source->ontology(), classOf(instance)) + "##row";
-      const bool marked = pointer_.pinned && pointer_.instanceOf(*pointer_.pinned) == instance.id;
-      if (ImGui::Selectable(name.c_str(), marked, ImGuiSelectableFlags_SpanAllColumns)) chosen = &instance;
+      const bool isPinned = pointer_.pinned && pointer_.instanceOf(*pointer_.pinned) == instance.id;
+      if (ImGui::Selectable(name.c_str(), isPinned, ImGuiSelectableFlags_SpanAllColumns)) chosen = &instance;
       ImGui::PopID();
       ImGui::TableNextColumn();
       ImGui::Text("%u", instance.id);
@@ -339,7 +360,8 @@ void ViewSession::drawInstances() {
   }
   ImGui::EndTable();
   if (chosen == nullptr) return;
-  pointer_.pinned = pointer_.withOtherScans(pointer_.pickedPoint(0, chosen->points[chosen->points.size() / 2]));
+  const std::uint32_t middlePoint = chosen->points[chosen->points.size() / 2];
+  pointer_.pinned = pointer_.withOtherScans(pointer_.pickedPoint(0, middlePoint));
   pointer_.lookAt(chosen->levelFromBox.translation);
   context_.changes.panels = true;
 }

@@ -12,13 +12,14 @@ namespace scanmill {
 
 namespace {
 
-void notePresent(const Scan& scan, std::set<std::uint16_t>& present) {
-  std::vector<bool> held(std::size_t{UINT16_MAX} + 1, false);
+// Adds the class ids of the scan's finite points.
+void addClasses(const Scan& scan, std::set<std::uint16_t>& classes) {
+  std::vector<bool> occurs(std::size_t{UINT16_MAX} + 1, false);  // by class id
   for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
-    if (isFinite(scan.position[i])) held[scan[kLabel][i]] = true;
+    if (isFinite(scan.position[i])) occurs[scan[kLabel][i]] = true;
   }
-  for (std::size_t id = 0; id < held.size(); ++id) {
-    if (held[id]) present.insert(static_cast<std::uint16_t>(id));
+  for (std::size_t id = 0; id < occurs.size(); ++id) {
+    if (occurs[id]) classes.insert(static_cast<std::uint16_t>(id));
   }
 }
 
@@ -41,10 +42,8 @@ std::size_t ShownClouds::viewCount() const {
 }
 
 std::size_t ShownClouds::shownScan() const {
-  for (std::size_t i = 0; i < context_.frame->scans.size(); ++i) {
-    if (context_.frame->scans[i].name == scanName) return i;
-  }
-  return 0;
+  const auto found = std::ranges::find(context_.frame->scans, scanName, &ViewScan::name);
+  return found == context_.frame->scans.end() ? 0 : static_cast<std::size_t>(found - context_.frame->scans.begin());
 }
 
 const ShownCloud* ShownClouds::inView(std::size_t view) const {
@@ -57,8 +56,11 @@ bool ShownClouds::isHidden(const ShownCloud& cloud) const {
 }
 
 ColorContext ShownClouds::contextOf(const ViewScan& scan) const {
-  return {context_.source->ontology(), scan.error, scan.errorTitle, scan.whyNoError, std::nullopt,
-          context_.filter.closeUp};
+  return {.ontology = context_.source->ontology(),
+          .error = scan.error,
+          .errorTitle = scan.errorTitle,
+          .whyNoError = scan.whyNoError,
+          .closeUp = context_.filter.closeUp};
 }
 
 bool ShownClouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
@@ -71,11 +73,11 @@ bool ShownClouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
 ColorBy ShownClouds::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
   if (!context_.frame || context_.frame->scans.empty()) return kByClass;
-  const bool second = context_.frame->scans.size() == 1 && view > 0;
-  if (!second && context_.options.colors.size() == 1) return context_.options.colors.front();
+  const bool isSecondOfScan = context_.frame->scans.size() == 1 && view > 0;
+  if (!isSecondOfScan && context_.options.colors.size() == 1) return context_.options.colors.front();
   const ViewScan& scan = context_.frame->scans[view < context_.frame->scans.size() ? view : 0];
   for (const ColorBy& by : {kByClass, kByIntensity, kByRange}) {
-    if (hasColor(scan, by) && !(second && by == colorOf(0))) return by;
+    if (hasColor(scan, by) && !(isSecondOfScan && by == colorOf(0))) return by;
   }
   return kByHeight;
 }
@@ -91,23 +93,25 @@ std::optional<ScaleRange> ShownClouds::scaleOf(std::size_t view) {
   for (std::size_t v = 0; v < viewCount(); ++v) {
     const ViewScan& scan = context_.frame->scans[v];
     if (colorOf(v) != by || !hasColor(scan, by) || scan.scan.size() == 0) continue;
-    const Legend own = colorScan(scan.scan, by, contextOf(scan)).legend;
-    common = common ? ScaleRange{std::min(common->low, own.low), std::max(common->high, own.high)}
-                    : ScaleRange{own.low, own.high};
+    const Legend legend = colorScan(scan.scan, by, contextOf(scan)).legend;
+    common = common ? ScaleRange{std::min(common->low, legend.low), std::max(common->high, legend.high)}
+                    : ScaleRange{legend.low, legend.high};
   }
   if (common) commonScales_[by] = *common;
   return common;
 }
 
+// Returns the colours of a scan in a view. If the scan lacks the column, sets `colorProblem` and `columnMissing`, and
+// returns the default colours.
 Coloring ShownClouds::colored(std::size_t scanIndex, std::size_t view) {
   const ViewScan& scan = context_.frame->scans[scanIndex];
   if (scan.coloring) return *scan.coloring;
   ColorContext context = contextOf(scan);
   try {
     context.scale = scaleOf(view);
-    Coloring out = colorScan(scan.scan, colorOf(view), context);
-    out.legend.endsChosen = scales[view].has_value();
-    return out;
+    Coloring coloring = colorScan(scan.scan, colorOf(view), context);
+    coloring.legend.endsChosen = scales[view].has_value();
+    return coloring;
   } catch (const InputError& e) {
     colorProblem = fmt::format("{}: {}", scan.name, e.what());
     if (!columnMissing) columnMissing = colorProblem;
@@ -116,21 +120,12 @@ Coloring ShownClouds::colored(std::size_t scanIndex, std::size_t view) {
 }
 
 void ShownClouds::arrange() {
-  const std::size_t before = list.size();
+  const std::size_t previousClouds = list.size();
   list.clear();
   colorProblem.clear();
   columnMissing.reset();
   commonScales_.clear();
-  if (context_.frame) {
-    const std::size_t count = context_.frame->scans.size();
-    if (overlaid()) {
-      for (std::size_t s = 0; s < count; ++s) list.push_back({.scan = s, .view = 0});
-    } else if (context_.options.layout == ViewLayout::Split && count > 1) {
-      for (std::size_t s = 0; s < viewCount(); ++s) list.push_back({.scan = s, .view = s});
-    } else if (count > 0) {
-      for (std::size_t v = 0; v < viewCount(); ++v) list.push_back({.scan = shownScan(), .view = v});
-    }
-  }
+  listClouds();
   if (activeView && *activeView >= viewCount()) activeView.reset();
   for (std::size_t k = 0; k < list.size(); ++k) {
     ShownCloud& cloud = list[k];
@@ -141,10 +136,21 @@ void ShownClouds::arrange() {
       cloud.coloring = colored(cloud.scan, cloud.view);
     }
     cloud.finite = static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
-    if (!classesKnown_) notePresent(scan, presentClasses);
+    if (!classesKnown_) addClasses(scan, presentClasses);
     context_.canvas.setPoints(cloudItem(k), scanOf(cloud).drawnPositions(), cloud.coloring.colors);
   }
-  for (std::size_t k = list.size(); k < before; ++k) context_.canvas.drop(cloudItem(k));
+  for (std::size_t k = list.size(); k < previousClouds; ++k) context_.canvas.drop(cloudItem(k));
+}
+
+// Fills `list` with scans and views for the layout: all scans in one view, one scan per view, or one scan in all views.
+void ShownClouds::listClouds() {
+  const std::size_t scans = context_.frame ? context_.frame->scans.size() : 0;
+  if (scans == 0) return;
+  const bool splitsScans = context_.options.layout == ViewLayout::Split && scans > 1;
+  const std::size_t clouds = overlaid() ? scans : viewCount();
+  for (std::size_t k = 0; k < clouds; ++k) {
+    list.push_back({.scan = overlaid() || splitsScans ? k : shownScan(), .view = overlaid() ? 0 : k});
+  }
 }
 
 void ShownClouds::recolor(std::size_t view) {
@@ -208,53 +214,47 @@ std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& clou
   return indices;
 }
 
-std::vector<std::size_t> ShownClouds::affectedViews() const {
-  if (activeView) return {*activeView};
-  std::vector<std::size_t> all;
-  for (std::size_t v = 0; v < viewCount(); ++v) all.push_back(v);
-  return all;
+// True if a choice of colours applies to the view: it is active, or all views are.
+bool ShownClouds::isAffected(std::size_t view) const {
+  return !activeView || *activeView == view;
 }
 
 void ShownClouds::chooseColor(const ColorBy& by) {
   if (list.empty()) return;
   if (overlaid()) return context_.notify("the overlay has fixed colours: l closes it");
-  const auto acted = affectedViews();
-  for (const std::size_t view : acted) {
-    for (const ShownCloud& cloud : list) {
-      if (cloud.view != view) continue;
-      const ViewScan& scan = scanOf(cloud);
-      if (hasColor(scan, by) || scan.scan.size() == 0) continue;
-      // colorScan() throws a message that says which column is missing and what to do.
-      try {
-        colorScan(scan.scan, by, contextOf(scan));
-      } catch (const InputError& e) {
-        colorProblem = e.what();
-      }
-      context_.changes.panels = true;
-      return;
+  for (const ShownCloud& cloud : list) {
+    const ViewScan& scan = scanOf(cloud);
+    if (!isAffected(cloud.view) || hasColor(scan, by) || scan.scan.size() == 0) continue;
+    // colorScan() throws a message that says which column is missing and what to do.
+    try {
+      colorScan(scan.scan, by, contextOf(scan));
+    } catch (const InputError& e) {
+      colorProblem = e.what();
     }
+    context_.changes.panels = true;
+    return;
   }
   colorProblem.clear();
-  for (const std::size_t view : acted) {
+  for (std::size_t view = 0; view < viewCount(); ++view) {
+    if (!isAffected(view)) continue;
     if (colorOf(view) != by) scales[view].reset();
     colors[view] = by;
   }
   commonScales_.clear();
-  const bool common = context_.options.layout == ViewLayout::Split && context_.frame->scans.size() > 1;
+  const bool sharesScales = context_.options.layout == ViewLayout::Split && context_.frame->scans.size() > 1;
   for (std::size_t view = 0; view < viewCount(); ++view) {
-    const bool changed = std::ranges::find(acted, view) != acted.end();
-    if (changed || (common && isNumeric(colorOf(view)))) recolor(view);
+    if (isAffected(view) || (sharesScales && isNumeric(colorOf(view)))) recolor(view);
   }
 }
 
 void ShownClouds::resetScales() {
   if (list.empty()) return;
   if (overlaid()) return context_.notify("the overlay has fixed colours: l closes it");
-  const std::vector<std::size_t> acted = affectedViews();
-  if (std::ranges::none_of(acted, [&](std::size_t view) { return isNumeric(colorOf(view)); })) {
-    return context_.notify("these colours have no scale");
-  }
-  for (const std::size_t view : acted) {
+  const bool hasScale = std::ranges::any_of(
+      list, [&](const ShownCloud& cloud) { return isAffected(cloud.view) && isNumeric(colorOf(cloud.view)); });
+  if (!hasScale) return context_.notify("these colours have no scale");
+  for (std::size_t view = 0; view < viewCount(); ++view) {
+    if (!isAffected(view)) continue;
     scales[view].reset();
     recolor(view);
   }
@@ -264,16 +264,16 @@ void ShownClouds::cycleColor(int step) {
   if (list.empty()) return;
   const std::size_t view = activeView.value_or(0);
   const ShownCloud* const cloud = inView(view);
-  const std::vector<ColorBy> all = colorsOf(context_.frame->scans[cloud == nullptr ? 0 : cloud->scan].scan);
-  const auto count = static_cast<std::ptrdiff_t>(all.size());
-  std::ptrdiff_t place = std::ranges::find(all, colorOf(view)) - all.begin();
-  for (std::ptrdiff_t tried = 0; tried < count; ++tried) {
-    place = (place + step + count) % count;
-    const ColorBy& candidate = all[static_cast<std::size_t>(place)];
-    const bool everywhere = std::ranges::all_of(list, [&](const ShownCloud& other) {
-      return (activeView && other.view != *activeView) || hasColor(context_.frame->scans[other.scan], candidate);
+  const std::vector<ColorBy> quantities = colorsOf(context_.frame->scans[cloud == nullptr ? 0 : cloud->scan].scan);
+  const auto count = static_cast<std::ptrdiff_t>(quantities.size());
+  std::ptrdiff_t index = std::ranges::find(quantities, colorOf(view)) - quantities.begin();
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    index = (index + step + count) % count;
+    const ColorBy& candidate = quantities[static_cast<std::size_t>(index)];
+    const bool canShow = std::ranges::all_of(list, [&](const ShownCloud& shown) {
+      return !isAffected(shown.view) || hasColor(context_.frame->scans[shown.scan], candidate);
     });
-    if (everywhere) return chooseColor(candidate);
+    if (canShow) return chooseColor(candidate);
   }
 }
 
@@ -282,6 +282,7 @@ void ShownClouds::makeStrip() {
   stripProblem.clear();
   context_.changes.panels = true;
   if (!context_.options.rangeImage || list.empty()) return;
+  // The last cloud of the active view, otherwise the first cloud that is not hidden, otherwise the last one.
   stripCloud = 0;
   for (std::size_t k = 0; k < list.size(); ++k) {
     if (isHidden(list[k]) && stripCloud == k && k + 1 < list.size()) stripCloud = k + 1;
@@ -292,10 +293,12 @@ void ShownClouds::makeStrip() {
   try {
     const ViewScan& viewed = scanOf(cloud);
     // In the overlay, all points of a scan have the same colour, so the range image shows classes or ranges.
-    std::vector<Rgb> own;
-    if (overlaid())
-      own = colorScan(viewed.scan, viewed.scan[kLabel].empty() ? kByRange : kByClass, contextOf(viewed)).colors;
-    strip = makeRangeStrip(viewed.scan, overlaid() ? own : cloud.coloring.colors, shown, viewed.beams.get());
+    std::vector<Rgb> overlayColors;
+    if (overlaid()) {
+      const ColorBy by = viewed.scan[kLabel].empty() ? kByRange : kByClass;
+      overlayColors = colorScan(viewed.scan, by, contextOf(viewed)).colors;
+    }
+    strip = makeRangeStrip(viewed.scan, overlaid() ? overlayColors : cloud.coloring.colors, shown, viewed.beams.get());
     setImage(context_.canvas, kStripImage, strip->image);
   } catch (const InputError& e) {
     stripProblem = e.what();

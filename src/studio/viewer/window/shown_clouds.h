@@ -36,8 +36,10 @@ struct ShownClouds {
   void arrange();
   // Shows only the points that the filter does not hide.
   void applyFilter();
+  // Draws the range image of one of the shown scans, if the options require one, and uploads it.
   void makeStrip();
 
+  // True if all scans of the frame are in one view, each in a fixed colour.
   bool overlaid() const {
     return context_.options.layout == ViewLayout::Overlay && context_.frame && context_.frame->scans.size() > 1;
   }
@@ -74,7 +76,8 @@ struct ShownClouds {
   std::optional<std::vector<std::uint32_t>> filtered(ShownCloud& cloud) const;
   std::optional<ScaleRange> scaleOf(std::size_t view);
   ColorContext contextOf(const ViewScan& scan) const;
-  std::vector<std::size_t> affectedViews() const;
+  bool isAffected(std::size_t view) const;
+  void listClouds();
 
   SessionContext& context_;
   std::map<ColorBy, ScaleRange> commonScales_;  // ends of scales that scans side by side share

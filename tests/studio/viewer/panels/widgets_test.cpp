@@ -72,7 +72,7 @@ TEST_F(PanelParts, RowsOfALegendShowAndTell) {
   LegendClick use;
   const auto panel = [&] {
     panelAt("panel", {0, 0, 300, 300}, PanelUse::Interactive, [&] {
-      const LegendClick now = legendRows(classes(), hidden, true, PanelUse::Interactive);
+      const LegendClick now = drawLegendRows(classes(), hidden, true, PanelUse::Interactive);
       if (now.all || now.entry) use = now;
     });
   };
@@ -108,7 +108,8 @@ TEST_F(PanelParts, PicturesNameWhatThereIsRoomFor) {
   }
   const auto shown = [&](int height) {
     draw([&] {
-      panelAt("panel", {0, 0, 300, height}, PanelUse::Picture, [&] { legendRows(many, {}, false, PanelUse::Picture); });
+      panelAt("panel", {0, 0, 300, height}, PanelUse::Picture,
+              [&] { drawLegendRows(many, {}, false, PanelUse::Picture); });
     });
     int found = 0;
     for (const LegendEntry& entry : many.entries) {
@@ -128,7 +129,7 @@ TEST_F(PanelParts, PicturesNameWhatThereIsRoomFor) {
 TEST_F(PanelParts, AScaleHasTheColoursOfTheMap) {
   const Legend legend{.title = "range (m)", .scale = true, .high = 50};
   draw([&] {
-    panelAt("panel", {0, 0, 400, 200}, PanelUse::Interactive, [&] { scaleBar(legend, PanelUse::Picture); });
+    panelAt("panel", {0, 0, 400, 200}, PanelUse::Interactive, [&] { drawScale(legend, PanelUse::Picture); });
   });
   int row = 0;
   while (row < 100 && !canvas_.isOverlay(200, row, canvas_.read().at(200, row))) ++row;
@@ -182,12 +183,12 @@ TEST_F(PanelParts, AnyTextAndAnySizeWillDo) {
         drawCaption(all, text, true);
         drawMessage(all, text);
         panelAt("side", {width / 2, 0, width / 2, 60}, PanelUse::Interactive, [&] {
-          legendRows(legend, {}, true, PanelUse::Interactive);
+          drawLegendRows(legend, {}, true, PanelUse::Interactive);
           heading(text, kRoad);
           valueRows("rows", {{text, text}, {"name", text}}, text);
         });
         tooltip(text, kCarColor, {{text, text}}, text);
-        messages(all, {text, text}, std::vector<std::string>(9, text));
+        drawMessages(all, {text, text}, std::vector<std::string>(9, text));
         helpWindow({{text, text}});
       })) << width;
     }

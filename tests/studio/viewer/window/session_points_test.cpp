@@ -116,7 +116,7 @@ TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const ViewScan& viewed = world.frames->frames[1].scans[0];
   const Scan& scan = viewed.scan;
-  int picked = 0;
+  int pickedPoints = 0;
   for (int round = 0; round < 40; ++round) {
     OrbitCamera camera = presetCamera(View::Chase);
     camera.yaw = kPi * unit(random);
@@ -159,10 +159,10 @@ TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
       EXPECT_EQ(rowOf(*picked, "class"), car ? "car (20)" : scan[kLabel][p] == kFakeTree ? "tree (2)" : "road (1)");
       EXPECT_EQ(rowOf(*picked, "instance"), car ? "4711" : "none");
       EXPECT_EQ(picked->heading, car ? "car 4711" : scan[kLabel][p] == kFakeTree ? "tree" : "road");
-      ++picked;
+      ++pickedPoints;
     }
   }
-  EXPECT_GT(picked, 200);
+  EXPECT_GT(pickedPoints, 200);
 }
 
 TEST(SessionPicking, ItsBeamIsTheSensors) {
