@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,66 +25,82 @@ const FormatSupport& ac3dFormat() {
   return format;
 }
 
+namespace {
+
+// The texture of an object: its name in quotation marks, and whether it has the role `base`.
+struct ObjectTexture {
+  std::string quotedName;
+  bool hasBaseRole = false;
+};
+
+// Chooses between the texture so far and one with these arguments: "NAME" [ROLE]. The one with the role `base` or, if
+// there is none, the first one counts. A texture without quotation marks is none.
+void chooseTexture(std::string_view arguments, std::optional<ObjectTexture>& chosen) {
+  const std::size_t end = arguments.starts_with('"') ? arguments.find('"', 1) : arguments.npos;
+  if (end == arguments.npos || (chosen && chosen->hasBaseRole)) return;
+  std::string_view role = arguments.substr(end + 1);
+  const bool hasBaseRole = takeWord(role) == "base";
+  if (!chosen || hasBaseRole) chosen = {std::string(arguments.substr(0, end + 1)), hasBaseRole};
+}
+
+std::uint64_t countIn(std::string_view word) {
+  std::uint64_t count = 0;
+  parseNumber(word, count);
+  return count;
+}
+
+}  // namespace
+
 std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut) {
   const std::string text = readFile(file);
-  std::string ac3db, texture, transform;
-  ac3db.reserve(text.size());
-  bool hasBaseRole = false;     // true: `texture` has the role `base`
-  std::size_t objectStart = 0;  // index in `ac3db` of the current object
+  std::string output;
+  output.reserve(text.size());
+  std::optional<ObjectTexture> texture;  // of the current object, not written yet
+  std::string transform;                 // lines `rot` and `loc` of the current object
+  std::size_t objectStart = 0;           // index in `output` of the current object
   std::uint64_t objects = 0, kids = 0, surfaces = 0, statedSurfaces = 0;
-  const auto numberIn = [](std::string_view word) {
-    std::uint64_t number = 0;
-    parseNumber(word, number);
-    return number;
-  };
   for (std::string_view unread = text; !unread.empty();) {
     const std::string_view line = takeLine(unread);
     std::string_view arguments = line;
     const std::string_view key = takeWord(arguments);
     arguments = trimmed(arguments);
     if (key == "texture") {
-      const std::size_t end = arguments.starts_with('"') ? arguments.find('"', 1) : arguments.npos;
-      if (end == arguments.npos || hasBaseRole) continue;  // a texture without quotation marks is none
-      std::string_view role = arguments.substr(end + 1);
-      hasBaseRole = takeWord(role) == "base";
-      if (texture.empty() || hasBaseRole) texture = arguments.substr(0, end + 1);
+      chooseTexture(arguments, texture);
       continue;
     }
     // The textures of an object follow each other: the chosen one is written before the next line of another kind.
-    if (!texture.empty()) ac3db += "texture " + texture + "\n";
-    texture.clear();
-    hasBaseRole = false;
+    if (texture) output += "texture " + texture->quotedName + "\n";
+    texture.reset();
     if (key == "rot" || key == "loc") {
       transform.append(line) += '\n';
       continue;
     }
-    if (key == "OBJECT") {
-      ++objects;
-      objectStart = ac3db.size();
-      transform.clear();
-    } else if (key == "kids") {
-      kids += numberIn(arguments);
-      if (!transform.empty()) {
-        ac3db.insert(objectStart, fmt::format("OBJECT group\n{}kids {}\n", transform, numberIn(arguments) + 1)) +=
+    if (key == "kids") {
+      kids += countIn(arguments);
+      if (!transform.empty()) {  // puts the object into a group with its transform, beside its kids
+        output.insert(objectStart, fmt::format("OBJECT group\n{}kids {}\n", transform, countIn(arguments) + 1)) +=
             "kids 0\n";
         continue;
       }
-    } else if (key == "hidden") {
-      leftOut.add("marks of hidden objects (they are shown)");
-    } else if (key == "numsurf") {
-      statedSurfaces += numberIn(arguments);
-    } else if (key == "refs") {
-      ++surfaces;
-    } else if (key == "MAT") {
+    }
+    if (key == "OBJECT") {
+      ++objects;
+      objectStart = output.size();
+      transform.clear();
+    }
+    if (key == "MAT") {
       throw Error("has a material of several lines (MAT), which is not read: save it as AC3Db, or convert it to glTF");
     }
-    ac3db.append(line) += '\n';
+    if (key == "hidden") leftOut.add("marks of hidden objects (they are shown)");
+    if (key == "numsurf") statedSurfaces += countIn(arguments);
+    if (key == "refs") ++surfaces;
+    output.append(line) += '\n';
   }
   if (kids + 1 > objects) leftOut.add("objects that 'kids' counts and the file lacks", kids + 1 - objects);
   if (statedSurfaces > surfaces) {
     leftOut.add("surfaces that 'numsurf' counts and the file lacks", statedSurfaces - surfaces);
   }
-  return ac3db;
+  return output;
 }
 
 }  // namespace scanmill

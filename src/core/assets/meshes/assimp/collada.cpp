@@ -26,7 +26,7 @@ constexpr std::pair<const char*, const char*> kRefused[] = {
     {"//controller/*[//instance_controller]", "convert it to glTF, for example with Blender"},
     {"//instance_image", "export it as COLLADA 1.4.1, or convert it to glTF"}};
 
-// Reads an effect.
+// Returns the material of an effect.
 ColladaMaterial materialOf(const pugi::xml_node& effect) {
   const pugi::xml_node common = effect.child("profile_COMMON");
   const pugi::xml_node diffuse = common.select_node(".//diffuse").node();
@@ -43,6 +43,12 @@ ColladaMaterial materialOf(const pugi::xml_node& effect) {
   return material;
 }
 
+// Returns the id in a URL such as "#id".
+std::string idOf(const char* url) {
+  return *url == '\0' ? "" : url + 1;
+}
+
+// A file, which facts() changes for assimp.
 class Collada {
  public:
   explicit Collada(const std::filesystem::path& file) : bytes_(readFile(file)) {
@@ -57,19 +63,20 @@ class Collada {
   // Reads the facts and changes the document for assimp: its up axis, names of nodes and of sets of texture
   // coordinates, hidden nodes, and the default material.
   ColladaFacts facts() {
-    for (const auto& [path, remedy] : kRefused) {
-      const pugi::xml_node found = root_.select_node(path).node();
-      if (!found) continue;
-      throw Error(fmt::format("has <{}> in line {}, which cannot be read: {}", found.name(),
-                              lineOf(found.offset_debug()), remedy));
+    for (const auto& [xpath, remedy] : kRefused) {
+      const pugi::xml_node refused = root_.select_node(xpath).node();
+      if (!refused) continue;
+      throw Error(fmt::format("has <{}> in line {}, which cannot be read: {}", refused.name(),
+                              lineOf(refused.offset_debug()), remedy));
     }
-    readAsset();
+    readAxisAndUnit();
     countUnread();
     renameUvSets();
-    for (const pugi::xpath_node& node : root_.select_nodes("//node")) mendNode(node.node());
+    for (const pugi::xpath_node& node : root_.select_nodes("//node")) prepareNode(node.node());
     double nodes = 0;
-    for (const pugi::xpath_node& scene : root_.select_nodes("//visual_scene")) nodes += countIn(scene.node());
-    chargeCopies(static_cast<std::uint64_t>(std::min(nodes, 1e18)), {});
+    for (const pugi::xpath_node& scene : root_.select_nodes("//visual_scene")) nodes += nodesIn(scene.node());
+    constexpr double kMostInInteger = 1e18;
+    chargeCopies(static_cast<std::uint64_t>(std::min(nodes, kMostInInteger)), {});
     addDefaultMaterial();
     std::ostringstream text;
     document_.save(text, "", pugi::format_raw, pugi::encoding_utf8);
@@ -83,8 +90,9 @@ class Collada {
     return 1 + std::count(bytes_.begin(), end, '\n');
   }
 
-  // Reads axis and unit, and counts those of parts of the file that differ.
-  void readAsset() {
+  // Reads axis and unit, and counts those that parts of the file state and that differ. An axis that is none is
+  // replaced by y, the default.
+  void readAxisAndUnit() {
     const auto axisOf = [](const pugi::xml_node& asset, char fallback) {
       const std::string_view text = trimmed(asset.child("up_axis").text().get());
       return text == "X_UP" ? 'x' : text == "Y_UP" ? 'y' : text == "Z_UP" ? 'z' : fallback;
@@ -108,65 +116,68 @@ class Collada {
 
   // Counts surfaces of kinds that the importer does not read, and references to other files.
   void countUnread() {
-    for (const pugi::xpath_node& found : root_.select_nodes("//ph | //spline | //brep | //convex_mesh")) {
-      facts_.leftOut.addKeyword(colladaFormat(), found.node().name());
+    for (const pugi::xpath_node& surface : root_.select_nodes("//ph | //spline | //brep | //convex_mesh")) {
+      facts_.leftOut.addKeyword(colladaFormat(), surface.node().name());
     }
-    for (const pugi::xpath_node& found : root_.select_nodes("//*[starts-with(name(), 'instance_')]")) {
-      const std::string_view url = found.node().attribute("url").value();
+    for (const pugi::xpath_node& instance : root_.select_nodes("//*[starts-with(name(), 'instance_')]")) {
+      const std::string_view url = instance.node().attribute("url").value();
       if (!url.empty() && !url.starts_with('#')) facts_.leftOut.add("references to other files");
     }
   }
 
-  // The importer takes the first number in the name of texture coordinates for the index of their set. Names them by
-  // the sets that uses of materials state.
+  // Renames the texture coordinates of images: the importer takes the first number in their name for the index of their
+  // set. The uses of materials (bind_vertex_input) state the sets; the index counts from the file's lowest set.
   void renameUvSets() {
-    int least = std::numeric_limits<int>::max();
+    int lowestSet = std::numeric_limits<int>::max();
     for (const pugi::xpath_node& input : root_.select_nodes("//input[@semantic='TEXCOORD']")) {
-      least = std::min(least, input.node().attribute("set").as_int());
+      lowestSet = std::min(lowestSet, input.node().attribute("set").as_int());
     }
-    std::map<std::string, std::set<int>> indices;  // by name
+    std::map<std::string, std::set<int>> indices;  // of sets, by name of texture coordinates
     for (const pugi::xpath_node& use : root_.select_nodes("//bind_vertex_input[@input_semantic='TEXCOORD']")) {
-      const int index = std::max(0, use.node().attribute("input_set").as_int() - least);
+      const int index = std::max(0, use.node().attribute("input_set").as_int() - lowestSet);
       indices[use.node().attribute("semantic").value()].insert(index);
     }
     for (const pugi::xpath_node& texture : root_.select_nodes("//texture[@texcoord]")) {
       pugi::xml_attribute name = texture.node().attribute("texcoord");
-      const auto found = indices.find(name.value());
-      if (found == indices.end()) continue;
-      name = fmt::format("set{}", *found->second.begin()).c_str();
-      if (found->second.size() == 1) continue;
+      const auto sets = indices.find(name.value());
+      if (sets == indices.end()) continue;
+      name = fmt::format("set{}", *sets->second.begin()).c_str();
+      if (sets->second.size() == 1) continue;
       facts_.leftOut.add("images with several sets of texture coordinates (bind_vertex_input; the first is taken)");
     }
   }
 
-  // Names a node without a name by its id, and hides what it shows if it is not visible.
-  void mendNode(pugi::xml_node node) {
+  // Adds a node to nodesById_, names a node without a name by its id, and removes what an invisible node and all below
+  // it show.
+  void prepareNode(pugi::xml_node node) {
     const pugi::xml_attribute id = node.attribute("id");
-    byId_.emplace(id.value(), node);
+    nodesById_.emplace(id.value(), node);
     if (node.attribute("name").empty() && !id.empty()) node.append_attribute("name") = id.value();
     const std::string_view visible = trimmed(node.select_node("extra/technique/visibility").node().text().get());
     if (visible != "0" && visible != "false") return;
     for (const pugi::xpath_node& hidden :
          node.select_nodes("descendant-or-self::node[instance_geometry or instance_node]")) {
       facts_.leftOut.add("hidden nodes");
-      for (const char* shown : {"instance_geometry", "instance_node"}) {
-        while (hidden.node().remove_child(shown)) continue;
+      for (const char* content : {"instance_geometry", "instance_node"}) {
+        while (hidden.node().remove_child(content)) continue;
       }
     }
   }
 
   // Returns how many nodes there are in an element, with all copies by <instance_node>, which the importer makes.
-  double countIn(const pugi::xml_node& element) {
+  // Throws Error if a node copies itself.
+  double nodesIn(const pugi::xml_node& element) {
+    constexpr double kBeingCounted = -1;
     double count = 0;
-    for (const pugi::xml_node& node : element.children("node")) count += 1 + countIn(node);
+    for (const pugi::xml_node& node : element.children("node")) count += 1 + nodesIn(node);
     for (const pugi::xml_node& instance : element.children("instance_node")) {
-      const std::string url = instance.attribute("url").value();
-      const auto copied = byId_.find(url.substr(std::min<std::size_t>(url.size(), 1)));
-      if (copied == byId_.end()) continue;
-      const auto [known, isNew] = copiesOf_.try_emplace(copied->first, -1);
-      if (isNew) known->second = 1 + countIn(copied->second);
-      if (known->second < 0) throw Error(fmt::format("copies the node '{}' into itself", copied->first));
-      count += known->second;
+      const auto original = nodesById_.find(idOf(instance.attribute("url").value()));
+      if (original == nodesById_.end()) continue;
+      const auto& [id, node] = *original;
+      const auto [copied, isNew] = nodesInCopy_.try_emplace(id, kBeingCounted);
+      if (isNew) copied->second = 1 + nodesIn(node);
+      if (copied->second == kBeingCounted) throw Error(fmt::format("copies the node '{}' into itself", id));
+      count += copied->second;
     }
     return count;
   }
@@ -180,8 +191,7 @@ class Collada {
     }
     std::map<std::string, ColladaMaterial> materials;
     for (const pugi::xml_node& material : root_.child("library_materials").children("material")) {
-      const std::string url = material.child("instance_effect").attribute("url").value();
-      const auto effect = effects.find(url.substr(std::min<std::size_t>(url.size(), 1)));
+      const auto effect = effects.find(idOf(material.child("instance_effect").attribute("url").value()));
       if (effect != effects.end()) materials[material.attribute("id").value()] = materialOf(effect->second);
     }
     if (!materials.empty()) {
@@ -206,8 +216,8 @@ class Collada {
   pugi::xml_document document_;
   pugi::xml_node root_;
   ColladaFacts facts_;
-  std::map<std::string, pugi::xml_node> byId_;  // nodes
-  std::map<std::string, double> copiesOf_;      // numbers of nodes in those that are copied; -1: being counted
+  std::map<std::string, pugi::xml_node> nodesById_;
+  std::map<std::string, double> nodesInCopy_;  // of a node with this id that <instance_node> copies
 };
 
 }  // namespace

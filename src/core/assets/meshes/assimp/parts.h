@@ -10,8 +10,6 @@
 
 #include "assets/meshes/imported_file.h"
 
-struct aiScene;
-
 namespace scanmill {
 
 // Reads a file. `kind` is its extension in lower case: ".dae", or one of AC3D. Throws an Error that states the problem,
@@ -54,9 +52,5 @@ struct ColladaFacts {
 // Throws an Error that states the problem and the line if the file is not XML, has elements that assimp reads wrong, or
 // copies a node into itself.
 ColladaFacts colladaFacts(const std::filesystem::path& file);
-
-// Returns the materials of an assimp scene. Base colours count as linear, since most exporters write linear ones.
-// Counts rotations of images, which are not applied.
-std::vector<ImportedMaterial> materialsOf(const aiScene& scene, LeftOut& leftOut);
 
 }  // namespace scanmill

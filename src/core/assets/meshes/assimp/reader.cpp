@@ -1,5 +1,6 @@
 #include <assimp/commonMetaData.h>
 #include <assimp/config.h>
+#include <assimp/material.h>
 #include <assimp/scene.h>
 #include <fmt/core.h>
 
@@ -8,13 +9,16 @@
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
 #include <exception>
+#include <initializer_list>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/assimp/parts.h"
+#include "assets/meshes/base_color.h"
 #include "assets/meshes/polygon.h"
 #include "base/error.h"
 
@@ -33,75 +37,119 @@ T metadataOf(const auto& owner, const char* key, T fallback) {
   return owner.mMetaData != nullptr && owner.mMetaData->Get(key, value) ? value : fallback;
 }
 
+std::string textOf(const aiMaterial& material, const char* key, unsigned type, unsigned i) {
+  aiString value;
+  return material.Get(key, type, i, value) == aiReturn_SUCCESS ? std::string(value.C_Str()) : std::string();
+}
+
+template <class Number>
+Number numberOf(const aiMaterial& material, const char* key, unsigned type, unsigned i, Number fallback) {
+  Number value{};
+  return material.Get(key, type, i, value) == aiReturn_SUCCESS ? value : fallback;
+}
+
+// Returns the image of the first of these types that the material has. Counts rotations of images, which are not
+// applied.
+ImportedMap firstMap(const aiMaterial& material, std::initializer_list<aiTextureType> types, LeftOut& leftOut) {
+  for (const aiTextureType type : types) {
+    ImportedMap map{.name = textOf(material, AI_MATKEY_TEXTURE(type, 0))};
+    if (map.name.empty()) continue;
+    map.placement.channel = static_cast<std::uint32_t>(std::max(numberOf(material, AI_MATKEY_UVWSRC(type, 0), 0), 0));
+    if (aiUVTransform transform; material.Get(AI_MATKEY_UVTRANSFORM(type, 0), transform) == aiReturn_SUCCESS) {
+      map.placement.scale = {transform.mScaling.x, transform.mScaling.y};
+      map.placement.offset = {transform.mTranslation.x, transform.mTranslation.y};
+      // The importer takes degrees for radians, and no specification states the sign.
+      if (transform.mRotation != 0) leftOut.add("rotations of images (rotateUV)");
+    }
+    map.inverted = (numberOf(material, AI_MATKEY_TEXFLAGS(type, 0), 0) & aiTextureFlags_Invert) != 0;
+    constexpr int kRepeat = aiTextureMapMode_Wrap;
+    map.repeats = numberOf(material, AI_MATKEY_MAPPINGMODE_U(type, 0), kRepeat) == kRepeat &&
+                  numberOf(material, AI_MATKEY_MAPPINGMODE_V(type, 0), kRepeat) == kRepeat;
+    return map;
+  }
+  return {};
+}
+
+// Returns the materials of a scene. Base colours count as linear, since most exporters write linear ones.
+std::vector<ImportedMaterial> materialsOf(const aiScene& scene, LeftOut& leftOut) {
+  std::vector<ImportedMaterial> materials;
+  for (const aiMaterial* const read : std::span(scene.mMaterials, scene.mNumMaterials)) {
+    ImportedMaterial& material = materials.emplace_back();
+    material.name = textOf(*read, AI_MATKEY_NAME);
+    if (material.name == kDefaultMaterial) material.name.clear();
+    aiColor4D color(1, 1, 1, 1);
+    const bool hasColor = read->Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS;
+    material.stated = hasColor && textOf(*read, AI_MATKEY_NAME) != kDefaultMaterial;
+    material.roughness = fraction(numberOf(*read, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f), 1.0f);
+    material.metallic = fraction(numberOf(*read, AI_MATKEY_METALLIC_FACTOR, 0.0f), 0.0f);
+    material.opacity = numberOf(*read, AI_MATKEY_OPACITY, 1.0f);
+    material.color = {fraction(color.r, 1.0f), fraction(color.g, 1.0f), fraction(color.b, 1.0f)};
+    material.opacityMap = firstMap(*read, {aiTextureType_OPACITY}, leftOut);
+    material.base = firstMap(*read, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}, leftOut);
+  }
+  return materials;
+}
+
 // Collects the errors that the library meets in files and reads past, as long as the object lives.
-class ImporterLog {
+class ImporterLog final : public Assimp::LogStream {
  public:
   ImporterLog() {
     Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0, nullptr);
-    Assimp::DefaultLogger::get()->attachStream(new Stream(problems), Assimp::Logger::Err);
+    Assimp::DefaultLogger::get()->attachStream(this, Assimp::Logger::Err);
   }
-  ~ImporterLog() { Assimp::DefaultLogger::kill(); }
-  ImporterLog(const ImporterLog&) = delete;
-  ImporterLog& operator=(const ImporterLog&) = delete;
+  ~ImporterLog() override {
+    Assimp::DefaultLogger::get()->detachStream(this, Assimp::Logger::Err);
+    Assimp::DefaultLogger::kill();
+  }
+
+  // Takes a line such as "Error, T0: AC3D: Unexpected EOF".
+  void write(const char* message) override {
+    constexpr std::size_t kMostProblems = 4, kMostLetters = 200;
+    std::string_view text(message);
+    text.remove_prefix(std::min(text.find(": ") + 2, text.size()));
+    const std::string problem(text.substr(0, std::min(text.find('\n'), kMostLetters)));
+    const bool isRepeated = std::ranges::find(problems, problem) != problems.end();
+    if (problems.size() < kMostProblems && !isRepeated) problems.push_back(problem);
+  }
 
   std::vector<std::string> problems;  // the first ones
-
- private:
-  class Stream final : public Assimp::LogStream {
-   public:
-    explicit Stream(std::vector<std::string>& problems) : problems_(problems) {}
-
-    // Takes a line such as "Error, T0: AC3D: Unexpected EOF".
-    void write(const char* message) override {
-      constexpr std::size_t kMostProblems = 4;
-      std::string_view text(message);
-      text.remove_prefix(std::min(text.find(": ") + 2, text.size()));
-      const std::string problem(text.substr(0, std::min<std::size_t>(text.find('\n'), 200)));
-      const bool isKnown = std::find(problems_.begin(), problems_.end(), problem) != problems_.end();
-      if (problems_.size() < kMostProblems && !isKnown) problems_.push_back(problem);
-    }
-
-   private:
-    std::vector<std::string>& problems_;
-  };
 };
 
 class Importer {
  public:
   Importer(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options)
-      : file_(file), options_(options), kind_(kind), collada_(kind == ".dae") {}
+      : file_(file), options_(options), kind_(kind), isCollada_(kind == ".dae") {}
 
   ImportedFile read() {
-    ImportedFile read;
-    import();
-    read.up = options_.up.value_or(collada_ ? facts_.up : 'y');
-    read.upDeclared = true;
-    read.statedUnit = facts_.unit;
+    importScene();
+    imported_.up = options_.up.value_or(isCollada_ ? facts_.up : 'y');
+    imported_.upDeclared = true;
+    imported_.statedUnit = facts_.unit;
     countUnread();
-    read.dropped.outOfRange = dropBadFaces();
-    read.materials = materialsOf(*scene_, leftOut_);
-    takeColladaFacts(read.materials);
-    walk(read);
-    read.problems = log_.problems;
-    read.leftOut = std::move(leftOut_);
-    return read;
+    imported_.dropped.outOfRange = dropBadFaces();
+    imported_.materials = materialsOf(*scene_, imported_.leftOut);
+    applyColladaFacts();
+    addNodes();
+    imported_.problems = log_.problems;
+    return std::move(imported_);
   }
 
  private:
-  void import() {
+  // Sets scene_, and facts_ of a COLLADA file.
+  void importScene() {
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     std::string text;
-    if (collada_) {
+    if (isCollada_) {
       facts_ = colladaFacts(file_);
       text = std::move(facts_.text);
-      leftOut_.add(facts_.leftOut);
+      imported_.leftOut.add(facts_.leftOut);
     } else {
-      text = readAc3d(file_, leftOut_);
+      text = readAc3d(file_, imported_.leftOut);
     }
     try {
-      scene_ = importer_.ReadFileFromMemory(text.data(), text.size(), 0, collada_ ? "dae" : "ac");
+      scene_ = importer_.ReadFileFromMemory(text.data(), text.size(), 0, isCollada_ ? "dae" : "ac");
       if (scene_ == nullptr && importer_.GetException() != nullptr) std::rethrow_exception(importer_.GetException());
     } catch (const std::bad_alloc&) {
       throw;
@@ -114,33 +162,32 @@ class Importer {
     if (scene_->mRootNode == nullptr) failReading("it has no nodes");
     // The importer also recognises other kinds by their content.
     const std::string format = metadataOf(*scene_, AI_METADATA_SOURCE_FORMAT, aiString()).C_Str();
-    if (format != (collada_ ? "Collada Importer" : "AC3D Importer")) failReading("it is of another kind");
+    if (format != (isCollada_ ? "Collada Importer" : "AC3D Importer")) failReading("it is of another kind");
   }
 
-  [[noreturn]] void failReading(const std::string& why) const {
-    throw Error(fmt::format("cannot be read: {}; {}", why, remedyFor(kind_)));
+  [[noreturn]] void failReading(const std::string& reason) const {
+    throw Error(fmt::format("cannot be read: {}; {}", reason, remedyFor(kind_)));
   }
 
   // Counts what the importer has read and is not used.
   void countUnread() {
-    leftOut_.add("animations (the file's pose is taken)", scene_->mNumAnimations);
-    for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
-      const aiMesh& mesh = *scene_->mMeshes[m];
-      if (mesh.HasVertexColors(0)) leftOut_.add("colours of vertices", mesh.mNumVertices);
-      for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-        if (mesh.mFaces[f].mNumIndices == 1) leftOut_.add("points");
-        if (mesh.mFaces[f].mNumIndices == 2) leftOut_.add("lines");
+    imported_.leftOut.add("animations (the file's pose is taken)", scene_->mNumAnimations);
+    for (const aiMesh* const mesh : std::span(scene_->mMeshes, scene_->mNumMeshes)) {
+      if (mesh->HasVertexColors(0)) imported_.leftOut.add("colours of vertices", mesh->mNumVertices);
+      for (const aiFace& face : std::span(mesh->mFaces, mesh->mNumFaces)) {
+        if (face.mNumIndices == 1) imported_.leftOut.add("points");
+        if (face.mNumIndices == 2) imported_.leftOut.add("lines");
       }
     }
   }
 
-  // Adds to the materials what the importer does not report, and takes from them what it reads wrong.
-  void takeColladaFacts(std::vector<ImportedMaterial>& materials) {
-    for (std::size_t i = 0; i < std::min(materials.size(), facts_.materials.size()); ++i) {
+  // Adds to the materials what the importer does not report, and removes from them what it reads wrong.
+  void applyColladaFacts() {
+    for (std::size_t i = 0; i < std::min(imported_.materials.size(), facts_.materials.size()); ++i) {
       const ColladaMaterial& stated = facts_.materials[i];
-      ImportedMaterial& material = materials[i];
+      ImportedMaterial& material = imported_.materials[i];
       if (!stated.colored) {
-        leftOut_.add("materials without a plain diffuse colour");
+        imported_.leftOut.add("materials without a plain diffuse colour");
         material.stated = false;
         material.color = {1, 1, 1};
       }
@@ -151,7 +198,7 @@ class Importer {
       if (stated.inverted && *stated.transparency == 0) {
         material.opacityMap.name.clear();  // opaque everywhere
       } else if (*stated.transparency != 1) {
-        leftOut_.add("numbers of `transparency` beside images (the images alone count)");
+        imported_.leftOut.add("numbers of `transparency` beside images (the images alone count)");
       }
     }
   }
@@ -166,14 +213,11 @@ class Importer {
   // lost triangles.
   std::uint64_t dropBadFaces() const {
     std::uint64_t dropped = 0;
-    for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
-      aiMesh& mesh = *scene_->mMeshes[m];
-      const unsigned vertices = mesh.mVertices != nullptr ? mesh.mNumVertices : 0;
-      for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-        aiFace& face = mesh.mFaces[f];
-        if (std::all_of(face.mIndices, face.mIndices + face.mNumIndices, [&](unsigned i) { return i < vertices; })) {
-          continue;
-        }
+    for (const aiMesh* const mesh : std::span(scene_->mMeshes, scene_->mNumMeshes)) {
+      const unsigned vertices = mesh->mVertices != nullptr ? mesh->mNumVertices : 0;
+      for (aiFace& face : std::span(mesh->mFaces, mesh->mNumFaces)) {
+        const std::span indices(face.mIndices, face.mNumIndices);
+        if (std::ranges::all_of(indices, [&](unsigned i) { return i < vertices; })) continue;
         dropped += face.mNumIndices > 2 ? face.mNumIndices - 2 : 0;
         face.mNumIndices = 0;
       }
@@ -181,78 +225,66 @@ class Importer {
     return dropped;
   }
 
-  // Returns the transform from the importer's frame to metres and z up.
-  Affine assetFromImported(char up) const {
-    if (collada_ && !options_.up) up = 'y';  // the importer has rotated the declared axis to y
-    return {assetFromFile(up, options_.metresPerUnit), {}};
-  }
-
-  static std::string nodeName(const aiNode& node) {
-    std::string name = node.mName.C_Str();
-    return name.starts_with("$ColladaAutoName$") ? std::string() : name;  // which the importer invents
-  }
-
-  struct Placed {
-    const aiNode* node;
-    Affine assetFromNode;
-    std::string name;  // name of the node or of its nearest named ancestor; the root's children do not inherit its
-                       // name, which the importer often invents
-  };
-
-  void walk(ImportedFile& read) {
-    std::uint32_t index = 0;  // of the node in the order of the file, depth first
-    std::vector<Placed> pending{{scene_->mRootNode, assetFromImported(read.up), {}}};
-    while (!pending.empty()) {
-      Placed item = std::move(pending.back());
+  // Adds the parts of all nodes, in the order of the file, depth first.
+  void addNodes() {
+    struct PendingNode {
+      const aiNode* node;
+      Affine assetFromParent;
+      std::string inheritedName;  // name of the nearest ancestor with one; empty: none, or only the root, whose name
+                                  // the importer often invents
+    };
+    // If the options state no axis, the importer has rotated that of a COLLADA file to y.
+    const char up = options_.up.value_or('y');
+    std::vector<PendingNode> pending{{scene_->mRootNode, {assetFromFile(up, options_.metresPerUnit), {}}, {}}};
+    for (std::uint32_t index = 0; !pending.empty(); ++index) {
+      const auto [node, assetFromParent, inheritedName] = std::move(pending.back());
       pending.pop_back();
-      if (std::string own = nodeName(*item.node); !own.empty()) item.name = std::move(own);
-      item.assetFromNode = item.assetFromNode * toAffine(item.node->mTransformation);
-      const std::string inherited = item.node == scene_->mRootNode ? std::string() : item.name;
-      for (unsigned i = item.node->mNumChildren; i-- > 0;) {
-        if (const aiNode* child = item.node->mChildren[i]) pending.push_back({child, item.assetFromNode, inherited});
+      const std::string_view ownName = node->mName.C_Str();
+      const bool isInvented = ownName.starts_with("$ColladaAutoName$");
+      const std::string name(ownName.empty() || isInvented ? std::string_view(inheritedName) : ownName);
+      const Affine assetFromNode = assetFromParent * toAffine(node->mTransformation);
+      for (unsigned i = node->mNumChildren; i-- > 0;) {
+        if (node->mChildren[i] == nullptr) continue;
+        pending.push_back({node->mChildren[i], assetFromNode, node == scene_->mRootNode ? "" : name});
       }
-      addNode(read, *item.node, item.name, index++, item.assetFromNode);
+      addNode(*node, name, index, assetFromNode);
     }
   }
 
-  void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
-               const Affine& assetFromNode) {
-    static const ImportedMaterial kNone;
-    const std::size_t first = read.parts.size();
-    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-      if (node.mMeshes[i] >= scene_->mNumMeshes) continue;
-      const aiMesh& mesh = *scene_->mMeshes[node.mMeshes[i]];
+  void addNode(const aiNode& node, const std::string& name, std::uint32_t index, const Affine& assetFromNode) {
+    static const ImportedMaterial kNoMaterial;
+    const std::size_t first = imported_.parts.size();
+    for (const unsigned meshIndex : std::span(node.mMeshes, node.mNumMeshes)) {
+      if (meshIndex >= scene_->mNumMeshes) continue;
+      const aiMesh& mesh = *scene_->mMeshes[meshIndex];
       if (mesh.mNumVertices == 0 || mesh.mVertices == nullptr || mesh.mNumFaces == 0) continue;
       triangles_ += mesh.mNumFaces;
       if (triangles_ > kMostTriangles)
         throw Error(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
       const unsigned number = mesh.mMaterialIndex;
-      const ImportedMaterial& material = number < read.materials.size() ? read.materials[number] : kNone;
+      const ImportedMaterial& material =
+          number < imported_.materials.size() ? imported_.materials[number] : kNoMaterial;
       scanmill::append(geometryOf(mesh, material.placement()), assetFromNode, number, material.namesImages(), first,
-                       read.parts);
+                       imported_.parts);
     }
-    finishNode(name, index, first, read.parts);
+    finishNode(name, index, first, imported_.parts);
   }
 
+  // Returns the polygons of a mesh as triangles, in the frame of its node.
   Geometry geometryOf(const aiMesh& mesh, const UvPlacement& placement) {
     Geometry geometry;
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      const aiVector3D& v = mesh.mVertices[i];
-      geometry.points.push_back({v.x, v.y, v.z});
-    }
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      const aiFace& face = mesh.mFaces[f];
+    for (const aiVector3D& v : std::span(mesh.mVertices, mesh.mNumVertices)) geometry.points.push_back({v.x, v.y, v.z});
+    for (const aiFace& face : std::span(mesh.mFaces, mesh.mNumFaces)) {
       if (face.mNumIndices < 3) continue;
-      const unsigned* at = face.mIndices;
-      for (const auto& t : polygons_.divide(face.mNumIndices, [&](std::size_t i) { return geometry.points[at[i]]; })) {
-        geometry.triangles.push_back({at[t[0]], at[t[1]], at[t[2]]});
+      const unsigned* const corners = face.mIndices;
+      const auto position = [&](std::size_t corner) { return geometry.points[corners[corner]]; };
+      for (const auto& t : polygons_.divide(face.mNumIndices, position)) {
+        geometry.triangles.push_back({corners[t[0]], corners[t[1]], corners[t[2]]});
       }
     }
-    const unsigned wanted = placement.channel;
-    const unsigned channel = wanted < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.HasTextureCoords(wanted) ? wanted : 0;
+    const unsigned channel = mesh.HasTextureCoords(placement.channel) ? placement.channel : 0;
     if (!mesh.HasTextureCoords(channel)) return geometry;
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      const aiVector3D& uv = mesh.mTextureCoords[channel][i];
+    for (const aiVector3D& uv : std::span(mesh.mTextureCoords[channel], mesh.mNumVertices)) {
       geometry.uvs.push_back(placement.apply({uv.x, uv.y}));
     }
     return geometry;
@@ -261,14 +293,14 @@ class Importer {
   const std::filesystem::path& file_;
   const AssetOptions& options_;
   const std::string& kind_;
-  const bool collada_;  // false: AC3D
+  const bool isCollada_;  // false: AC3D
   ImporterLog log_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;  // owned by importer_
   std::uint64_t triangles_ = 0;
   Triangulator polygons_{Location()};  // without the file's name, which the parent process adds
   ColladaFacts facts_;
-  LeftOut leftOut_;
+  ImportedFile imported_;
 };
 
 }  // namespace

@@ -29,10 +29,12 @@ constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
 // Largest number of bytes that one compressed byte of a view may decode to.
 constexpr std::uint64_t kMostExpansion = 4096;
 
+// Returns the number that bytes hold as a number of an accessor. `normalized`: see Data::floats(); it has no effect if
+// `Number` is an integer.
 template <class Number>
-Number readNumber(const char* at, const Component& component, bool normalized) {
+Number readNumber(const char* bytes, const Component& component, bool normalized) {
   return visitNumberType(component.kind, component.size, [&]<class Stored>(Stored value) {
-    std::memcpy(&value, at, sizeof value);
+    std::memcpy(&value, bytes, sizeof value);
     if constexpr (std::is_floating_point_v<Number> && !std::is_floating_point_v<Stored>) {
       if (normalized) {
         return std::max(static_cast<Number>(value) / static_cast<Number>(std::numeric_limits<Stored>::max()),
@@ -43,15 +45,16 @@ Number readNumber(const char* at, const Component& component, bool normalized) {
   });
 }
 
+// Returns the values of an attribute by point of the mesh. Throws Error if they are damaged.
 DracoMesh::Values valuesOf(const draco::Mesh& mesh, const draco::PointAttribute& attribute) {
   DracoMesh::Values values;
   const std::size_t width = attribute.num_components();
   values.normalized = attribute.normalized();
   values.numbers.resize(mesh.num_points() * width);
-  for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
-    const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(i));
-    if (value.value() >= attribute.size() ||
-        !attribute.ConvertValue<float>(value, static_cast<std::int8_t>(width), &values.numbers[i * width])) {
+  for (std::uint32_t point = 0; point < mesh.num_points(); ++point) {
+    const draco::AttributeValueIndex index = attribute.mapped_index(draco::PointIndex(point));
+    if (index.value() >= attribute.size() ||
+        !attribute.ConvertValue<float>(index, static_cast<std::int8_t>(width), &values.numbers[point * width])) {
       throw Error("Draco attributes are damaged");
     }
   }
@@ -59,10 +62,10 @@ DracoMesh::Values valuesOf(const draco::Mesh& mesh, const draco::PointAttribute&
 }
 
 // Returns the name of an image for rules: its file; for an embedded image its name, or "*" and its number.
-std::string labelOf(const Model& model, Index image) {
-  const Image& i = model.images[image];
-  if (!i.uri.empty() && !i.uri.starts_with("data:")) return i.uri;
-  return i.name.empty() ? fmt::format("*{}", image) : i.name;
+std::string labelOf(const Model& model, Index imageIndex) {
+  const auto& [name, uri, view] = model.images[imageIndex];
+  if (!uri.empty() && !uri.starts_with("data:")) return uri;
+  return name.empty() ? fmt::format("*{}", imageIndex) : name;
 }
 
 // Loads the image with this index; see ColorImages::load().
@@ -164,7 +167,7 @@ std::string_view Data::buffer(Index index) const {
   return *bytes;
 }
 
-std::string_view Data::part(Index index, std::uint64_t offset, std::uint64_t length) const {
+std::string_view Data::bytesOf(Index index, std::uint64_t offset, std::uint64_t length) const {
   const std::string_view bytes = buffer(index);
   if (offset + length > bytes.size()) {
     model_.fail(fmt::format("is truncated: buffers[{}] has {} bytes", index, bytes.size()));
@@ -172,55 +175,55 @@ std::string_view Data::part(Index index, std::uint64_t offset, std::uint64_t len
   return bytes.substr(offset, length);
 }
 
-std::string Data::decode(const Meshopt& m, const std::string& what) const {
-  if (!m.problem.empty()) model_.fail(m.problem);
-  const std::string_view from = part(m.buffer, m.offset, m.length);
-  if (m.count * m.stride > kMostExpansion * (m.length + 1)) {
-    model_.fail(fmt::format("is damaged: {} has {} elements in {} bytes", what, m.count, m.length));
+std::string Data::decode(const Meshopt& meshopt, const std::string& what) const {
+  if (!meshopt.problem.empty()) model_.fail(meshopt.problem);
+  const std::string_view compressed = bytesOf(meshopt.buffer, meshopt.offset, meshopt.length);
+  const std::uint64_t size = meshopt.count * meshopt.stride;
+  if (size > kMostExpansion * (meshopt.length + 1)) {
+    model_.fail(fmt::format("is damaged: {} has {} elements in {} bytes", what, meshopt.count, meshopt.length));
   }
-  chargeBytes(static_cast<double>(m.count * m.stride), {model_.file.string()});
-  std::string out(m.count * m.stride, '\0');
-  if (m.decode(out.data(), m.count, m.stride, reinterpret_cast<const unsigned char*>(from.data()), from.size()) != 0) {
+  chargeBytes(static_cast<double>(size), {model_.file.string()});
+  std::string decoded(size, '\0');
+  const auto* const bytes = reinterpret_cast<const unsigned char*>(compressed.data());
+  if (meshopt.decode(decoded.data(), meshopt.count, meshopt.stride, bytes, compressed.size()) != 0) {
     model_.fail(fmt::format(
         "has {} with compressed data that is damaged or of an unknown version: export it without compression", what));
   }
-  if (m.filter != nullptr) m.filter(out.data(), m.count, m.stride);
-  return out;
+  if (meshopt.filter != nullptr) meshopt.filter(decoded.data(), meshopt.count, meshopt.stride);
+  return decoded;
 }
 
 template <class Number>
 std::vector<Number> Data::numbers(Index index, const std::string& what) const {
-  const Accessor& a = model_.accessors[index];
-  const std::size_t size = a.component.size;
-  if (!a.view && a.count > kMostZeroes / a.width) {
-    model_.fail(fmt::format("is damaged: {} has {} elements without data", what, a.count));
+  const auto& [accessorView, offset, count, component, width, normalized, sparse] = model_.accessors[index];
+  if (!accessorView && count > kMostZeroes / width) {
+    model_.fail(fmt::format("is damaged: {} has {} elements without data", what, count));
   }
   // Get the bytes before the output is allocated, so that a bad view throws first.
-  const std::string_view bytes = a.view ? view(*a.view).substr(a.offset) : std::string_view();
-  std::vector<Number> out(a.count * a.width, 0);
-  const auto take = [&](const char* at, std::size_t element) {
-    for (std::size_t k = 0; k < a.width; ++k) {
-      out[element * a.width + k] = readNumber<Number>(at + k * size, a.component, a.normalized);
+  const std::string_view bytes = accessorView ? view(*accessorView).substr(offset) : std::string_view();
+  std::vector<Number> numbers(count * width, 0);
+  const auto readElement = [&](const char* elementBytes, std::size_t element) {
+    for (std::size_t k = 0; k < width; ++k) {
+      numbers[element * width + k] = readNumber<Number>(elementBytes + k * component.size, component, normalized);
     }
   };
-  if (a.view) {
-    const std::uint64_t stated = model_.views[*a.view].stride;
-    const std::size_t stride = stated > 0 ? stated : size * a.width;
-    for (std::size_t i = 0; i < a.count; ++i) take(bytes.data() + i * stride, i);
+  if (accessorView) {
+    const std::uint64_t statedStride = model_.views[*accessorView].stride;
+    const std::size_t stride = statedStride > 0 ? statedStride : component.size * width;
+    for (std::size_t i = 0; i < count; ++i) readElement(bytes.data() + i * stride, i);
   }
-  if (a.sparse) {
-    const std::string_view elements = view(a.sparse->indicesView).substr(a.sparse->indicesOffset);
-    const std::string_view values = view(a.sparse->valuesView).substr(a.sparse->valuesOffset);
-    for (std::size_t i = 0; i < a.sparse->count; ++i) {
-      const auto element =
-          readNumber<std::uint32_t>(elements.data() + i * a.sparse->indices.size, a.sparse->indices, false);
-      if (element >= a.count) {
-        model_.fail(fmt::format("is not valid glTF: {} replaces the element {} of {}", what, element, a.count));
+  if (sparse) {
+    const std::string_view indices = view(sparse->indicesView).substr(sparse->indicesOffset);
+    const std::string_view values = view(sparse->valuesView).substr(sparse->valuesOffset);
+    for (std::size_t i = 0; i < sparse->count; ++i) {
+      const auto element = readNumber<std::uint32_t>(indices.data() + i * sparse->indices.size, sparse->indices, false);
+      if (element >= count) {
+        model_.fail(fmt::format("is not valid glTF: {} replaces the element {} of {}", what, element, count));
       }
-      take(values.data() + i * size * a.width, element);
+      readElement(values.data() + i * component.size * width, element);
     }
   }
-  return out;
+  return numbers;
 }
 
 std::vector<float> Data::floats(Index accessor, const std::string& what) const {
@@ -228,16 +231,16 @@ std::vector<float> Data::floats(Index accessor, const std::string& what) const {
 }
 
 std::vector<float> Data::finiteFloats(Index accessor, const std::string& what) const {
-  std::vector<float> out = floats(accessor, what);
-  if (!std::all_of(out.begin(), out.end(), [](float v) { return std::isfinite(v); })) {
+  std::vector<float> numbers = floats(accessor, what);
+  if (!std::ranges::all_of(numbers, [](float number) { return std::isfinite(number); })) {
     model_.fail(fmt::format("is damaged: {} has numbers that are not finite", what));
   }
-  return out;
+  return numbers;
 }
 
 std::vector<float> Data::fractions(Index accessor, const std::string& what) const {
-  const Accessor& a = model_.accessors[accessor];
-  if (a.component.kind != 'F' && !a.normalized) {
+  const Accessor& described = model_.accessors[accessor];
+  if (described.component.kind != 'F' && !described.normalized) {
     model_.fail(
         fmt::format("is not valid glTF: {} must have floating-point or normalised numbers, not whole numbers", what));
   }
@@ -251,11 +254,11 @@ std::vector<std::uint32_t> Data::integers(Index accessor, const std::string& wha
   return numbers<std::uint32_t>(accessor, what);
 }
 
-std::string_view Data::view(Index view) const {
-  const View& v = model_.views[view];
-  if (!v.compressed) return part(v.buffer, v.offset, v.length);
-  std::optional<std::string>& bytes = decoded_[view];
-  if (!bytes) bytes = decode(*v.compressed, fmt::format("bufferViews[{}]", view));
+std::string_view Data::view(Index index) const {
+  const View& view = model_.views[index];
+  if (!view.compressed) return bytesOf(view.buffer, view.offset, view.length);
+  std::optional<std::string>& bytes = decoded_[index];
+  if (!bytes) bytes = decode(*view.compressed, fmt::format("bufferViews[{}]", index));
   return *bytes;
 }
 
@@ -277,17 +280,19 @@ DracoMesh decodeDraco(std::string_view bytes, const std::map<std::string, std::u
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) throw Error(fmt::format("Draco: {}", decoded.status().error_msg_string()));
   const draco::Mesh& mesh = *decoded.value();
-  DracoMesh out;
+  DracoMesh decodedMesh;
   for (const auto& [name, id] : ids) {
     const draco::PointAttribute* const attribute = mesh.GetAttributeByUniqueId(id);
     if (attribute == nullptr) throw Error(fmt::format("Draco: the attribute {} ({}) is missing", id, name));
-    out.attributes[name] = valuesOf(mesh, *attribute);
+    decodedMesh.attributes[name] = valuesOf(mesh, *attribute);
   }
-  out.indices.reserve(mesh.num_faces() * std::size_t{3});
-  for (std::uint32_t f = 0; f < mesh.num_faces(); ++f) {
-    for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(f))) out.indices.push_back(corner.value());
+  decodedMesh.indices.reserve(mesh.num_faces() * std::size_t{3});
+  for (std::uint32_t face = 0; face < mesh.num_faces(); ++face) {
+    for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(face))) {
+      decodedMesh.indices.push_back(corner.value());
+    }
   }
-  return out;
+  return decodedMesh;
 }
 
 std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options) {

@@ -32,14 +32,14 @@ class Data {
   std::vector<std::uint32_t> integers(Index accessor, const std::string& what) const;
 
   // Returns the bytes of a buffer view, decoded if they are compressed.
-  std::string_view view(Index view) const;
+  std::string_view view(Index index) const;
   // Returns the decoded bytes of a data: URI.
   std::string embedded(const std::string& uri, const std::string& what) const;
 
  private:
   std::string_view buffer(Index index) const;
-  // Returns a part of a buffer. Checks the buffer's size again, since the file may have shrunk after readModel().
-  std::string_view part(Index index, std::uint64_t offset, std::uint64_t length) const;
+  // Returns bytes of a buffer. Checks the buffer's size again, since the file may have shrunk after readModel().
+  std::string_view bytesOf(Index buffer, std::uint64_t offset, std::uint64_t length) const;
   std::string decode(const Meshopt& meshopt, const std::string& what) const;
   template <class Number>
   std::vector<Number> numbers(Index index, const std::string& what) const;

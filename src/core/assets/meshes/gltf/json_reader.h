@@ -19,81 +19,87 @@ namespace scanmill::gltf {
 
 using Json = nlohmann::json;
 
-// All functions throw an InputError that names the file. `what` names the JSON value in the message.
+// Reads a file's JSON into a model. All functions throw an InputError that names the file. `path` names the JSON value
+// in the message, such as "meshes[0].primitives[1]".
 class JsonReader {
  protected:
-  JsonReader(Model& model, const Json& json) : m_(model), json_(json) {}
+  JsonReader(Model& model, const Json& json) : model_(model), json_(json) {}
 
-  [[noreturn]] void fail(const std::string& what) const { m_.fail(what); }
+  [[noreturn]] void fail(const std::string& problem) const { model_.fail(problem); }
 
   const Json& list(const char* key) const { return listIn(json_, key, key); }
 
   // Returns the list under a key; an empty list if the key is absent.
-  const Json& listIn(const Json& object, const char* key, const std::string& what) const {
-    static const Json kNone = Json::array();
-    const auto found = object.find(key);
-    if (found == object.end()) return kNone;
-    if (!found->is_array()) fail(fmt::format("is not valid glTF: '{}' is not a list", what));
-    return *found;
+  const Json& listIn(const Json& object, const char* key, const std::string& path) const {
+    static const Json kEmpty = Json::array();
+    const auto value = object.find(key);
+    if (value == object.end()) return kEmpty;
+    if (!value->is_array()) fail(fmt::format("is not valid glTF: '{}' is not a list", path));
+    return *value;
   }
 
-  template <class T, class Make>
-  void each(const char* key, std::vector<T>& into, const Make& make) {
-    const Json& all = list(key);
-    into.reserve(all.size());
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const std::string what = fmt::format("{}[{}]", key, i);
-      if (!all[i].is_object()) fail(fmt::format("is not valid glTF: {} is not an object", what));
-      into.push_back(make(all[i], what));
+  // Appends read(object, path) for each object of the file's list under a key.
+  template <class T, class Read>
+  void each(const char* key, std::vector<T>& into, const Read& read) {
+    const Json& objects = list(key);
+    into.reserve(objects.size());
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const std::string path = fmt::format("{}[{}]", key, i);
+      if (!objects[i].is_object()) fail(fmt::format("is not valid glTF: {} is not an object", path));
+      into.push_back(read(objects[i], path));
     }
   }
 
-  Index index(const Json& value, std::size_t count, const std::string& what) const {
-    if (!value.is_number_unsigned()) fail(fmt::format("is not valid glTF: {} is not an index", what));
+  // Returns a value that must be an index below `count`.
+  Index readIndex(const Json& value, std::size_t count, const std::string& path) const {
+    if (!value.is_number_unsigned()) fail(fmt::format("is not valid glTF: {} is not an index", path));
     const std::uint64_t i = value.get<std::uint64_t>();
-    if (i >= count) fail(fmt::format("is not valid glTF: {} is {}, but only {} exist", what, i, count));
+    if (i >= count) fail(fmt::format("is not valid glTF: {} is {}, but only {} exist", path, i, count));
     return i;
   }
 
-  MaybeIndex maybe(const Json& object, const char* key, std::size_t count, const std::string& what) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return std::nullopt;
-    return index(*found, count, what + "." + key);
+  MaybeIndex readOptionalIndex(const Json& object, const char* key, std::size_t count, const std::string& path) const {
+    const auto value = object.find(key);
+    return value == object.end() ? std::nullopt : MaybeIndex(readIndex(*value, count, path + "." + key));
   }
 
-  std::uint64_t length(const Json& object, const char* key, std::uint64_t fallback, const std::string& what) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return fallback;
-    if (!found->is_number_unsigned() || found->get<std::uint64_t>() > UINT64_MAX / 4) {
-      fail(fmt::format("is not valid glTF: {}.{} is not a length", what, key));
+  std::uint64_t readLength(const Json& object, const char* key, std::uint64_t fallback, const std::string& path) const {
+    const auto value = object.find(key);
+    if (value == object.end()) return fallback;
+    // Sums of a few lengths must not overflow.
+    if (!value->is_number_unsigned() || value->get<std::uint64_t>() > UINT64_MAX / 4) {
+      fail(fmt::format("is not valid glTF: {}.{} is not a length", path, key));
     }
-    return found->get<std::uint64_t>();
+    return value->get<std::uint64_t>();
   }
 
+  // Reads a list of `size` numbers. Returns false, without a change of `into`, if the key is absent.
   template <std::size_t size>
-  bool numbers(const Json& object, const char* key, const std::string& what, std::array<double, size>& into) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return false;
-    const bool fits = found->is_array() && found->size() == size &&
-                      std::all_of(found->begin(), found->end(), [](const Json& n) { return n.is_number(); });
-    if (!fits) fail(fmt::format("{}.{} is not {} numbers", what, key, size));
-    for (std::size_t i = 0; i < size; ++i) into[i] = (*found)[i].get<double>();
+  bool readNumbers(const Json& object, const char* key, const std::string& path, std::array<double, size>& into) const {
+    const auto value = object.find(key);
+    if (value == object.end()) return false;
+    const bool fits = value->is_array() && value->size() == size &&
+                      std::all_of(value->begin(), value->end(), [](const Json& n) { return n.is_number(); });
+    if (!fits) fail(fmt::format("{}.{} is not {} numbers", path, key, size));
+    into = value->get<std::array<double, size>>();
     return true;
   }
 
   // Returns the extension with this name; null if the object does not have it.
   const Json* extensionOf(const Json& object, const char* name) const {
-    const auto all = object.find("extensions");
-    return all == object.end() ? nullptr : objectIn(*all, name);
+    const auto extensions = object.find("extensions");
+    return extensions == object.end() ? nullptr : objectIn(*extensions, name);
   }
 
-  const Json* objectIn(const Json& object, const char* name) const {
-    const auto found = object.find(name);
-    if (found == object.end()) return nullptr;
-    if (!found->is_object()) fail(fmt::format("is not valid glTF: a '{}' is not an object", name));
-    return &*found;
+  // Returns the object under a key; null if the key is absent.
+  const Json* objectIn(const Json& object, const char* key) const {
+    const auto value = object.find(key);
+    if (value == object.end()) return nullptr;
+    if (!value->is_object()) fail(fmt::format("is not valid glTF: a '{}' is not an object", key));
+    return &*value;
   }
-  Model& m_;
+
+  Model& model_;
   const Json& json_;
 };
 

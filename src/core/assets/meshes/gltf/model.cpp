@@ -13,7 +13,7 @@
 namespace scanmill::gltf {
 namespace {
 
-constexpr int kMaxDepth = 512;
+constexpr int kMostLevels = 512;  // of nodes below each other
 
 // True for extensions that only affect appearance. Transmissions are counted by material.
 bool isAppearance(std::string_view extension) {
@@ -42,60 +42,65 @@ class ModelReader : JsonReader {
                        extension));
     }
     for (const Json& name : list("extensionsUsed")) {
-      if (!isAppearance(name.get<std::string>())) m_.leftOut.addKeyword(gltfFormat(), name.get<std::string>());
+      if (!isAppearance(name.get<std::string>())) model_.leftOut.addKeyword(gltfFormat(), name.get<std::string>());
     }
     if (const auto extensions = json_.find("extensions"); extensions != json_.end() && extensions->is_object()) {
       if (const auto rtc = extensions->find("CESIUM_RTC"); rtc != extensions->end()) {
-        const auto c = rtc->at("center").get<std::array<double, 3>>();
-        m_.center = Vec3d{c[0], c[1], c[2]};
+        const auto [x, y, z] = rtc->at("center").get<std::array<double, 3>>();
+        model_.center = Vec3d{x, y, z};
       }
     }
-    readStorage(m_, json_, allowOutside_);
-    each("images", m_.images, [&](const Json& j, const std::string& what) { return image(j, what); });
-    each("materials", m_.materials, [&](const Json& j, const std::string& what) { return material(j, what); });
-    each("meshes", m_.meshes, [&](const Json& j, const std::string& what) { return mesh(j, what); });
-    each("skins", m_.skins, [&](const Json& j, const std::string& what) { return skin(j, what); });
-    each("nodes", m_.nodes, [&](const Json& j, const std::string& what) { return node(j, what); });
-    each("animations", m_.animations, [&](const Json& j, const std::string& what) { return animation(j, what); });
-    scene();
+    readStorage(model_, json_, allowOutside_);
+    each("images", model_.images, [&](const Json& json, const std::string& path) { return readImage(json, path); });
+    each("materials", model_.materials,
+         [&](const Json& json, const std::string& path) { return readMaterial(json, path); });
+    each("meshes", model_.meshes, [&](const Json& json, const std::string& path) { return readMesh(json, path); });
+    each("skins", model_.skins, [&](const Json& json, const std::string& path) { return readSkin(json, path); });
+    each("nodes", model_.nodes, [&](const Json& json, const std::string& path) { return readNode(json, path); });
+    each("animations", model_.animations,
+         [&](const Json& json, const std::string& path) { return readAnimation(json, path); });
+    readScene();
+    checkTree();
   }
 
  private:
-  Attributes attributes(const Json& object, const std::string& what) const {
-    Attributes found;
-    for (const auto& [name, value] : object.items()) found[name] = index(value, m_.accessors.size(), what + "." + name);
-    return found;
+  Attributes readAttributes(const Json& object, const std::string& path) const {
+    Attributes attributes;
+    for (const auto& [name, value] : object.items()) {
+      attributes[name] = readIndex(value, model_.accessors.size(), path + "." + name);
+    }
+    return attributes;
   }
 
-  // Counts the colours and the values with names of their own, such as _BATCHID, of vertices or instances.
-  void countUnread(const Attributes& attributes, const char* of) const {
+  // Counts the colours and the values with names of their own, such as _BATCHID, of "vertices" or "instances".
+  void countUnread(const Attributes& attributes, const char* owners) const {
     for (const auto& [name, accessor] : attributes) {
-      const bool color = name.starts_with("COLOR_");
-      if (!color && !name.starts_with('_')) continue;
-      m_.leftOut.add(fmt::format("{} of {} ({})", color ? "colours" : "values", of, name.substr(0, 40)),
-                     m_.accessors[accessor].count);
+      const bool isColor = name.starts_with("COLOR_");
+      if (!isColor && !name.starts_with('_')) continue;
+      model_.leftOut.add(fmt::format("{} of {} ({})", isColor ? "colours" : "values", owners, name.substr(0, 40)),
+                         model_.accessors[accessor].count);
     }
   }
 
-  Image image(const Json& j, const std::string& what) const {
-    Image i;
-    i.name = j.value("name", std::string());
-    i.view = maybe(j, "bufferView", m_.views.size(), what);
-    if (j.contains("uri")) {
-      i.uri = j["uri"].get<std::string>();
-      if (!i.uri.starts_with("data:")) i.uri = decodeUri(i.uri);
+  Image readImage(const Json& json, const std::string& path) const {
+    Image image{.name = json.value("name", std::string()),
+                .view = readOptionalIndex(json, "bufferView", model_.views.size(), path)};
+    if (json.contains("uri")) {
+      image.uri = json["uri"].get<std::string>();
+      if (!image.uri.starts_with("data:")) image.uri = decodeUri(image.uri);
     }
-    return i;
+    return image;
   }
 
   // Returns the image of a texture, which may be in an extension; nullopt if the texture names no image.
   MaybeIndex imageOf(Index texture) const {
-    const Json& j = list("textures")[texture];
-    const std::string what = fmt::format("textures[{}]", texture);
-    if (const MaybeIndex source = maybe(j, "source", m_.images.size(), what)) return source;
+    const Json& json = list("textures")[texture];
+    const std::string path = fmt::format("textures[{}]", texture);
+    if (const MaybeIndex source = readOptionalIndex(json, "source", model_.images.size(), path)) return source;
     for (const char* name : {"EXT_texture_webp", "EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"}) {
-      if (const Json* extension = extensionOf(j, name)) {
-        if (const MaybeIndex source = maybe(*extension, "source", m_.images.size(), what)) return source;
+      if (const Json* extension = extensionOf(json, name)) {
+        if (const MaybeIndex source = readOptionalIndex(*extension, "source", model_.images.size(), path))
+          return source;
       }
     }
     return std::nullopt;
@@ -103,226 +108,232 @@ class ModelReader : JsonReader {
 
   // False if the sampler of a texture clamps or mirrors it.
   bool repeats(Index texture) const {
-    constexpr int kRepeat = 10497;
-    const MaybeIndex sampler =
-        maybe(list("textures")[texture], "sampler", list("samplers").size(), fmt::format("textures[{}]", texture));
+    constexpr int kRepeat = 10497;  // of OpenGL, as in glTF
+    const MaybeIndex sampler = readOptionalIndex(list("textures")[texture], "sampler", list("samplers").size(),
+                                                 fmt::format("textures[{}]", texture));
     if (!sampler) return true;
-    const Json& s = list("samplers")[*sampler];
-    return s.value("wrapS", kRepeat) == kRepeat && s.value("wrapT", kRepeat) == kRepeat;
+    const Json& json = list("samplers")[*sampler];
+    return json.value("wrapS", kRepeat) == kRepeat && json.value("wrapT", kRepeat) == kRepeat;
   }
 
-  std::optional<TextureUse> textureUse(const Json& object, const char* key, const std::string& what) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return std::nullopt;
-    const std::string valueName = what + "." + key;
-    const MaybeIndex image = imageOf(index(found->at("index"), list("textures").size(), valueName));
+  // Returns how a material uses the texture under a key; nullopt if it names no image.
+  std::optional<TextureUse> textureUse(const Json& material, const char* key, const std::string& materialPath) const {
+    const auto json = material.find(key);
+    if (json == material.end()) return std::nullopt;
+    const std::string path = materialPath + "." + key;
+    const Index texture = readIndex(json->at("index"), list("textures").size(), path);
+    const MaybeIndex image = imageOf(texture);
     if (!image) return std::nullopt;
-    TextureUse use;
-    use.image = *image;
-    use.repeats = repeats(index(found->at("index"), list("textures").size(), valueName));
-    use.coordinates = static_cast<unsigned>(std::min<std::uint64_t>(length(*found, "texCoord", 0, valueName), 1000));
-    if (const Json* transform = extensionOf(*found, "KHR_texture_transform")) {
-      numbers(*transform, "offset", valueName, use.offset);
-      numbers(*transform, "scale", valueName, use.scale);
+    const Json* const transform = extensionOf(*json, "KHR_texture_transform");
+    std::uint64_t coordinates = readLength(*json, "texCoord", 0, path);
+    TextureUse use{.image = *image, .repeats = repeats(texture)};
+    if (transform != nullptr) {
+      readNumbers(*transform, "offset", path, use.offset);
+      readNumbers(*transform, "scale", path, use.scale);
       use.rotation = transform->value("rotation", 0.0);
-      use.coordinates = static_cast<unsigned>(
-          std::min<std::uint64_t>(length(*transform, "texCoord", use.coordinates, valueName), 1000));
+      coordinates = readLength(*transform, "texCoord", coordinates, path);
     }
+    constexpr std::uint64_t kMostCoordinates = 1000;  // more than any file has
+    use.coordinates = static_cast<unsigned>(std::min(coordinates, kMostCoordinates));
     return use;
   }
 
-  Material material(const Json& j, const std::string& what) const {
-    Material m;
-    m.name = j.value("name", std::string());
-    if (const Json* old = extensionOf(j, "KHR_materials_pbrSpecularGlossiness")) {
-      numbers(*old, "diffuseFactor", what, m.color);
-      m.texture = textureUse(*old, "diffuseTexture", what);
-      m.metallic = 0;
-      m.roughness = 1 - old->value("glossinessFactor", 1.0);
-    } else if (const Json* pbr = objectIn(j, "pbrMetallicRoughness")) {
-      numbers(*pbr, "baseColorFactor", what, m.color);
-      m.texture = textureUse(*pbr, "baseColorTexture", what);
-      m.metallic = pbr->value("metallicFactor", 1.0);
-      m.roughness = pbr->value("roughnessFactor", 1.0);
+  Material readMaterial(const Json& json, const std::string& path) const {
+    Material material{.name = json.value("name", std::string())};
+    if (const Json* specularGlossiness = extensionOf(json, "KHR_materials_pbrSpecularGlossiness")) {
+      readNumbers(*specularGlossiness, "diffuseFactor", path, material.color);
+      material.texture = textureUse(*specularGlossiness, "diffuseTexture", path);
+      material.metallic = 0;
+      material.roughness = 1 - specularGlossiness->value("glossinessFactor", 1.0);
+    } else if (const Json* metallicRoughness = objectIn(json, "pbrMetallicRoughness")) {
+      readNumbers(*metallicRoughness, "baseColorFactor", path, material.color);
+      material.texture = textureUse(*metallicRoughness, "baseColorTexture", path);
+      material.metallic = metallicRoughness->value("metallicFactor", 1.0);
+      material.roughness = metallicRoughness->value("roughnessFactor", 1.0);
     }
-    const Json* const glass = extensionOf(j, "KHR_materials_transmission");
-    if (glass != nullptr && glass->value("transmissionFactor", 0.0) > 0) {
-      m.leftOut.add("transmissions of materials (they are solid)");
+    const Json* const transmission = extensionOf(json, "KHR_materials_transmission");
+    if (transmission != nullptr && transmission->value("transmissionFactor", 0.0) > 0) {
+      material.leftOut.add("transmissions of materials (they are solid)");
     }
-    if (!m.texture && std::max({m.color[0], m.color[1], m.color[2]}) == 0 && j.contains("emissiveTexture")) {
-      m.leftOut.add("emissive images of materials with a black base colour");
+    if (!material.texture && std::max({material.color[0], material.color[1], material.color[2]}) == 0 &&
+        json.contains("emissiveTexture")) {
+      material.leftOut.add("emissive images of materials with a black base colour");
     }
-    const std::string mode = j.value("alphaMode", std::string("OPAQUE"));
-    m.alpha = mode == "MASK"    ? Material::Alpha::Mask
-              : mode == "BLEND" ? Material::Alpha::Blend
-                                : Material::Alpha::Opaque;
-    m.cutoff = j.value("alphaCutoff", 0.5);
-    return m;
+    const std::string mode = json.value("alphaMode", std::string("OPAQUE"));
+    material.alpha = mode == "MASK"    ? Material::Alpha::Mask
+                     : mode == "BLEND" ? Material::Alpha::Blend
+                                       : Material::Alpha::Opaque;
+    material.cutoff = json.value("alphaCutoff", 0.5);
+    return material;
   }
 
-  Mesh mesh(const Json& j, const std::string& what) const {
-    Mesh m;
-    m.name = j.value("name", std::string());
-    if (j.contains("weights")) m.weights = j["weights"].get<std::vector<double>>();
-    const Json& primitives = j.at("primitives");
-    if (!primitives.is_array()) fail(what + ".primitives is not a list");
+  Mesh readMesh(const Json& json, const std::string& path) const {
+    Mesh mesh{.name = json.value("name", std::string())};
+    if (json.contains("weights")) mesh.weights = json["weights"].get<std::vector<double>>();
+    const Json& primitives = json.at("primitives");
+    if (!primitives.is_array()) fail(path + ".primitives is not a list");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const std::string primitiveName = fmt::format("{}.primitives[{}]", what, i);
-      const std::uint64_t mode = length(primitives[i], "mode", 4, primitiveName);
-      if (mode > 6) fail(primitiveName + " has an unknown mode");
-      if (mode < 4) {
-        m_.leftOut.add(mode == 0 ? "primitives of points" : "primitives of lines");
+      const std::string primitivePath = fmt::format("{}.primitives[{}]", path, i);
+      constexpr std::uint64_t kPoints = 0, kTriangles = 4, kLastMode = 6;  // those between are of lines
+      const std::uint64_t mode = readLength(primitives[i], "mode", kTriangles, primitivePath);
+      if (mode > kLastMode) fail(primitivePath + " has an unknown mode");
+      if (mode < kTriangles) {
+        model_.leftOut.add(mode == kPoints ? "primitives of points" : "primitives of lines");
         continue;
       }
-      Primitive p = primitive(primitives[i], primitiveName);
-      p.mode = static_cast<Primitive::Mode>(mode);
-      countUnread(p.attributes, "vertices");
-      if (p.attributes.contains("POSITION")) {
-        m.primitives.push_back(std::move(p));
+      Primitive primitive = readPrimitive(primitives[i], primitivePath);
+      primitive.mode = static_cast<Primitive::Mode>(mode);
+      countUnread(primitive.attributes, "vertices");
+      if (primitive.attributes.contains("POSITION")) {
+        mesh.primitives.push_back(std::move(primitive));
       } else {
-        m_.leftOut.add("primitives without positions");
+        model_.leftOut.add("primitives without positions");
       }
     }
-    return m;
+    return mesh;
   }
 
-  Primitive primitive(const Json& j, const std::string& what) const {
-    Primitive p;
-    p.material = maybe(j, "material", m_.materials.size(), what);
-    if (!j.contains("attributes") || !j["attributes"].is_object()) return p;
-    p.attributes = attributes(j["attributes"], what);
-    p.indices = maybe(j, "indices", m_.accessors.size(), what);
-    const auto position = p.attributes.find("POSITION");
-    if (position == p.attributes.end()) return p;
-    const Accessor& positions = m_.accessors[position->second];
-    if (positions.width != 3) fail(what + " has positions that do not have 3 numbers");
-    if (const Json* draco = extensionOf(j, "KHR_draco_mesh_compression")) {
-      p.draco = Primitive::Draco{};
-      p.draco->view = index(draco->at("bufferView"), m_.views.size(), what + ".bufferView");
+  Primitive readPrimitive(const Json& json, const std::string& path) const {
+    Primitive primitive;
+    primitive.material = readOptionalIndex(json, "material", model_.materials.size(), path);
+    if (!json.contains("attributes") || !json["attributes"].is_object()) return primitive;
+    primitive.attributes = readAttributes(json["attributes"], path);
+    primitive.indices = readOptionalIndex(json, "indices", model_.accessors.size(), path);
+    const auto position = primitive.attributes.find("POSITION");
+    if (position == primitive.attributes.end()) return primitive;
+    const Accessor& positions = model_.accessors[position->second];
+    if (positions.width != 3) fail(path + " has positions that do not have 3 numbers");
+    if (const Json* draco = extensionOf(json, "KHR_draco_mesh_compression")) {
+      primitive.draco = Primitive::Draco{};
+      primitive.draco->view = readIndex(draco->at("bufferView"), model_.views.size(), path + ".bufferView");
       for (const auto& [name, id] : draco->at("attributes").items()) {
-        p.draco->attributes[name] = static_cast<std::uint32_t>(index(id, UINT32_MAX, what + "." + name));
+        primitive.draco->attributes[name] = static_cast<std::uint32_t>(readIndex(id, UINT32_MAX, path + "." + name));
       }
-      if (!p.draco->attributes.contains("POSITION")) {
-        fail(fmt::format("is not valid glTF: {} has no compressed positions", what));
+      if (!primitive.draco->attributes.contains("POSITION")) {
+        fail(fmt::format("is not valid glTF: {} has no compressed positions", path));
       }
-    } else if (p.indices) {
-      const Accessor& indices = m_.accessors[*p.indices];
-      if (indices.width != 1) fail(what + " has indices that are not single numbers");
-      if (!indices.view && !indices.sparse && indices.count > 0) fail(what + " has indices without data");
+    } else if (primitive.indices) {
+      const Accessor& indices = model_.accessors[*primitive.indices];
+      if (indices.width != 1) fail(path + " has indices that are not single numbers");
+      if (!indices.view && !indices.sparse && indices.count > 0) fail(path + " has indices without data");
     }
-    for (const Json& target : listIn(j, "targets", what + ".targets")) p.targets.push_back(attributes(target, what));
-    return p;
+    for (const Json& target : listIn(json, "targets", path + ".targets"))
+      primitive.targets.push_back(readAttributes(target, path));
+    return primitive;
   }
 
-  Skin skin(const Json& j, const std::string& what) const {
-    Skin s;
+  Skin readSkin(const Json& json, const std::string& path) const {
+    Skin skin;
     const std::size_t nodes = list("nodes").size();
-    for (const Json& joint : j.at("joints")) s.joints.push_back(index(joint, nodes, what + ".joints"));
-    s.inverseBindMatrices = maybe(j, "inverseBindMatrices", m_.accessors.size(), what);
-    if (s.inverseBindMatrices) {
-      const Accessor& a = m_.accessors[*s.inverseBindMatrices];
-      if (a.width != 16 || a.count < s.joints.size()) {
-        fail(fmt::format("is not valid glTF: {} has fewer matrices than joints", what));
+    for (const Json& joint : json.at("joints")) skin.joints.push_back(readIndex(joint, nodes, path + ".joints"));
+    skin.inverseBindMatrices = readOptionalIndex(json, "inverseBindMatrices", model_.accessors.size(), path);
+    if (skin.inverseBindMatrices) {
+      const Accessor& matrices = model_.accessors[*skin.inverseBindMatrices];
+      if (matrices.width != 16 || matrices.count < skin.joints.size()) {
+        fail(fmt::format("is not valid glTF: {} has fewer matrices than joints", path));
       }
     }
-    return s;
+    return skin;
   }
 
-  Node node(const Json& j, const std::string& what) const {
-    Node n;
-    n.name = j.value("name", std::string());
+  Node readNode(const Json& json, const std::string& path) const {
+    Node node{.name = json.value("name", std::string())};
     const std::size_t nodes = list("nodes").size();
-    for (const Json& child : listIn(j, "children", what + ".children")) {
-      n.children.push_back(index(child, nodes, "a child of a node"));
+    for (const Json& child : listIn(json, "children", path + ".children")) {
+      node.children.push_back(readIndex(child, nodes, "a child of a node"));
     }
-    n.mesh = maybe(j, "mesh", m_.meshes.size(), what);
-    n.skin = maybe(j, "skin", m_.skins.size(), what);
-    if (j.contains("weights")) n.weights = j["weights"].get<std::vector<double>>();
+    node.mesh = readOptionalIndex(json, "mesh", model_.meshes.size(), path);
+    node.skin = readOptionalIndex(json, "skin", model_.skins.size(), path);
+    if (json.contains("weights")) node.weights = json["weights"].get<std::vector<double>>();
     std::array<double, 16> matrix{};
-    if (numbers(j, "matrix", what, matrix)) n.matrix = matrix;
-    numbers(j, "translation", what, n.translation);
-    numbers(j, "rotation", what, n.rotation);
-    numbers(j, "scale", what, n.scale);
-    if (const Json* visibility = extensionOf(j, "KHR_node_visibility")) n.visible = visibility->value("visible", true);
-    if (const Json* instancing = extensionOf(j, "EXT_mesh_gpu_instancing")) {
-      const std::string extensionName = what + ".EXT_mesh_gpu_instancing";
-      n.instances = attributes(instancing->at("attributes"), extensionName);
-      countUnread(*n.instances, "instances");
-      const auto first = n.instances->begin();
-      for (const auto& [name, accessor] : *n.instances) {
-        if (m_.accessors[accessor].count != m_.accessors[first->second].count) {
-          fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", extensionName,
-                           m_.accessors[first->second].count, first->first, m_.accessors[accessor].count, name));
+    if (readNumbers(json, "matrix", path, matrix)) node.matrix = matrix;
+    readNumbers(json, "translation", path, node.translation);
+    readNumbers(json, "rotation", path, node.rotation);
+    readNumbers(json, "scale", path, node.scale);
+    if (const Json* visibility = extensionOf(json, "KHR_node_visibility"))
+      node.visible = visibility->value("visible", true);
+    if (const Json* instancing = extensionOf(json, "EXT_mesh_gpu_instancing")) {
+      const std::string extensionPath = path + ".EXT_mesh_gpu_instancing";
+      node.instances = readAttributes(instancing->at("attributes"), extensionPath);
+      countUnread(*node.instances, "instances");
+      const auto first = node.instances->begin();
+      for (const auto& [name, accessor] : *node.instances) {
+        if (model_.accessors[accessor].count != model_.accessors[first->second].count) {
+          fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", extensionPath,
+                           model_.accessors[first->second].count, first->first, model_.accessors[accessor].count,
+                           name));
         }
       }
     }
-    return n;
+    return node;
   }
 
-  Animation animation(const Json& j, const std::string& what) const {
-    Animation a;
-    a.name = j.value("name", std::string());
-    for (const Json& s : j.at("samplers")) {
+  Animation readAnimation(const Json& json, const std::string& path) const {
+    Animation animation{.name = json.value("name", std::string())};
+    for (const Json& samplerJson : json.at("samplers")) {
       Animation::Sampler sampler;
-      sampler.input = index(s.at("input"), m_.accessors.size(), what + ".input");
-      sampler.output = index(s.at("output"), m_.accessors.size(), what + ".output");
-      const std::string how = s.value("interpolation", std::string("LINEAR"));
-      sampler.interpolation = how == "STEP"          ? Animation::Interpolation::Step
-                              : how == "CUBICSPLINE" ? Animation::Interpolation::CubicSpline
-                                                     : Animation::Interpolation::Linear;
-      a.samplers.push_back(sampler);
+      sampler.input = readIndex(samplerJson.at("input"), model_.accessors.size(), path + ".input");
+      sampler.output = readIndex(samplerJson.at("output"), model_.accessors.size(), path + ".output");
+      const std::string interpolation = samplerJson.value("interpolation", std::string("LINEAR"));
+      sampler.interpolation = interpolation == "STEP"          ? Animation::Interpolation::Step
+                              : interpolation == "CUBICSPLINE" ? Animation::Interpolation::CubicSpline
+                                                               : Animation::Interpolation::Linear;
+      animation.samplers.push_back(sampler);
     }
-    for (const Json& c : j.at("channels")) {
+    for (const Json& channelJson : json.at("channels")) {
       using Path = Animation::Path;
       static const std::map<std::string, Path> kPaths{{"translation", Path::Translation},
                                                       {"rotation", Path::Rotation},
                                                       {"scale", Path::Scale},
                                                       {"weights", Path::Weights}};
       Animation::Channel channel;
-      channel.sampler = index(c.at("sampler"), a.samplers.size(), what + ": a channel's sampler");
-      const Json& target = c.at("target");
-      const std::string path = target.at("path").get<std::string>();
-      a.pointers += path == "pointer" ? 1 : 0;
-      const auto known = kPaths.find(path);
-      if (known == kPaths.end() || !target.contains("node")) continue;  // skips channels with other targets
-      channel.path = known->second;
-      channel.node = index(target["node"], m_.nodes.size(), what + "'s target");
-      a.channels.push_back(channel);
+      channel.sampler = readIndex(channelJson.at("sampler"), animation.samplers.size(), path + ": a channel's sampler");
+      const Json& target = channelJson.at("target");
+      const auto property = target.at("path").get<std::string>();
+      animation.pointers += property == "pointer" ? 1 : 0;
+      if (!kPaths.contains(property) || !target.contains("node")) continue;  // skips channels with other targets
+      channel.path = kPaths.at(property);
+      channel.node = readIndex(target["node"], model_.nodes.size(), path + "'s target");
+      animation.channels.push_back(channel);
     }
-    return a;
+    return animation;
   }
 
-  // Reads the scene; without one, all nodes that are nobody's children are its roots. Throws unless each of its nodes
-  // is reached only once, without cycles or shared children.
-  void scene() {
+  // Reads the roots of the default scene or, if the file names none, of the first scene. In a file without scenes all
+  // nodes are roots that are no children.
+  void readScene() {
     const Json& scenes = list("scenes");
     if (scenes.empty()) {
-      std::vector<bool> isChild(m_.nodes.size(), false);
-      for (const Node& node : m_.nodes) {
+      std::vector<bool> isChild(model_.nodes.size(), false);
+      for (const Node& node : model_.nodes) {
         for (const Index child : node.children) isChild[child] = true;
       }
-      for (Index i = 0; i < m_.nodes.size(); ++i) {
-        if (!isChild[i]) m_.roots.push_back(i);
+      for (Index i = 0; i < model_.nodes.size(); ++i) {
+        if (!isChild[i]) model_.roots.push_back(i);
       }
     } else {
-      const MaybeIndex chosen = maybe(json_, "scene", scenes.size(), "the file");
-      for (const Json& root : listIn(scenes[chosen.value_or(0)], "nodes", "nodes of a scene")) {
-        m_.roots.push_back(index(root, m_.nodes.size(), "a node of the scene"));
+      const MaybeIndex scene = readOptionalIndex(json_, "scene", scenes.size(), "the file");
+      for (const Json& root : listIn(scenes[scene.value_or(0)], "nodes", "nodes of a scene")) {
+        model_.roots.push_back(readIndex(root, model_.nodes.size(), "a node of the scene"));
       }
     }
-    std::vector<std::pair<Index, int>> open;
-    for (const Index root : m_.roots) open.emplace_back(root, 1);
-    std::vector<bool> seen(m_.nodes.size(), false);
-    while (!open.empty()) {
-      const auto [at, depth] = open.back();
-      open.pop_back();
-      if (seen[at]) fail(fmt::format("nodes[{}] has two parents, or is its own ancestor", at));
-      if (depth > kMaxDepth) fail(fmt::format("has nodes that are nested more than {} levels deep", kMaxDepth));
-      seen[at] = true;
-      for (const Index child : m_.nodes[at].children) open.emplace_back(child, depth + 1);
+  }
+
+  // Throws unless the scene reaches each of its nodes only once. Counts meshes that it does not reach.
+  void checkTree() const {
+    std::vector<std::pair<Index, int>> pending;  // nodes and their depths
+    for (const Index root : model_.roots) pending.emplace_back(root, 1);
+    std::vector<bool> isReached(model_.nodes.size(), false);
+    while (!pending.empty()) {
+      const auto [node, depth] = pending.back();
+      pending.pop_back();
+      if (isReached[node]) fail(fmt::format("nodes[{}] has two parents, or is its own ancestor", node));
+      if (depth > kMostLevels) fail(fmt::format("has nodes that are nested more than {} levels deep", kMostLevels));
+      isReached[node] = true;
+      for (const Index child : model_.nodes[node].children) pending.emplace_back(child, depth + 1);
     }
-    for (Index i = 0; i < m_.nodes.size(); ++i) {
-      if (!seen[i] && m_.nodes[i].mesh) m_.leftOut.add("nodes outside of the scene");
+    for (Index i = 0; i < model_.nodes.size(); ++i) {
+      if (!isReached[i] && model_.nodes[i].mesh) model_.leftOut.add("nodes outside of the scene");
     }
   }
 
@@ -355,8 +366,8 @@ const FormatSupport& gltfFormat() {
   return format;
 }
 
-void Model::fail(const std::string& what) const {
-  throw InputError({file.string()}, what);
+void Model::fail(const std::string& problem) const {
+  throw InputError({file.string()}, problem);
 }
 
 Model readModel(const std::filesystem::path& file, const std::filesystem::path& name, bool allowOutside) {

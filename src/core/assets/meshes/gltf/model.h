@@ -81,20 +81,21 @@ struct Primitive {
 
 struct Mesh {
   std::string name;
-  std::vector<Primitive> primitives;
-  std::vector<double> weights;
+  std::vector<Primitive> primitives = {};
+  std::vector<double> weights = {};
 };
 
 struct Node {
   std::string name;
-  std::vector<Index> children;
-  MaybeIndex mesh, skin;
-  std::vector<double> weights;
+  std::vector<Index> children = {};
+  MaybeIndex mesh = {}, skin = {};
+  std::vector<double> weights = {};
   std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
-  std::array<double, 4> rotation{0, 0, 0, 1};    // x, y, z, w
-  std::optional<std::array<double, 16>> matrix;  // column by column; if set, replaces translation, rotation and scale
-  std::optional<Attributes> instances;           // accessors of EXT_mesh_gpu_instancing
-  bool visible = true;                           // KHR_node_visibility; false also hides all descendants
+  std::array<double, 4> rotation{0, 0, 0, 1};  // x, y, z, w
+  std::optional<std::array<double, 16>> matrix =
+      {};                                    // column by column; if set, replaces translation, rotation and scale
+  std::optional<Attributes> instances = {};  // accessors of EXT_mesh_gpu_instancing
+  bool visible = true;                       // KHR_node_visibility; false also hides all descendants
 };
 
 struct Skin {
@@ -114,15 +115,15 @@ struct Animation {
     Path path = Path::Translation;
   };
   std::string name;
-  std::vector<Sampler> samplers;
-  std::vector<Channel> channels;
+  std::vector<Sampler> samplers = {};
+  std::vector<Channel> channels = {};
   std::uint64_t pointers = 0;  // number of channels of KHR_animation_pointer, which are not read
 };
 
 struct Image {
   std::string name;
-  std::string uri;  // see Buffer::uri
-  MaybeIndex view;
+  std::string uri = {};  // see Buffer::uri
+  MaybeIndex view = {};
 };
 
 // Describes how a material uses a texture: only the properties that affect beams.
@@ -138,11 +139,11 @@ struct Material {
   enum class Alpha { Opaque, Mask, Blend };
   std::string name;
   std::array<double, 4> color{1, 1, 1, 1};  // base colour and alpha, in linear space
-  std::optional<TextureUse> texture;        // texture of the base colour
+  std::optional<TextureUse> texture = {};   // texture of the base colour
   double metallic = 1, roughness = 1;
   Alpha alpha = Alpha::Opaque;
   double cutoff = 0.5;
-  LeftOut leftOut;  // what the material has and is not read
+  LeftOut leftOut = {};  // what the material has and is not read
 };
 
 struct Model {
@@ -162,7 +163,7 @@ struct Model {
   LeftOut leftOut;
 
   // Throws an InputError that names the file.
-  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail(const std::string& problem) const;
 };
 
 const FormatSupport& gltfFormat();

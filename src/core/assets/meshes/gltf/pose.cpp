@@ -23,59 +23,59 @@ Affine toAffine(const Number* m) {
 // The key frames of a sampler, and a time between two of them.
 class KeyFrames {
  public:
-  // `width`: how many numbers a key frame has.
+  // `times` (s): of the key frames, ascending, one at least. `values`: of all key frames; `width`: numbers per value.
   KeyFrames(const std::vector<float>& times, const std::vector<float>& values, std::size_t width,
             Animation::Interpolation interpolation, double time)
       : values_(values), width_(width), interpolation_(interpolation) {
-    const auto later = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), static_cast<float>(time)) -
-                                                times.begin());
-    before_ = later == 0 ? 0 : later - 1;
-    after_ = std::min(later, times.size() - 1);
+    const auto firstLater =
+        static_cast<std::size_t>(std::ranges::upper_bound(times, static_cast<float>(time)) - times.begin());
+    before_ = firstLater == 0 ? 0 : firstLater - 1;
+    after_ = std::min(firstLater, times.size() - 1);
     span_ = static_cast<double>(times[after_]) - static_cast<double>(times[before_]);
     if (span_ > 0) fraction_ = std::clamp((time - static_cast<double>(times[before_])) / span_, 0.0, 1.0);
   }
 
-  // Returns the interpolated numbers.
-  std::vector<double> numbers() const {
+  // Returns the interpolated value. The formula of cubic splines is that of appendix C.5.
+  std::vector<double> value() const {
     const double t = fraction_, t2 = t * t, t3 = t2 * t;
-    std::vector<double> out(width_);
+    std::vector<double> numbers(width_);
     for (std::size_t i = 0; i < width_; ++i) {
+      const double start = numberAt(before_, Value, i), end = numberAt(after_, Value, i);
       if (interpolation_ == Animation::Interpolation::Step || before_ == after_) {
-        out[i] = at(before_, Value, i);
+        numbers[i] = start;
       } else if (interpolation_ == Animation::Interpolation::CubicSpline) {
-        out[i] = (2 * t3 - 3 * t2 + 1) * at(before_, Value, i) +
-                 span_ * (t3 - 2 * t2 + t) * at(before_, OutTangent, i) + (3 * t2 - 2 * t3) * at(after_, Value, i) +
-                 span_ * (t3 - t2) * at(after_, InTangent, i);
+        numbers[i] = (2 * t3 - 3 * t2 + 1) * start + span_ * (t3 - 2 * t2 + t) * numberAt(before_, OutTangent, i) +
+                     (3 * t2 - 2 * t3) * end + span_ * (t3 - t2) * numberAt(after_, InTangent, i);
       } else {
-        out[i] = at(before_, Value, i) + (at(after_, Value, i) - at(before_, Value, i)) * t;
+        numbers[i] = start + (end - start) * t;
       }
     }
-    return out;
+    return numbers;
   }
 
   // Returns the interpolated rotation as a unit quaternion (x, y, z, w).
   std::vector<double> rotation() const {
-    std::vector<double> q = numbers();
+    std::vector<double> q = value();
     if (interpolation_ == Animation::Interpolation::Linear && before_ != after_) {
-      const Quat s = slerp(quaternion(before_), quaternion(after_), fraction_);
-      q = {s.x, s.y, s.z, s.w};
+      const auto [w, x, y, z] = slerp(quaternion(before_), quaternion(after_), fraction_);
+      q = {x, y, z, w};
     }
-    const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (!(size > 0)) return {0, 0, 0, 1};
-    for (double& number : q) number /= size;
+    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(norm > 0)) return {0, 0, 0, 1};
+    for (double& number : q) number /= norm;
     return q;
   }
 
  private:
-  enum Part { InTangent, Value, OutTangent };  // of a key frame of a cubic spline (appendix C.5); others have a value
+  enum Part { InTangent, Value, OutTangent };  // of a key frame of a cubic spline; others have only a value
 
-  double at(std::size_t key, Part part, std::size_t i) const {
-    const bool cubic = interpolation_ == Animation::Interpolation::CubicSpline;
-    return static_cast<double>(values_[cubic ? (3 * key + part) * width_ + i : key * width_ + i]);
+  double numberAt(std::size_t key, Part part, std::size_t i) const {
+    const bool isCubic = interpolation_ == Animation::Interpolation::CubicSpline;
+    return static_cast<double>(values_[isCubic ? (3 * key + part) * width_ + i : key * width_ + i]);
   }
 
   Quat quaternion(std::size_t key) const {
-    return {at(key, Value, 3), at(key, Value, 0), at(key, Value, 1), at(key, Value, 2)};
+    return {numberAt(key, Value, 3), numberAt(key, Value, 0), numberAt(key, Value, 1), numberAt(key, Value, 2)};
   }
 
   const std::vector<float>& values_;
@@ -89,11 +89,11 @@ class KeyFrames {
 
 }  // namespace
 
-std::vector<Vec3d> toPoints(const std::vector<float>& values) {
+std::vector<Vec3d> toPoints(const std::vector<float>& numbers) {
   std::vector<Vec3d> points;
-  points.reserve(values.size() / 3);
-  for (std::size_t i = 0; i + 2 < values.size(); i += 3) {
-    points.emplace_back(Vec3f{values[i], values[i + 1], values[i + 2]});
+  points.reserve(numbers.size() / 3);
+  for (std::size_t i = 0; i + 2 < numbers.size(); i += 3) {
+    points.emplace_back(Vec3f{numbers[i], numbers[i + 1], numbers[i + 2]});
   }
   return points;
 }
@@ -126,14 +126,13 @@ std::optional<std::pair<double, double>> spanOf(const Model& model, const Data& 
       last = std::max(last, static_cast<double>(time));
     }
   }
-  if (!(first <= last)) return std::nullopt;
-  return std::pair{first, last};
+  return first <= last ? std::optional(std::pair{first, last}) : std::nullopt;
 }
 
 void apply(const ClipTime& clip, const Data& data, Model& model) {
-  const Index number = animationNamed(model, clip.clip);
-  const Animation& animation = model.animations[number];
-  const std::string what = fmt::format("animations[{}]", number);
+  const Index index = animationNamed(model, clip.clip);
+  const Animation& animation = model.animations[index];
+  const std::string what = fmt::format("animations[{}]", index);
   model.leftOut.add("channels of animations by pointers (KHR_animation_pointer)", animation.pointers);
   for (const Animation::Channel& channel : animation.channels) {
     using Path = Animation::Path;
@@ -141,70 +140,71 @@ void apply(const ClipTime& clip, const Data& data, Model& model) {
     const Animation::Sampler& sampler = animation.samplers[channel.sampler];
     const std::vector<float> times = data.fractions(sampler.input, what);
     const std::vector<float> values = data.fractions(sampler.output, what);
-    const std::size_t keys = times.size() * (sampler.interpolation == Animation::Interpolation::CubicSpline ? 3 : 1);
-    const std::size_t width = keys == 0 ? 0 : values.size() / keys;
-    const std::size_t wanted = channel.path == Path::Rotation ? 4 : channel.path == Path::Weights ? width : 3;
-    if (times.empty() || width == 0 || width != wanted || width * keys != values.size() ||
-        !std::is_sorted(times.begin(), times.end())) {
+    const bool isCubic = sampler.interpolation == Animation::Interpolation::CubicSpline;
+    const std::size_t valueCount = times.size() * (isCubic ? 3 : 1);  // with tangents
+    const std::size_t width = valueCount == 0 ? 0 : values.size() / valueCount;
+    const std::size_t widthOfPath = channel.path == Path::Rotation ? 4 : channel.path == Path::Weights ? width : 3;
+    if (times.empty() || width == 0 || width != widthOfPath || width * valueCount != values.size() ||
+        !std::ranges::is_sorted(times)) {
       model.fail(
           fmt::format("is not valid glTF: a sampler of {} has numbers of times and values that do not match", what));
     }
     const KeyFrames frames(times, values, width, sampler.interpolation, clip.time);
-    const std::vector<double> now = channel.path == Path::Rotation ? frames.rotation() : frames.numbers();
+    const std::vector<double> value = channel.path == Path::Rotation ? frames.rotation() : frames.value();
     if (channel.path == Path::Weights) {
-      node.weights = now;
+      node.weights = value;
       continue;
     }
     node.matrix.reset();
-    double* const into = channel.path == Path::Translation ? node.translation.data()
-                         : channel.path == Path::Scale     ? node.scale.data()
-                                                           : node.rotation.data();
-    std::copy(now.begin(), now.end(), into);
+    double* const target = channel.path == Path::Translation ? node.translation.data()
+                           : channel.path == Path::Scale     ? node.scale.data()
+                                                             : node.rotation.data();
+    std::ranges::copy(value, target);
   }
 }
 
 Affine localOf(const Node& node) {
   if (node.matrix) return toAffine(node.matrix->data());
   const auto& [x, y, z, w] = node.rotation;
-  const double size = std::sqrt(x * x + y * y + z * z + w * w);
-  const Quat q = size > 0 ? Quat{w / size, x / size, y / size, z / size} : Quat{};
+  const double norm = std::sqrt(x * x + y * y + z * z + w * w);
+  const Quat q = norm > 0 ? Quat{w / norm, x / norm, y / norm, z / norm} : Quat{};
   const auto vector = [](const std::array<double, 3>& v) { return Vec3d{v[0], v[1], v[2]}; };
   return {toMatrix(q) * Mat3::scale(vector(node.scale)), vector(node.translation)};
 }
 
 std::vector<PlacedNode> placeNodes(const Model& model) {
-  std::vector<PlacedNode> placed;
-  std::vector<PlacedNode> open;  // with the transform, the name and the visibility of their parents
-  const auto add = [&](const std::vector<Index>& nodes, PlacedNode parent) {
+  std::vector<PlacedNode> placedNodes;
+  std::vector<PlacedNode> pending;  // with the transform, the name and the visibility of their parents
+  const auto addPending = [&](const std::vector<Index>& nodes, PlacedNode parent) {
     for (std::size_t i = nodes.size(); i-- > 0;) {
       parent.node = nodes[i];
-      open.push_back(parent);
+      pending.push_back(parent);
     }
   };
-  add(model.roots, {});
-  while (!open.empty()) {
-    PlacedNode item = open.back();
-    open.pop_back();
-    const Node& node = model.nodes[item.node];
-    if (!node.name.empty()) item.name = node.name;
-    if (item.name.empty() && node.mesh) item.name = model.meshes[*node.mesh].name;
-    item.sceneFromNode = item.sceneFromNode * localOf(node);
-    item.visible = item.visible && node.visible;
-    placed.push_back(item);
-    add(node.children, item);
+  addPending(model.roots, {});
+  while (!pending.empty()) {
+    PlacedNode placed = pending.back();
+    pending.pop_back();
+    const Node& node = model.nodes[placed.node];
+    if (!node.name.empty()) placed.name = node.name;
+    if (placed.name.empty() && node.mesh) placed.name = model.meshes[*node.mesh].name;
+    placed.sceneFromNode = placed.sceneFromNode * localOf(node);
+    placed.visible = placed.visible && node.visible;
+    placedNodes.push_back(placed);
+    addPending(node.children, placed);
   }
-  return placed;
+  return placedNodes;
 }
 
 Poser::Poser(const Model& model, const Data& data, const std::vector<PlacedNode>& placed)
-    : model_(model), data_(data), placedOf_(model.nodes.size(), nullptr) {
-  for (const PlacedNode& p : placed) placedOf_[p.node] = &p;
+    : model_(model), data_(data), placedNodes_(model.nodes.size(), nullptr) {
+  for (const PlacedNode& node : placed) placedNodes_[node.node] = &node;
 }
 
-std::vector<double> Poser::weightsOf(const PlacedNode& node) const {
-  const Node& n = model_.nodes[node.node];
-  std::vector<double> weights = n.weights.empty() ? model_.meshes[*n.mesh].weights : n.weights;
-  if (std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0; })) weights.clear();
+std::vector<double> Poser::weightsOf(const PlacedNode& placed) const {
+  const Node& node = model_.nodes[placed.node];
+  std::vector<double> weights = node.weights.empty() ? model_.meshes[*node.mesh].weights : node.weights;
+  if (std::ranges::all_of(weights, [](double weight) { return weight == 0; })) weights.clear();
   return weights;
 }
 
@@ -234,7 +234,7 @@ std::vector<Affine> Poser::jointsOf(const Skin& skin, const std::string& what) c
   if (skin.inverseBindMatrices) inverses = data_.fractions(*skin.inverseBindMatrices, what);
   std::vector<Affine> joints;
   for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-    const PlacedNode* const placed = placedOf_[skin.joints[j]];
+    const PlacedNode* const placed = placedNodes_[skin.joints[j]];
     if (placed == nullptr) {
       model_.fail(fmt::format("is not valid glTF: a joint of the skin of {} is not a node of the scene", what));
     }
@@ -243,36 +243,40 @@ std::vector<Affine> Poser::jointsOf(const Skin& skin, const std::string& what) c
   return joints;
 }
 
-// Applies a node's skin. A vertex whose weights are all 0 follows its first joint; a vertex without joints follows the
-// node.
+// Applies a node's skin: moves each vertex to the weighted mean of the positions that its joints give it. A vertex
+// whose weights are all 0 follows its first joint; a vertex without joints follows the node.
 void Poser::skin(const PlacedNode& node, const AttributeNumbers& numbers, const std::string& what,
                  std::vector<Vec3d>& points) const {
   const std::vector<Affine> joints = jointsOf(model_.skins[*model_.nodes[node.node].skin], what);
-  std::vector<Vec3d> out(points.size());
-  std::vector<double> sums(points.size(), 0);
-  std::vector<std::size_t> firsts(points.size(), SIZE_MAX);
+  constexpr std::size_t kNoJoint = SIZE_MAX;
+  // By vertex: sums over its joints, and its first joint.
+  std::vector<Vec3d> weightedPoints(points.size());
+  std::vector<double> weightSums(points.size(), 0);
+  std::vector<std::size_t> firstJoints(points.size(), kNoJoint);
   for (int set = 0;; ++set) {
-    const std::vector<float> which = numbers(fmt::format("JOINTS_{}", set));
-    if (which.empty()) break;
+    const std::vector<float> jointNumbers = numbers(fmt::format("JOINTS_{}", set));
+    if (jointNumbers.empty()) break;
     const std::vector<float> weights = numbers(fmt::format("WEIGHTS_{}", set));
-    if (which.size() != 4 * points.size() || weights.size() != which.size()) {
+    if (jointNumbers.size() != 4 * points.size() || weights.size() != jointNumbers.size()) {
       model_.fail(fmt::format("is not valid glTF: {} must have four joints and four weights per vertex", what));
     }
-    for (std::size_t i = 0; i < which.size(); ++i) {
-      const auto joint = static_cast<std::size_t>(which[i]);
-      if (firsts[i / 4] == SIZE_MAX && joint < joints.size()) firsts[i / 4] = joint;
+    for (std::size_t i = 0; i < jointNumbers.size(); ++i) {
+      const std::size_t vertex = i / 4;
+      const auto joint = static_cast<std::size_t>(jointNumbers[i]);
+      if (firstJoints[vertex] == kNoJoint && joint < joints.size()) firstJoints[vertex] = joint;
       if (weights[i] == 0) continue;
       if (joint >= joints.size()) {
         model_.fail(fmt::format("is not valid glTF: a vertex of {} refers to the joint {}, but its skin has {}", what,
                                 joint, joints.size()));
       }
-      out[i / 4] = out[i / 4] + (joints[joint] * points[i / 4]) * static_cast<double>(weights[i]);
-      sums[i / 4] += static_cast<double>(weights[i]);
+      const auto weight = static_cast<double>(weights[i]);
+      weightedPoints[vertex] = weightedPoints[vertex] + (joints[joint] * points[vertex]) * weight;
+      weightSums[vertex] += weight;
     }
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Affine& follows = firsts[i] == SIZE_MAX ? node.sceneFromNode : joints[firsts[i]];
-    points[i] = sums[i] > 0 ? out[i] * (1 / sums[i]) : follows * points[i];
+    const Affine& rigid = firstJoints[i] == kNoJoint ? node.sceneFromNode : joints[firstJoints[i]];
+    points[i] = weightSums[i] > 0 ? weightedPoints[i] * (1 / weightSums[i]) : rigid * points[i];
   }
 }
 

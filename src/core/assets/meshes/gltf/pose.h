@@ -45,7 +45,7 @@ struct PlacedNode {
 std::vector<PlacedNode> placeNodes(const Model& model);
 
 // Returns points of three numbers each.
-std::vector<Vec3d> toPoints(const std::vector<float>& values);
+std::vector<Vec3d> toPoints(const std::vector<float>& numbers);
 
 // A function that returns all numbers of a primitive's attribute `name`, vertex by vertex; empty if the primitive lacks
 // the attribute.
@@ -67,14 +67,15 @@ class Poser {
             const std::string& what, std::vector<Vec3d>& points);
 
  private:
-  std::vector<double> weightsOf(const PlacedNode& node) const;
+  // Returns the weights of a node's morph targets; empty if all are 0.
+  std::vector<double> weightsOf(const PlacedNode& placed) const;
   std::vector<Affine> jointsOf(const Skin& skin, const std::string& what) const;
   void skin(const PlacedNode& node, const AttributeNumbers& numbers, const std::string& what,
             std::vector<Vec3d>& points) const;
 
   const Model& model_;
   const Data& data_;
-  std::vector<const PlacedNode*> placedOf_;  // by node; null for nodes that are not in the scene
+  std::vector<const PlacedNode*> placedNodes_;  // by node; null for nodes that are not in the scene
 };
 
 }  // namespace scanmill::gltf

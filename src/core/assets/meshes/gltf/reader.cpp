@@ -6,8 +6,10 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/child_process.h"
@@ -24,23 +26,21 @@
 namespace scanmill::gltf {
 namespace {
 
-// Limits, since a small file can require any amount of memory and time. kTrialMemory (bytes) and kTrialSeconds limit
-// the child process of decodeDracoInChild(); the memory limit grows by 256 bytes for every compressed byte.
-constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;
+// Limits of the child process of decodeDracoInChild(), since a small file can require any amount of memory and time.
+constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes
+constexpr std::uint64_t kTrialMemoryPerByte = 256;              // further bytes for every compressed byte
 constexpr unsigned kTrialSeconds = 300;
 
-// Returns the triangles of a list, a strip or a fan of vertices.
-std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& at) {
+// Returns the triangles of a list, a strip or a fan of vertices, given by their indices.
+std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& v) {
   std::vector<Triangle> triangles;
-  const std::size_t count = at.size();
-  if (mode == Primitive::Mode::Triangles) {
-    triangles.reserve(count / 3);
-    for (std::size_t i = 0; i + 2 < count; i += 3) triangles.push_back({at[i], at[i + 1], at[i + 2]});
-    return triangles;
-  }
-  for (std::size_t i = 0; i + 2 < count; ++i) {
-    triangles.push_back(mode == Primitive::Mode::Fan ? Triangle{at[i + 1], at[i + 2], at[0]}
-                                                     : Triangle{at[i], at[i + 1 + i % 2], at[i + 2 - i % 2]});
+  const std::size_t step = mode == Primitive::Mode::Triangles ? 3 : 1;
+  triangles.reserve(v.size() / step);
+  for (std::size_t i = 0; i + 2 < v.size(); i += step) {
+    // Every second triangle of a strip has the opposite order of vertices.
+    const std::size_t swap = mode == Primitive::Mode::Strip ? i % 2 : 0;
+    triangles.push_back(mode == Primitive::Mode::Fan ? Triangle{v[i + 1], v[i + 2], v[0]}
+                                                     : Triangle{v[i], v[i + 1 + swap], v[i + 2 - swap]});
   }
   return triangles;
 }
@@ -50,20 +50,20 @@ class Reader {
   Reader(Model model, const Affine& assetFromFile, const AssetOptions& options)
       : model_(std::move(model)), data_(model_), assetFromFile_(assetFromFile), options_(options) {
     if (options.clip) apply(*options.clip, data_, model_);
-    placed_ = placeNodes(model_);
+    placedNodes_ = placeNodes(model_);
     uses_.resize(model_.meshes.size(), 0);
-    for (const PlacedNode& p : placed_) {
-      if (model_.nodes[p.node].mesh) ++uses_[*model_.nodes[p.node].mesh];
+    for (const PlacedNode& placed : placedNodes_) {
+      if (const MaybeIndex mesh = model_.nodes[placed.node].mesh) ++uses_[*mesh];
     }
-    poser_.emplace(model_, data_, placed_);
+    poser_.emplace(model_, data_, placedNodes_);
   }
 
   Asset read(LeftOut& leftOut) {
     checkCosts();
     decodeDracoInChild();
     materials_ = readMaterials(model_, data_, options_);
-    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
-      const PlacedNode& placed = placed_[i];
+    for (std::uint32_t i = 0; i < placedNodes_.size(); ++i) {
+      const PlacedNode& placed = placedNodes_[i];
       const Node& node = model_.nodes[placed.node];
       if (node.mesh && !placed.visible) model_.leftOut.add("hidden nodes");
       if (!placed.visible || !node.mesh) continue;
@@ -82,25 +82,25 @@ class Reader {
 
   // Throws InputError if the file would take too much memory: a small file may place its meshes any number of times.
   void checkCosts() const {
-    double triangles = 0, stored = 0;                          // with all copies, and as the file stores them
-    std::set<std::pair<Index, std::optional<Index>>> counted;  // accessors of positions and indices
-    for (const PlacedNode& placed : placed_) {
+    double triangles = 0, storedTriangles = 0;                   // with all copies, and as the file stores them
+    std::set<std::pair<Index, std::optional<Index>>> accessors;  // accessors of positions and indices so far
+    for (const PlacedNode& placed : placedNodes_) {
       const Node& node = model_.nodes[placed.node];
       if (!placed.visible || !node.mesh) continue;
-      double copies = 1;
+      std::uint64_t copies = 1;  // instances become copies if a clip is loaded
       if (node.instances && options_.clip && !node.instances->empty()) {
-        copies = static_cast<double>(model_.accessors[node.instances->begin()->second].count);
+        copies = model_.accessors[node.instances->begin()->second].count;
       }
       for (const Primitive& primitive : model_.meshes[*node.mesh].primitives) {
-        const Index listed = primitive.indices.value_or(primitive.attributes.at("POSITION"));
-        const auto corners = static_cast<double>(model_.accessors[listed].count);
-        chargeCopies(static_cast<std::uint64_t>(copies), {model_.file.string()});
+        const Index positions = primitive.attributes.at("POSITION");
+        const auto corners = static_cast<double>(model_.accessors[primitive.indices.value_or(positions)].count);
+        chargeCopies(copies, {model_.file.string()});
         const double count = primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners;
-        triangles += copies * count;
-        if (counted.emplace(primitive.attributes.at("POSITION"), primitive.indices).second) stored += count;
+        triangles += static_cast<double>(copies) * count;
+        if (accessors.emplace(positions, primitive.indices).second) storedTriangles += count;
       }
     }
-    chargeBytes(kBytesPerTriangle * (triangles - stored), {model_.file.string()});
+    chargeBytes(kBytesPerTriangle * (triangles - storedTriangles), {model_.file.string()});
     const double bytes = triangles * static_cast<double>(sizeof(Triangle));
     if (bytes > static_cast<double>(memoryLimitBytes())) {
       model_.fail(
@@ -116,10 +116,10 @@ class Reader {
     std::vector<Primitive::Draco> compressed;
     std::uint64_t bytes = 0;
     for (const Mesh& mesh : model_.meshes) {
-      for (const Primitive& p : mesh.primitives) {
-        if (!p.draco) continue;
-        compressed.push_back(*p.draco);
-        bytes += model_.views[p.draco->view].length;
+      for (const Primitive& primitive : mesh.primitives) {
+        if (!primitive.draco) continue;
+        compressed.push_back(*primitive.draco);
+        bytes += model_.views[primitive.draco->view].length;
       }
     }
     if (bytes == 0) return;
@@ -128,14 +128,14 @@ class Reader {
       return std::string();
     };
     try {
-      inChildProcess(decodeAll, kTrialMemory + 256 * bytes, kTrialSeconds);
+      inChildProcess(decodeAll, kTrialMemory + kTrialMemoryPerByte * bytes, kTrialSeconds);
     } catch (const Error& e) {
       model_.fail(fmt::format("has damaged meshes: {}; export it again", e.what()));
     }
   }
 
-  // Appends the parts of a node, one part per material.
-  void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t number,
+  // Appends the parts of a node, one part per material; they get this node index.
+  void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t nodeIndex,
               const Affine& assetFromNode) {
     const std::size_t first = parts.size();
     for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
@@ -149,7 +149,7 @@ class Reader {
       scanmill::append(*geometry, assetFromNode, static_cast<std::uint32_t>(material), texture.has_value(), first,
                        parts);
     }
-    finishNode(placed.name, number, first, parts);
+    finishNode(placed.name, nodeIndex, first, parts);
     for (std::size_t i = first; i < parts.size(); ++i) {
       ReadMaterial& material = materials_[parts[i].materialIndex];
       static_cast<Look&>(parts[i]) = material;
@@ -162,70 +162,75 @@ class Reader {
   // once.
   std::shared_ptr<const Geometry> sharedGeometry(const Primitive& primitive, const PlacedNode& placed,
                                                  const std::optional<TextureUse>& texture) {
-    const bool shares = poser_->isRigid(placed) && uses_[*model_.nodes[placed.node].mesh] > 1;
-    if (!shares) return std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
+    const bool isShared = poser_->isRigid(placed) && uses_[*model_.nodes[placed.node].mesh] > 1;
+    if (!isShared) return std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
     std::shared_ptr<const Geometry>& shared = sharedGeometry_[&primitive];
     if (shared == nullptr) shared = std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
     return shared;
   }
 
+  // Returns the numbers of an attribute of a primitive, vertex by vertex; see AttributeNumbers. `draco`: the decoded
+  // primitive, if it is compressed. `what` names its mesh in messages.
+  std::vector<float> numbersOf(const std::string& attribute, const Primitive& primitive,
+                               const std::optional<DracoMesh>& draco, const std::string& what) const {
+    const auto accessor = primitive.attributes.find(attribute);
+    if (draco && draco->attributes.contains(attribute)) {
+      const DracoMesh::Values& values = draco->attributes.at(attribute);
+      return accessor == primitive.attributes.end() ? values.numbers
+                                                    : normalizedAs(model_.accessors[accessor->second], values);
+    }
+    if (accessor == primitive.attributes.end()) return {};
+    if (attribute.starts_with("WEIGHTS_")) return data_.fractions(accessor->second, what);
+    if (!attribute.starts_with("JOINTS_")) return data_.floats(accessor->second, what);
+    const std::vector<std::uint32_t> joints = data_.integers(accessor->second, what);
+    return {joints.begin(), joints.end()};
+  }
+
+  // Returns the geometry of a primitive: posed in the scene's frame if its node has a skin, else in the node's frame.
   Geometry geometryOf(const Primitive& primitive, const PlacedNode& placed, const std::optional<TextureUse>& texture) {
     const std::string what = fmt::format("the mesh of '{}'", placed.name);
     chargeTime({model_.file.string()});  // many primitives may share one long list of vertices
     std::optional<DracoMesh> draco;
     if (primitive.draco) draco = decodeDraco(data_.view(primitive.draco->view), primitive.draco->attributes);
-    const AttributeNumbers numbers = [&](const std::string& name) {
-      const auto found = primitive.attributes.find(name);
-      if (draco && draco->attributes.contains(name)) {
-        return found == primitive.attributes.end()
-                   ? draco->attributes.at(name).numbers
-                   : normalizedAs(model_.accessors[found->second], draco->attributes.at(name));
-      }
-      if (found == primitive.attributes.end()) return std::vector<float>();
-      if (name.starts_with("WEIGHTS_")) return data_.fractions(found->second, what);
-      if (!name.starts_with("JOINTS_")) return data_.floats(found->second, what);
-      const std::vector<std::uint32_t> joints = data_.integers(found->second, what);
-      return std::vector<float>(joints.begin(), joints.end());
-    };
-    Geometry g;
-    g.points = toPoints(numbers("POSITION"));
-    if (!poser_->isRigid(placed)) poser_->pose(placed, primitive, numbers, what, g.points);
-    readUvs(numbers, texture, g);
-
-    std::vector<std::uint32_t> indices;
+    const AttributeNumbers numbers = [&](const std::string& name) { return numbersOf(name, primitive, draco, what); };
+    Geometry geometry;
+    geometry.points = toPoints(numbers("POSITION"));
+    if (!poser_->isRigid(placed)) poser_->pose(placed, primitive, numbers, what, geometry.points);
+    readUvs(numbers, texture, geometry);
+    std::vector<std::uint32_t> indices(geometry.points.size());
+    std::iota(indices.begin(), indices.end(), 0u);
     if (draco) {
       indices = std::move(draco->indices);
     } else if (primitive.indices) {
       indices = data_.integers(*primitive.indices, what);
-    } else {
-      for (std::uint32_t i = 0; i < g.points.size(); ++i) indices.push_back(i);
     }
-    g.triangles = trianglesOf(draco ? Primitive::Mode::Triangles : primitive.mode, indices);
-    const auto isOutOfRange = [&](const Triangle& t) { return std::max({t[0], t[1], t[2]}) >= g.points.size(); };
-    g.dropped = static_cast<std::uint64_t>(std::erase_if(g.triangles, isOutOfRange));
-    dropUnusedVertices(g);
-    return g;
+    geometry.triangles = trianglesOf(draco ? Primitive::Mode::Triangles : primitive.mode, indices);
+    const std::size_t vertices = geometry.points.size();
+    const auto isOutOfRange = [&](const Triangle& triangle) { return std::ranges::max(triangle) >= vertices; };
+    geometry.dropped = static_cast<std::uint64_t>(std::erase_if(geometry.triangles, isOutOfRange));
+    dropUnusedVertices(geometry);
+    return geometry;
   }
 
   // Drops unused vertices, since primitives often share one long list of vertices.
-  static void dropUnusedVertices(Geometry& g) {
+  static void dropUnusedVertices(Geometry& geometry) {
+    auto& [points, uvs, triangles, dropped] = geometry;
     constexpr std::uint32_t kUnused = UINT32_MAX;
-    std::vector<std::uint32_t> moved(g.points.size(), kUnused);
-    for (const Triangle& t : g.triangles) {
-      for (const std::uint32_t corner : t) moved[corner] = 0;
+    std::vector<std::uint32_t> newIndex(points.size(), kUnused);
+    for (const Triangle& triangle : triangles) {
+      for (const std::uint32_t corner : triangle) newIndex[corner] = 0;
     }
-    std::uint32_t kept = 0;
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      if (moved[i] == kUnused) continue;
-      g.points[kept] = g.points[i];
-      if (!g.uvs.empty()) g.uvs[kept] = g.uvs[i];
-      moved[i] = kept++;
+    std::uint32_t used = 0;
+    for (std::size_t i = 0; i < newIndex.size(); ++i) {
+      if (newIndex[i] == kUnused) continue;
+      points[used] = points[i];
+      if (!uvs.empty()) uvs[used] = uvs[i];
+      newIndex[i] = used++;
     }
-    if (kept == g.points.size()) return;
-    g.points.resize(kept);
-    if (!g.uvs.empty()) g.uvs.resize(kept);
-    for (Triangle& t : g.triangles) {
-      for (std::uint32_t& corner : t) corner = moved[corner];
+    points.resize(used);
+    if (!uvs.empty()) uvs.resize(used);
+    for (Triangle& triangle : triangles) {
+      for (std::uint32_t& corner : triangle) corner = newIndex[corner];
     }
   }
 
@@ -235,30 +240,33 @@ class Reader {
       return std::move(values.numbers);
     }
     const bool isSigned = accessor.component.kind == 'I';
-    const double most = std::pow(2.0, 8.0 * static_cast<double>(accessor.component.size) - (isSigned ? 1 : 0)) - 1;
-    for (float& v : values.numbers) v = std::max(static_cast<float>(static_cast<double>(v) / most), -1.0f);
+    const double greatest = std::pow(2.0, 8.0 * static_cast<double>(accessor.component.size) - (isSigned ? 1 : 0)) - 1;
+    for (float& number : values.numbers) {
+      number = std::max(static_cast<float>(static_cast<double>(number) / greatest), -1.0f);
+    }
     return std::move(values.numbers);
   }
 
-  static void readUvs(const AttributeNumbers& numbers, const std::optional<TextureUse>& texture, Geometry& g) {
-    std::vector<float> values = numbers(fmt::format("TEXCOORD_{}", texture ? texture->coordinates : 0));
-    if (values.size() != 2 * g.points.size()) return;
+  // Sets the texture coordinates of the geometry, whose points are set, as the texture's transform places them on the
+  // image. Leaves them empty if the file has none for each point.
+  static void readUvs(const AttributeNumbers& numbers, const std::optional<TextureUse>& texture, Geometry& geometry) {
     const TextureUse use = texture.value_or(TextureUse{});
-    const double c = std::cos(use.rotation);
-    const double s = std::sin(use.rotation);
-    g.uvs.reserve(g.points.size());
-    for (std::size_t i = 0; i < g.points.size(); ++i) {
-      const double u = static_cast<double>(values[2 * i]) * use.scale[0];
-      const double v = static_cast<double>(values[2 * i + 1]) * use.scale[1];
+    const std::vector<float> values = numbers(fmt::format("TEXCOORD_{}", use.coordinates));
+    if (values.size() != 2 * geometry.points.size()) return;
+    const double cosine = std::cos(use.rotation), sine = std::sin(use.rotation);
+    geometry.uvs.reserve(geometry.points.size());
+    for (std::size_t i = 0; i < values.size(); i += 2) {
+      const double u = static_cast<double>(values[i]) * use.scale[0];
+      const double v = static_cast<double>(values[i + 1]) * use.scale[1];
       // The rotation is counter-clockwise as seen with v pointing down (KHR_texture_transform).
-      g.uvs.push_back(
-          {static_cast<float>(use.offset[0] + c * u + s * v), 1 - static_cast<float>(use.offset[1] - s * u + c * v)});
+      geometry.uvs.push_back({static_cast<float>(use.offset[0] + cosine * u + sine * v),
+                              1 - static_cast<float>(use.offset[1] - sine * u + cosine * v)});
     }
   }
 
   // Adds the instances of EXT_mesh_gpu_instancing: as InstancedParts, or as separate parts if a clip is loaded or if
-  // fewer than two instances remain.
-  void addInstances(const PlacedNode& placed, std::uint32_t number, const Attributes& attributes) {
+  // there are fewer than two instances.
+  void addInstances(const PlacedNode& placed, std::uint32_t nodeIndex, const Attributes& attributes) {
     const Affine assetFromNode = assetFromFile_ * frameOf(placed);
     std::vector<Affine> nodeFromInstance = instanceTransforms(placed, attributes);
     // Singular transforms would flatten the mesh to a plane, a line or a point.
@@ -266,14 +274,14 @@ class Reader {
     if (options_.clip || nodeFromInstance.size() < 2) {
       uses_[*model_.nodes[placed.node].mesh] += nodeFromInstance.size();
       // Each copy gets a separate node index.
-      const auto nodes = static_cast<std::uint32_t>(placed_.size());
+      const auto nodes = static_cast<std::uint32_t>(placedNodes_.size());
       for (std::uint32_t i = 0; i < nodeFromInstance.size(); ++i) {
-        append(asset_.parts, placed, number + i * nodes, assetFromNode * nodeFromInstance[i]);
+        append(asset_.parts, placed, nodeIndex + i * nodes, assetFromNode * nodeFromInstance[i]);
       }
       return;
     }
     InstancedParts instanced;
-    append(instanced.parts, placed, number, assetFromFile_);
+    append(instanced.parts, placed, nodeIndex, assetFromFile_);
     if (instanced.parts.empty()) return;
     const Affine fileFromAsset = inverse(assetFromFile_);
     for (const Affine& t : nodeFromInstance) instanced.assetFromParts.push_back(assetFromNode * t * fileFromAsset);
@@ -284,10 +292,10 @@ class Reader {
   std::vector<Affine> instanceTransforms(const PlacedNode& placed, const Attributes& attributes) const {
     const std::string what = fmt::format("the instances of '{}'", placed.name);
     const auto numbers = [&](const char* name, std::size_t width) {
-      const auto found = attributes.find(name);
-      if (found == attributes.end()) return std::vector<float>();
-      std::vector<float> values = data_.fractions(found->second, what);
-      if (model_.accessors[found->second].width != width) {
+      const auto accessor = attributes.find(name);
+      if (accessor == attributes.end()) return std::vector<float>();
+      std::vector<float> values = data_.fractions(accessor->second, what);
+      if (model_.accessors[accessor->second].width != width) {
         model_.fail(fmt::format("is not valid glTF: each {} of {} must have {} numbers", name, what, width));
       }
       return values;
@@ -300,13 +308,13 @@ class Reader {
     std::vector<Affine> transforms;
     for (std::size_t i = 0; i < count; ++i) {
       Node node;  // an instance has the transform of a node without the attributes that are absent
-      const auto take = [&](const std::vector<float>& values, auto& to) {
-        const std::size_t first = to.size() * i;
-        if (first < values.size()) std::copy_n(values.begin() + std::ptrdiff_t(first), to.size(), to.begin());
+      const auto copyTo = [&](auto& member, const std::vector<float>& values) {
+        const std::size_t first = member.size() * i;
+        if (first < values.size()) std::copy_n(values.begin() + std::ptrdiff_t(first), member.size(), member.begin());
       };
-      take(translations, node.translation);
-      take(rotations, node.rotation);
-      take(scales, node.scale);
+      copyTo(node.translation, translations);
+      copyTo(node.rotation, rotations);
+      copyTo(node.scale, scales);
       transforms.push_back(localOf(node));
     }
     return transforms;
@@ -316,13 +324,13 @@ class Reader {
   Data data_;
   Affine assetFromFile_;
   const AssetOptions& options_;
-  std::vector<PlacedNode> placed_;
+  std::vector<PlacedNode> placedNodes_;
   std::optional<Poser> poser_;
   std::vector<ReadMaterial> materials_;
   std::vector<std::size_t> uses_;  // number of times that a mesh is placed, by mesh
   std::map<const Primitive*, std::shared_ptr<const Geometry>> sharedGeometry_;
   Asset asset_;
-  std::uint64_t triangles_ = 0;
+  std::uint64_t triangles_ = 0;  // number so far, with all copies
 };
 
 }  // namespace

@@ -12,17 +12,19 @@
 namespace scanmill::gltf {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
-constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN"
-constexpr std::uint32_t kTileMagic = 0x6D643362;  // "b3dm"
-constexpr std::size_t kTileHeader = 28;           // size of a tile's header (bytes)
+constexpr std::uint32_t kMagic = 0x46546C67;              // "glTF"
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;          // "JSON"
+constexpr std::uint32_t kBinChunk = 0x004E4942;           // "BIN"
+constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;  // sizes (bytes)
+constexpr std::uint32_t kTileMagic = 0x6D643362;          // "b3dm"
+constexpr std::size_t kTileHeader = 28;                   // size of a tile's header (bytes)
+constexpr std::uint64_t kMostStride = 252;                // of elements of a bufferView (glTF 2.0, 5.11.4; bytes)
 // Offsets in the header of the sizes (bytes) of a tile's tables.
 constexpr std::size_t kFeaturesAt = 12, kBinaryFeaturesAt = 16, kBatchesAt = 20, kBinaryBatchesAt = 24;
 
 // Returns the glTF in a tile of 3D Tiles 1.0. A tile consists of a header, a feature table (JSON, then binary), a batch
 // table (JSON, then binary) and the glTF. Sets `center` of the container if the feature table has RTC_CENTER, as a list
-// or as an offset into the table's binary part, and `batchTable`.
+// or as an offset into the table's binary part, and `batchTable`. Throws Error if the tile is damaged.
 std::string glbOfTile(const std::string& tile, Container& container) {
   if (tile.size() < kTileHeader) throw Error("is truncated within the header of the tile");
   std::size_t begin = kTileHeader;
@@ -31,23 +33,20 @@ std::string glbOfTile(const std::string& tile, Container& container) {
   if (begin > tile.size()) throw Error("is damaged: the tables of the tile are longer than the file");
   constexpr std::size_t kEmptyTable = 8;  // size of "{}" with padding
   container.batchTable = numberAt<std::uint32_t>(tile, kBatchesAt) > kEmptyTable;
-  const std::size_t features = numberAt<std::uint32_t>(tile, kFeaturesAt);
-  if (features > 0) {
-    const auto json = nlohmann::json::parse(tile.substr(kTileHeader, features));
-    if (const auto found = json.find("RTC_CENTER"); found != json.end()) {
-      std::array<double, 3> c{};
-      if (found->is_array()) {
-        c = found->get<std::array<double, 3>>();
-      } else {
-        const auto offset = found->at("byteOffset").get<std::size_t>();
-        const std::size_t binary = numberAt<std::uint32_t>(tile, kBinaryFeaturesAt);
-        if (offset > binary || binary - offset < 12)
-          throw Error("is damaged: RTC_CENTER lies outside the feature table");
-        const auto f = numberAt<std::array<float, 3>>(tile, kTileHeader + features + offset);
-        std::copy(f.begin(), f.end(), c.begin());
-      }
-      container.center = Vec3d{c[0], c[1], c[2]};
+  const std::size_t jsonSize = numberAt<std::uint32_t>(tile, kFeaturesAt);
+  const Json features = jsonSize > 0 ? Json::parse(tile.substr(kTileHeader, jsonSize)) : Json::object();
+  const auto center = features.find("RTC_CENTER");
+  if (center == features.end()) return tile.substr(begin);
+  if (center->is_array()) {
+    const auto [x, y, z] = center->get<std::array<double, 3>>();
+    container.center = Vec3d{x, y, z};
+  } else {
+    const auto offset = center->at("byteOffset").get<std::size_t>();
+    const std::size_t binarySize = numberAt<std::uint32_t>(tile, kBinaryFeaturesAt);
+    if (offset > binarySize || binarySize - offset < sizeof(Vec3f)) {
+      throw Error("is damaged: RTC_CENTER lies outside the feature table");
     }
+    container.center = Vec3d(numberAt<Vec3f>(tile, kTileHeader + jsonSize + offset));
   }
   return tile.substr(begin);
 }
@@ -60,76 +59,79 @@ class StorageReader : JsonReader {
       : JsonReader(model, json), allowOutside_(allowOutside) {}
 
   void read() {
-    each("buffers", m_.buffers, [&](const Json& j, const std::string& what) { return buffer(j, what); });
-    each("bufferViews", m_.views, [&](const Json& j, const std::string& what) { return view(j, what); });
-    each("accessors", m_.accessors, [&](const Json& j, const std::string& what) { return accessor(j, what); });
+    each("buffers", model_.buffers, [&](const Json& json, const std::string& path) { return readBuffer(json, path); });
+    each("bufferViews", model_.views, [&](const Json& json, const std::string& path) { return readView(json, path); });
+    each("accessors", model_.accessors,
+         [&](const Json& json, const std::string& path) { return readAccessor(json, path); });
   }
 
  private:
-  Buffer buffer(const Json& j, const std::string& what) const {
-    Buffer b;
-    b.length = length(j, "byteLength", 0, what);
-    std::uint64_t available = m_.bin.size();
+  Buffer readBuffer(const Json& json, const std::string& path) const {
+    Buffer buffer;
+    buffer.length = readLength(json, "byteLength", 0, path);
+    std::uint64_t available = model_.bin.size();
     std::string source = "the GLB's binary chunk";
-    if (j.contains("uri")) {
-      b.uri = j["uri"].get<std::string>();
-      if (b.uri.starts_with("data:")) {
-        const std::size_t comma = b.uri.find(',');
-        if (comma == std::string::npos || b.uri.find(";base64") > comma) fail(what + " is not base64 data");
-        std::size_t end = b.uri.size();
-        while (end > comma + 1 && b.uri[end - 1] == '=') --end;
+    if (json.contains("uri")) {
+      buffer.uri = json["uri"].get<std::string>();
+      if (buffer.uri.starts_with("data:")) {
+        const std::size_t comma = buffer.uri.find(',');
+        if (comma == std::string::npos || buffer.uri.find(";base64") > comma) fail(path + " is not base64 data");
+        std::size_t end = buffer.uri.size();
+        while (end > comma + 1 && buffer.uri[end - 1] == '=') --end;
         available = (end - comma - 1) * 3 / 4;
         source = "its data";
       } else {
-        b.uri = decodeUri(b.uri);
-        const std::filesystem::path path = m_.file.parent_path() / b.uri;
+        buffer.uri = decodeUri(buffer.uri);
+        const std::filesystem::path filePath = model_.file.parent_path() / buffer.uri;
         std::error_code error;
-        if (!allowOutside_ && leadsOutside(b.uri) && std::filesystem::exists(path, error)) m_.fail(refusalOf(b.uri));
-        if (!std::filesystem::is_regular_file(path, error)) {
-          b.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", b.uri);
-          return b;
+        if (!allowOutside_ && leadsOutside(buffer.uri) && std::filesystem::exists(filePath, error))
+          model_.fail(refusalOf(buffer.uri));
+        if (!std::filesystem::is_regular_file(filePath, error)) {
+          buffer.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", buffer.uri);
+          return buffer;
         }
-        available = std::filesystem::file_size(path, error);
-        source = "'" + b.uri + "'";
+        available = std::filesystem::file_size(filePath, error);
+        source = "'" + buffer.uri + "'";
       }
     }
-    if (b.length > available) {
-      b.problem = fmt::format("{} has {} bytes, but {} has {}: is it truncated?", what, b.length, source, available);
+    if (buffer.length > available) {
+      buffer.problem =
+          fmt::format("{} has {} bytes, but {} has {}: is it truncated?", path, buffer.length, source, available);
     }
-    return b;
+    return buffer;
   }
 
-  View view(const Json& j, const std::string& what) const {
-    View v;
-    readPart(j, what, v);
-    if (v.stride > 252) fail(what + " has a byteStride over 252");
+  View readView(const Json& json, const std::string& path) const {
+    View view;
+    readPart(json, path, view);
+    if (view.stride > kMostStride) fail(path + " has a byteStride over 252");
     for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-      if (const Json* extension = extensionOf(j, name)) {
-        v.compressed = meshopt(*extension, fmt::format("{}.{}", what, name));
-        if (v.compressed->count * v.compressed->stride != v.length) {
-          fail(fmt::format("is not valid glTF: {} has a length that differs from its {} elements of {} bytes", what,
-                           v.compressed->count, v.compressed->stride));
+      if (const Json* extension = extensionOf(json, name)) {
+        view.compressed = readMeshopt(*extension, fmt::format("{}.{}", path, name));
+        if (view.compressed->count * view.compressed->stride != view.length) {
+          fail(fmt::format("is not valid glTF: {} has a length that differs from its {} elements of {} bytes", path,
+                           view.compressed->count, view.compressed->stride));
         }
       }
     }
-    return v;
+    return view;
   }
 
   // Reads which part of a buffer a View or a Meshopt describes.
-  void readPart(const Json& j, const std::string& what, auto& part) const {
-    part.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
-    part.offset = length(j, "byteOffset", 0, what);
-    part.length = length(j, "byteLength", 0, what);
-    part.stride = length(j, "byteStride", 0, what);
-    if (part.offset + part.length > m_.buffers[part.buffer].length) fail(what + " reaches beyond its buffer");
+  void readPart(const Json& json, const std::string& path, auto& part) const {
+    part.buffer = readIndex(json.at("buffer"), model_.buffers.size(), path + ".buffer");
+    part.offset = readLength(json, "byteOffset", 0, path);
+    part.length = readLength(json, "byteLength", 0, path);
+    part.stride = readLength(json, "byteStride", 0, path);
+    if (part.offset + part.length > model_.buffers[part.buffer].length) fail(path + " reaches beyond its buffer");
   }
 
-  Meshopt meshopt(const Json& j, const std::string& what) const {
-    Meshopt m;
-    readPart(j, what, m);
-    m.count = length(j, "count", 0, what);
-    const std::string mode = j.value("mode", std::string());
-    const std::string filter = j.value("filter", std::string("NONE"));
+  Meshopt readMeshopt(const Json& json, const std::string& path) const {
+    Meshopt meshopt;
+    readPart(json, path, meshopt);
+    meshopt.count = readLength(json, "count", 0, path);
+    const std::string mode = json.value("mode", std::string());
+    const std::string filter = json.value("filter", std::string("NONE"));
     static const std::map<std::string, decltype(Meshopt::decode)> kModes{{"ATTRIBUTES", meshopt_decodeVertexBuffer},
                                                                          {"TRIANGLES", meshopt_decodeIndexBuffer},
                                                                          {"INDICES", meshopt_decodeIndexSequence}};
@@ -138,85 +140,92 @@ class StorageReader : JsonReader {
                                                                            {"QUATERNION", meshopt_decodeFilterQuat},
                                                                            {"EXPONENTIAL", meshopt_decodeFilterExp}};
     if (!kModes.contains(mode) || !kFilters.contains(filter)) {
-      m.problem = fmt::format(
-          "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression", what,
+      meshopt.problem = fmt::format(
+          "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression", path,
           mode, filter);
-      return m;
+      return meshopt;
     }
-    m.decode = kModes.at(mode);
-    m.filter = kFilters.at(filter);
-    const bool attributes = mode == "ATTRIBUTES";
+    meshopt.decode = kModes.at(mode);
+    meshopt.filter = kFilters.at(filter);
+    // The rules of EXT_meshopt_compression; meshoptimizer does not check them.
+    const std::uint64_t stride = meshopt.stride;
+    const bool hasAttributes = mode == "ATTRIBUTES";
     const bool strideFits =
-        attributes ? m.stride % 4 == 0 && m.stride >= 4 && m.stride <= 256 : m.stride == 2 || m.stride == 4;
-    const bool filterFits = filter == "NONE" || (attributes && (filter == "OCTAHEDRAL" ? m.stride == 4 || m.stride == 8
-                                                                : filter == "QUATERNION" ? m.stride == 8
-                                                                                         : true));
-    if (!strideFits || !filterFits || m.count > kMaxCount || (mode == "TRIANGLES" && m.count % 3 != 0)) {
-      fail(fmt::format("is not valid glTF: {} has {} elements of {} bytes in the mode {}", what, m.count, m.stride,
-                       mode));
+        hasAttributes ? stride % 4 == 0 && stride >= 4 && stride <= 256 : stride == 2 || stride == 4;
+    const bool filterStrideFits = filter == "OCTAHEDRAL"   ? stride == 4 || stride == 8
+                                  : filter == "QUATERNION" ? stride == 8
+                                                           : true;
+    const bool filterFits = filter == "NONE" || (hasAttributes && filterStrideFits);
+    if (!strideFits || !filterFits || meshopt.count > kMaxCount || (mode == "TRIANGLES" && meshopt.count % 3 != 0)) {
+      fail(fmt::format("is not valid glTF: {} has {} elements of {} bytes in the mode {}", path, meshopt.count,
+                       meshopt.stride, mode));
     }
-    return m;
+    return meshopt;
   }
 
-  Component component(const Json& object, const std::string& what) const {
+  Component readComponent(const Json& object, const std::string& path) const {
     static const std::map<std::uint64_t, Component> kComponents{{5120, {'I', 1}}, {5121, {'U', 1}}, {5122, {'I', 2}},
                                                                 {5123, {'U', 2}}, {5125, {'U', 4}}, {5126, {'F', 4}}};
     const auto value = object.find("componentType");
     const bool isNumber = value != object.end() && value->is_number_unsigned();
-    const auto known = kComponents.find(isNumber ? value->get<std::uint64_t>() : 0);
-    if (known == kComponents.end()) fail(what + " has an unknown type");
-    return known->second;
+    const auto component = kComponents.find(isNumber ? value->get<std::uint64_t>() : 0);
+    if (component == kComponents.end()) fail(path + " has an unknown type");
+    return component->second;
   }
 
-  Accessor accessor(const Json& j, const std::string& what) const {
+  Accessor readAccessor(const Json& json, const std::string& path) const {
     static const std::map<std::string, std::size_t> kWidths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
                                                             {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
-    Accessor a;
-    a.component = component(j, what);
-    const auto width = kWidths.find(j.value("type", std::string()));
-    if (width == kWidths.end()) fail(what + " has an unknown type");
-    a.width = width->second;
-    a.count = length(j, "count", 0, what);
-    a.offset = length(j, "byteOffset", 0, what);
-    a.normalized = j.value("normalized", false);
-    if (a.count > kMaxCount) fail(what + " has a count that is too large");
-    a.view = maybe(j, "bufferView", m_.views.size(), what);
-    const std::uint64_t size = a.component.size * a.width;
-    const std::uint64_t stride = a.view ? m_.views[*a.view].stride : 0;
-    if (a.view) requireInside(*a.view, a.offset, a.count, size, stride > 0 ? stride : size, what);
-    if (const auto sparse = j.find("sparse"); sparse != j.end()) a.sparse = sparseOf(*sparse, a, what + ".sparse");
-    return a;
+    Accessor accessor;
+    accessor.component = readComponent(json, path);
+    const auto width = kWidths.find(json.value("type", std::string()));
+    if (width == kWidths.end()) fail(path + " has an unknown type");
+    accessor.width = width->second;
+    accessor.count = readLength(json, "count", 0, path);
+    accessor.offset = readLength(json, "byteOffset", 0, path);
+    accessor.normalized = json.value("normalized", false);
+    if (accessor.count > kMaxCount) fail(path + " has a count that is too large");
+    accessor.view = readOptionalIndex(json, "bufferView", model_.views.size(), path);
+    const std::uint64_t size = accessor.component.size * accessor.width;
+    const std::uint64_t stride = accessor.view ? model_.views[*accessor.view].stride : 0;
+    if (accessor.view)
+      requireInside(*accessor.view, accessor.offset, accessor.count, size, stride > 0 ? stride : size, path);
+    if (const auto sparse = json.find("sparse"); sparse != json.end())
+      accessor.sparse = sparseOf(*sparse, accessor, path + ".sparse");
+    return accessor;
   }
 
   // Throws unless `count` elements of `size` bytes, which begin `stride` bytes apart, lie in the view.
   void requireInside(Index view, std::uint64_t offset, std::uint64_t count, std::uint64_t size, std::uint64_t stride,
-                     const std::string& what) const {
-    const View& v = m_.views[view];
-    if (stride < size) fail(what + " has elements that overlap");
-    if (offset > v.length) fail(what + " begins beyond its bufferView");
+                     const std::string& path) const {
+    const View& v = model_.views[view];
+    if (stride < size) fail(path + " has elements that overlap");
+    if (offset > v.length) fail(path + " begins beyond its bufferView");
     if (count > 0 && offset + (count - 1) * stride + size > v.length) {
-      fail(what + " reaches beyond its bufferView: is the file truncated?");
+      fail(path + " reaches beyond its bufferView: is the file truncated?");
     }
   }
 
-  Accessor::Sparse sparseOf(const Json& j, const Accessor& a, const std::string& what) const {
-    Accessor::Sparse s;
-    s.count = length(j, "count", 0, what);
-    if (s.count > a.count) fail(fmt::format("is not valid glTF: {} has more elements than its accessor", what));
-    const Json& indices = j.at("indices");
-    const Json& values = j.at("values");
-    s.indices = component(indices, what + ".indices");
-    if (s.indices.kind != 'U') {
-      fail(fmt::format("is not valid glTF: {}.indices are not unsigned whole numbers", what));
+  Accessor::Sparse sparseOf(const Json& json, const Accessor& accessor, const std::string& path) const {
+    Accessor::Sparse sparse;
+    sparse.count = readLength(json, "count", 0, path);
+    if (sparse.count > accessor.count)
+      fail(fmt::format("is not valid glTF: {} has more elements than its accessor", path));
+    const Json& indices = json.at("indices");
+    const Json& values = json.at("values");
+    sparse.indices = readComponent(indices, path + ".indices");
+    if (sparse.indices.kind != 'U') {
+      fail(fmt::format("is not valid glTF: {}.indices are not unsigned whole numbers", path));
     }
-    s.indicesView = index(indices.at("bufferView"), m_.views.size(), what + ".indices.bufferView");
-    s.indicesOffset = length(indices, "byteOffset", 0, what + ".indices");
-    s.valuesView = index(values.at("bufferView"), m_.views.size(), what + ".values.bufferView");
-    s.valuesOffset = length(values, "byteOffset", 0, what + ".values");
-    const std::uint64_t size = a.component.size * a.width;
-    requireInside(s.indicesView, s.indicesOffset, s.count, s.indices.size, s.indices.size, what + ".indices");
-    requireInside(s.valuesView, s.valuesOffset, s.count, size, size, what + ".values");
-    return s;
+    sparse.indicesView = readIndex(indices.at("bufferView"), model_.views.size(), path + ".indices.bufferView");
+    sparse.indicesOffset = readLength(indices, "byteOffset", 0, path + ".indices");
+    sparse.valuesView = readIndex(values.at("bufferView"), model_.views.size(), path + ".values.bufferView");
+    sparse.valuesOffset = readLength(values, "byteOffset", 0, path + ".values");
+    const std::uint64_t size = accessor.component.size * accessor.width;
+    requireInside(sparse.indicesView, sparse.indicesOffset, sparse.count, sparse.indices.size, sparse.indices.size,
+                  path + ".indices");
+    requireInside(sparse.valuesView, sparse.valuesOffset, sparse.count, size, size, path + ".values");
+    return sparse;
   }
 
   bool allowOutside_;
@@ -224,9 +233,9 @@ class StorageReader : JsonReader {
 
 }  // namespace
 
-// Reads a .gltf, .glb or .b3dm. A GLB consists of a header of 12 bytes and of chunks: (length, kind, bytes).
+// A GLB consists of a header (magic, version, total size) and of chunks (size, kind, bytes); all numbers are uint32.
 Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name) {
-  const auto fail = [&](const std::string& what) { throw InputError({name.string()}, what); };
+  const auto fail = [&](const std::string& problem) { throw InputError({name.string()}, problem); };
   std::string bytes = readFile(file);
   Container container;
   if (bytes.starts_with("\x1F\x8B")) {
@@ -245,17 +254,18 @@ Container readContainer(const std::filesystem::path& file, const std::filesystem
     container.json = std::move(bytes);
     return container;
   }
-  if (bytes.size() < 20) fail("is truncated within the GLB header");
+  if (bytes.size() < kGlbHeader + kChunkHeader) fail("is truncated within the GLB header");
   if (numberAt<std::uint32_t>(bytes, 4) != 2) fail("is glTF 1.0, which is obsolete: export it as glTF 2.0");
   const std::size_t total = numberAt<std::uint32_t>(bytes, 8);
   if (total > bytes.size()) fail(fmt::format("is truncated: has {} of {} bytes", bytes.size(), total));
-  for (std::size_t at = 12; at + 8 <= total;) {
+  for (std::size_t at = kGlbHeader; at + kChunkHeader <= total;) {
     const std::size_t size = numberAt<std::uint32_t>(bytes, at);
     const std::uint32_t kind = numberAt<std::uint32_t>(bytes, at + 4);
-    if (size > total - at - 8) fail("is damaged: a GLB chunk is longer than the file");
-    if (kind == kJsonChunk && container.json.empty()) container.json = bytes.substr(at + 8, size);
-    if (kind == kBinChunk && container.bin.empty()) container.bin = bytes.substr(at + 8, size);
-    at += 8 + size;
+    at += kChunkHeader;
+    if (size > total - at) fail("is damaged: a GLB chunk is longer than the file");
+    if (kind == kJsonChunk && container.json.empty()) container.json = bytes.substr(at, size);
+    if (kind == kBinChunk && container.bin.empty()) container.bin = bytes.substr(at, size);
+    at += size;
   }
   if (container.json.empty()) fail("is damaged: the GLB has no JSON chunk");
   return container;
