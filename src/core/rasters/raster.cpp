@@ -221,6 +221,7 @@ Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, RasterUse us
 // x `every` samples; a window that is narrower or lower than a square is one square. Throws InputError if there are no
 // samples or too many squares.
 Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const RasterRequest& request) {
+  constexpr std::size_t kMostSamples = 64'000'000;  // in the result
   const auto& t = grid.transform;
   const double determinant = t[1] * t[5] - t[2] * t[4];
   if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(t[0] + t[3])) {
@@ -237,9 +238,9 @@ Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const
   const int columns = std::max(window.width / request.every, 1);
   const int rows = std::max(window.height / request.every, 1);
   const std::size_t squares = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-  if (std::max(squares, static_cast<std::size_t>(window.width)) > request.mostSamples) {
+  if (std::max(squares, static_cast<std::size_t>(window.width)) > kMostSamples) {
     fail(file, fmt::format("has {} x {} samples; at most {} are read: take fewer by `every` or `within`", columns, rows,
-                           request.mostSamples));
+                           kMostSamples));
   }
   window.width = columns * std::min(request.every, window.width);
   window.height = rows * std::min(request.every, window.height);

@@ -84,14 +84,13 @@ struct RasterRequest {
   int band = 1;
   int every = 1;  // a square of `every` x `every` samples becomes one sample: the mean of those that have a value
   std::optional<RasterBounds> within = std::nullopt;  // none: the whole raster
-  std::size_t mostSamples = 64'000'000;               // in the result
   bool georeferenced = true;  // false: images without a geotransform are read too, of RGB images the red band
 };
 
 // Reads a band of a raster; heights become metres, upwards. Samples without a value are those that the file marks by a
 // value (NaN too), a mask or an alpha band, or that no raster of a mosaic covers. Warns of what is left out. Throws an
 // InputError that names the file and says what is wrong: it is absent, damaged or no raster, has no geotransform
-// though RasterRequest::georeferenced asks for it, lacks the requested band, has more than `mostSamples` samples, has
+// though RasterRequest::georeferenced asks for it, lacks the requested band, has too many samples, has
 // no samples within the bounds, or holds no heights but colours, or heights in an unknown unit.
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request);
 

@@ -36,9 +36,10 @@ class CloudAsset {
         scan_(cloud_.scan) {}
 
   Asset build() {
+    const bool isLas = lowerExtension(file_) == ".las";
     asset_.up = options_.up.value_or('z');
-    asset_.upDeclared = las_ || options_.up.has_value();
-    asset_.statedUnit = las_ ? 1 : 0;
+    asset_.upDeclared = isLas || options_.up.has_value();
+    asset_.statedUnit = isLas ? 1 : 0;
     const Mat3 frame = assetFromFile(asset_.up, options_.metresPerUnit);
     dropMisses();
     applyPose();
@@ -54,16 +55,16 @@ class CloudAsset {
     asset_.origin = frame * cloud_.origin;
     asset_.system = cloud_.system;
     readNormals(frame * toMatrix(cloud_.worldFromFile.rotation));
-    readColors();
+    makeTexture();
     addParts();
-    tellUnused();
+    warnOfUnused();
     return std::move(asset_);
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError({file_.string()}, problem); }
 
-  // Leaves out the points at exactly [0, 0, 0] of the file, if there are several: organised scans store misses there.
+  // Makes the points at exactly [0, 0, 0] of the file NaN, if there are several: organised scans store misses there.
   void dropMisses() {
     std::vector<Vec3f*> misses;
     for (Vec3f& p : cloud_.scan.position) {
@@ -91,25 +92,27 @@ class CloudAsset {
                        fmt::join(columnNames(scan_), ", "),
                        cloud_.leftOut.empty() ? "" : "; left out: " + cloud_.leftOut.text()));
     }
-    std::set<std::uint32_t> noise;
+    std::set<std::uint32_t> noiseLabels;
     for (const auto& [label, name] : cloud_.classNames) {
-      if (options_.points.labels.empty() && lowerCase(name).find("noise") != std::string::npos) noise.insert(label);
+      const bool isNoise = options_.points.labels.empty() && lowerCase(name).find("noise") != std::string::npos;
+      if (isNoise) noiseLabels.insert(label);
     }
-    std::uint64_t noisy = 0;
+    std::uint64_t noisePoints = 0;
     for (std::size_t i = 0; i < scan_.size(); ++i) {
       if (!isFinite(scan_.position[i])) continue;
-      if (!noise.empty() && noise.contains(labels[i])) {
-        ++noisy;
+      if (!noiseLabels.empty() && noiseLabels.contains(labels[i])) {
+        ++noisePoints;
       } else {
         chosen_.push_back(i);
       }
     }
-    cloud_.leftOut.add("points of classes of noise", noisy);
+    cloud_.leftOut.add("points of classes of noise", noisePoints);
     if (chosen_.empty()) {
       fail("has no points" + (cloud_.leftOut.empty() ? "" : " but those left out: " + cloud_.leftOut.text()));
     }
   }
 
+  // Thins the chosen points out, if the options state a spacing.
   void thin() {
     if (options_.points.spacing <= 0) return;
     std::size_t count = 0;
@@ -121,29 +124,29 @@ class CloudAsset {
     positions_.resize(count);
   }
 
+  // Returns the column that is no column of a Scan and means `name`, whatever its file calls it; null if there is none.
   const ForeignColumn* foreign(std::string_view name) const {
-    for (const ForeignColumn& column : scan_.foreign) {
-      if (columnMeant(column.name) == name) return &column;
-    }
-    return nullptr;
+    const auto meaning = [](const ForeignColumn& column) { return columnMeant(column.name); };
+    const auto column = std::ranges::find(scan_.foreign, name, meaning);
+    return column == scan_.foreign.end() ? nullptr : &*column;
   }
 
   // Warns of what the reader left out, and of columns that no surface is made from.
-  void tellUnused() {
+  void warnOfUnused() {
     constexpr std::size_t kMostNames = 8;
     std::vector<std::string> names;
     for (const ForeignColumn& column : scan_.foreign) {
-      const std::string meant = columnMeant(column.name);
-      const FormatElements* const row = cloudColumns().find(meant);
-      const bool isUsed = meant == kIntensity.row.name && !scan_.has(kIntensity);
-      if (row == nullptr || (columnIndex(meant) < kColumnCount && !isUsed)) names.push_back(column.name);
+      const std::string meaning = columnMeant(column.name);
+      const bool isKnown = cloudColumns().find(meaning) != nullptr;
+      const bool isUsed = meaning == kIntensity.row.name && !scan_.has(kIntensity);
+      if (!isKnown || (columnIndex(meaning) < kColumnCount && !isUsed)) names.push_back(column.name);
     }
-    const std::size_t all = names.size();
-    if (all > kMostNames) {
+    const std::size_t columns = names.size();
+    if (columns > kMostNames) {
       names.resize(kMostNames);
       names.emplace_back("...");
     }
-    cloud_.leftOut.add(fmt::format("columns ({})", fmt::join(names, ", ")), all);
+    cloud_.leftOut.add(fmt::format("columns ({})", fmt::join(names, ", ")), columns);
     cloud_.leftOut.warn(file_.string());
     if (foreign("cosangle") != nullptr) {
       warn(
@@ -158,14 +161,14 @@ class CloudAsset {
     const ForeignColumn* const column = foreign(name);
     if (column == nullptr) return std::nullopt;
     std::vector<double> values;
-    std::visit(
-        [&](const auto& all) {
-          for (const std::size_t i : chosen_) values.push_back(static_cast<double>(all[i]));
-        },
-        column->values);
+    const auto copyChosen = [&](const auto& numbers) {
+      for (const std::size_t i : chosen_) values.push_back(static_cast<double>(numbers[i]));
+    };
+    std::visit(copyChosen, column->values);
     return values;
   }
 
+  // Fills normals_, if the file has normals.
   void readNormals(const Mat3& assetFromNormals) {
     const auto x = numbers("nx"), y = numbers("ny"), z = numbers("nz");
     if (!x || !y || !z) return;
@@ -175,79 +178,75 @@ class CloudAsset {
     }
   }
 
-  // Returns the intensity that means a reflectance of 1: 1 or 255 if no intensity is larger, else the greatest.
-  // Outliers do not count: intensities above four times the 99.9th percentile.
-  double fullOf(double greatest) const {
-    if (greatest <= 1) return 1;
-    const auto& intensity = scan_[kIntensity];
+  // Returns a guess of the intensity that means a reflectance of 1: 1 or 255 if no intensity is larger, else the
+  // greatest one. `greatest`: the greatest intensity of all. Outliers do not count: intensities above four times
+  // the 99.9th percentile, which is chosen by eye.
+  double guessedFullIntensity(double greatest) const {
     constexpr std::size_t kSamples = 1'000'000;
-    constexpr double kUsual = 0.999, kOutlier = 4;
-    std::vector<float> sample;
-    bool integers = true;
+    constexpr double kPercentile = 0.999, kOutlierFactor = 4;
+    const auto& intensity = scan_[kIntensity];
+    std::vector<float> samples;
     for (std::size_t k = 0; k < chosen_.size(); k += 1 + chosen_.size() / kSamples) {
-      const float value = intensity[chosen_[k]];
-      if (!std::isfinite(value)) continue;
-      sample.push_back(value);
-      integers = integers && value == std::floor(value);
+      if (std::isfinite(intensity[chosen_[k]])) samples.push_back(intensity[chosen_[k]]);
     }
-    if (sample.empty()) return 1;
-    const auto usual = sample.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(sample.size() - 1));
-    std::nth_element(sample.begin(), usual, sample.end());
-    if (*usual <= 1 && !integers) return 1;
-    double full = greatest;
-    if (const double most = kOutlier * double{*usual}; most > 0 && greatest > most) {
-      full = 0;
-      for (const std::size_t i : chosen_) {
-        if (double{intensity[i]} <= most) full = std::max(full, double{intensity[i]});
-      }
+    if (greatest <= 1 || samples.empty()) return 1;
+    const auto rank = static_cast<std::ptrdiff_t>(kPercentile * static_cast<double>(samples.size() - 1));
+    std::ranges::nth_element(samples, samples.begin() + rank);
+    const double percentile = double{samples[static_cast<std::size_t>(rank)]};
+    const bool areIntegers = std::ranges::all_of(samples, [](float value) { return value == std::floor(value); });
+    if (percentile <= 1 && !areIntegers) return 1;
+    const double limit = percentile > 0 ? kOutlierFactor * percentile : greatest;
+    double full = 255;
+    for (const std::size_t i : chosen_) {
+      if (double{intensity[i]} <= limit) full = std::max(full, double{intensity[i]});
     }
-    return std::max(full, 255.0);
+    return full;
   }
 
-  // Warns if intensities are clipped, or if the guessed scale makes all of them dark.
-  void tellIntensities(double full, double greatest) const {
-    constexpr double kDark = 0.05;
-    std::size_t above = 0, below = 0, none = 0;
+  // Warns if intensities are clipped, or if a scale that is guessed makes all of them dark.
+  void warnOfIntensities(double full, double greatest) const {
+    constexpr double kLeastFraction = 0.05;  // of `full`, of the greatest intensity of a scale that fits
+    std::size_t above = 0, below = 0, missing = 0;
     for (const std::size_t i : chosen_) {
       const double value = double{scan_[kIntensity][i]};
       above += value > full ? 1u : 0u;
       below += value < 0 ? 1u : 0u;
-      none += std::isnan(value) ? 1u : 0u;
+      missing += std::isnan(value) ? 1u : 0u;
     }
-    if (above + below + none == 0 && greatest >= kDark * full) return;
+    if (above + below + missing == 0 && greatest >= kLeastFraction * full) return;
     warn(fmt::format(
         "{}: the intensity {} is taken as a reflectance of 1: {} of {} points are above it and are clipped "
         "to it (the greatest is {}), {} are below 0 and {} are no numbers, which count as 0; state another "
         "by `points: {{full: ...}}`",
-        file_.string(), full, grouped(above), grouped(chosen_.size()), greatest, grouped(below), grouped(none)));
+        file_.string(), full, grouped(above), grouped(chosen_.size()), greatest, grouped(below), grouped(missing)));
   }
 
-  // Makes a texture with one texel per point: the point's intensity as a grey, or its colour.
-  void readColors() {
+  // Makes a texture with one texel per point, if the options and the file allow: the intensity as a grey, or the
+  // colour.
+  void makeTexture() {
     auto image = std::make_shared<Texture>();
     image->file = file_.string();
     image->width = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(chosen_.size()))));
     image->height = static_cast<std::uint32_t>((chosen_.size() + image->width - 1) / image->width);
     image->rgba.assign(std::size_t{image->width} * image->height * 4, 255);
     if (!fill(*image)) return;
-    // Fills the remaining texels of the last row with copies of the first texels, so that the mean of the texture
-    // hardly changes.
-    for (std::size_t at = 4 * chosen_.size(); at < image->rgba.size(); ++at) {
-      image->rgba[at] = image->rgba[at - 4 * chosen_.size()];
-    }
+    // Copies of the first texels fill the last row, so that the mean of the texture hardly changes.
+    const std::size_t filledBytes = 4 * chosen_.size();
+    std::copy_n(image->rgba.begin(), image->rgba.size() - filledBytes,
+                image->rgba.begin() + std::ptrdiff_t(filledBytes));
     image_ = std::move(image);
   }
 
   // Fills the texture from intensities or else colours, as the options ask for. Returns false if it fills nothing.
   bool fill(Texture& image) {
-    using Source = PointOptions::Reflectance;
-    const Source wanted = options_.points.reflectance;
-    measured_ = (wanted == Source::Auto || wanted == Source::Intensity) && fillWithIntensities(image);
-    if (measured_) return true;
-    if (wanted == Source::Intensity) fail("has no intensities above 0: leave out `reflectance: intensity`");
-    if (wanted != Source::None && fillWithColors(image)) return true;
-    if (wanted != Source::Color) return false;
-    fail("has no colours (red, green, blue; or rgb): leave out `reflectance: color`");
+    using enum PointOptions::Reflectance;
+    const PointOptions::Reflectance source = options_.points.reflectance;
+    showsIntensities_ = (source == Auto || source == Intensity) && fillWithIntensities(image);
+    if (showsIntensities_) return true;
+    if (source == Intensity) fail("has no intensities above 0: leave out `reflectance: intensity`");
+    if (source != None && fillWithColors(image)) return true;
+    if (source == Color) fail("has no colours (red, green, blue; or rgb): leave out `reflectance: color`");
+    return false;
   }
 
   // Fills the texture with the intensities of the points as greys. Returns false if none is above 0.
@@ -261,8 +260,8 @@ class CloudAsset {
     }
     if (greatest == 0 && least < 0) cloud_.leftOut.add("intensities, none of which is above 0", chosen_.size());
     if (greatest == 0) return false;
-    const double full = options_.points.full > 0 ? options_.points.full : fullOf(greatest);
-    if (options_.points.full == 0) tellIntensities(full, greatest);
+    const double full = options_.points.full > 0 ? options_.points.full : guessedFullIntensity(greatest);
+    if (options_.points.full == 0) warnOfIntensities(full, greatest);
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       // The order of the comparisons makes 0 of NaN.
       const double value = std::min(std::max(0.0, double{intensity[chosen_[k]]} / full), 1.0);
@@ -278,36 +277,35 @@ class CloudAsset {
   static std::optional<std::uint32_t> packedColor(T value) {
     constexpr std::uint32_t kNan = 0x7FC00000;  // other NaNs are colours with an alpha of 255
     if constexpr (std::is_floating_point_v<T>) {
-      constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
-      if (std::fabs(value) >= 1 && double{value} <= kMost &&
-          double{value} >= std::numeric_limits<std::int32_t>::min()) {
-        return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
-      }
+      // As floats, the bits of colours are below 1 or beyond these integers.
+      constexpr double kGreatest = std::numeric_limits<std::uint32_t>::max();
+      constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
+      const bool isInteger = std::fabs(value) >= 1 && double{value} <= kGreatest && double{value} >= kLeast;
       const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-      return bits == kNan ? std::nullopt : std::optional(bits);
-    } else {
-      return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
+      if (!isInteger) return bits == kNan ? std::nullopt : std::optional(bits);
     }
+    return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
   }
 
   // Fills the texture with the colours of the points. Returns false if there are none.
   bool fillWithColors(Texture& image) {
     const ForeignColumn* const packed = foreign("rgb");
-    const auto colored = packed != nullptr ? fillFromPacked(*packed, image) : fillFromChannels(image);
+    const std::optional<std::size_t> colored =
+        packed != nullptr ? fillFromPacked(*packed, image) : fillFromChannels(image);
     if (!colored) return false;
     cloud_.leftOut.add("colours that are no numbers", chosen_.size() - *colored);
     return *colored > 0;
   }
 
-  // Fills the texture with colours of one number. Returns how many points have one.
-  std::optional<std::size_t> fillFromPacked(const ForeignColumn& packed, Texture& image) const {
+  // Fills the texture with colours of one number. Returns how many points have a colour.
+  std::size_t fillFromPacked(const ForeignColumn& packed, Texture& image) const {
     std::size_t colored = 0;
     const auto fillFrom = [&](const auto& numbers) {
       for (std::size_t k = 0; k < chosen_.size(); ++k) {
-        const auto bits = packedColor(numbers[chosen_[k]]);
+        const auto bits = packedColor(numbers[chosen_[k]]);  // 0xAARRGGBB
         std::array<double, 3> color{NAN, NAN, NAN};
         if (bits) color = {double(*bits >> 16 & 0xFF), double(*bits >> 8 & 0xFF), double(*bits & 0xFF)};
-        colored += putColor(color, k, image);
+        colored += putColor(color, k, image) ? 1 : 0;
       }
     };
     std::visit(fillFrom, packed.values);
@@ -320,38 +318,39 @@ class CloudAsset {
     const std::array<std::optional<std::vector<double>>, 3> channels{numbers("red"), numbers("green"), numbers("blue")};
     if (!channels[0] || !channels[1] || !channels[2]) return std::nullopt;
     double greatest = 0;
-    bool integers = true;
+    bool areIntegers = true;
     for (const auto& channel : channels) {
       for (const double value : *channel) {
         greatest = std::max(greatest, value);
-        integers = integers && (value == std::floor(value) || std::isnan(value));
+        areIntegers = areIntegers && (value == std::floor(value) || std::isnan(value));
       }
     }
     if (!(greatest > 0)) return std::nullopt;
-    const double white = whiteOf(greatest, integers);
+    const double white = whiteOf(greatest, areIntegers);
     std::size_t colored = 0;
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       const auto channel = [&](std::size_t c) { return 255 * (*channels[c])[k] / white; };
-      colored += putColor({channel(0), channel(1), channel(2)}, k, image);
+      colored += putColor({channel(0), channel(1), channel(2)}, k, image) ? 1 : 0;
     }
     return colored;
   }
 
-  // Stores the colour (0 to 255) of the chosen point k. Returns 1; 0 if the colour is not known, which becomes black.
-  static std::size_t putColor(const std::array<double, 3>& color, std::size_t k, Texture& image) {
-    const bool known = std::none_of(color.begin(), color.end(), [](double c) { return std::isnan(c); });
+  // Stores the colour (0 to 255) of the chosen point k. A colour with a NaN becomes black; then returns false.
+  static bool putColor(const std::array<double, 3>& color, std::size_t k, Texture& image) {
+    const bool isStated = std::ranges::none_of(color, [](double channel) { return std::isnan(channel); });
     for (std::size_t c = 0; c < 3; ++c) {
-      image.rgba[4 * k + c] = static_cast<std::uint8_t>(std::lround(known ? std::clamp(color[c], 0.0, 255.0) : 0.0));
+      const double channel = isStated ? std::clamp(color[c], 0.0, 255.0) : 0.0;
+      image.rgba[4 * k + c] = static_cast<std::uint8_t>(std::lround(channel));
     }
-    return known ? 1 : 0;
+    return isStated;
   }
 
   // Returns the value that is white: 1, 255 or 65535. Integers of 0 and 1 are as dark as they look, but a text does not
   // tell them from numbers up to 1. Rounding can lift fractions above 1.
-  double whiteOf(double greatest, bool integers) const {
-    const bool floats =
+  double whiteOf(double greatest, bool areIntegers) const {
+    const bool areFloats =
         std::visit([]<class T>(const std::vector<T>&) { return std::is_floating_point_v<T>; }, foreign("red")->values);
-    if (floats && (greatest <= 1 || (greatest < 2 && !integers))) return 1;
+    if (areFloats && (greatest <= 1 || (greatest < 2 && !areIntegers))) return 1;
     if (greatest < 256) return 255;
     constexpr double kWhite = 65535;
     if (greatest < kWhite / 4) {
@@ -365,12 +364,12 @@ class CloudAsset {
 
   std::string nameOf(std::uint32_t label) const {
     for (const auto* names : {&options_.points.labels, &cloud_.classNames}) {
-      const auto found = names->find(label);
-      if (found != names->end()) return found->second;
+      if (names->contains(label)) return names->at(label);
     }
     return fmt::format("{}", label);
   }
 
+  // Adds the points as squares to the parts of their instances and labels.
   void addParts() {
     const std::vector<Surfel> surfels = surfelsOf(positions_, normals_, options_.points.surfels);
     const auto& labels = scan_[kLabel];
@@ -380,9 +379,9 @@ class CloudAsset {
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       const std::uint32_t label = labels.empty() ? 0 : labels[chosen_[k]];
       const std::uint32_t instance = instances.empty() ? 0 : instances[chosen_[k]];
-      const auto [found, isNew] = partOf.try_emplace({instance, label}, asset_.parts.size());
-      if (isNew) asset_.parts.push_back(newPart(label, instance, !labels.empty()));
-      addSquare(asset_.parts[found->second], k, surfels[k]);
+      const auto [part, isNew] = partOf.try_emplace({instance, label}, asset_.parts.size());
+      if (isNew) asset_.parts.push_back(newPart(label, instance));
+      addSquare(asset_.parts[part->second], k, surfels[k]);
       if (image_ == nullptr) continue;
       sums[label].first += double{luminance(&image_->rgba[4 * k])};
       ++sums[label].second;
@@ -396,23 +395,26 @@ class CloudAsset {
     }
   }
 
-  AssetPart newPart(std::uint32_t label, std::uint32_t instance, bool labelled) {
+  // Returns a part without points for a label and an instance, which are 0 if the points have none.
+  AssetPart newPart(std::uint32_t label, std::uint32_t instance) {
     AssetPart part;
     part.node = instance == 0 ? "" : fmt::format("instance {}", instance);
     part.nodeIndex = nodes_.try_emplace(instance, static_cast<std::uint32_t>(nodes_.size())).first->second;
-    if (labelled) part.material = part.ownClass = nameOf(label);
-    if (image_ != nullptr) part.texture = measured_ ? kPointIntensity : kPointColor;
+    if (!scan_[kLabel].empty()) part.material = part.ownClass = nameOf(label);
+    if (image_ != nullptr) part.texture = showsIntensities_ ? kPointIntensity : kPointColor;
     part.fileMaterial.name = part.material.empty() ? "points" : part.material;
     part.fileMaterial.source = fmt::format("mean of the {} in {}; each point has its own",
-                                           measured_ ? "intensities" : "colours", file_.filename().string());
+                                           showsIntensities_ ? "intensities" : "colours", file_.filename().string());
     using enum BaseColor::Source;
     setColor(part.fileMaterial, {.source = image_ ? Image : None, .image = image_}, file_, options_, images_);
     return part;
   }
 
+  // Adds the square of the chosen point k: two triangles, as large as the surfel's disc.
   void addSquare(AssetPart& part, std::size_t k, const Surfel& surfel) {
     const Vec3d normal(surfel.normal);
-    const Vec3d across = normalized(cross(std::fabs(normal.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, normal));
+    const bool isAlongX = std::fabs(normal.x) >= 0.7;
+    const Vec3d across = normalized(cross(isAlongX ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, normal));
     const double half = double{surfel.radius} * std::sqrt(kPi) / 2;  // m, half the edge of a square of the disc's area
     const Vec3d u = across * half;
     const Vec3d v = cross(normal, across) * half;
@@ -422,9 +424,10 @@ class CloudAsset {
       part.positions.push_back(static_cast<Vec3f>(corner));
     }
     if (image_ != nullptr) {
-      const auto x = static_cast<double>(k % image_->width);
-      const auto y = static_cast<double>(k / image_->width);  // NOLINT(bugprone-integer-division): the row
-      const Vec2f uv{static_cast<float>((x + 0.5) / image_->width), static_cast<float>((y + 0.5) / image_->height)};
+      const auto column = static_cast<double>(k % image_->width);
+      const auto row = static_cast<double>(k / image_->width);  // NOLINT(bugprone-integer-division): a whole number
+      const Vec2f uv{static_cast<float>((column + 0.5) / image_->width),
+                     static_cast<float>((row + 0.5) / image_->height)};
       part.uvs.insert(part.uvs.end(), 4, uv);
     }
     part.triangles.push_back({first, first + 1, first + 2});
@@ -433,15 +436,14 @@ class CloudAsset {
 
   const std::filesystem::path& file_;
   const AssetOptions& options_;
-  const bool las_ = lowerExtension(file_) == ".las";
   Cloud cloud_;
   const Scan& scan_;
   ColorImages images_{file_, true};
   std::vector<std::size_t> chosen_;  // indices of the chosen points in scan_
   std::vector<Vec3f> positions_;     // m; positions of the chosen points in the asset's axes, relative to its origin
-  std::vector<Vec3f> normals_;
-  std::shared_ptr<const Texture> image_;
-  bool measured_ = false;                         // true: image_ shows intensities; false: colours
+  std::vector<Vec3f> normals_;       // of the chosen points, zero if unknown; empty: the file has none
+  std::shared_ptr<const Texture> image_;          // a texel per chosen point; null: the points have no reflectances
+  bool showsIntensities_ = false;                 // true: image_ shows intensities; false: colours
   std::map<std::uint32_t, std::uint32_t> nodes_;  // index of the node, by instance
   Asset asset_;
 };

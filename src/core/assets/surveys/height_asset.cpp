@@ -20,7 +20,6 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kMostSamples = 64'000'000;
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
 class HeightAsset {
@@ -28,8 +27,7 @@ class HeightAsset {
   HeightAsset(const std::filesystem::path& file, const AssetOptions& options)
       : file_(file),
         options_(options),
-        wanted_(options.heights),
-        heights_(readRaster(file, {RasterUse::Heights, 1, wanted_.every, wanted_.within, kMostSamples})) {}
+        heights_(readRaster(file, {.every = options.heights.every, .within = options.heights.within})) {}
 
   Asset build() {
     if (options_.up && *options_.up != 'z') fail("heights are always along z: leave out `up`");
@@ -39,10 +37,11 @@ class HeightAsset {
     asset_.up = 'z';
     asset_.upDeclared = true;
     asset_.statedUnit = 1;
-    checkValues();
+    checkHeights();
+    checkCoordinates();
     placeOnEarth();
-    if (!wanted_.classes.empty()) readClasses();
-    if (!wanted_.image.empty()) readImage();
+    if (!classFile_.empty()) readClasses();
+    if (!imageFile_.empty()) readImage();
     computePositions(0);
     for (int row = 0; row + 1 < heights_.height; ++row) {
       computePositions(row + 1);
@@ -50,48 +49,48 @@ class HeightAsset {
     }
     if (outsideImage_ > 0) {
       warn(fmt::format("{}: does not cover {} of the vertices of {}, which have the colour of its edge",
-                       wanted_.image.string(), grouped(outsideImage_), file_.string()));
+                       imageFile_.string(), grouped(outsideImage_), file_.string()));
     }
     if (unclassed_ > 0) {
       warn(fmt::format("{}: has no class for {} of the {} cells of {}, whose material is called 'no class'",
-                       wanted_.classes.string(), grouped(unclassed_), grouped(cells_), file_.string()));
+                       classFile_.string(), grouped(unclassed_), grouped(cells_), file_.string()));
     }
     if (asset_.parts.empty()) fail("has no cell whose four samples all have heights");
     return std::move(asset_);
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError({file_.string()}, problem); }
 
   std::size_t indexOf(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(heights_.width) + static_cast<std::size_t>(column);
   }
 
+  // Returns the earth-centred position (m) of a point of a raster in degrees.
   Vec3d onEarth(double x, double y, double z) const {
     return earthCentred(radians(x * heights_.system.perUnit), radians(y * heights_.system.perUnit), z);
   }
 
-  // Sets the asset's origin and coordinate system; of a raster in degrees, the plane at its middle.
+  // Sets the asset's origin and coordinate system; of a raster in degrees, the plane at its middle (localFromEarth_).
   void placeOnEarth() {
     const auto [x, y] = heights_.centreOf(heights_.width / 2, heights_.height / 2);
     const double unit = options_.metresPerUnit;
     if (heights_.system.geographic) {
       // If the number of samples is even, the middle lies between two of them.
       const auto [x2, y2] = heights_.centreOf((heights_.width - 1) / 2, (heights_.height - 1) / 2);
-      localFromEarth_ = eastNorthUp(onEarth((x + x2) / 2, (y + y2) / 2, 0));
+      const double middleX = (x + x2) / 2, middleY = (y + y2) / 2;
+      localFromEarth_ = eastNorthUp(onEarth(middleX, middleY, 0));
       asset_.ownMiddle = true;
-      asset_.system = fmt::format("[{}, {}]", (x + x2) / 2, (y + y2) / 2);
+      asset_.system = fmt::format("[{}, {}]", middleX, middleY);
       return;
     }
     if (unit == 1) asset_.system = heights_.system.definition;
     asset_.origin = {std::floor(x * heights_.system.perUnit) * unit, std::floor(y * heights_.system.perUnit) * unit, 0};
   }
 
-  // Throws InputError if heights or latitudes cannot be on the earth, or if a raster without a coordinate system seems
-  // to be in degrees: if degrees were read as metres, hills would become needles. Warns if one with a system does.
-  void checkValues() const {
-    constexpr double kHighest = 30e3;  // m; no mountain or trench, and no marker of missing samples but -9999
-    constexpr double kSteepest = 3;    // largest ratio of height range to horizontal extent of a raster in metres
+  // Throws InputError if heights cannot be on the earth.
+  void checkHeights() const {
+    constexpr double kHighest = 30e3;  // m; beyond all mountains and trenches, and markers of missing samples but -9999
     const auto [low, high] = heights_.range();
     const double farthest = -low > high ? low : high;
     if (std::isfinite(farthest) && std::fabs(farthest) * options_.metresPerUnit > kHighest) {
@@ -100,18 +99,24 @@ class HeightAsset {
                       "-a_nodata; if heights are not in metres, by gdal_edit.py -units",
                       farthest));
     }
+  }
+
+  // Throws InputError if latitudes cannot be on the earth, or if a raster without a coordinate system seems to be in
+  // degrees: if degrees were read as metres, hills would become needles. Warns if a raster with a system does.
+  void checkCoordinates() const {
+    constexpr double kPole = 90 + 1e-6;  // degrees, with rounding
+    constexpr double kSteepest = 3;      // largest ratio of height range to horizontal extent of a raster in metres
+    const auto [low, high] = heights_.range();
     const auto [x, y] = heights_.centreOf(0, 0);
     const auto [x2, y2] = heights_.centreOf(heights_.width - 1, heights_.height - 1);
-    constexpr double kPole = 90 + 1e-6;  // degrees
-    const double north = std::max(std::fabs(y), std::fabs(y2));
-    if (heights_.system.geographic && north * heights_.system.perUnit > kPole) {
+    const double farthestX = std::max(std::fabs(x), std::fabs(x2)), farthestY = std::max(std::fabs(y), std::fabs(y2));
+    if (heights_.system.geographic && farthestY * heights_.system.perUnit > kPole) {
       fail(
           fmt::format("is in degrees, as its coordinate system says, but has the latitude {:.9g}: state "
                       "the system of its coordinates by gdal_edit.py -a_srs",
-                      north * heights_.system.perUnit));
+                      farthestY * heights_.system.perUnit));
     }
-    if (heights_.system.geographic || options_.metresPerUnit != 1) return;
-    if (std::max(std::fabs(x), std::fabs(x2)) > 360 || std::max(std::fabs(y), std::fabs(y2)) > 90) return;
+    if (heights_.system.geographic || options_.metresPerUnit != 1 || farthestX > 360 || farthestY > 90) return;
     const double extent = std::hypot(x2 - x, y2 - y);
     if (!(high - low > kSteepest * extent)) return;
     if (!heights_.system.definition.empty()) {
@@ -127,7 +132,7 @@ class HeightAsset {
                     high - low, extent));
   }
 
-  // Computes the positions of a row of samples. Only the two latest rows are stored.
+  // Computes the positions of a row of samples for addCell(). Only the two latest rows are stored.
   void computePositions(int row) {
     std::vector<Vec3d>& positions = positions_[static_cast<std::size_t>(row) % 2];
     positions.clear();
@@ -143,113 +148,109 @@ class HeightAsset {
     return Vec3d{x * heights_.system.perUnit, y * heights_.system.perUnit, z} * unit - asset_.origin;
   }
 
-  void requireSameSystem(const Raster& other, const std::filesystem::path& name) const {
-    if (sameReference(heights_, other)) return;
+  // Reads a band of another raster, where the heights are. Throws InputError if its coordinate system is another one.
+  Raster readBeside(const std::filesystem::path& file, RasterUse use, int band) const {
+    Raster raster = readRaster(file, {.use = use, .band = band, .within = boundsOfHeights()});
+    if (sameReference(heights_, raster)) return raster;
     throw InputError(
-        {name.string()},
+        {file.string()},
         fmt::format("has another coordinate system than {}: convert it by `gdalwarp -t_srs`", file_.string()));
   }
 
+  // Sets classes_. Throws InputError for classes that are no whole numbers.
   void readClasses() {
-    classes_ = readRaster(wanted_.classes, {RasterUse::Classes, 1, 1, boundsOfHeights(), kMostSamples});
-    requireSameSystem(*classes_, wanted_.classes);
+    classes_ = readBeside(classFile_, RasterUse::Classes, 1);
     const auto isFraction = [](float value) { return std::isfinite(value) && value != std::round(value); };
-    const auto fraction = std::find_if(classes_->values.begin(), classes_->values.end(), isFraction);
+    const auto fraction = std::ranges::find_if(classes_->values, isFraction);
     if (fraction == classes_->values.end()) return;
     throw InputError(
-        {wanted_.classes.string()},
+        {classFile_.string()},
         fmt::format("has {} samples that are no whole numbers, such as {:.6g}, but classes are: resample it "
                     "by `gdalwarp -r near`, and leave out scale and offset by `gdal_translate -a_scale 1 "
                     "-a_offset 0`",
-                    grouped(static_cast<std::size_t>(
-                        std::count_if(classes_->values.begin(), classes_->values.end(), isFraction))),
-                    *fraction));
+                    grouped(static_cast<std::size_t>(std::ranges::count_if(classes_->values, isFraction))), *fraction));
   }
 
   // Returns the x and y bounds of the height samples, extended by one sample on each side.
   RasterBounds boundsOfHeights() const {
-    RasterBounds b{INFINITY, INFINITY, -INFINITY, -INFINITY};
+    RasterBounds bounds{INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (const int column : {-1, heights_.width}) {
       for (const int row : {-1, heights_.height}) {
         const auto [x, y] = heights_.centreOf(column, row);
-        b = {std::min(b[0], x), std::min(b[1], y), std::max(b[2], x), std::max(b[3], y)};
+        bounds = {std::min(bounds[0], x), std::min(bounds[1], y), std::max(bounds[2], x), std::max(bounds[3], y)};
       }
     }
-    return b;
-  }
-
-  // Reads red, green and blue of the image; green or blue is empty if it is the same as red. photo_ becomes its grid.
-  std::array<std::vector<float>, 3> readChannels() {
-    const std::array<int, 3> bands = colorBands(wanted_.image);
-    std::array<std::vector<float>, 3> channels;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (k > 0 && bands[k] == bands[0]) continue;
-      photo_ = readRaster(wanted_.image, {RasterUse::Colors, bands[k], 1, boundsOfHeights(), kMostSamples});
-      channels[k] = std::move(photo_.values);
-    }
-    requireSameSystem(photo_, wanted_.image);
-    return channels;
+    return bounds;
   }
 
   // Returns the value that is white, which the greatest value of all channels shows: 1, 255 or 65535.
   double whiteOf(const std::array<std::vector<float>, 3>& channels) const {
     double greatest = 0;
-    bool integers = true;
+    bool areIntegers = true;
     for (const std::vector<float>& channel : channels) {
       for (const float value : channel) {
         if (!std::isfinite(value)) continue;
         greatest = std::max(greatest, double{value});
-        integers = integers && value == std::floor(value);
+        areIntegers = areIntegers && value == std::floor(value);
       }
     }
-    if (greatest <= 255) return greatest > 1 || integers ? 255 : 1;
+    if (greatest <= 255) return greatest > 1 || areIntegers ? 255 : 1;
     constexpr double kWhite = 65535;
     if (greatest < kWhite / 4 || greatest > kWhite) {
       warn(
           fmt::format("{}: its brightest value is {:.6g}, but white is 65535 in an image of more than 8 bits: scale it "
                       "by 'gdal_translate -ot Byte -scale'",
-                      wanted_.image.string(), greatest));
+                      imageFile_.string(), greatest));
     }
     return kWhite;
   }
 
+  // Sets image_ and imageGrid_.
   void readImage() {
-    const std::array<std::vector<float>, 3> channels = readChannels();
+    const std::array<int, 3> bands = colorBands(imageFile_);
+    std::array<std::vector<float>, 3> channels;  // green or blue is empty if it is the same as red
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k > 0 && bands[k] == bands[0]) continue;
+      Raster channel = readBeside(imageFile_, RasterUse::Colors, bands[k]);
+      channels[k] = std::move(channel.values);
+      imageGrid_ = channel;
+    }
     const double white = whiteOf(channels);
     auto image = std::make_shared<Texture>();
-    image->file = wanted_.image.string();
-    image->width = static_cast<std::uint32_t>(photo_.width);
-    image->height = static_cast<std::uint32_t>(photo_.height);
+    image->file = imageFile_.string();
+    image->width = static_cast<std::uint32_t>(imageGrid_.width);
+    image->height = static_cast<std::uint32_t>(imageGrid_.height);
     image->rgba.resize(channels[0].size() * 4, 255);
-    std::size_t black = 0;
+    std::size_t colorless = 0;
     for (std::size_t i = 0; i < channels[0].size(); ++i) {
       // The first row of a texture is the image's bottom.
       const std::size_t row = i / image->width;
       std::uint8_t* const texel = &image->rgba[4 * ((image->height - 1 - row) * image->width + i % image->width)];
-      bool missing = true;
+      bool isColorless = true;
       for (std::size_t k = 0; k < 3; ++k) {
         const auto value = double{channels[channels[k].empty() ? 0 : k][i]};
-        missing = missing && !std::isfinite(value);
+        if (std::isfinite(value)) isColorless = false;
         texel[k] = static_cast<std::uint8_t>(
             std::lround(std::isfinite(value) ? std::clamp(value * 255 / white, 0.0, 255.0) : 0));
       }
-      black += missing ? 1 : 0;
+      colorless += isColorless ? 1 : 0;
     }
-    if (black > 0) {
-      warn(fmt::format("{}: {} samples have no colour and count as black", image->file, grouped(black)));
+    if (colorless > 0) {
+      warn(fmt::format("{}: {} samples have no colour and count as black", image->file, grouped(colorless)));
     }
     image_ = std::move(image);
   }
 
-  // Adds the two triangles between four samples to the mesh of the cell's class, unless a sample has no height.
+  // Adds the two triangles between four samples, of which (column, row) is the first, to the mesh of the cell's class,
+  // unless a sample has no height. The positions of both rows must be the two latest ones.
   void addCell(int column, int row) {
     const std::array<std::array<int, 2>, 4> corners{
         {{column, row}, {column, row + 1}, {column + 1, row + 1}, {column + 1, row}}};
-    std::array<Vec3d, 4> position;
+    std::array<Vec3d, 4> positions;
     for (std::size_t k = 0; k < 4; ++k) {
       const auto [c, r] = corners[k];
       if (!std::isfinite(heights_.values[indexOf(c, r)])) return;
-      position[k] = positions_[static_cast<std::size_t>(r) % 2][static_cast<std::size_t>(c)];
+      positions[k] = positions_[static_cast<std::size_t>(r) % 2][static_cast<std::size_t>(c)];
     }
     const auto [x, y] = heights_.centreOf(column, row);
     const auto [x2, y2] = heights_.centreOf(column + 1, row + 1);
@@ -258,18 +259,18 @@ class HeightAsset {
     unclassed_ += std::isfinite(classNumber) ? 0 : 1;
     ClassMesh& mesh = meshOf(classNumber);
     std::array<std::uint32_t, 4> v{};
-    for (std::size_t k = 0; k < 4; ++k) v[k] = vertexOf(mesh, corners[k][0], corners[k][1], position[k]);
+    for (std::size_t k = 0; k < 4; ++k) v[k] = vertexOf(mesh, corners[k][0], corners[k][1], positions[k]);
     // Triangles must face up, whatever the directions of rows and columns.
-    const bool facesDown = cross(position[1] - position[0], position[2] - position[0]).z < 0;
-    const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
+    const bool facesDown = cross(positions[1] - positions[0], positions[2] - positions[0]).z < 0;
+    const auto addTriangle = [&](std::size_t a, std::size_t b, std::size_t c) {
       asset_.parts[mesh.part].triangles.push_back(facesDown ? Triangle{v[a], v[c], v[b]} : Triangle{v[a], v[b], v[c]});
     };
-    if (length(position[2] - position[0]) <= length(position[3] - position[1])) {
-      add(0, 1, 2);
-      add(0, 2, 3);
+    if (length(positions[2] - positions[0]) <= length(positions[3] - positions[1])) {
+      addTriangle(0, 1, 2);
+      addTriangle(0, 2, 3);
     } else {
-      add(0, 1, 3);
-      add(1, 2, 3);
+      addTriangle(0, 1, 3);
+      addTriangle(1, 2, 3);
     }
   }
 
@@ -285,20 +286,20 @@ class HeightAsset {
   // Returns the mesh of a class; NaN is the class of cells without one.
   ClassMesh& meshOf(float classNumber) {
     const std::int64_t number = std::isfinite(classNumber) ? std::llround(classNumber) : -1;
-    const auto [found, isNew] = meshes_.try_emplace(number);
-    if (!isNew) return found->second;
-    found->second.part = asset_.parts.size();
-    AssetPart part;
+    const auto [entry, isNew] = meshes_.try_emplace(number);
+    ClassMesh& mesh = entry->second;
+    if (!isNew) return mesh;
+    mesh.part = asset_.parts.size();
+    AssetPart& part = asset_.parts.emplace_back();
     part.node = "heights";
     part.material = !classes_ ? "heights" : number < 0 ? "no class" : fmt::format("{}", number);
     part.fileMaterial.name = part.material;
     const auto image = options_.textures ? image_ : nullptr;
     // The name tells callers that read without textures first that this part has one.
-    if (image_ != nullptr) part.texture = wanted_.image.filename().string();
+    if (image_ != nullptr) part.texture = imageFile_.filename().string();
     using enum BaseColor::Source;
     setColor(part.fileMaterial, {.source = image ? Image : None, .image = image}, file_, options_, images_);
-    asset_.parts.push_back(std::move(part));
-    return found->second;
+    return mesh;
   }
 
   // Returns the index of a sample's vertex in the mesh of a class, which gets the vertex if it lacks it.
@@ -315,24 +316,25 @@ class HeightAsset {
     return vertex;
   }
 
-  // Returns where a sample lies in the image: at its edge if the image does not cover the sample.
+  // Returns the texture coordinates of a sample: at the image's edge if the image does not cover the sample.
   Vec2f uvOf(int column, int row) {
     const auto [x, y] = heights_.centreOf(column, row);
-    auto [c, r] = photo_.columnAndRow(x, y);
-    if (!(c >= 0 && c < photo_.width && r >= 0 && r < photo_.height)) {
-      c = std::clamp(c, 0.5, photo_.width - 0.5);
-      r = std::clamp(r, 0.5, photo_.height - 0.5);
+    auto [imageColumn, imageRow] = imageGrid_.columnAndRow(x, y);
+    const double width = imageGrid_.width, height = imageGrid_.height;
+    if (!(imageColumn >= 0 && imageColumn < width && imageRow >= 0 && imageRow < height)) {
+      imageColumn = std::clamp(imageColumn, 0.5, width - 0.5);
+      imageRow = std::clamp(imageRow, 0.5, height - 0.5);
       ++outsideImage_;
     }
-    return {static_cast<float>(c / photo_.width), static_cast<float>(1 - r / photo_.height)};
+    return {static_cast<float>(imageColumn / width), static_cast<float>(1 - imageRow / height)};
   }
 
   const std::filesystem::path& file_;
   const AssetOptions& options_;
-  const HeightOptions& wanted_;
+  const std::filesystem::path &classFile_ = options_.heights.classes, &imageFile_ = options_.heights.image;
   Raster heights_;
   std::optional<Raster> classes_;
-  Raster photo_;                           // georeference of the image, without values
+  RasterGrid imageGrid_;                   // georeference of the image
   std::size_t outsideImage_ = 0;           // number of vertices that the image does not cover
   std::size_t cells_ = 0, unclassed_ = 0;  // numbers of cells, and of those without a class
   std::shared_ptr<const Texture> image_;

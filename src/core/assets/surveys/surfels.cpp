@@ -1,7 +1,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <cstdint>
+#include <functional>
 #include <nanoflann.hpp>
 
 #include "assets/surveys/surveys.h"
@@ -10,9 +12,9 @@
 namespace scanmill {
 namespace {
 
-constexpr double kLine = 0.02;  // points lie on a line if their second-largest spread is below this fraction of the
-                                // largest
-constexpr int kMostTimes = 8;   // largest factor by which the number of neighbours grows
+// Points lie on a line if their second-largest spread is below this fraction of the largest; chosen by eye.
+constexpr double kLineSpread = 0.02;
+constexpr int kMostFactor = 8;  // largest factor by which the number of neighbours grows
 
 // An adapter with the interface that nanoflann requires of a set of points.
 struct Points {
@@ -30,9 +32,10 @@ struct Points {
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Points>, Points, 3, std::uint32_t>;
 
+// The nearest points of a point, the nearest first, which is the point itself.
 struct Neighborhood {
-  std::vector<std::uint32_t> index;
-  std::vector<float> squared;  // squared distances (m^2)
+  std::vector<std::uint32_t> indices;
+  std::vector<float> squaredDistances;  // m^2
 };
 
 class Estimator {
@@ -40,40 +43,42 @@ class Estimator {
   Estimator(const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals, const SurfelOptions& options)
       : positions_(positions), normals_(normals), options_(options), points_{positions}, tree_(3, points_) {}
 
-  Surfel at(std::size_t i, Neighborhood& near) const {
-    const auto wanted = static_cast<std::size_t>(options_.neighbors) + 1;  // neighbours and the point itself
+  // Returns the surfel of point i: facing up and as large as allowed if the point is alone. `near` is storage.
+  Surfel surfelOf(std::size_t i, Neighborhood& near) const {
+    const auto count = static_cast<std::size_t>(options_.neighbors) + 1;  // neighbours and the point itself
     Surfel surfel{{0, 0, 1}, static_cast<float>(options_.radius[1])};
-    std::size_t found = search(i, wanted, near);
+    std::size_t found = search(i, count, near);
     if (found < 2) return surfel;
-    const double share = kPi * static_cast<double>(near.squared[found - 1]) / static_cast<double>(found - 1);
+    const double area = kPi * static_cast<double>(near.squaredDistances[found - 1]) / static_cast<double>(found - 1);
     surfel.radius =
-        static_cast<float>(std::clamp(options_.cover * std::sqrt(share / kPi), options_.radius[0], options_.radius[1]));
+        static_cast<float>(std::clamp(options_.cover * std::sqrt(area / kPi), options_.radius[0], options_.radius[1]));
     if (!normals_.empty() && length(Vec3d(normals_[i])) > 0.5) {
       surfel.normal = static_cast<Vec3f>(normalized(Vec3d(normals_[i])));
       return surfel;
     }
-    for (std::size_t times = 1;; times *= 2) {
-      const bool plane = fit(near, found, surfel.normal);
-      if (plane || times >= kMostTimes || found < wanted * times) return surfel;
-      found = search(i, wanted * times * 2, near);
+    for (std::size_t factor = 1;; factor *= 2) {
+      const bool isPlane = fitPlane(near, found, surfel.normal);
+      if (isPlane || factor >= kMostFactor || found < count * factor) return surfel;
+      found = search(i, count * factor * 2, near);
     }
   }
 
  private:
+  // Fills `near` with the `count` points nearest to point i. Returns their number, which is smaller in a smaller cloud.
   std::size_t search(std::size_t i, std::size_t count, Neighborhood& near) const {
-    near.index.resize(count);
-    near.squared.resize(count);
-    return tree_.knnSearch(&positions_[i].x, count, near.index.data(), near.squared.data());
+    near.indices.resize(count);
+    near.squaredDistances.resize(count);
+    return tree_.knnSearch(&positions_[i].x, count, near.indices.data(), near.squaredDistances.data());
   }
 
   // Fits a plane to the first `count` points of `near` and sets `normal`. Returns false if the points lie on a line.
-  bool fit(const Neighborhood& near, std::size_t count, Vec3f& normal) const {
-    const Vec3d about(positions_[near.index[0]]);
+  bool fitPlane(const Neighborhood& near, std::size_t count, Vec3f& normal) const {
+    const Vec3d first(positions_[near.indices[0]]);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
     for (std::size_t k = 0; k < count; ++k) {
-      const Vec3d off = Vec3d(positions_[near.index[k]]) - about;
-      const Eigen::Vector3d p(off.x, off.y, off.z);
+      const Vec3d offset = Vec3d(positions_[near.indices[k]]) - first;
+      const Eigen::Vector3d p(offset.x, offset.y, offset.z);
       sum += p;
       squares += p * p.transpose();
     }
@@ -84,7 +89,7 @@ class Estimator {
     const Eigen::Vector3d n = solver.eigenvectors().col(0);
     if (!n.allFinite() || n.norm() < 0.5) return false;
     normal = {static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
-    return solver.eigenvalues()[1] > kLine * kLine * solver.eigenvalues()[2];
+    return solver.eigenvalues()[1] > kLineSpread * kLineSpread * solver.eigenvalues()[2];
   }
 
   const std::vector<Vec3f>& positions_;
@@ -103,33 +108,32 @@ std::vector<Surfel> surfelsOf(const std::vector<Vec3f>& positions, const std::ve
   const Estimator estimator(positions, normals, options);
   parallelFor(positions.size(), 1024, [&](std::size_t first, std::size_t last) {
     Neighborhood near;
-    for (std::size_t i = first; i < last; ++i) surfels[i] = estimator.at(i, near);
+    for (std::size_t i = first; i < last; ++i) surfels[i] = estimator.surfelOf(i, near);
   });
   return surfels;
 }
 
 std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spacing) {
-  struct Cube {
-    std::array<std::int64_t, 3> at;
-    double off;  // distance of the point from the cube's centre (cube edges)
+  struct Point {
+    std::array<std::int64_t, 3> cube;  // cube of the grid
+    double distance;                   // from the cube's centre (cube edges)
     std::size_t index;
+    auto operator<=>(const Point&) const = default;
   };
-  std::vector<Cube> cubes(positions.size());
+  std::vector<Point> points(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3d p = Vec3d(positions[i]) * (1 / spacing);
     const Vec3d low{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
-    cubes[i] = {
+    points[i] = {
         {std::llround(low.x), std::llround(low.y), std::llround(low.z)}, length(p - low - Vec3d{0.5, 0.5, 0.5}), i};
   }
-  std::sort(cubes.begin(), cubes.end(), [](const Cube& a, const Cube& b) {
-    return a.at != b.at ? a.at < b.at : a.off != b.off ? a.off < b.off : a.index < b.index;
-  });
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < cubes.size(); ++i) {
-    if (i == 0 || cubes[i].at != cubes[i - 1].at) kept.push_back(cubes[i].index);
-  }
-  std::sort(kept.begin(), kept.end());
-  return kept;
+  std::ranges::sort(points, std::less<>());
+  const auto duplicates = std::ranges::unique(points, {}, &Point::cube);  // all but the first of each cube
+  points.erase(duplicates.begin(), duplicates.end());
+  std::vector<std::size_t> indices;
+  for (const Point& point : points) indices.push_back(point.index);
+  std::ranges::sort(indices);
+  return indices;
 }
 
 }  // namespace scanmill

@@ -24,16 +24,17 @@ namespace {
 constexpr int kDeepestModel = 24;        // largest depth of nested models
 constexpr double kBytesPerModel = 4096;  // memory of a model without parts
 
+// A model of a file, or the contents of a world, which has no parts.
 struct Model {
   std::string name;
-  std::string nameInFile;  // name that the file of an included model gives it; empty: it is not included
-  std::filesystem::path definition;
-  std::vector<WorldPart> parts;  // in the model's frame
+  std::string nameInFile;            // name that the file of an included model gives it; empty: it is not included
+  std::filesystem::path definition;  // see WorldThing::definition
+  std::vector<WorldPart> parts;      // in the model's frame
   std::vector<Model> children;
   std::shared_ptr<SdfFrames> frames;  // to which poses in the model may be relative
   const XmlNode* node = nullptr;      // the <model> or <include>, while the model around it is read
   Pose parentFromModel;
-  SdfPose pose;                     // of its placement frame, as stated
+  SdfPose pose;                     // pose of the placement frame, as the file states it
   Pose placement;                   // pose of the placement frame in the model's frame
   std::optional<Pose> poseByState;  // pose in the parent's frame by the world's state
   bool merged = false;              // its links and models are those of the model that includes it
@@ -52,32 +53,31 @@ class SdfReader {
     const XmlNode root = readXml(file);
     if (root.name != "sdf" && root.name != "gazebo") root.fail("is not an SDF: its first element must be <sdf>");
     std::vector<Model> models;
-    bool any = false, world = false;
+    bool isEmpty = true, hasWorld = false;
     for (const XmlNode& child : root.children) {
-      if (child.name == "world" && std::exchange(world, true)) {
+      if (child.name == "world" && std::exchange(hasWorld, true)) {
         world_.leftOut.add("worlds after the first");
         continue;
       }
       if (child.name == "actor") world_.leftOut.addKeyword(sdfFormat(), child.name);
       if (child.name != "world" && child.name != "model" && child.name != "include") continue;
-      any = true;
-      survey(child);
-      XmlNode alone;
-      alone.where = child.where;
-      alone.children = {child};
-      for (Model& model : modelsOf(child.name == "world" ? child : alone, file, 0, {}).children) {
+      isEmpty = false;
+      countUnread(child);
+      // A model beside worlds is read as the only one of a world.
+      const XmlNode worldOfModel{child.where, "", "", {}, {child}};
+      for (Model& model : contentsOf(child.name == "world" ? child : worldOfModel, file, 0, {}).children) {
         models.push_back(std::move(model));
       }
     }
-    if (!any) root.fail("has neither a world nor a model");
+    if (isEmpty) root.fail("has neither a world nor a model");
     for (const Model& model : models) addThings(toAffine(model.parentFromModel), model, model.name);
     return std::move(world_);
   }
 
  private:
-  // Counts the elements of a file that are left out, those that the table does not know, and, outside of states, those
-  // in wrong places.
-  void survey(const XmlNode& of, bool inState = false) {
+  // Counts the elements in an element that are left out, those that the table does not know, and those in wrong places;
+  // in a state, elements may stand anywhere.
+  void countUnread(const XmlNode& element, bool isInState = false) {
     static constexpr std::array<ElementPlace, 19> kPlaces{
         {{"model include", "sdf gazebo world model", true},
          {"link", "model", true},
@@ -98,8 +98,8 @@ class SdfReader {
          {"diffuse", "material"},
          {"script", "material"},
          {"transparency", "visual"}}};
-    if (!inState) countMisplaced(of, kPlaces, world_.leftOut);
-    for (const XmlNode& child : of.children) {
+    if (!isInState) countMisplaced(element, kPlaces, world_.leftOut);
+    for (const XmlNode& child : element.children) {
       if (child.name == "origin" && child.attribute("pose") != nullptr) {
         child.fail("is of SDF 1.0: convert the file, by `gz sdf -c FILE`");
       }
@@ -109,62 +109,63 @@ class SdfReader {
       const bool isDefault = ((child.name == "laser_retro" || child.name == "initial_position") && number == 0) ||
                              (child.name == "visibility_flags" && number == UINT32_MAX) ||
                              (child.name == "sampling" && number == 1);
-      const bool known = sdfFormat().find(child.name) != nullptr;
-      const bool isCustom = child.name.find(':') != std::string::npos && !known;  // elements of other programs
+      const bool isKnown = sdfFormat().find(child.name) != nullptr;
+      const bool isCustom = child.name.find(':') != std::string::npos && !isKnown;  // elements of other programs
       if (!isDefault && !isCustom) world_.leftOut.addKeyword(sdfFormat(), child.name);
       if (!sdfFormat().has(FormatElements::Use::Read, child.name)) continue;
-      survey(child, inState || child.name == "state");
+      countUnread(child, isInState || child.name == "state");
     }
   }
 
-  // Returns the child of a state that concerns a model or link; null if there is none.
+  // Returns the child of a state (null: none) for the "model" or "link" of this name; null if there is none.
   const XmlNode* stateOf(const XmlNode* state, std::string_view kind, const std::string& name) {
     if (state == nullptr) return nullptr;
-    const auto found = std::find_if(state->children.begin(), state->children.end(), [&](const XmlNode& child) {
-      return child.name == kind && child.attributeOr("name", "") == name;
+    const auto child = std::ranges::find_if(state->children, [&](const XmlNode& node) {
+      return node.name == kind && node.attributeOr("name", "") == name;
     });
-    if (found == state->children.end()) return nullptr;
-    statesUsed_.insert(&*found);
-    return &*found;
+    if (child == state->children.end()) return nullptr;
+    usedStates_.insert(&*child);
+    return &*child;
   }
 
   // Appends the names of the models and links in a state that stateOf() did not find.
   void listUnused(const XmlNode& state, std::vector<std::string>& names) const {
     for (const XmlNode& child : state.children) {
       if (child.name != "model" && child.name != "link") continue;
-      statesUsed_.contains(&child) ? listUnused(child, names) : names.push_back(child.attributeOr("name", ""));
+      usedStates_.contains(&child) ? listUnused(child, names) : names.push_back(child.attributeOr("name", ""));
     }
   }
 
   // Returns the first state of a world, which is the one that Gazebo applies; null if there is none.
   const XmlNode* firstState(const XmlNode& world) {
-    const auto count = std::count_if(world.children.begin(), world.children.end(),
-                                     [](const XmlNode& child) { return child.name == "state"; });
+    const auto count = std::ranges::count(world.children, "state", &XmlNode::name);
     if (count > 1) world_.leftOut.add("states after the first", static_cast<std::uint64_t>(count - 1));
     return world.child("state");
   }
 
-  void countUnused(const XmlNode& state) {
-    std::vector<std::string> unused;
-    listUnused(state, unused);
-    if (unused.empty()) return;
+  // Counts the models and links in a world's state that the world lacks.
+  void countUnusedStates(const XmlNode& state) {
+    std::vector<std::string> names;
+    listUnused(state, names);
+    if (names.empty()) return;
     world_.leftOut.add(
-        fmt::format("states of models and links that the world lacks (the first is '{}')", unused.front()),
-        unused.size());
+        fmt::format("states of models and links that the world lacks (the first is '{}')", names.front()),
+        names.size());
   }
 
-  // Reads the frames of a world or a model and the models in it, and returns them as a model without parts. `state`:
-  // that of the model; the state of a world is in `of`.
-  Model modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth, State state) {
+  // Reads the frames of a <world> or a <model> and the models in it, and returns them as a model without parts.
+  // `depth`: the number of models and worlds around it, 0 for a world. `state`: that of the model; a world states its
+  // own.
+  Model contentsOf(const XmlNode& around, const std::filesystem::path& file, int depth, State state) {
     if (depth > kDeepestModel) {
-      of.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
+      around.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
     }
-    chargeCopies(1, of.where, kBytesPerModel);
+    chargeCopies(1, around.where, kBytesPerModel);
     Model contents;
     contents.frames = std::make_shared<SdfFrames>();
     contents.frames->isWorld = depth == 0;
-    if (depth == 0) state.node = firstState(of);
-    for (const XmlNode& child : of.children) {
+    if (depth == 0) state.node = firstState(around);
+    for (const XmlNode& child : around.children) {
       if (child.name == "frame" || child.name == "link" || child.name == "joint") {
         contents.frames->add(child.attributeOr("name", child.name), frameOf(child));
       }
@@ -179,7 +180,7 @@ class SdfReader {
       addFramesOf(*model, *contents.frames);
       if (!model->missing) contents.children.push_back(std::move(*model));
     }
-    if (depth == 0 && state.node != nullptr && world_.missing.empty()) countUnused(*state.node);
+    if (depth == 0 && state.node != nullptr && world_.missing.empty()) countUnusedStates(*state.node);
     // Poses may be relative to frames that stand behind them.
     for (Model& model : contents.children) {
       const Pose pose = contents.frames->resolve(model.pose.relativeTo, *model.node) * model.pose.pose;
@@ -211,9 +212,11 @@ class SdfReader {
       if (merged.pose.relativeTo.empty() || merged.pose.relativeTo == "__model__") merged.pose.relativeTo = name;
       around.byName.try_emplace(innerName, std::move(merged));
     }
-    if (model.missing) around.inPlaceOfMissing = name;
+    if (model.missing) around.substitute = name;
   }
 
+  // Reads a <model> of a file. `depth`: see contentsOf(). `around`: the state of the world or model around it. `name`:
+  // the model's name there.
   Model readModel(const XmlNode& node, const std::filesystem::path& file, int depth, const State& around,
                   const std::string& name) {
     Model model;
@@ -226,7 +229,7 @@ class SdfReader {
       model.poseByState = inverse(around.worldFromModel) * state.worldFromModel;
       if (state.node->child("scale") != nullptr) scale = sizesOf(*state.node, "scale");
     }
-    Model contents = modelsOf(node, file, depth, state);
+    Model contents = contentsOf(node, file, depth, state);
     model.frames = contents.frames;
     for (Model& child : contents.children) addChild(std::move(child), model);
     for (const XmlNode& link : node.children) {
@@ -258,7 +261,7 @@ class SdfReader {
     }
   }
 
-  // Adds the visuals of a link, where the model's state has it.
+  // Adds the visuals of a link, moved to where the model's state has the link.
   void addLink(const XmlNode& node, const SdfLink& link, const State& state, std::vector<WorldPart>& parts) {
     const std::size_t first = parts.size();
     for (const XmlNode& visual : node.children) {
@@ -268,8 +271,8 @@ class SdfReader {
     const XmlNode* const linkState = stateOf(state.node, "link", link.name);
     if (linkState == nullptr) return;
     const Pose worldFromLink = readSdfPose(*linkState).pose;
-    const Affine moved = toAffine(inverse(state.worldFromModel) * worldFromLink * inverse(link.modelFromLink));
-    for (std::size_t i = first; i < parts.size(); ++i) parts[i].thingFromPart = moved * parts[i].thingFromPart;
+    const Affine move = toAffine(inverse(state.worldFromModel) * worldFromLink * inverse(link.modelFromLink));
+    for (std::size_t i = first; i < parts.size(); ++i) parts[i].thingFromPart = move * parts[i].thingFromPart;
   }
 
   // Returns the model that an <include> names; nullopt for lights and actors.
@@ -278,24 +281,24 @@ class SdfReader {
     std::string uri = node.textOf("uri", "");
     while (uri.ends_with('/') && !uri.ends_with("//")) uri.pop_back();
     const std::string name = std::filesystem::path(uri).filename().string();
-    std::optional<std::filesystem::path> definition;
+    std::optional<std::filesystem::path> definition;  // nullopt: Gazebo's own ground_plane
     try {
-      std::filesystem::path& known = definitions_[{file.parent_path(), uri}];
-      if (known.empty()) known = definitionOf(node, file, uri);
-      definition = known;
+      std::filesystem::path& cached = definitions_[{file.parent_path(), uri}];
+      if (cached.empty()) cached = definitionOf(node, file, uri);
+      definition = cached;
     } catch (const MissingFileError& e) {             // models that belong to Gazebo may not be installed
       if (uri == "model://sun") return std::nullopt;  // sun is a light
       if (uri != "model://ground_plane") return missingModel(node, name, e);
     }
     const std::filesystem::path path = definition.value_or(uri);
-    const auto [known, isNew] = roots_.try_emplace(path);
-    if (isNew) known->second = definition ? readXml(path) : groundPlane(node.where);
-    const XmlNode* const child = modelIn(known->second, node);
-    if (child == nullptr) return std::nullopt;
-    if (isNew) survey(*child);
-    const std::string nameInFile = child->attributeOr("name", name);
-    const std::string plainName = node.textOf("name", uri.ends_with(".sdf") ? nameInFile : name);
-    Model model = readModel(*child, path, depth, around, plainName);
+    const auto [root, isNew] = roots_.try_emplace(path);
+    if (isNew) root->second = definition ? readXml(path) : groundPlane(node.where);
+    const XmlNode* const modelNode = modelIn(root->second, node);
+    if (modelNode == nullptr) return std::nullopt;
+    if (isNew) countUnread(*modelNode);
+    const std::string nameInFile = modelNode->attributeOr("name", name);
+    const std::string nameHere = node.textOf("name", uri.ends_with(".sdf") ? nameInFile : name);
+    Model model = readModel(*modelNode, path, depth, around, nameHere);
     if (node.child("name") == nullptr) model.nameInFile = nameInFile;
     if (definition && !model.poseByState) model.definition = path;  // its parts are those of all copies
     if (const XmlNode* frame = node.child("placement_frame")) {
@@ -305,13 +308,14 @@ class SdfReader {
     return model;
   }
 
+  // Returns a model without contents in place of one whose file is missing.
   Model missingModel(const XmlNode& include, const std::string& name, const MissingFileError& error) {
     world_.missing.push_back(error);
     Model model;
     model.name = include.textOf("name", name);
     model.pose = readSdfPose(include);
     model.frames = std::make_shared<SdfFrames>();
-    model.frames->inPlaceOfMissing = "";
+    model.frames->substitute = "";
     model.missing = true;
     return model;
   }
@@ -333,7 +337,7 @@ class SdfReader {
 
   // Returns the name of the file with the highest version in a folder's model.config; model.sdf if there is none.
   static std::string newestSdf(const std::filesystem::path& folder) {
-    std::string newest = "model.sdf", highest;
+    std::string newest = "model.sdf", highestVersion;
     std::error_code ignored;
     const std::filesystem::path config = folder / "model.config";
     if (!std::filesystem::exists(config, ignored)) return newest;
@@ -344,9 +348,9 @@ class SdfReader {
         sdf.fail(fmt::format("has the version '{}', which is no number", version));
       }
       // strverscmp() compares the numbers in the texts, so that 1.10 is greater than 1.9.
-      if (::strverscmp(version.c_str(), highest.c_str()) <= 0) continue;
+      if (::strverscmp(version.c_str(), highestVersion.c_str()) <= 0) continue;
       if (!std::filesystem::exists(folder / sdf.text, ignored)) continue;
-      highest = version;
+      highestVersion = version;
       newest = sdf.text;
     }
     return newest;
@@ -357,18 +361,18 @@ class SdfReader {
                                             const std::string& uri) {
     const XmlNode* const uriNode = node.child("uri");
     const XmlNode& naming = uriNode == nullptr ? node : *uriNode;
-    std::filesystem::path found = findModel(naming, file, uri);
-    std::error_code ignored;
-    if (std::filesystem::is_directory(found, ignored)) {
-      found /= newestSdf(found);
-      if (!std::filesystem::exists(found, ignored)) {
+    std::filesystem::path path = findModel(naming, file, uri);
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error)) {
+      path /= newestSdf(path);
+      if (!std::filesystem::exists(path, error)) {
         throw MissingFileError(
             naming.where, uri,
-            fmt::format("<{}> names '{}', but no {} of this name exists", naming.name, uri, found.string()));
+            fmt::format("<{}> names '{}', but no {} of this name exists", naming.name, uri, path.string()));
       }
     }
-    const std::filesystem::path canonical = std::filesystem::weakly_canonical(found, ignored);
-    return ignored ? found : canonical;
+    const std::filesystem::path canonical = std::filesystem::weakly_canonical(path, error);
+    return error ? path : canonical;
   }
 
   // Returns the definition of Gazebo's model ground_plane, a square of 100 m.
@@ -391,24 +395,25 @@ class SdfReader {
       return;
     }
     WorldThing thing{name, model.definition, worldFromModel, {}};
-    collect({}, "", model, thing.parts);
+    addParts({}, "", model, thing.parts);
     world_.things.push_back(std::move(thing));
   }
 
-  static void collect(const Affine& thingFromModel, const std::string& prefix, const Model& model,
-                      std::vector<WorldPart>& parts) {
+  // Adds the parts of a model and of all models nested in it, whose names in the thing begin with `prefix`.
+  static void addParts(const Affine& thingFromModel, const std::string& prefix, const Model& model,
+                       std::vector<WorldPart>& parts) {
     for (WorldPart part : model.parts) {
       part.node = prefix + part.node;
       part.thingFromPart = thingFromModel * part.thingFromPart;
       parts.push_back(std::move(part));
     }
     for (const Model& child : model.children) {
-      collect(thingFromModel * toAffine(child.parentFromModel), prefix + child.name + "/", child, parts);
+      addParts(thingFromModel * toAffine(child.parentFromModel), prefix + child.name + "/", child, parts);
     }
   }
 
   WorldFile world_;
-  std::set<const XmlNode*> statesUsed_;
+  std::set<const XmlNode*> usedStates_;             // those that stateOf() returned
   std::map<std::filesystem::path, XmlNode> roots_;  // of the files that define models
   // Files that define models, by the folder of the file that includes them and their URI.
   std::map<std::pair<std::filesystem::path, std::string>, std::filesystem::path> definitions_;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kLongestChain = 1000;  // of frames, each relative to the next
 
+// Returns the number in an element, clamped to 0 to 1.
 float fractionIn(const XmlNode& node) {
   return static_cast<float>(std::clamp(numbersIn(node, node.text, 1).front(), 0.0, 1.0));
 }
@@ -57,6 +58,7 @@ void readAlbedo(const XmlNode& material, const std::filesystem::path& file, Left
   }
 }
 
+// Reads the <material> of a visual into its part. `file`: the model's file.
 void readLook(const XmlNode& visual, const std::filesystem::path& file, WorldFile& world, WorldPart& part) {
   const XmlNode* const material = visual.child("material");
   if (material == nullptr) return;
@@ -71,10 +73,10 @@ void readLook(const XmlNode& visual, const std::filesystem::path& file, WorldFil
   if (script == nullptr) return;
   part.material = script->textOf("name", "");
   // Scripts at file://media are Gazebo's own, such as Gazebo/Grey.
-  const bool isGazebos = std::all_of(script->children.begin(), script->children.end(), [](const XmlNode& child) {
+  const bool isOfGazebo = std::ranges::all_of(script->children, [](const XmlNode& child) {
     return child.name != "uri" || child.text.starts_with("file://media");
   });
-  if (!isGazebos || (!part.color && part.texture.empty())) {
+  if (!isOfGazebo || (!part.color && part.texture.empty())) {
     world.leftOut.add("looks by scripts of OGRE (state them by <diffuse> or <pbr>)");
   }
 }
@@ -117,59 +119,57 @@ bool isSdfTrue(const std::string& text) {
   return text == "true" || text == "True" || text == "TRUE" || text == "1";
 }
 
-SdfPose readSdfPose(const XmlNode& of) {
-  const XmlNode* const element = of.child("pose");
+SdfPose readSdfPose(const XmlNode& owner) {
+  const XmlNode* const element = owner.child("pose");
   if (element == nullptr) return {};
-  SdfPose read;
-  read.relativeTo = element->attributeOr("relative_to", element->attributeOr("frame", ""));
+  SdfPose read{{}, element->attributeOr("relative_to", element->attributeOr("frame", ""))};
   if (element->text.empty()) return read;
   const std::string format = element->attributeOr("rotation_format", "euler_rpy");
-  if (format == "quat_xyzw") {
-    const std::vector<double> n = numbersIn(*element, element->text, 7);
-    read.pose = {rotationOf(*element, {n[6], n[3], n[4], n[5]}), {n[0], n[1], n[2]}};
-    return read;
-  }
-  if (format != "euler_rpy") {
+  const bool isQuaternion = format == "quat_xyzw";
+  if (!isQuaternion && format != "euler_rpy") {
     element->fail(fmt::format("has the rotation_format '{}', but it must be euler_rpy or quat_xyzw", format));
   }
-  const std::vector<double> n = numbersIn(*element, element->text, 6);
+  // The position, then the quaternion x, y, z, w or the roll, pitch and yaw.
+  const std::vector<double> n = numbersIn(*element, element->text, isQuaternion ? 7 : 6);
   const double unit = isSdfTrue(element->attributeOr("degrees", "false")) ? kPi / 180 : 1;
-  read.pose = {fromYawPitchRoll(n[5] * unit, n[4] * unit, n[3] * unit), {n[0], n[1], n[2]}};
+  read.pose.translation = {n[0], n[1], n[2]};
+  read.pose.rotation = isQuaternion ? rotationOf(*element, {n[6], n[3], n[4], n[5]})
+                                    : fromYawPitchRoll(n[5] * unit, n[4] * unit, n[3] * unit);
   return read;
 }
 
 void SdfFrames::add(const std::string& name, const Frame& frame) {
-  const auto known = byName.find(name);
-  const bool isLink = known != byName.end() && known->second.node->name == "link";
-  if (isLink && frame.node->name == "link") {
+  const auto earlier = byName.find(name);
+  const bool isNameOfLink = earlier != byName.end() && earlier->second.node->name == "link";
+  if (isNameOfLink && frame.node->name == "link") {
     frame.node->fail(fmt::format("has the name '{}', as another link: links need names of their own", name));
   }
-  if (!isLink) byName[name] = frame;
+  if (!isNameOfLink) byName[name] = frame;
 }
 
 Pose SdfFrames::resolve(const std::string& name, const XmlNode& from) const {
-  std::set<std::pair<const SdfFrames*, std::string>> passed;
-  return resolve(name, from, passed);
+  std::set<std::pair<const SdfFrames*, std::string>> visited;
+  return resolve(name, from, visited);
 }
 
 Pose SdfFrames::resolve(const std::string& name, const XmlNode& from,
-                        std::set<std::pair<const SdfFrames*, std::string>>& passed) const {
+                        std::set<std::pair<const SdfFrames*, std::string>>& visited) const {
   if (name.empty() || name == "__model__" || name == "__root__" || (isWorld && name == "world")) return {};
-  if (!passed.emplace(this, name).second) {
+  if (!visited.emplace(this, name).second) {
     from.fail(fmt::format("has a pose relative to '{}', which is relative to itself", name));
   }
-  if (passed.size() > kLongestChain)
+  if (visited.size() > kLongestChain)
     from.fail(fmt::format("has a pose relative to a chain of more than {} frames", kLongestChain));
   // Files that sdformat 1.7 flattened have frames with colons in their names.
   const std::size_t colons = byName.contains(name) ? std::string::npos : name.find("::");
   const auto found = byName.find(name.substr(0, colons));
-  if (found == byName.end() && inPlaceOfMissing) return resolve(*inPlaceOfMissing, from, passed);
+  if (found == byName.end() && substitute) return resolve(*substitute, from, visited);
   if (found == byName.end()) from.fail(fmt::format("has a pose relative to '{}', but this frame does not exist", name));
   const Frame& frame = found->second;
-  const Pose pose = resolve(frame.pose.relativeTo, *frame.node, passed) * frame.pose.pose;
+  const Pose pose = resolve(frame.pose.relativeTo, *frame.node, visited) * frame.pose.pose;
   if (colons == std::string::npos) return pose;
   if (frame.inside == nullptr) from.fail(fmt::format("has a pose relative to '{}', which is not in a model", name));
-  return pose * frame.inside->resolve(name.substr(colons + 2), from, passed);
+  return pose * frame.inside->resolve(name.substr(colons + 2), from, visited);
 }
 
 std::optional<WorldPart> readSdfVisual(const XmlNode& visual, const SdfLink& link, WorldFile& world) {
@@ -177,13 +177,12 @@ std::optional<WorldPart> readSdfVisual(const XmlNode& visual, const SdfLink& lin
   if (geometry == nullptr) return std::nullopt;
   const std::string transparency = visual.textOf("transparency", "0");
   if (numbersIn(visual, transparency, 1).front() >= 1) return std::nullopt;  // invisible visuals are not scanned
+  const auto [pose, relativeTo] = readSdfPose(visual);
+  const Pose modelFromFrame = relativeTo.empty() ? link.modelFromLink : link.frames.resolve(relativeTo, visual);
   WorldPart part;
   part.where = visual.where;
   part.node = link.name + "/" + visual.attributeOr("name", "visual");
-  const SdfPose pose = readSdfPose(visual);
-  const Pose modelFromFrame =
-      pose.relativeTo.empty() ? link.modelFromLink : link.frames.resolve(pose.relativeTo, visual);
-  part.thingFromPart = toAffine(modelFromFrame * pose.pose);
+  part.thingFromPart = toAffine(modelFromFrame * pose);
   for (const XmlNode& shape : geometry->children) {
     if (!readShape(*geometry, shape, link.file, world, part)) {
       if (shape.name == "mesh" || shape.name == "heightmap") return std::nullopt;

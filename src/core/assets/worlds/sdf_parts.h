@@ -21,7 +21,7 @@ struct SdfPose {
 };
 
 // Returns the <pose> of an element; the identity if it has none.
-SdfPose readSdfPose(const XmlNode& of);
+SdfPose readSdfPose(const XmlNode& owner);
 
 bool isSdfTrue(const std::string& text);
 
@@ -35,8 +35,8 @@ class SdfFrames {
   };
   std::map<std::string, Frame> byName;
   bool isWorld = false;
-  // Frame whose pose frames have that are not in `byName`, because the file with them is missing; nullopt: none is.
-  std::optional<std::string> inPlaceOfMissing;
+  // If a file with frames is missing: the name of the frame whose pose stands for those of frames not in `byName`.
+  std::optional<std::string> substitute;
 
   // Adds a frame. A link keeps its name if a joint, frame or model has the same, which SDF 1.6 allows.
   void add(const std::string& name, const Frame& frame);
@@ -45,9 +45,9 @@ class SdfFrames {
   Pose resolve(const std::string& name, const XmlNode& from) const;
 
  private:
-  // `passed`: the frames from which the poses so far led here.
+  // `visited`: the frames that were resolved on the way to this one.
   Pose resolve(const std::string& name, const XmlNode& from,
-               std::set<std::pair<const SdfFrames*, std::string>>& passed) const;
+               std::set<std::pair<const SdfFrames*, std::string>>& visited) const;
 };
 
 // The link of a visual.
@@ -55,7 +55,7 @@ struct SdfLink {
   std::string name;
   Pose modelFromLink;
   const SdfFrames& frames;            // of the model
-  const std::filesystem::path& file;  // that describes the model
+  const std::filesystem::path& file;  // the model's file
   Vec3d scale{1, 1, 1};               // of the model, by the world's state
 };
 

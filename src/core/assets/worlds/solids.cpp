@@ -19,6 +19,8 @@
 namespace scanmill {
 namespace {
 
+// Returns the text of an attribute (URDF) or an element (SDF). Throws InputError if both are absent and there is no
+// fallback.
 std::string sizeText(const XmlNode& shape, std::string_view key, std::string_view fallback) {
   if (const std::string* attribute = shape.attribute(key)) return *attribute;
   if (const XmlNode* element = shape.child(key)) return element->text;
@@ -26,6 +28,7 @@ std::string sizeText(const XmlNode& shape, std::string_view key, std::string_vie
   return std::string(fallback);
 }
 
+// Returns the size. Throws InputError unless it is above 0.
 double positive(const XmlNode& shape, double size) {
   if (!(size > 0)) shape.fail(fmt::format("has the size {:g}, but sizes must be above 0", size));
   return size;
@@ -40,8 +43,10 @@ void addPlane(Mesh& mesh, const XmlNode& shape) {
   const Vec3d normal = vectorIn(shape, sizeText(shape, "normal", "0 0 1"));
   if (!(length(normal) > 0)) shape.fail("has a normal of zeros");
   const Vec3d z = normalized(normal);
-  // The shortest rotation from the z axis to the normal, as in Gazebo.
-  const Vec3d x = z.z > -1 + 1e-9 ? Vec3d{1 - z.x * z.x / (1 + z.z), -z.x * z.y / (1 + z.z), -z.x} : Vec3d{-1, 0, 0};
+  // The x axis after the shortest rotation from the z axis to the normal, as in Gazebo.
+  constexpr double kRounding = 1e-9;
+  const Vec3d x =
+      z.z > -1 + kRounding ? Vec3d{1 - z.x * z.x / (1 + z.z), -z.x * z.y / (1 + z.z), -z.x} : Vec3d{-1, 0, 0};
   appendPlane(mesh, 0, {{x, cross(z, x), z}, {}}, positive(shape, size[0]), positive(shape, size[1]));
 }
 
@@ -49,6 +54,7 @@ namespace gtl = boost::polygon;
 using Outline = gtl::polygon_data<int>;  // in units of kOutlineStep
 constexpr double kOutlineStep = 1e-4;    // m, within which Gazebo takes two points for one
 
+// Returns the outline of a <polyline>. Throws InputError if it has no area or is too large for integers.
 Outline outlineOf(const XmlNode& polyline) {
   constexpr double kFarthest = 1e5;  // m
   std::vector<gtl::point_data<int>> corners;
@@ -76,6 +82,8 @@ std::vector<Vec3d> cornersOf(const Polygon& outline, bool counterClockwise) {
   return corners;
 }
 
+// Adds a wall from z = 0 to the height on each edge of an outline. It faces outwards if the corners are
+// counter-clockwise.
 void addWalls(Mesh& mesh, const std::vector<Vec3d>& corners, double height) {
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const Vec3d& a = corners[k];
@@ -84,27 +92,30 @@ void addWalls(Mesh& mesh, const std::vector<Vec3d>& corners, double height) {
   }
 }
 
-// Adds a flat polygon at height z, which faces up or down.
+// Adds a flat polygon, whose triangles are counter-clockwise, at height z: a floor if z is 0, which faces down, else a
+// ceiling.
 void addCap(Mesh& mesh, const std::vector<Vec3d>& outline, const std::vector<std::array<std::uint32_t, 3>>& triangles,
-            double z, bool up) {
-  for (const auto& t : triangles) {
+            double z) {
+  for (const auto& triangle : triangles) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    for (const std::uint32_t corner : t)
+    for (const std::uint32_t corner : triangle) {
       mesh.positions.push_back(Vec3f(Vec3d{outline[corner].x, outline[corner].y, z}));
-    mesh.triangles.push_back(up ? Triangle{first, first + 1, first + 2} : Triangle{first, first + 2, first + 1});
+    }
+    mesh.triangles.push_back(z > 0 ? Triangle{first, first + 1, first + 2} : Triangle{first, first + 2, first + 1});
     mesh.surfaceOf.push_back(0);
   }
 }
 
+// True if a heightmap's heights are stated by its <size>, not by the raster.
 bool isImage(const Raster& raster, const std::filesystem::path& file) {
   const std::string suffix = lowerExtension(file);
   return !raster.georeferenced || suffix == ".png" || suffix == ".jpg" || suffix == ".jpeg";
 }
 
 // Returns the size of a heightmap (m) whose heights reach from `low` to `high`.
-Vec3d sizeOf(const XmlNode& shape, const Raster& raster, bool image, double low, double high) {
+Vec3d sizeOf(const XmlNode& shape, const Raster& raster, bool isImage, double low, double high) {
   if (shape.child("size") != nullptr) return sizesOf(shape, "size");
-  if (image) return {1, 1, 1};
+  if (isImage) return {1, 1, 1};
   if (raster.system.geographic) shape.fail("has no <size>, which a raster in degrees needs");
   const auto& t = raster.transform;
   return {raster.width * std::hypot(t[1], t[4]) * raster.system.perUnit,
@@ -168,7 +179,7 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
     corners += static_cast<double>(outline.size());
     gtl::operators::operator^=(covered, outline);
   }
-  constexpr double kMostCorners = 20000;  // which take some seconds
+  constexpr double kMostCorners = 20'000;  // as many take some seconds
   if (corners > kMostCorners)
     first.fail(fmt::format("and those beside it have {} points: give them as a mesh", corners));
   Mesh mesh;
@@ -186,30 +197,30 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
   for (const Outline& cap : caps) {
     const std::vector<Vec3d> outline = cornersOf(cap, true);
     const auto& triangles = polygons.divide(outline.size(), [&](std::size_t i) { return outline[i]; });
-    addCap(mesh, outline, triangles, height, true);
-    addCap(mesh, outline, triangles, 0, false);
+    addCap(mesh, outline, triangles, height);
+    addCap(mesh, outline, triangles, 0);
   }
   return mesh;
 }
 
 Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file) {
-  const Raster raster = readRaster(file, {.within = std::nullopt, .georeferenced = false});
-  const bool image = isImage(raster, file);
+  const Raster raster = readRaster(file, {.georeferenced = false});
+  const bool statesNoHeights = isImage(raster, file);
   if (raster.width < 2 || raster.height < 2) {
     shape.fail(fmt::format("names '{}', which has not two rows and two columns of samples", file.string()));
   }
   auto [low, high] = raster.range();
-  if (image) low = 0;
-  const Vec3d size = sizeOf(shape, raster, image, low, high);
+  if (statesNoHeights) low = 0;
+  const Vec3d size = sizeOf(shape, raster, statesNoHeights, low, high);
   const Vec3d middle = vectorIn(shape, shape.textOf("pos", "0 0 0"));
   const double scale = high > low ? size.z / (high - low) : 0;
   Mesh mesh;
   for (int row = 0; row < raster.height; ++row) {
     for (int column = 0; column < raster.width; ++column) {
-      const double height = double{raster.values[mesh.positions.size()]};
-      mesh.positions.push_back(Vec3f(middle + Vec3d{size.x * (static_cast<double>(column) / (raster.width - 1) - 0.5),
-                                                    size.y * (0.5 - static_cast<double>(row) / (raster.height - 1)),
-                                                    (height - low) * scale}));
+      const double value = double{raster.values[mesh.positions.size()]};
+      const double x = size.x * (static_cast<double>(column) / (raster.width - 1) - 0.5);
+      const double y = size.y * (0.5 - static_cast<double>(row) / (raster.height - 1));
+      mesh.positions.push_back(Vec3f(middle + Vec3d{x, y, (value - low) * scale}));
     }
   }
   const auto index = [&](int column, int row) { return static_cast<std::uint32_t>(row * raster.width + column); };

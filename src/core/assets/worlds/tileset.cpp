@@ -27,7 +27,7 @@ constexpr int kDeepestTile = 64;  // largest depth of nested tiles, including th
 class TilesetReader {
  public:
   explicit TilesetReader(const AssetOptions& options)
-      : options_(options), scaled_{Mat3::scale(Vec3d{1, 1, 1} * options.metresPerUnit), {}} {}
+      : options_(options), metresFromUnits_{Mat3::scale(Vec3d{1, 1, 1} * options.metresPerUnit), {}} {}
 
   Asset read(const std::filesystem::path& file) {
     if (options_.up) fail(file, "states its up axis: leave out `up`");
@@ -36,7 +36,7 @@ class TilesetReader {
     readTileset(file, {}, {}, Refine::Replace, 0);
     reportMissing(missing_, options_.leaveOutMissing, leftOut_);
     leftOut_.warn(file.string());
-    inTiles_.warn(file.string());
+    leftOutOfTiles_.warn(file.string());
     return std::move(asset_);
   }
 
@@ -49,14 +49,16 @@ class TilesetReader {
     Mat3 zUpFromGltf;
   };
 
-  [[noreturn]] static void fail(const std::filesystem::path& file, const std::string& what) {
-    throw InputError({file.string()}, what);
+  [[noreturn]] static void fail(const std::filesystem::path& file, const std::string& problem) {
+    throw InputError({file.string()}, problem);
   }
 
-  // `inherited`: how tiles are refined unless they say otherwise.
+  // Adds the tiles of a tileset.json. `folder`: see Tileset. `earthFromParent`: the frame of the tile that names it.
+  // `inherited`: how tiles are refined unless they say otherwise. `depth`: how many tiles the tileset is in.
   void readTileset(const std::filesystem::path& file, const std::filesystem::path& folder,
                    const Affine& earthFromParent, Refine inherited, int depth) {
-    if (!open_.insert(std::filesystem::weakly_canonical(file)).second) fail(file, "is a tileset that includes itself");
+    const std::filesystem::path canonical = std::filesystem::weakly_canonical(file);
+    if (!openTilesets_.insert(canonical).second) fail(file, "is a tileset that includes itself");
     try {
       const Json json = Json::parse(readFile(file));
       const auto asset = json.find("asset");
@@ -68,18 +70,18 @@ class TilesetReader {
       const std::string up = asset->value("gltfUpAxis", std::string("Y"));
       if (up != "X" && up != "Y" && up != "Z")
         fail(file, fmt::format("has the gltfUpAxis '{}', but it must be X, Y or Z", up));
-      survey(json);
-      survey(*asset);
-      const Tileset tileset{file, folder, zUpFrom(static_cast<char>(up[0] + 32))};
+      countUnread(json);
+      countUnread(*asset);
+      const Tileset tileset{file, folder, zUpFrom(up == "X" ? 'x' : up == "Y" ? 'y' : 'z')};
       readTile(json.at("root"), tileset, earthFromParent, inherited, depth);
     } catch (const Json::exception& e) {
       fail(file, fmt::format("is not a tileset: {}", reasonOf(e)));
     }
-    open_.erase(std::filesystem::weakly_canonical(file));
+    openTilesets_.erase(canonical);
   }
 
   // Counts the keys and extensions of an object that are left out.
-  void survey(const Json& object) {
+  void countUnread(const Json& object) {
     for (const auto& [key, value] : object.items()) {
       if (key != "extensions") leftOut_.addKeyword(tilesetFormat(), key);
     }
@@ -88,10 +90,11 @@ class TilesetReader {
     for (const auto& [name, value] : extensions->items()) leftOut_.addKeyword(tilesetFormat(), name);
   }
 
+  // Returns the transform from a tile's frame to that of its parent; the identity if none is stated.
   static Affine transformOf(const Json& tile) {
-    const auto found = tile.find("transform");
-    if (found == tile.end()) return {};
-    const auto m = found->get<std::array<double, 16>>();
+    const auto transform = tile.find("transform");
+    if (transform == tile.end()) return {};
+    const auto m = transform->get<std::array<double, 16>>();  // column by column
     return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
   }
 
@@ -99,25 +102,26 @@ class TilesetReader {
   // earth's centre for regions too large for one plane.
   static Vec3d middleOf(const Json& volume, const Affine& earthFromTile) {
     if (const auto region = volume.find("region"); region != volume.end()) {
-      auto r = region->get<std::array<double, 6>>();
-      if (*std::max_element(r.begin(), r.begin() + 4) > 2 * kPi ||
-          *std::min_element(r.begin(), r.begin() + 4) < -2 * kPi) {
+      auto [west, south, east, north, lowest, highest] = region->get<std::array<double, 6>>();  // rad, m
+      if (std::max({west, south, east, north}) > 2 * kPi || std::min({west, south, east, north}) < -2 * kPi) {
         throw Error("the region of a bounding volume must be in radians, but has numbers of more than a turn");
       }
-      if (r[2] < r[0]) r[2] += 2 * kPi;  // the region crosses the date line
-      constexpr double kLargest = 2;     // rad
-      if (r[2] - r[0] > kLargest || r[3] - r[1] > kLargest) return {};
-      return earthCentred((r[0] + r[2]) / 2, (r[1] + r[3]) / 2, (r[4] + r[5]) / 2);
+      if (east < west) east += 2 * kPi;  // the region crosses the date line
+      constexpr double kLargest = 2;     // rad, chosen by eye: a continent
+      if (east - west > kLargest || north - south > kLargest) return {};
+      return earthCentred((west + east) / 2, (south + north) / 2, (lowest + highest) / 2);
     }
     if (const auto box = volume.find("box"); box != volume.end()) {
-      const auto b = box->get<std::vector<double>>();
-      if (b.size() != 12) throw Error("a bounding box of 3D Tiles must have 12 numbers");
-      return earthFromTile * Vec3d{b[0], b[1], b[2]};
+      const auto numbers = box->get<std::vector<double>>();  // middle and half axes
+      if (numbers.size() != 12) throw Error("a bounding box of 3D Tiles must have 12 numbers");
+      return earthFromTile * Vec3d{numbers[0], numbers[1], numbers[2]};
     }
-    const auto s = volume.value("sphere", std::array<double, 4>{});
-    return earthFromTile * Vec3d{s[0], s[1], s[2]};
+    const auto [x, y, z, radius] = volume.value("sphere", std::array<double, 4>{});
+    return earthFromTile * Vec3d{x, y, z};
   }
 
+  // Adds a tile, if it is one of the finest or if its children refine it by ADD, and all tiles below it. The first tile
+  // on the earth sets assetFromEarth_. Parameters: see readTileset().
   void readTile(const Json& tile, const Tileset& tileset, const Affine& earthFromParent, Refine inherited, int depth) {
     if (depth > kDeepestTile)
       fail(tileset.file, fmt::format("has tiles that are nested more than {} levels deep", kDeepestTile));
@@ -131,45 +135,45 @@ class TilesetReader {
     if (!assetFromEarth_) {
       const Vec3d middle = middleOf(tile.value("boundingVolume", Json::object()), earthFromTile);
       if (isOnEarth(middle)) {
-        assetFromEarth_ = scaled_ * eastNorthUp(middle);
+        assetFromEarth_ = metresFromUnits_ * eastNorthUp(middle);
         asset_.ownMiddle = true;
         asset_.system = fmt::format("earth-centred [{:.2f}, {:.2f}, {:.2f}] m", middle.x, middle.y, middle.z);
       }
     }
-    const std::string stated = lowerCase(tile.value("refine", std::string()));
-    if (!stated.empty() && stated != "add" && stated != "replace") {
-      fail(tileset.file,
-           fmt::format("has the refine '{}', but it must be ADD or REPLACE", tile.value("refine", std::string())));
+    const std::string statedRefine = tile.value("refine", std::string());
+    const std::string refineName = lowerCase(statedRefine);
+    if (!refineName.empty() && refineName != "add" && refineName != "replace") {
+      fail(tileset.file, fmt::format("has the refine '{}', but it must be ADD or REPLACE", statedRefine));
     }
-    const Refine refine = stated.empty() ? inherited : stated == "add" ? Refine::Add : Refine::Replace;
-    survey(tile);
+    const Refine refine = refineName.empty() ? inherited : refineName == "add" ? Refine::Add : Refine::Replace;
+    countUnread(tile);
     const auto children = tile.find("children");
-    const bool leaf = children == tile.end() || children->empty();
+    const bool isLeaf = children == tile.end() || children->empty();
     for (const std::string& uri : contentsOf(tile, extensions)) {
       const bool isTileset = uri.substr(0, uri.find('?')).ends_with(".json");
-      if (leaf || isTileset || refine == Refine::Add) readContent(uri, tileset, earthFromTile, refine, depth);
+      if (isLeaf || isTileset || refine == Refine::Add) readContent(uri, tileset, earthFromTile, refine, depth);
     }
-    if (leaf) return;
+    if (isLeaf) return;
     for (const Json& child : *children) readTile(child, tileset, earthFromTile, refine, depth + 1);
   }
 
   // Returns the URIs of a tile's contents, and counts what they have and is left out.
   std::vector<std::string> contentsOf(const Json& tile, const Json& extensions) {
     std::vector<std::string> uris;
-    const auto add = [&](const Json& content) {
-      survey(content);
-      uris.push_back(content.contains("uri") ? content.at("uri").get<std::string>()
-                                             : content.at("url").get<std::string>());
+    const auto addContent = [&](const Json& content) {
+      countUnread(content);
+      uris.push_back(content.at(content.contains("uri") ? "uri" : "url").get<std::string>());
     };
-    if (const auto content = tile.find("content"); content != tile.end()) add(*content);
-    for (const Json& content : tile.value("contents", Json::array())) add(content);
+    if (const auto content = tile.find("content"); content != tile.end()) addContent(*content);
+    for (const Json& content : tile.value("contents", Json::array())) addContent(content);
     const Json multiple = extensions.value("3DTILES_multiple_contents", Json::object());
     for (const char* key : {"content", "contents"}) {  // the names in drafts and in the extension
-      for (const Json& content : multiple.value(key, Json::array())) add(content);
+      for (const Json& content : multiple.value(key, Json::array())) addContent(content);
     }
     return uris;
   }
 
+  // Adds the content of a tile: a mesh, or the tiles of a nested tileset. Counts contents that are missing or not read.
   void readContent(const std::string& uri, const Tileset& tileset, const Affine& earthFromTile, Refine refine,
                    int depth) {
     const Location where{tileset.file.string()};
@@ -177,29 +181,30 @@ class TilesetReader {
       return missing_.push_back(
           {where, uri, fmt::format("names '{}', which is not a local file: download the tileset", uri)});
     }
-    const std::string plain = decodeUri(uri.substr(0, uri.find('?')));
-    const std::filesystem::path file = tileset.file.parent_path() / plain;
+    const std::string relativePath = decodeUri(uri.substr(0, uri.find('?')));
+    const std::filesystem::path file = tileset.file.parent_path() / relativePath;
     if (!isFile(file)) {
       return missing_.push_back({where, uri, fmt::format("names '{}', but this file does not exist", uri)});
     }
     const std::string kind = lowerExtension(file);
-    const std::filesystem::path name = tileset.folder / plain;
+    const std::filesystem::path name = tileset.folder / relativePath;
     if (kind == ".json") return readTileset(file, name.parent_path(), earthFromTile, refine, depth + 1);
     if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") return leftOut_.addKeyword(tilesetFormat(), kind);
-    if (!assetFromEarth_) assetFromEarth_ = scaled_;
-    Asset read = gltf::readTile(file, *assetFromEarth_ * earthFromTile, tileset.zUpFromGltf, options_, inTiles_);
-    if (!asset_.ownMiddle && isOnEarth(inverse(scaled_) * boundsOf(read).center())) {
+    if (!assetFromEarth_) assetFromEarth_ = metresFromUnits_;
+    Asset mesh = gltf::readTile(file, *assetFromEarth_ * earthFromTile, tileset.zUpFromGltf, options_, leftOutOfTiles_);
+    if (!asset_.ownMiddle && isOnEarth(inverse(metresFromUnits_) * boundsOf(mesh).center())) {
       fail(tileset.file,
            "its bounding volumes do not say where on the earth it lies: add a region, box or sphere to its root");
     }
-    add(std::move(read), file, name.string());
+    addParts(std::move(mesh), file, name.string());
   }
 
-  void add(Asset tile, const std::filesystem::path& file, const std::string& name) {
-    asset_.dropped += tile.dropped;
-    flatten(tile);
+  // Adds the parts of a content, whose node names get its name as a prefix.
+  void addParts(Asset mesh, const std::filesystem::path& file, const std::string& name) {
+    asset_.dropped += mesh.dropped;
+    flatten(mesh);
     std::uint32_t nodes = 0;
-    for (AssetPart& part : tile.parts) {
+    for (AssetPart& part : mesh.parts) {
       nodes = std::max(nodes, part.nodeIndex + 1);
       part.nodeIndex += nodes_;
       part.node = part.node.empty() ? name : fmt::format("{}/{}", name, part.node);
@@ -210,16 +215,16 @@ class TilesetReader {
   }
 
   const AssetOptions& options_;
-  Affine scaled_;  // from the files' unit to metres
+  Affine metresFromUnits_;
   // East, north, up about the middle of the first tile that is on the earth: the root, unless its volume is the globe.
-  // `scaled_` if a content comes before such a tile.
+  // metresFromUnits_ if a content comes before such a tile.
   std::optional<Affine> assetFromEarth_;
   Asset asset_;
-  std::set<std::filesystem::path> open_;
+  std::set<std::filesystem::path> openTilesets_;  // the tileset that is read, and those that it is in
   LeftOut leftOut_;
-  LeftOut inTiles_;  // of the tiles' contents
+  LeftOut leftOutOfTiles_;  // of the tiles' contents
   std::vector<MissingFileError> missing_;
-  std::uint32_t nodes_ = 0;
+  std::uint32_t nodes_ = 0;  // number of node indices that are taken
 };
 
 }  // namespace

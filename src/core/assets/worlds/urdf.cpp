@@ -9,21 +9,23 @@
 #include "assets/worlds/solids.h"
 #include "assets/worlds/world_asset.h"
 #include "assets/worlds/xml.h"
+#include "base/text_scan.h"
 
 namespace scanmill {
 namespace {
 
-Affine readOrigin(const XmlNode& of) {
-  const XmlNode* const origin = of.child("origin");
+// Returns the <origin> of an element, the transform to the frame around it; the identity if it has none.
+Affine readOrigin(const XmlNode& owner) {
+  const XmlNode* const origin = owner.child("origin");
   if (origin == nullptr) return {};
-  const Vec3d at = vectorIn(*origin, origin->attributeOr("xyz", "0 0 0"));
+  const Vec3d position = vectorIn(*origin, origin->attributeOr("xyz", "0 0 0"));
   if (const std::string* text = origin->attribute("quat_xyzw")) {
     if (origin->attribute("rpy") != nullptr) origin->fail("has both rpy and quat_xyzw: leave out one of them");
     const std::vector<double> q = numbersIn(*origin, *text, 4);
-    return toAffine({rotationOf(*origin, {q[3], q[0], q[1], q[2]}), at});
+    return toAffine({rotationOf(*origin, {q[3], q[0], q[1], q[2]}), position});
   }
-  const Vec3d turned = vectorIn(*origin, origin->attributeOr("rpy", "0 0 0"));
-  return toAffine({fromYawPitchRoll(turned.z, turned.y, turned.x), at});
+  const auto [roll, pitch, yaw] = vectorIn(*origin, origin->attributeOr("rpy", "0 0 0"));
+  return toAffine({fromYawPitchRoll(yaw, pitch, roll), position});
 }
 
 class UrdfReader {
@@ -32,8 +34,9 @@ class UrdfReader {
 
   WorldFile read() {
     if (root_.name != "robot") root_.fail("is not a URDF: its first element must be <robot>");
-    survey(root_);
+    countUnread(root_);
     readJoints();
+    checkTree();
     WorldThing robot{root_.attributeOr("name", "robot"), {}, {}, {}};
     for (const XmlNode& link : root_.children) {
       if (link.name != "link") continue;
@@ -49,37 +52,42 @@ class UrdfReader {
   }
 
  private:
-  // Reads the joints, and the materials that visuals may name. Throws InputError unless the links are a tree.
+  // Reads the joints, and the materials that visuals may name. Links must have different names.
   void readJoints() {
-    std::set<std::string> links;
     for (const XmlNode& child : root_.children) {
       if (child.name == "material") readMaterial(child);
       if (child.name == "joint") readJoint(child);
       const std::string name = child.attributeOr("name", "link");
-      if (child.name == "link" && !links.insert(name).second) {
+      if (child.name == "link" && !links_.insert(name).second) {
         child.fail(fmt::format("has the name '{}', as another link: links need names of their own", name));
       }
     }
+  }
+
+  // Throws InputError if a joint names a link that does not exist, or unless one link at most is no child of a joint.
+  void checkTree() const {
     for (const auto& [child, joint] : joints_) {
       for (const std::string& link : {child, joint.parent}) {
-        if (!links.contains(link)) {
+        if (!links_.contains(link)) {
           throw InputError(joint.where, fmt::format("<joint> names the link '{}', but this link does not exist", link));
         }
       }
     }
-    const XmlNode* first = nullptr;
+    std::optional<std::string> rootLink;
     for (const XmlNode& link : root_.children) {
-      if (link.name != "link" || joints_.contains(link.attributeOr("name", "link"))) continue;
-      if (first != nullptr) {
-        link.fail(fmt::format("'{}' and '{}' are both the child of no joint, but only one link can be the root",
-                              link.attributeOr("name", "link"), first->attributeOr("name", "link")));
+      const std::string name = link.attributeOr("name", "link");
+      if (link.name != "link" || joints_.contains(name)) continue;
+      if (rootLink) {
+        link.fail(fmt::format("'{}' and '{}' are both the child of no joint, but only one link can be the root", name,
+                              *rootLink));
       }
-      first = &link;
+      rootLink = name;
     }
   }
 
-  // Counts the elements that are left out, and those that the table does not know. Throws InputError for macros.
-  void survey(const XmlNode& of) {
+  // Counts the elements in an element that are left out, those that the table does not know, and those in wrong places.
+  // Throws InputError for macros.
+  void countUnread(const XmlNode& element) {
     static constexpr std::array<ElementPlace, 9> kPlaces{{{"link joint", "robot", true},
                                                           {"visual", "link", true},
                                                           {"geometry", "visual collision"},
@@ -89,23 +97,21 @@ class UrdfReader {
                                                           {"material", "visual"},
                                                           {"color", "material"},
                                                           {"texture", "material"}}};
-    countMisplaced(of, kPlaces, world_.leftOut);
-    for (const XmlNode& child : of.children) {
-      const bool macro = std::any_of(child.attributes.begin(), child.attributes.end(), [](const auto& a) {
-        return a.second.find("${") != std::string::npos || a.second.find("$(") != std::string::npos;
+    countMisplaced(element, kPlaces, world_.leftOut);
+    for (const XmlNode& child : element.children) {
+      const bool hasMacro = std::ranges::any_of(child.attributes, [](const auto& attribute) {
+        return attribute.second.find("${") != std::string::npos || attribute.second.find("$(") != std::string::npos;
       });
-      if (macro || child.name.starts_with("xacro:")) {
+      if (hasMacro || child.name.starts_with("xacro:")) {
         child.fail("has a macro: expand the file first, by `xacro robot.urdf.xacro > robot.urdf`");
       }
       world_.leftOut.addKeyword(urdfFormat(), child.name);
       if (child.name == "gazebo") {
-        for (const XmlNode& inside : child.children) {
-          if (inside.name == "material" || inside.name == "visual" || inside.name == "pose") {
-            world_.leftOut.add("materials, visuals and poses for Gazebo");
-          }
-        }
+        const auto isLeftOut = [](const XmlNode& node) { return containsWord("material visual pose", node.name); };
+        world_.leftOut.add("materials, visuals and poses for Gazebo",
+                           static_cast<std::uint64_t>(std::ranges::count_if(child.children, isLeftOut)));
       }
-      if (urdfFormat().has(FormatElements::Use::Read, child.name)) survey(child);
+      if (urdfFormat().has(FormatElements::Use::Read, child.name)) countUnread(child);
     }
   }
 
@@ -115,11 +121,12 @@ class UrdfReader {
     Location where;
   };
 
+  // Adds a joint to joints_. Counts one that cannot be at 0. Throws InputError for a link with two parents.
   void readJoint(const XmlNode& joint) {
-    const auto linkOf = [&](const char* end) {
-      const XmlNode* const element = joint.child(end);
+    const auto linkOf = [&](const char* role) {  // "parent" or "child"
+      const XmlNode* const element = joint.child(role);
       const std::string* const link = element == nullptr ? nullptr : element->attribute("link");
-      if (link == nullptr) joint.fail(fmt::format("has no <{} link=\"...\">", end));
+      if (link == nullptr) joint.fail(fmt::format("has no <{} link=\"...\">", role));
       return *link;
     };
     const auto number = [&](const char* element, const char* attribute) {
@@ -127,8 +134,9 @@ class UrdfReader {
       return node == nullptr ? 0 : std::strtod(node->attributeOr(attribute, "0").c_str(), nullptr);
     };
     const std::string type = joint.attributeOr("type", "");
-    const bool limited = type == "revolute" || type == "prismatic";
-    if (number("mimic", "offset") != 0 || (limited && (number("limit", "lower") > 0 || number("limit", "upper") < 0))) {
+    const bool hasLimits = type == "revolute" || type == "prismatic";
+    const bool excludesZero = hasLimits && (number("limit", "lower") > 0 || number("limit", "upper") < 0);
+    if (excludesZero || number("mimic", "offset") != 0) {
       world_.leftOut.add("joints whose limits or offsets (mimic) exclude 0, where all joints are");
     }
     if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint), joint.where}).second) {
@@ -142,10 +150,10 @@ class UrdfReader {
     std::filesystem::path texture;
   };
 
-  // Returns the look of a material element. The first element with a look gives it to all of its name.
+  // Returns the look of a material element. The first element of a name with a look gives it to all of this name.
   Look readMaterial(const XmlNode& material) {
     const std::string name = material.attributeOr("name", "");
-    if (const auto known = looks_.find(name); known != looks_.end()) return known->second;
+    if (looks_.contains(name)) return looks_.at(name);
     Look look;
     if (const XmlNode* color = material.child("color")) {
       const auto [r, g, b, alpha] = colorOf(*color, color->attributeOr("rgba", ""), world_.leftOut);
@@ -166,15 +174,16 @@ class UrdfReader {
   // Returns robotFromLink. The robot's frame is the frame of its root link.
   Affine robotFromLinkOf(std::string name, const XmlNode& link) const {
     Affine robotFromLink;
-    std::set<std::string> passed;
+    std::set<std::string> visitedLinks;
     for (auto joint = joints_.find(name); joint != joints_.end(); joint = joints_.find(name)) {
-      if (!passed.insert(name).second) link.fail(fmt::format("'{}' is its own ancestor by the joints", name));
+      if (!visitedLinks.insert(name).second) link.fail(fmt::format("'{}' is its own ancestor by the joints", name));
       robotFromLink = joint->second.parentFromChild * robotFromLink;
       name = joint->second.parent;
     }
     return robotFromLink;
   }
 
+  // Adds a visual of a link, the `number`-th (from 1), unless it is invisible or its mesh is missing.
   void addVisual(const XmlNode& visual, const std::string& link, std::size_t number, const Affine& robotFromLink,
                  std::vector<WorldPart>& parts) {
     const XmlNode* const geometry = visual.child("geometry");
@@ -201,8 +210,9 @@ class UrdfReader {
       const Look look = readMaterial(*material);
       if (look.opacity <= 0) return world_.leftOut.add("invisible visuals (alpha 0)");
       if (look.opacity < 1) world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
-      const bool defines = material->child("color") != nullptr || material->child("texture") != nullptr;
-      if (!look.color && look.texture.empty() && !defines) world_.leftOut.add("materials that are defined nowhere");
+      const bool isDefinition = material->child("color") != nullptr || material->child("texture") != nullptr;
+      if (!look.color && look.texture.empty() && !isDefinition)
+        world_.leftOut.add("materials that are defined nowhere");
       part.material = material->attributeOr("name", "");
       part.color = look.color;
       part.texture = look.texture;
@@ -212,6 +222,7 @@ class UrdfReader {
 
   std::filesystem::path file_;
   XmlNode root_;
+  std::set<std::string> links_;          // names
   std::map<std::string, Joint> joints_;  // joints, by name of their child link
   std::map<std::string, Look> looks_;
   WorldFile world_;

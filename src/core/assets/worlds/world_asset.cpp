@@ -22,15 +22,15 @@ namespace {
 // Returns a name without the numbers at its end and before slashes: "car_01_002" becomes "car", "row_1/car_2"
 // "row/car".
 std::string withoutNumbers(const std::string& name) {
-  std::string plain;
-  for (std::size_t at = 0; at <= name.size();) {
-    const std::size_t end = std::min(name.find('/', at), name.size());
-    const std::string word = name.substr(at, end - at);
+  std::string shortName;
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find('/', begin), name.size());
+    const std::string word = name.substr(begin, end - begin);
     const std::size_t last = word.find_last_not_of("0123456789_-. ");
-    plain += (at == 0 ? "" : "/") + (last == std::string::npos ? word : word.substr(0, last + 1));
-    at = end + 1;
+    shortName += (begin == 0 ? "" : "/") + (last == std::string::npos ? word : word.substr(0, last + 1));
+    begin = end + 1;
   }
-  return plain;
+  return shortName;
 }
 
 class WorldAsset {
@@ -52,14 +52,14 @@ class WorldAsset {
       if (!thing.definition.empty()) copies[{thing.definition, withoutNumbers(thing.name)}].push_back(&thing);
     }
     for (const WorldThing& thing : world.things) {
-      const auto found = copies.find({thing.definition, withoutNumbers(thing.name)});
-      if (found == copies.end() || found->second.size() < 2) {
-        addTo(asset_.parts, thing, thing.name, assetFromWorld_ * thing.worldFromThing);
-      } else if (found->second.front() == &thing) {
+      const auto group = copies.find({thing.definition, withoutNumbers(thing.name)});
+      if (group == copies.end() || group->second.size() < 2) {
+        addThing(thing, thing.name, assetFromWorld_ * thing.worldFromThing, asset_.parts);
+      } else if (group->second.front() == &thing) {
         InstancedParts instanced;
-        addTo(instanced.parts, thing, found->first.second, {});
+        addThing(thing, withoutNumbers(thing.name), {}, instanced.parts);
         if (instanced.parts.empty()) continue;
-        for (const WorldThing* copy : found->second) {
+        for (const WorldThing* copy : group->second) {
           instanced.assetFromParts.push_back(assetFromWorld_ * copy->worldFromThing);
         }
         asset_.instanced.push_back(std::move(instanced));
@@ -76,39 +76,38 @@ class WorldAsset {
   }
 
  private:
-  // Adds the parts of a thing, which is one node.
-  void addTo(std::vector<AssetPart>& parts, const WorldThing& thing, const std::string& name,
-             const Affine& assetFromThing) {
-    for (const WorldPart& from : thing.parts) {
-      const std::string node = fmt::format("{}/{}", name, from.node);
-      const Affine assetFromPart = assetFromThing * from.thingFromPart;
-      if (const Mesh* solid = std::get_if<Mesh>(&from.shape)) {
-        AssetPart part;
-        part.positions = solid->positions;
-        part.triangles = solid->triangles;
-        applyLook(from, part);
-        add(parts, std::move(part), from, node, assetFromPart);
-        continue;
-      }
-      for (AssetPart& part : partsOf(std::get<MeshFile>(from.shape), from.where)) {
-        if (!from.texture.empty() || (from.color && part.texture.empty())) applyLook(from, part);
-        if (part.material.empty()) part.fileMaterial.name = part.material = from.material;
-        const std::string inMesh = part.node.empty() ? node : fmt::format("{}/{}", node, part.node);
-        add(parts, std::move(part), from, inMesh, assetFromPart);
+  // Adds the parts of a thing, which is one node. Their names begin with `name`.
+  void addThing(const WorldThing& thing, const std::string& name, const Affine& assetFromThing,
+                std::vector<AssetPart>& parts) {
+    for (const WorldPart& visual : thing.parts) {
+      for (AssetPart& part : partsOf(visual)) {
+        part.fileMaterial.roughness = visual.roughness.value_or(part.fileMaterial.roughness);
+        part.fileMaterial.metallic = visual.metallic.value_or(part.fileMaterial.metallic);
+        part.node = fmt::format("{}/{}{}{}", name, visual.node, part.node.empty() ? "" : "/", part.node);
+        part.nodeIndex = nodes_;
+        move(part, assetFromThing * visual.thingFromPart);
+        chargeBytes(kBytesPerTriangle * static_cast<double>(part.triangles.size()), {file_.string()});
+        parts.push_back(std::move(part));
       }
     }
     ++nodes_;
   }
 
-  void add(std::vector<AssetPart>& parts, AssetPart part, const WorldPart& from, const std::string& node,
-           const Affine& assetFromPart) {
-    part.fileMaterial.roughness = from.roughness.value_or(part.fileMaterial.roughness);
-    part.fileMaterial.metallic = from.metallic.value_or(part.fileMaterial.metallic);
-    part.node = node;
-    part.nodeIndex = nodes_;
-    move(part, assetFromPart);
-    chargeBytes(kBytesPerTriangle * static_cast<double>(part.triangles.size()), {file_.string()});
-    parts.push_back(std::move(part));
+  // Returns the parts of a visual in its frame, with its look.
+  std::vector<AssetPart> partsOf(const WorldPart& visual) {
+    if (const Mesh* solid = std::get_if<Mesh>(&visual.shape)) {
+      AssetPart part;
+      part.positions = solid->positions;
+      part.triangles = solid->triangles;
+      applyLook(visual, part);
+      return {std::move(part)};
+    }
+    std::vector<AssetPart> parts = partsOf(std::get<MeshFile>(visual.shape), visual.where);
+    for (AssetPart& part : parts) {
+      if (!visual.texture.empty() || (visual.color && part.texture.empty())) applyLook(visual, part);
+      if (part.material.empty()) part.fileMaterial.name = part.material = visual.material;
+    }
+    return parts;
   }
 
   // Gives a part the material of its visual.
@@ -134,35 +133,34 @@ class WorldAsset {
     if (!visual.texture.empty()) checkTexture(part, true, leftOut_);
   }
 
-  // Returns the parts of a mesh, or of its submesh if one is named. `where`: of the visual, for messages.
+  // Returns the parts of a mesh, or of its submesh if one is named. `where`: the visual, for messages.
   std::vector<AssetPart> partsOf(const MeshFile& file, const Location& where) {
     const Asset& mesh = meshOf(file.path, where);
     if (file.submesh.empty()) return mesh.parts;
-    std::vector<AssetPart> taken;
-    std::vector<std::string> names;
+    std::vector<AssetPart> submeshParts;
+    std::set<std::string> names;
     Box box;
     for (const AssetPart& part : mesh.parts) {
-      if (!part.node.empty()) names.push_back(part.node);
+      if (!part.node.empty()) names.insert(part.node);
       if (part.node != file.submesh) continue;
-      taken.push_back(part);
+      submeshParts.push_back(part);
       for (const Vec3f& p : part.positions) box.add(Vec3d(p));
     }
-    if (taken.empty()) {
-      std::sort(names.begin(), names.end());
-      names.erase(std::unique(names.begin(), names.end()), names.end());
+    if (submeshParts.empty()) {
       throw InputError(where, fmt::format("'{}' has no submesh '{}', {}", file.path.string(), file.submesh,
                                           names.empty() ? "since none of its parts has a name: leave out <submesh>"
                                                         : fmt::format("but has {}", fmt::join(names, ", "))));
     }
-    for (AssetPart& part : taken) {
+    for (AssetPart& part : submeshParts) {
       for (Vec3f& p : part.positions) p = file.centred ? Vec3f(Vec3d(p) - box.center()) : p;
     }
-    return taken;
+    return submeshParts;
   }
 
+  // Reads a mesh file, once, into parts in its frame.
   const Asset& meshOf(const std::filesystem::path& path, const Location& where) {
-    const auto known = meshes_.find(path);
-    if (known != meshes_.end()) return known->second;
+    const auto cached = meshes_.find(path);
+    if (cached != meshes_.end()) return cached->second;
     AssetOptions options;
     options.unitStated = true;  // the world states the scale of its meshes
     options.alpha = options_.alpha;
@@ -193,7 +191,7 @@ class WorldAsset {
   Asset asset_;
   LeftOut leftOut_;
   std::map<std::filesystem::path, Asset> meshes_;
-  std::uint32_t nodes_ = 0;
+  std::uint32_t nodes_ = 0;  // number of nodes so far
 };
 
 }  // namespace

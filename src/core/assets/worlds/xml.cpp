@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <pugixml.hpp>
+#include <set>
 
 #include "base/file.h"
 #include "base/text_scan.h"
@@ -27,10 +28,10 @@ class Reader {
     pugi::xml_document document;
     const pugi::xml_parse_result result = document.load_buffer(bytes_.data(), bytes_.size());
     if (!result && bytes_.find("<%") != std::string::npos) {
-      throw InputError(at(result.offset), "is a template: expand it first, by `erb FILE.erb > FILE`");
+      throw InputError(locationOf(result.offset), "is a template: expand it first, by `erb FILE.erb > FILE`");
     }
     if (!result) {
-      throw InputError(at(result.offset), fmt::format("is not XML: {}", result.description()));
+      throw InputError(locationOf(result.offset), fmt::format("is not XML: {}", result.description()));
     }
     const pugi::xml_node root = document.document_element();
     if (!root) throw InputError({file_}, "is not XML: it has no element");
@@ -38,26 +39,29 @@ class Reader {
   }
 
  private:
-  Location at(std::ptrdiff_t offset) const {
+  Location locationOf(std::ptrdiff_t offset) const {
     const auto line = std::lower_bound(lineEnds_.begin(), lineEnds_.end(), static_cast<std::size_t>(offset));
     return {file_, static_cast<int>(line - lineEnds_.begin()) + 1};
   }
 
-  XmlNode convert(const pugi::xml_node& from, int depth) const {
+  // Converts an element with all in it; `depth`: how many elements it is in.
+  XmlNode convert(const pugi::xml_node& element, int depth) const {
     XmlNode node;
-    node.where = at(from.offset_debug());
+    node.where = locationOf(element.offset_debug());
     if (depth > kDeepestElement)
       throw InputError(node.where,
                        fmt::format("has elements that are nested more than {} levels deep", kDeepestElement));
-    node.name = from.name();
+    node.name = element.name();
     if (node.name == "xi:include") node.fail("names another file: expand it first, by `xmllint --xinclude FILE`");
     std::string text;  // comments may split the text into several pieces
-    for (const pugi::xml_node& child : from.children()) {
+    for (const pugi::xml_node& child : element.children()) {
       if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
     }
     node.text = trimmed(text);
-    for (const pugi::xml_attribute& a : from.attributes()) node.attributes.emplace_back(a.name(), trimmed(a.value()));
-    for (const pugi::xml_node& child : from.children()) {
+    for (const pugi::xml_attribute& a : element.attributes()) {
+      node.attributes.emplace_back(a.name(), trimmed(a.value()));
+    }
+    for (const pugi::xml_node& child : element.children()) {
       if (child.type() == pugi::node_element) node.children.push_back(convert(child, depth + 1));
     }
     return node;
@@ -71,14 +75,12 @@ class Reader {
 }  // namespace
 
 const XmlNode* XmlNode::child(std::string_view childName) const {
-  const auto found =
-      std::find_if(children.begin(), children.end(), [&](const XmlNode& c) { return c.name == childName; });
+  const auto found = std::ranges::find(children, childName, &XmlNode::name);
   return found == children.end() ? nullptr : &*found;
 }
 
 const std::string* XmlNode::attribute(std::string_view attribute) const {
-  const auto found =
-      std::find_if(attributes.begin(), attributes.end(), [&](const auto& a) { return a.first == attribute; });
+  const auto found = std::ranges::find(attributes, attribute, &std::pair<std::string, std::string>::first);
   return found == attributes.end() ? nullptr : &found->second;
 }
 
@@ -92,8 +94,8 @@ std::string XmlNode::textOf(std::string_view childName, std::string_view fallbac
   return found == nullptr ? std::string(fallback) : found->text;
 }
 
-void XmlNode::fail(const std::string& what) const {
-  throw InputError(where, fmt::format("<{}> {}", name, what));
+void XmlNode::fail(const std::string& problem) const {
+  throw InputError(where, fmt::format("<{}> {}", name, problem));
 }
 
 XmlNode readXml(const std::filesystem::path& file) {
@@ -113,25 +115,21 @@ std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::s
   return numbers;
 }
 
-void countMisplaced(const XmlNode& of, std::span<const ElementPlace> places, LeftOut& leftOut) {
-  const auto has = [](std::string_view list, std::string_view name) {
-    return fmt::format(" {} ", list).find(fmt::format(" {} ", name)) != std::string::npos;
-  };
-  std::vector<const ElementPlace*> taken;
-  for (const XmlNode& child : of.children) {
-    bool known = false;
-    const ElementPlace* allowed = nullptr;
-    for (const ElementPlace& row : places) {
-      if (!has(row.names, child.name)) continue;
-      known = true;
-      if (has(row.parents, of.name)) allowed = &row;
+void countMisplaced(const XmlNode& parent, std::span<const ElementPlace> places, LeftOut& leftOut) {
+  std::set<const ElementPlace*> takenPlaces;
+  for (const XmlNode& child : parent.children) {
+    const auto names = [&](const ElementPlace& place) { return containsWord(place.names, child.name); };
+    const auto allows = [&](const ElementPlace& place) {
+      return names(place) && containsWord(place.parents, parent.name);
+    };
+    const auto place = std::ranges::find_if(places, allows);
+    if (place == places.end()) {
+      if (std::ranges::any_of(places, names)) {
+        leftOut.add(fmt::format("misplaced <{}> in <{}>", child.name, parent.name));
+      }
+    } else if (!place->isMany && !takenPlaces.insert(&*place).second) {
+      leftOut.add(fmt::format("second <{}> in <{}>", child.name, parent.name));
     }
-    if (known && allowed == nullptr) leftOut.add(fmt::format("misplaced <{}> in <{}>", child.name, of.name));
-    if (allowed == nullptr || allowed->isMany) continue;
-    if (std::find(taken.begin(), taken.end(), allowed) != taken.end()) {
-      leftOut.add(fmt::format("second <{}> in <{}>", child.name, of.name));
-    }
-    taken.push_back(allowed);
   }
 }
 

@@ -25,10 +25,11 @@ struct XmlNode {
   const XmlNode* child(std::string_view childName) const;          // first child with this name; null: none
   const std::string* attribute(std::string_view attribute) const;  // returns null if the attribute is absent
   std::string attributeOr(std::string_view attribute, std::string_view fallback) const;
+  // Returns the text of the first child with this name.
   std::string textOf(std::string_view childName, std::string_view fallback) const;
 
   // Throws InputError at this element.
-  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail(const std::string& problem) const;
 };
 
 // Reads a file. Throws InputError with the file and its line if it is not XML, or nested deeper than 64 elements, or if
@@ -49,6 +50,6 @@ struct ElementPlace {
 
 // Counts the children of an element that stand in a wrong place, and those after the first where one may stand.
 // Elements that are not in the table may stand anywhere.
-void countMisplaced(const XmlNode& of, std::span<const ElementPlace> places, LeftOut& leftOut);
+void countMisplaced(const XmlNode& parent, std::span<const ElementPlace> places, LeftOut& leftOut);
 
 }  // namespace scanmill
