@@ -31,20 +31,20 @@ namespace scanmill {
 namespace {
 
 constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"};
-constexpr int kTickMs = 15;
-constexpr double kFarthestPlace = 1e5;  // largest coordinate (sensor's frame) and largest radius of a close-up (m)
+constexpr int kTickMs = 15;              // between two events without input, which advance what moves
+constexpr double kMostCoordinate = 1e5;  // largest coordinate (sensor's frame) and largest radius of a close-up (m)
 
 // Reads kCount numbers with a separator between them, such as "8,-3.5,-1". Returns nothing for any other text.
 template <class T, std::size_t kCount>
 std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char separator = ',') {
   std::array<T, kCount> values{};
-  const char* at = text.data();
-  const char* const end = at + text.size();
+  const char* begin = text.data();
+  const char* const end = begin + text.size();
   for (std::size_t i = 0; i < kCount; ++i) {
-    const auto read = std::from_chars(at, end, values[i]);
-    const bool followed = i + 1 < kCount ? read.ptr != end && *read.ptr == separator : read.ptr == end;
-    if (read.ec != std::errc() || !followed) return {};
-    at = read.ptr + 1;
+    const auto [next, failure] = std::from_chars(begin, end, values[i]);
+    const bool isLast = i + 1 == kCount;
+    if (failure != std::errc() || (isLast ? next != end : next == end || *next != separator)) return {};
+    begin = next + 1;
   }
   return values;
 }
@@ -62,19 +62,19 @@ ColorBy readColor(const std::string& word) {
     if (column.name == word) return ColorBy(column);  // a column's name always means this column
   }
   const std::vector<std::string>& names = colorNames();
-  const bool known = std::ranges::find(names, word) != names.end();
-  const std::string meant = nearest(word, names);
-  if (word.empty() || (!known && !meant.empty())) {
+  const bool isKnown = std::ranges::find(names, word) != names.end();
+  const std::string similar = nearest(word, names);
+  if (word.empty() || (!isKnown && !similar.empty())) {
     throw InputError(fmt::format("--color is one of {}, or a column of a recorded file, not '{}'{}",
                                  fmt::join(names, ", "), word,
-                                 meant.empty() ? "" : fmt::format(" (did you mean '{}'?)", meant)));
+                                 similar.empty() ? "" : fmt::format(" (did you mean '{}'?)", similar)));
   }
   return ColorBy(word);
 }
 
 // Returns the index of a word in `names`. Throws an InputError that names the option if `names` does not contain the
 // word.
-std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names) {
+std::size_t indexOfWord(const std::string& word, const std::string& option, std::span<const std::string_view> names) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == word) return i;
   }
@@ -83,9 +83,9 @@ std::size_t wordAmong(const std::string& word, const std::string& option, std::s
 
 PictureSize readPictureSize(const std::string& text) {
   const auto sides = readNumbers<int, 2>(text, 'x');
-  const auto fits = [](int side) { return side >= kLeastPictureSide && side <= kMostPictureSide; };
-  if (sides && std::ranges::all_of(*sides, fits) && (*sides)[0] * (*sides)[1] <= kMostPicturePixels) {
-    return {(*sides)[0], (*sides)[1]};
+  const auto isAllowed = [](int side) { return side >= kLeastPictureSide && side <= kMostPictureSide; };
+  if (sides && std::ranges::all_of(*sides, isAllowed) && (*sides)[0] * (*sides)[1] <= kMostPicturePixels) {
+    return {.width = (*sides)[0], .height = (*sides)[1]};
   }
   throw InputError(
       fmt::format("--size is WIDTHxHEIGHT in pixels, {} to {} each and {} million in all, such as 1600x900, "
@@ -110,8 +110,10 @@ struct Outputs {
 
 std::pair<int, int> readPixel(const std::string& text, const PictureSize& size) {
   const auto pixel = readNumbers<int, 2>(text);
-  const auto within = [](int place, int side) { return place >= 0 && place < side; };
-  if (pixel && within((*pixel)[0], size.width) && within((*pixel)[1], size.height)) return {(*pixel)[0], (*pixel)[1]};
+  const auto isInside = [](int index, int side) { return index >= 0 && index < side; };
+  if (pixel && isInside((*pixel)[0], size.width) && isInside((*pixel)[1], size.height)) {
+    return {(*pixel)[0], (*pixel)[1]};
+  }
   throw InputError(
       fmt::format("--pick is X,Y: a pixel of the {} x {} picture, counted from the upper left corner, not '{}'",
                   size.width, size.height, text));
@@ -133,16 +135,16 @@ ScaleRange readScale(const std::string& text) {
                   text));
 }
 
-// Parses X,Y,Z, the value of --at.
-Vec3d readPlace(const std::string& text) {
-  const auto place = readNumbers<double, 3>(text);
-  if (place && std::ranges::all_of(*place, [](double value) { return std::abs(value) <= kFarthestPlace; })) {
-    return {(*place)[0], (*place)[1], (*place)[2]};
+// Reads X,Y,Z, the value of --at.
+Vec3d readPosition(const std::string& text) {
+  const auto position = readNumbers<double, 3>(text);
+  if (position && std::ranges::all_of(*position, [](double value) { return std::abs(value) <= kMostCoordinate; })) {
+    return {(*position)[0], (*position)[1], (*position)[2]};
   }
   throw InputError(
       fmt::format("--at is X,Y,Z in m in the sensor's frame (x forward, y left, z up), at most {} each, such as "
                   "8,-3.5,-1, not '{}'",
-                  kFarthestPlace, text));
+                  kMostCoordinate, text));
 }
 
 std::optional<CloseUp> readCloseUp(const Arguments& parsed) {
@@ -151,7 +153,7 @@ std::optional<CloseUp> readCloseUp(const Arguments& parsed) {
     throw InputError("a close-up takes both --at X,Y,Z (where, in m) and --within R (so far around it, in m)");
   }
   if (!at) return {};
-  return CloseUp{readPlace(parsed.text("at")), parsed.number("within", 0.01, kFarthestPlace)};
+  return CloseUp{readPosition(parsed.text("at")), parsed.number("within", 0.01, kMostCoordinate)};
 }
 
 Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
@@ -170,17 +172,14 @@ Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
   return outputs;
 }
 
-ViewOptions readViewOptions(const Arguments& parsed, bool window) {
-  ViewOptions view;
-  for (const std::string& word : parsed.list("color")) {
-    view.colors.push_back(readColor(word));
-  }
-  const bool over = parsed.has("over");
+// Sets the views of a window or picture: their colours, layout and scale.
+void readViews(const Arguments& parsed, ViewOptions& view) {
+  for (const std::string& word : parsed.list("color")) view.colors.push_back(readColor(word));
   if (parsed.has("layout")) {
-    view.layout = static_cast<ViewLayout>(wordAmong(parsed.text("layout"), "layout", kLayoutNames));
+    view.layout = static_cast<ViewLayout>(indexOfWord(parsed.text("layout"), "layout", kLayoutNames));
   } else if (view.colors.size() > 1) {
     view.layout = ViewLayout::Split;
-  } else if (over) {
+  } else if (parsed.has("over")) {
     view.layout = ViewLayout::Overlay;
   }
   if (view.colors.size() > 1 && view.layout != ViewLayout::Split) {
@@ -193,14 +192,20 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   }
   if (parsed.has("scale")) {
     view.scale = readScale(parsed.text("scale"));
-    const auto numeric = std::ranges::count_if(view.colors, isNumeric);
-    if (numeric != 1) {
+    const auto numericColors = std::ranges::count_if(view.colors, isNumeric);
+    if (numericColors != 1) {
       throw InputError(
           fmt::format("--scale belongs to the one --color that shows numbers (intensity, range, ring, "
                       "time, height, incidence, error); {}",
-                      numeric == 0 ? "name that" : "more of them have different scales"));
+                      numericColors == 0 ? "name that" : "more of them have different scales"));
     }
   }
+}
+
+// Reads the options of a window, or of a picture of it if `window` is false.
+ViewOptions readViewOptions(const Arguments& parsed, bool window) {
+  ViewOptions view;
+  readViews(parsed, view);
   if (parsed.has("camera")) view.camera = parseCamera(parsed.text("camera"));
   view.closeUp = readCloseUp(parsed);
   if (view.closeUp && view.camera.placed) {
@@ -215,7 +220,7 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   view.still = !window;
   view.bare = parsed.has("bare");
   if (parsed.has("boxes")) {
-    view.boxes = static_cast<BoxChoice>(wordAmong(parsed.text("boxes"), "boxes", kBoxChoiceNames));
+    view.boxes = static_cast<BoxChoice>(indexOfWord(parsed.text("boxes"), "boxes", kBoxChoiceNames));
   } else if (view.bare) {
     view.boxes = BoxChoice::None;
   }
@@ -227,6 +232,7 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   return view;
 }
 
+// Prints names and values in two columns.
 void printRows(const std::string& heading, const std::vector<std::pair<std::string, std::string>>& rows) {
   std::size_t widest = 0;
   for (const auto& [name, value] : rows) widest = std::max(widest, name.size());
@@ -239,14 +245,14 @@ void writePicture(const std::filesystem::path& file, const Image& image, const s
   printText("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
 }
 
-// Throws InputError if an option that is not in `used` was given. `what`: the option that the message
-// says cannot be combined with the given one.
-void requireOnly(const std::filesystem::path& file, const Arguments& parsed, const std::string& what,
-                 std::initializer_list<std::string_view> used) {
-  for (const cxxopts::KeyValue& given : parsed.options.arguments()) {
-    const std::string& name = given.key();
-    if (name == "input" || std::ranges::find(used, name) != used.end()) continue;
-    throw InputError({file.string()}, fmt::format("{} takes no --{}: leave it out", what, name));
+// Throws InputError if the user has given an option that is not allowed. `subject`: what does not take the option, such
+// as "an EXR image".
+void requireOnly(const std::filesystem::path& file, const Arguments& parsed, const std::string& subject,
+                 std::initializer_list<std::string_view> allowed) {
+  for (const cxxopts::KeyValue& option : parsed.options.arguments()) {
+    const std::string& name = option.key();
+    if (name == "input" || std::ranges::find(allowed, name) != allowed.end()) continue;
+    throw InputError({file.string()}, fmt::format("{} takes no --{}: leave it out", subject, name));
   }
 }
 
@@ -258,10 +264,10 @@ void drawWholeRangeImage(const std::filesystem::path& file, const Arguments& par
   if (colors.size() > 1) throw InputError("--range-image-alone shows one --color");
   ScanSource source = findScan(file, parsed.text("sample"), parsed.text("sensor"));
   if (const auto ontology = ontologyOption(parsed); !ontology.empty()) source.ontology = readOntology(ontology);
-  const auto by = colors.empty() ? std::nullopt : std::optional(readColor(colors.front()));
+  const auto colorBy = colors.empty() ? std::nullopt : std::optional(readColor(colors.front()));
   try {
     writePicture(outputs.screenshot,
-                 drawRangeImage(source.scan, source.ontology ? &*source.ontology : nullptr, by, source.title,
+                 drawRangeImage(source.scan, source.ontology ? &*source.ontology : nullptr, colorBy, source.title,
                                 source.beams.get()),
                  source.title);
   } catch (const InputError& e) {
@@ -282,6 +288,7 @@ void drawImage(const std::filesystem::path& path, const Arguments& parsed, const
   writePicture(screenshot, drawExr(source, plane == "all" ? "" : plane, size.width), source.file.stem().string());
 }
 
+// Opens a window; or, off the screen, prints what is picked and writes the screenshot.
 void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSize& size, const Outputs& outputs) {
   const std::shared_ptr<const FrameSource> source = openFrames(input);
   auto loader = std::make_unique<FrameLoader>(source);
@@ -414,9 +421,7 @@ int runView(const std::vector<std::string>& arguments) {
   input.sensor = parsed.text("sensor");
   input.ontology = ontologyOption(parsed);
   input.scene = parsed.text("scene");
-  if (parsed.has("seed")) {
-    input.seed = parsed.options["seed"].as<std::uint64_t>();
-  }
+  if (parsed.has("seed")) input.seed = parsed.options["seed"].as<std::uint64_t>();
   viewFrames(input, view, size, outputs);
   return 0;
 }
