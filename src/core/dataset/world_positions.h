@@ -2,6 +2,7 @@
 
 // Places the points of a dataset's scan in the world, also if the sensor moves during the revolution.
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -18,17 +19,40 @@ namespace scanmill {
 class WorldPositions {
  public:
   // `record` must have a pose. `deskewed`: see Manifest::deskewed. The scan must outlive this object.
-  WorldPositions(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed);
+  WorldPositions(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed)
+      : scan_(scan),
+        first_(record.worldFromSensor.front()),
+        last_(record.worldFromSensor.back()),
+        moves_(record.worldFromSensor.size() > 1 && !deskewed) {
+    if (!moves_) return;
+    std::vector<double> columnTimes;  // firing time of each column (s since the start of the revolution)
+    if (const auto listed = beams.listed()) {
+      columnTimes = listed->columnStarts(beams.columns);
+    } else {
+      for (std::uint32_t column = 0; column < beams.columns; ++column) columnTimes.push_back(beams.columnTime(column));
+    }
+    if (columnTimes.empty()) return;
+    start_ = columnTimes.front();
+    end_ = columnTimes.back();
+    if (!knowsBeams(scan)) return;
+    for (const double time : columnTimes) poses_.push_back(interpolate(first_, last_, fractionAt(time)));
+  }
 
   // True if the points have different frames.
   bool moves() const { return moves_; }
-  // Returns the position of a point in the world (m).
-  Vec3d of(std::size_t point) const;
+  // Returns the position of a point in the world (m). If the scan has no beam numbers, the pose is derived from the
+  // point's time, which ignores offsets between the rings' times; without a time it is the first pose.
+  Vec3d inWorld(std::size_t point) const {
+    const Vec3d inSensor(scan_.position[point]);
+    if (!moves_ || (poses_.empty() && scan_[kTime].empty())) return first_ * inSensor;
+    if (poses_.empty()) return interpolate(first_, last_, fractionAt(double{scan_[kTime][point]})) * inSensor;
+    return poses_[std::min<std::size_t>(keyOf(scan_, point).column, poses_.size() - 1)] * inSensor;
+  }
 
  private:
   // Returns the fraction of the sensor's motion at a time (s since the start of the revolution), from 0 at the first
   // column to 1 at the last.
-  double fractionAt(double time) const;
+  double fractionAt(double time) const { return end_ > start_ ? (time - start_) / (end_ - start_) : 0; }
 
   const Scan& scan_;
   Pose first_, last_;

@@ -239,7 +239,7 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
   std::string bytes;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (!isFinite(scan.position[i])) continue;
-    putPosition(plan, sample, exportScan, positions.of(i), points, bytes);
+    putPosition(plan, sample, exportScan, positions.inWorld(i), points, bytes);
     const float intensity = unitIntensity(exportScan, i);
     putNumber(static_cast<std::uint16_t>(intensity > 0 ? std::lround(std::min(intensity, 1.0f) * 65535) : 0), bytes);
     const std::uint8_t numbers = returns.next(i);

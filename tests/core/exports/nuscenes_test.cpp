@@ -269,7 +269,7 @@ TEST_F(NuScenesLayout, InstancesAreNumberedOverTheFramesOfAScene) {
 found = [np.load(folder / file)['data'][:4].tolist() for file in ('{}', '{}')]
 assert found == [[17004, 17001, 23001, 17000], [17003, 17002, 23002, 17000]], found
 )",
-                     panopticFile(plan_, plan_.manifest.samples[0], 0).string(),
+                     labelFile(plan_, plan_.manifest.samples[0], 0, NuScenesLabels::Panoptic).string(),
                      panopticFile(plan_, plan_.manifest.samples[1], 0).string()));
 }
 
@@ -315,7 +315,7 @@ TEST_F(NuScenesLayout, WritesLabelsThatThereAre) {
   plan_.manifest.sensors[0].beams.elevation = {0.2, 0.1, -0.3, 0.0};  // without a ring number all rings are 0
   std::erase(plan_.manifest.columns, "instance");
   writeChanged(*layout_, 0, 0, [](ExportSample& changed) { changed.scans[0].scan[kInstance].clear(); });
-  EXPECT_EQ(bytesOf(lidarsegFile(plan_, plan_.manifest.samples[0], 0)).size(), 308u);
+  EXPECT_EQ(bytesOf(labelFile(plan_, plan_.manifest.samples[0], 0, NuScenesLabels::Lidarseg)).size(), 308u);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "panoptic"));
   std::erase(plan_.manifest.columns, "label");
   for (std::size_t s = 0; s < 2; ++s) {

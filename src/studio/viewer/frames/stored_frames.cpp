@@ -77,7 +77,7 @@ std::vector<Vec3f> placedAtStart(const Scan& scan, const ScanRecord& record, con
   if (!world.moves()) return placed;
   const Pose startFromWorld = inverse(record.worldFromSensor.front());
   placed.reserve(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i) placed.emplace_back(startFromWorld * world.of(i));
+  for (std::size_t i = 0; i < scan.size(); ++i) placed.emplace_back(startFromWorld * world.inWorld(i));
   return placed;
 }
 
