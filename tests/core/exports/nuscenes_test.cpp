@@ -270,7 +270,7 @@ found = [np.load(folder / file)['data'][:4].tolist() for file in ('{}', '{}')]
 assert found == [[17004, 17001, 23001, 17000], [17003, 17002, 23002, 17000]], found
 )",
                      labelFile(plan_, plan_.manifest.samples[0], 0, NuScenesLabels::Panoptic).string(),
-                     panopticFile(plan_, plan_.manifest.samples[1], 0).string()));
+                     labelFile(plan_, plan_.manifest.samples[1], 0, NuScenesLabels::Panoptic).string()));
 }
 
 TEST_F(NuScenesLayout, RefusesMoreInstancesThanThePanopticLabelsHold) {

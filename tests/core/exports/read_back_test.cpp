@@ -153,7 +153,7 @@ TEST_P(RoundTrip, EveryColumnThatFitsComesBack) {
         } else if (key.row.display.colors == ColumnColors::Classes) {
           const SemanticClass* const c = plan_.classes.target().find(static_cast<std::uint16_t>(found));
           ASSERT_NE(c, nullptr);
-          ASSERT_EQ(c->movingOf.value_or(c->id), plan_.classes.of(static_cast<std::uint16_t>(value)));
+          ASSERT_EQ(c->movingOf.value_or(c->id), plan_.classes.targetId(static_cast<std::uint16_t>(value)));
         } else if (name == "instance" && trip_.renumbered) {
           ASSERT_EQ(numbers.try_emplace(value, found).first->second, found);
           ASSERT_EQ(value == 0, found == 0);
