@@ -140,71 +140,68 @@ py::dict readScan(const ScanStore& store, std::size_t sample, const std::string&
   return selected;
 }
 
+// Returns the split of each sample; empty texts without a manifest.
+std::vector<std::string> splitsOf(const ScanStore& store) {
+  std::vector<std::string> splits;
+  for (std::size_t i = 0; i < store.keys().size(); ++i) {
+    const SampleRecord* const record = recordOf(store, i);
+    splits.push_back(record == nullptr ? std::string() : record->split);
+  }
+  return splits;
+}
+
+std::optional<std::string> recordJson(const ScanStore& store, std::size_t sample) {
+  const SampleRecord* const record = recordOf(store, sample);
+  return record == nullptr ? std::nullopt : std::optional(sampleJson(*record));
+}
+
+// Returns sensor, method and revolution of each scan of a sample.
+std::vector<std::tuple<std::string, std::string, std::uint32_t>> scansOf(const ScanStore& store, std::size_t sample) {
+  std::vector<std::tuple<std::string, std::string, std::uint32_t>> scans;
+  for (const StoredScan& scan : store.scans(sample)) scans.emplace_back(scan.sensor, scan.method, scan.revolution);
+  return scans;
+}
+
+std::optional<std::string> objectsOf(const ScanStore& store, std::size_t sample) {
+  const py::gil_scoped_release released;
+  const std::optional<SampleObjects> objects = store.objects(sample);
+  return objects ? std::optional(objectsJson(*objects, store.manifest()->ontology)) : std::nullopt;
+}
+
+std::optional<py::bytes> voxelsOf(const ScanStore& store, std::size_t sample, const std::string& sensor) {
+  std::optional<std::string> bytes;
+  {
+    const py::gil_scoped_release released;
+    bytes = store.voxels(sample, sensor);
+  }
+  return bytes ? std::optional(py::bytes(*bytes)) : std::nullopt;
+}
+
+std::unique_ptr<ScanStore> openStore(const std::string& path) {
+  return std::make_unique<ScanStore>(path, ScanStore::Digests::Compared);
+}
+
 void defineStore(py::module_& module) {
   py::class_<ScanStore>(module, "Store")
       .def(py::init([](const std::string& path) {
              const py::gil_scoped_release released;
-             return std::make_unique<ScanStore>(path, ScanStore::Digests::Compared);
+             return openStore(path);
            }),
            py::arg("path"))
       .def_property_readonly("path", [](const ScanStore& s) { return s.path().string(); })
       .def_property_readonly("keys", &ScanStore::keys)
       .def_property_readonly("manifest", &manifestOf)
-      .def_property_readonly("splits",
-                             [](const ScanStore& s) {
-                               std::vector<std::string> splits;
-                               for (std::size_t i = 0; i < s.keys().size(); ++i) {
-                                 const SampleRecord* const record = recordOf(s, i);
-                                 splits.push_back(record == nullptr ? std::string() : record->split);
-                               }
-                               return splits;
-                             })
-      .def(
-          "record",
-          [](const ScanStore& s, std::size_t sample) -> std::optional<std::string> {
-            const SampleRecord* const record = recordOf(s, sample);
-            return record == nullptr ? std::nullopt : std::optional(sampleJson(*record));
-          },
-          py::arg("sample"))
-      .def(
-          "scans",
-          [](const ScanStore& s, std::size_t sample) {
-            std::vector<std::tuple<std::string, std::string, std::uint32_t>> names;
-            for (const StoredScan& scan : s.scans(sample)) {
-              names.emplace_back(scan.sensor, scan.method, scan.revolution);
-            }
-            return names;
-          },
-          py::arg("sample"))
+      .def_property_readonly("splits", &splitsOf)
+      .def("record", &recordJson, py::arg("sample"))
+      .def("scans", &scansOf, py::arg("sample"))
       .def("read", &readScan, py::arg("sample"), py::arg("sensor") = "", py::arg("columns") = py::none(),
            py::arg("revolution") = 0)
-      .def(
-          "objects",
-          [](const ScanStore& s, std::size_t sample) -> std::optional<std::string> {
-            const py::gil_scoped_release released;
-            const std::optional<SampleObjects> objects = s.objects(sample);
-            if (!objects) return {};
-            return objectsJson(*objects, s.manifest()->ontology);
-          },
-          py::arg("sample"))
-      .def(
-          "voxels",
-          [](const ScanStore& s, std::size_t sample, const std::string& sensor) -> std::optional<py::bytes> {
-            std::optional<std::string> bytes;
-            {
-              const py::gil_scoped_release released;
-              bytes = s.voxels(sample, sensor);
-            }
-            if (!bytes) return {};
-            return py::bytes(*bytes);
-          },
-          py::arg("sample"), py::arg("sensor") = "")
+      .def("objects", &objectsOf, py::arg("sample"))
+      .def("voxels", &voxelsOf, py::arg("sample"), py::arg("sensor") = "")
       .def("beams", &beamsOf, py::arg("sensor"), py::arg("time") = 0.0)
       .def("stagger", &staggerIn, py::arg("sensor"))
       .def(py::pickle([](const ScanStore& s) { return py::make_tuple(s.path().string()); },
-                      [](const py::tuple& state) {
-                        return std::make_unique<ScanStore>(state[0].cast<std::string>(), ScanStore::Digests::Compared);
-                      }));
+                      [](const py::tuple& state) { return openStore(state[0].cast<std::string>()); }));
 }
 
 }  // namespace

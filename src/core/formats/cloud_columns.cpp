@@ -86,6 +86,7 @@ std::string columnMeant(std::string_view name) {
 void adoptColumns(Cloud& cloud, const Location& where) {
   Scan& scan = cloud.scan;
   for (const bool hasOwnName : {true, false}) {  // columns with the column's own name come first
+    // The function copies a foreign column to the column that it means, and returns true if the copy succeeded.
     std::erase_if(scan.foreign, [&](const ForeignColumn& column) {
       const std::string meant = columnMeant(column.name);
       if (hasOwnName != (lowerCase(column.name) == meant)) return false;

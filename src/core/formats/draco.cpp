@@ -99,7 +99,7 @@ class DracoFormat : public Format {
   bool keepsMisses() const override { return false; }
 
   double mostBytes(const ScanOutline& outline) const override {
-    double bits = symbolBits(mostIndexBits(outline.reach, 3, options_.maxError), 3);
+    double bits = symbolBits(mostIndexBits(outline.reach, 3, options_.maxError), 3);  // per point; of the position
     double columns = 1;
     forEachColumn([&]<class Key>(Key key) {
       if (!outline.held.has(key) || !keeps(key.row)) return;

@@ -256,7 +256,7 @@ SCANMILL_BEST_INSTRUCTIONS void appendSymbols(std::span<const std::uint32_t> sym
   const std::uint32_t largest = *std::ranges::max_element(symbols);
   const std::span<const std::uint8_t> lengths = components == 3 ? bitLengths<3>(symbols) : bitLengths<1>(symbols);
   const Histogram tags = histogram(lengths.data(), lengths.size(), bitLength(largest));
-  double taggedBits = tags.bits + tableBits(tags);
+  double taggedBits = tags.bits + tableBits(tags);  // size of what appendTagged() appends
   for (std::size_t length = 0; length < tags.counts.size(); ++length) {
     taggedBits += static_cast<double>(length) * tags.counts[length] * components;
   }

@@ -29,6 +29,7 @@ void appendEntry(std::string_view key, std::string_view value, std::string& out)
   out += value;
 }
 
+// Maps 0, -1, 1, -2, 2 ... to 0, 1, 2, 3, 4 ...
 std::uint32_t zigzag(std::int32_t value) {
   return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31);
 }
@@ -47,32 +48,32 @@ template <class T>
 Symbols toSymbols(std::span<const T> values, std::size_t components) {
   thread_local RawVector<std::uint32_t> scratch;
   scratch.resize(values.size());
-  const auto at = [&](std::size_t i) { return static_cast<std::int32_t>(values[i]); };
-  std::int32_t low = at(0);
-  std::int32_t high = at(0);
+  const auto valueAt = [&](std::size_t i) { return static_cast<std::int32_t>(values[i]); };
+  std::int32_t low = valueAt(0);
+  std::int32_t high = valueAt(0);
   for (std::size_t i = 1; i < values.size(); ++i) {
-    low = std::min(low, at(i));
-    high = std::max(high, at(i));
+    low = std::min(low, valueAt(i));
+    high = std::max(high, valueAt(i));
   }
   Symbols result{.values = scratch, .low = low, .high = high};
   const std::int64_t span = std::int64_t{high} - low + 1;
   if (span > std::numeric_limits<std::int32_t>::max()) {
     result.predicted = false;
-    for (std::size_t i = 0; i < values.size(); ++i) result.values[i] = zigzag(at(i));
+    for (std::size_t i = 0; i < values.size(); ++i) result.values[i] = zigzag(valueAt(i));
     return result;
   }
   const auto period = static_cast<std::int32_t>(span);
-  const std::int32_t least = -(period / 2);
-  const std::int32_t most = (period - 1) / 2;
+  const std::int32_t leastDifference = -(period / 2);
+  const std::int32_t mostDifference = (period - 1) / 2;
   const auto correction = [=](std::int32_t value, std::int32_t prediction) {
     std::int32_t difference = value - prediction;
-    difference -= difference > most ? period : 0;
-    difference += difference < least ? period : 0;
+    difference -= difference > mostDifference ? period : 0;
+    difference += difference < leastDifference ? period : 0;
     return zigzag(difference);
   };
-  for (std::size_t i = 0; i < components; ++i) result.values[i] = correction(at(i), std::clamp(0, low, high));
+  for (std::size_t i = 0; i < components; ++i) result.values[i] = correction(valueAt(i), std::clamp(0, low, high));
   for (std::size_t i = components; i < values.size(); ++i) {
-    result.values[i] = correction(at(i), at(i - components));
+    result.values[i] = correction(valueAt(i), valueAt(i - components));
   }
   return result;
 }
@@ -139,10 +140,10 @@ std::string DracoWriter::finish() const {
 }
 
 void DracoWriter::describe(std::string_view name, int dataType, std::size_t components, int encoder) {
-  appendVarint(attributes_, names_);
-  appendVarint(1, names_);
+  appendVarint(attributes_, names_);  // id of the attribute
+  appendVarint(1, names_);            // number of entries
   appendEntry("name", name, names_);
-  appendVarint(0, names_);
+  appendVarint(0, names_);  // no nested metadata
   descriptors_.push_back(
       static_cast<char>(components == 3 ? draco::GeometryAttribute::POSITION : draco::GeometryAttribute::GENERIC));
   descriptors_.push_back(static_cast<char>(dataType));

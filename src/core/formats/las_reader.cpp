@@ -231,11 +231,11 @@ class LasReader {
     Scan& scan = cloud_.scan;
     std::vector<std::uint16_t> labels;
     std::vector<float> intensities;
-    for (const std::uint64_t record : records) {
+    for (const std::uint64_t record : records) {  // fields of a record: tables 7 and 13 of the specification
       scan.position.push_back(static_cast<Vec3f>(positionAt(record) - cloud_.origin));
       intensities.push_back(at<std::uint16_t>(record + 12));
-      const auto classified = at<std::uint8_t>(record + (isModern() ? 16 : 15));
-      labels.push_back(isModern() || !hasFlags() ? classified : classified & 0x1F);
+      const auto classBits = at<std::uint8_t>(record + (isModern() ? 16 : 15));
+      labels.push_back(isModern() || !hasFlags() ? classBits : classBits & 0x1F);
       const auto returnBits = at<std::uint8_t>(record + 14);
       scan[kReturn].push_back(returnBits & (isModern() ? 0x0F : 0x07));
       scan[kReturns].push_back(isModern() ? returnBits >> 4 : returnBits >> 3 & 0x07);
