@@ -105,6 +105,7 @@ std::optional<BoxContact> sweepBoxes(
   std::vector<Box> meshBounds;
   for (const Mesh& mesh : scene.meshes) meshBounds.push_back(mesh.bounds());
   std::optional<BoxContact> first;
+  std::vector<std::size_t> nearBoxes;  // swept boxes that may touch the current triangle
   for (const Instance& instance : scene.instances) {
     if (meshBounds[instance.mesh].empty()) continue;
     bool isNear = false;
@@ -117,27 +118,28 @@ std::optional<BoxContact> sweepBoxes(
       Box triangleBounds;
       for (const Vec3d& corner : corners) triangleBounds.add(corner);
       const Surface& surface = mesh.surfaces[mesh.surfaceOf[t]];
-      std::optional<bool> obstacle;  // the result of isObstacle(), which is called only if a swept box overlaps
+      nearBoxes.clear();
       cells.forEachNear(triangleBounds, [&](std::size_t k) {
+        if (overlaps(triangleBounds, swept[k].worldBounds)) nearBoxes.push_back(k);
+      });
+      const Vec3d normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
+      if (nearBoxes.empty() || !isObstacle(instance, surface, normalized(normal))) continue;
+      for (const std::size_t k : nearBoxes) {
         const SweptBox& box = swept[k];
         const std::size_t step = k / boxes.size();
-        if (obstacle == false || !overlaps(triangleBounds, box.worldBounds)) return;
-        if (!obstacle) {
-          obstacle = isObstacle(instance, surface, normalized(cross(corners[1] - corners[0], corners[2] - corners[0])));
-        }
-        if (!*obstacle || (first && first->step < step)) return;
+        if (first && first->step < step) continue;
         const Affine& m = box.sweptFromWorld;
         const Box inside = boundsInside(box.box, {m * corners[0], m * corners[1], m * corners[2]});
-        if (inside.empty()) return;
+        if (inside.empty()) continue;
         const double x = box.backward ? inside.high.x : inside.low.x;
         const double along = box.backward ? -x : x;
-        if (first && std::pair(step, along) >= std::pair(first->step, first->along)) return;
+        if (first && std::pair(step, along) >= std::pair(first->step, first->along)) continue;
         first = BoxContact{.instance = &instance,
                            .semantic = surface.semantic,
                            .step = step,
                            .along = along,
                            .position = box.worldFromSwept * Vec3d{x, inside.center().y, inside.center().z}};
-      });
+      }
     }
   }
   return first;

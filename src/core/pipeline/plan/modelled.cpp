@@ -20,6 +20,10 @@ namespace scanmill {
 
 namespace {
 
+ModelledItem leftOut(std::string topic, std::string text, std::string sensor = {}) {
+  return {.topic = std::move(topic), .text = std::move(text), .leftOut = true, .sensor = std::move(sensor)};
+}
+
 // Adds an item for each effect: separately for each sensor if the pipeline uses the effects of the sensors' files,
 // otherwise once for all sensors.
 void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
@@ -28,25 +32,26 @@ void addEffects(const Pipeline& pipeline, std::vector<ModelledItem>& items) {
     const std::string sensor = perSensor ? pipeline.sensors[s].name : "";  // empty: all sensors
     const Effects& effects = *pipeline.sensors[s].effects;
     if (effects.empty() && pipeline.drawn == nullptr) {
-      items.push_back({"effects", "none, the scans are noise-free", false, sensor});
+      items.push_back({.topic = "effects", .text = "none, the scans are noise-free", .sensor = sensor});
     }
     for (const ChosenEffect& effect : effects) {
       const std::string topic = fmt::format("effect {}", effect.entry->name);
       if (pipeline.recording != nullptr && (effect->raysPerBeam() > 1 || effect->lightPaths() != nullptr)) {
-        items.push_back({topic, "a recording holds one ray per beam", true, sensor});
+        items.push_back(leftOut(topic, "a recording holds one ray per beam", sensor));
         continue;
       }
-      items.push_back({topic, std::string(effect.entry->summary), false, sensor, effect.options});
+      items.push_back(
+          {.topic = topic, .text = std::string(effect.entry->summary), .sensor = sensor, .options = effect.options});
     }
     for (const Value& item : pipeline.effectItems) {
       const NamedOptions named = readNamed(item, "an effect");
       if (named.options.kind != Value::Kind::Scalar || named.options.text != "none") continue;
-      items.push_back({"effect " + named.name, "the pipeline removes it", true, sensor});
+      items.push_back(leftOut("effect " + named.name, "the pipeline removes it", sensor));
     }
   }
   for (const MountedSensor& sensor : pipeline.sensors) {
     if (perSensor || sensor.description.find("effects") == nullptr) continue;
-    items.push_back({"effects of the sensor's file", "(`effects: sensor` uses them)", true, sensor.name});
+    items.push_back(leftOut("effects of the sensor's file", "(`effects: sensor` uses them)", sensor.name));
   }
 }
 
@@ -78,7 +83,7 @@ ModelledItem egoMotion(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr) return {kTopic, "as in the recording"};
   switch (pipeline.motion.kind) {
     case MotionKind::None:
-      return {kTopic, "one pose per revolution", true};
+      return leftOut(kTopic, "one pose per revolution");
     case MotionKind::PerColumn:
       return {kTopic, "one pose per column"};
     case MotionKind::Steps:
@@ -89,7 +94,7 @@ ModelledItem egoMotion(const Pipeline& pipeline) {
 
 ModelledItem voxels(const Pipeline& pipeline) {
   if (!pipeline.output.voxels) {
-    return {"voxels", "(`output.voxels: true` adds labelled voxel grids around the sensors)", true};
+    return leftOut("voxels", "(`output.voxels: true` adds labelled voxel grids around the sensors)");
   }
   const VoxelGrid& grid = *pipeline.output.voxels;
   return {"voxels",
@@ -119,7 +124,7 @@ std::vector<std::pair<std::string, bool>> lightFollowing(const Pipeline& pipelin
 
 ModelledItem egoVehicle(const Pipeline& pipeline, std::span<const double> blockedShares) {
   if (pipeline.vehicle.empty()) {
-    return {"own vehicle", "(`vehicle: vehicle` puts a car of boxes under the sensors)", true};
+    return leftOut("own vehicle", "(`vehicle: vehicle` puts a car of boxes under the sensors)");
   }
   std::string shares;
   for (std::size_t s = 0; s < blockedShares.size(); ++s) {
@@ -141,22 +146,22 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
   std::vector<std::string> unread = channelNames(Channels::all());
   for (const std::string& channel : channelNames(plan.channels)) std::erase(unread, channel);
   if (!unread.empty()) {
-    items.push_back({"properties of hits that nothing reads", fmt::format("{}", fmt::join(unread, ", ")), true});
+    items.push_back(leftOut("properties of hits that nothing reads", fmt::format("{}", fmt::join(unread, ", "))));
   }
   for (const std::string_view column : {"intensity", "power"}) {
     if (!columns.has(columnIndex(column)) || setsIntensity(pipeline)) continue;
-    items.push_back({std::string(column), "no effect sets it (add `effects: [intensity]`)", true});
+    items.push_back(leftOut(std::string(column), "no effect sets it (add `effects: [intensity]`)"));
   }
   if (!plan.channels.has(Channel::Reflectance)) {
-    items.push_back({"reflectance textures", "nothing reads the reflectance; only alpha is loaded", true});
+    items.push_back(leftOut("reflectance textures", "nothing reads the reflectance; only alpha is loaded"));
   }
   addLabels(pipeline, items);
   addEffects(pipeline, items);
   if (pipeline.recording == nullptr) {
     for (const auto& [sensor, follows] : lightFollowing(pipeline)) {
       if (follows) continue;
-      items.push_back({"light through glass and off mirrors",
-                       "so that glass is opaque (the effect light_paths adds both, by ray tracing)", true, sensor});
+      items.push_back(leftOut("light through glass and off mirrors",
+                              "so that glass is opaque (the effect light_paths adds both, by ray tracing)", sensor));
     }
   }
   if (pipeline.drawn != nullptr) {
@@ -174,7 +179,7 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
     removed.items = s.without;
     removedObjects.insert(fmt::format("the pipeline removes {} from {}", flowText(removed), s.scene));
   }
-  for (const std::string& text : removedObjects) items.push_back({"objects of scenes", text, true});
+  for (const std::string& text : removedObjects) items.push_back(leftOut("objects of scenes", text));
   if (!pipeline.oneRevolution()) items.push_back(revolutions(pipeline));
   items.push_back(egoMotion(pipeline));
   for (const auto& [description, names] : trajectoriesByPath)
@@ -185,11 +190,11 @@ std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blo
     items.push_back(
         pipeline.output.objects
             ? ModelledItem{"objects", "boxes, and visibility by one more ray for each beam that crosses a box"}
-            : ModelledItem{"objects", "(`output.objects: true` lists their boxes and visibility)", true});
+            : leftOut("objects", "(`output.objects: true` lists their boxes and visibility)"));
     items.push_back(voxels(pipeline));
   }
   if (!columns.has(kRangeTrue)) {
-    items.push_back({"range_true", "(name it in output.columns to keep the noise-free range)", true});
+    items.push_back(leftOut("range_true", "(name it in output.columns to keep the noise-free range)"));
   }
   return items;
 }

@@ -171,8 +171,8 @@ class DatasetRun {
     ShardPart written = shard->writer.finish();
     shard->part.manifest.shards = {std::move(written.shard)};
     shard->part.manifest.samples = std::move(written.samples);
-    folder_.storeRecord(shard->part);  // writes the records to the disk, to be read again at the end, since all records
-                                       // might not fit into memory
+    // The records are read again at the end, since those of all shards might not fit into memory.
+    folder_.storeRecord(shard->part);
     const std::scoped_lock lock(mutex_);
     count(shard->part.manifest);
     ++summary_.shards;

@@ -212,9 +212,9 @@ std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, 
   }
   if (cached != nullptr && !sensors.drawsPerFrame()) return cached;
   SensorDraw drawn = sensors.draw(pipeline_, sequence, frame);
-  const VehicleHits vehicles = !sensors.drawsMounts() ? vehicleHits_
-                               : cached != nullptr    ? hitsOf(*cached)  // mounts are the same in all frames
-                                                      : traceEgoVehicle(drawn.mounts);
+  VehicleHits vehicles = vehicleHits_;
+  // Mounts are the same in all frames of a sequence.
+  if (sensors.drawsMounts()) vehicles = cached != nullptr ? hitsOf(*cached) : traceEgoVehicle(drawn.mounts);
   const auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicles, std::move(drawn)));
   // Two cached sequences per thread are enough, since each thread makes samples of one sequence at a time.
   const auto mostCached = 2 * static_cast<std::size_t>(threadCount());
