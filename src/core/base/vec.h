@@ -7,6 +7,7 @@
 //   const Vec3d point = worldFromSensor * Vec3d{10, 0, 0};  // (0, 10, 1.9)
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace scanmill {
@@ -237,6 +238,12 @@ struct Box {
     }
   }
   Vec3d center() const { return (low + high) * 0.5; }
+  // Returns the corners: bit 2 of a corner's index is set for high.x, bit 1 for high.y, and bit 0 for high.z.
+  std::array<Vec3d, 8> corners() const {
+    std::array<Vec3d, 8> all;
+    for (unsigned i = 0; i < 8; ++i) all[i] = {i & 4 ? high.x : low.x, i & 2 ? high.y : low.y, i & 1 ? high.z : low.z};
+    return all;
+  }
   bool operator==(const Box&) const = default;
 };
 

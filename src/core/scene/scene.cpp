@@ -78,11 +78,7 @@ Box Scene::bounds() const {
 
 Box boxAround(const Affine& transform, const Box& box) {
   Box bounds;
-  for (const double z : {box.low.z, box.high.z}) {
-    for (const double y : {box.low.y, box.high.y}) {
-      for (const double x : {box.low.x, box.high.x}) bounds.add(transform * Vec3d{x, y, z});
-    }
-  }
+  for (const Vec3d& corner : box.corners()) bounds.add(transform * corner);
   return bounds;
 }
 

@@ -98,11 +98,7 @@ double longSideOf(std::vector<Vec2d> points) {
 
 std::vector<Vec3d> OrientedBox::corners() const {
   std::vector<Vec3d> corners;
-  for (const double x : {-0.5, 0.5}) {
-    for (const double y : {-0.5, 0.5}) {
-      for (const double z : {-0.5, 0.5}) corners.push_back(worldFromBox * Vec3d{x * size.x, y * size.y, z * size.z});
-    }
-  }
+  for (const Vec3d& corner : Box{size * -0.5, size * 0.5}.corners()) corners.push_back(worldFromBox * corner);
   return corners;
 }
 
@@ -238,11 +234,7 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
     }
     // This part moves differently from the first part, so the corners of its moved box are added.
     const Pose thingFromStart = inverse(worldFromThing) * motion(instance, time) * placed.worldFromThing;
-    for (const double x : {partBox.low.x, partBox.high.x}) {
-      for (const double y : {partBox.low.y, partBox.high.y}) {
-        for (const double z : {partBox.low.z, partBox.high.z}) box.add(thingFromStart * Vec3d{x, y, z});
-      }
-    }
+    for (const Vec3d& corner : partBox.corners()) box.add(thingFromStart * corner);
   }
   return {worldFromThing * Pose{{}, box.center()}, box.high - box.low};
 }

@@ -21,7 +21,7 @@ const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* det
   if (detail == nullptr || whole == nullptr || detail->kind != ConceptKind::Detail) return nullptr;
   const auto found = std::ranges::find_if(concepts, [&](const Concept& c) {
     return c.kind == ConceptKind::Detail && c.words == detail->words &&
-           std::ranges::find(c.of, whole->name) != c.of.end();
+           std::ranges::find(c.wholes, whole->name) != c.wholes.end();
   });
   return found == concepts.end() ? nullptr : &*found;
 }

@@ -7,7 +7,6 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -262,13 +261,11 @@ class DatasetRun {
           points[scan.sensor] += scan.points;
         }
       }
-      std::set<std::string> names;
-      for (const MountedSensor& sensor : pipeline_.sensors) names.insert(sensor.name);
-      for (const std::string& sensor : names) {
-        if (points[sensor] > 0) continue;
-        const bool hasScan = scans[sensor] > 0;
+      for (const MountedSensor& sensor : pipeline_.sensors) {
+        if (points[sensor.name] > 0) continue;
+        const bool hasScan = scans[sensor.name] > 0;
         summary_.warnings.push_back(fmt::format(
-            "sequence {}: the sensor '{}' {} in {} frames: {}", sequence.key(), sensor,
+            "sequence {}: the sensor '{}' {} in {} frames: {}", sequence.key(), sensor.name,
             hasScan ? "hits nothing" : "has no scan", sequence.frames,
             hasScan ? "is the trajectory inside the scene?" : "do they take less time than one of its revolutions?"));
       }

@@ -212,10 +212,9 @@ StageSeconds SampleMaker::stageSeconds() const {
   StageSeconds stages = clock_.seconds();
   const StageSeconds methodStages = scenes_.methodSeconds();
   if (!methodStages.empty()) stages.erase("trace");  // the method's own stages are listed instead of their sum
-  for (const StageSeconds& otherStages :
-       {methodStages, recorder_.stageSeconds(), StageSeconds{{"setup", scenes_.setupSeconds()}}}) {
-    for (const auto& [stage, seconds] : otherStages) stages[stage] = seconds;
-  }
+  addSeconds(methodStages, stages);
+  addSeconds(recorder_.stageSeconds(), stages);
+  stages["setup"] = scenes_.setupSeconds();
   return stages;
 }
 

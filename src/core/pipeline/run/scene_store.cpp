@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
-#include <iterator>
 #include <list>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -183,11 +181,9 @@ void SceneStore::account(std::size_t sequence, const TraceAccount& account) {
 std::vector<std::string> SceneStore::warnings() const {
   const std::scoped_lock lock(mutex_);
   std::vector<std::string> lines;
-  std::set<std::string> distinctLines;
   for (const SceneWarnings& reported : reported_) {
     for (const auto& warnings : {reported.ofScene, reported.ofPath, reported.account.warningTexts()}) {
-      std::ranges::copy_if(warnings, std::back_inserter(lines),
-                           [&](const std::string& line) { return distinctLines.insert(line).second; });
+      appendNew(warnings, lines);
     }
   }
   return lines;
