@@ -266,8 +266,9 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   for (const std::size_t row : rowsByChannel(table)) {
     // Returns 0 for a column that the table lacks.
     const auto number = [&](const char* name, double limit) { return table.number(row, name, {-limit, limit}); };
+    const double elevation = number(hesai ? "elevation" : "elevation_deg", 90);
     const double azimuth = hesai ? 0 - number("azimuth", 360) : number("azimuth_offset_deg", 360);
-    lasers.push_back({.elevation = number(hesai ? "elevation" : "elevation_deg", 90),
+    lasers.push_back({.elevation = elevation,
                       .azimuth = std::remainder(azimuth, 360.0),
                       .left = number("origin_left_m", 10),
                       .up = number("origin_up_m", 10),
