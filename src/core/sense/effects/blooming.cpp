@@ -2,19 +2,15 @@
 //
 //   blooming: {share: 0.001, angle_deg: 0.5}
 //
-// A small part of the light is scattered in the optics and leaves outside of the beam's core. A retroreflector,
-// hundreds of times as bright as a white target, returns enough of this light to be detected: beams that point beside
-// the retroreflector report a return at its range. In this model, a beam at the angle t to a beam that hits a
-// retroreflector gets one more echo, with the strength
+// A small part of the light is scattered in the optics, and a retroreflector, hundreds of times as bright as a white
+// target, returns enough of it to be detected. A beam at the angle t to a beam that hits a retroreflector gets one more
+// echo, at the same range and with the strength
 //
 //   retroreflectance cos(incidence) share exp(-2 t^2 / angle^2)
 //
-// in units of a white target at the same range, with cause 7. If several retroreflectors are near, only the strongest
-// of these echoes is added. Materials with a retroreflectance of at least `above` bloom. An echo within a pulse length
-// of another return of the beam would merge with that return, and is therefore not added.
-//
-// The shape and the strength of the halo differ from unit to unit, and manufacturers do not publish them: the user must
-// give all values.
+// in units of a white target at this range, with cause 7. If several retroreflectors are near, only the strongest of
+// these echoes is added. An echo within a pulse length of another return of the beam would merge with that return, and
+// is therefore not added.
 
 #include <algorithm>
 #include <cmath>

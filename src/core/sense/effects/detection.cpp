@@ -1,31 +1,23 @@
 // detection: which echoes the receiver detects in its noise, and which of the detected echoes it reports.
+// docs/sensing.md explains the options.
 //
 //   detection: {returns: strongest}                 # or first, last, dual (strongest and last), all, or a number
 //   detection: {returns: dual, noise: 0.0008, threshold: 4.8, min_separation_m: 1}
 //
 // `noise` is the standard deviation of the receiver's noise, in the unit of the power that the effect `intensity`
-// computes: 1 is a white target at the reference range. An echo of power P is measured as P + noise * n, with a
-// standard normal number n, and detected if the measured power is at least threshold * noise. The probability of
-// detection is
+// computes. An echo of power P is measured as P + noise * n, with a standard normal number n, and detected if the
+// measured power is at least threshold * noise. The probability of detection is
 //
 //   Pd = Q(threshold - P / noise),    Q(x) = erfc(x / sqrt 2) / 2
 //
 // (Skolnik, "Introduction to Radar Systems", 1981, section 2.5, for a signal of known phase in Gaussian noise, which
 // applies to pulses without a carrier). The receiver resolves (farthest - nearest) / (c pulse / 2) intervals of range;
 // in each interval, noise alone exceeds the threshold with the probability Q(threshold). These false positives have a
-// uniformly random range, cause 2, no class and intensity 0. With noise 0 every echo is detected, and there are no
-// false positives.
+// uniformly random range, cause 2, no class and intensity 0.
 //
-// sun: {azimuth_deg, elevation_deg, noise}: daylight that a surface reflects increases the noise. sun.noise is the
-// noise that a white surface facing the sun adds, in the same unit. The shot noise of light is proportional to the
-// square root of the light's power. For a surface of reflectance R and normal n, and the direction s to the sun,
-// therefore
-//
-//   noise^2 + sun.noise^2 R max(0, n . s)
-//
-// replaces noise^2. The threshold rises with the noise, so that echoes of bright sunlit surfaces are lost first.
-// Azimuth and elevation are in the world's frame. Shadows are not traced, and beams that point at the sun are not
-// treated differently.
+// sun: {azimuth_deg, elevation_deg, noise}: noise^2 + sun.noise^2 R max(0, n . s) replaces noise^2, for a surface of
+// reflectance R and normal n, and the direction s to the sun (world frame), since the shot noise of light is
+// proportional to the square root of the light's power. Shadows are not traced.
 //
 // interference: the probability, per beam, of a return from another sensor's pulse. Such a return has cause 7, a
 // uniformly random range, and a power from the threshold to 100 times the threshold, uniformly random in its logarithm.

@@ -1,13 +1,9 @@
-// footprint: a beam of finite width, sampled by several rays.
+// footprint: a beam of finite width, sampled by several rays. docs/sensing.md explains mixed pixels and the columns
+// that belong to them.
 //
 //   footprint: {rays: 19}      # 7, 19, 37, 61, 91 or 127
 //
-// The sensor file gives the width of the beam (divergence_mrad, exit_width_mm, beam_shape) and the length of the pulse
-// (pulse_ns). Rays whose ranges differ by at most c * pulse / 2 from the next one's form one echo, whose range is
-// between theirs: these are the mixed pixels at edges. The column `range_true` is the range of the echo's strongest
-// ray, so it differs from the range there without any noise; the column `share` is below 1 where rays of another class
-// gave a part of the power. Other rays form separate echoes; the effect `detection` decides how many of the echoes are
-// reported. (The code: sensors/footprint.h and sense/echoes.cpp.)
+// The code is in sensors/footprint.h, which makes the rays, and sense/echoes.cpp, which joins them to echoes.
 
 #include "sensors/footprint.h"
 

@@ -1,7 +1,7 @@
-// intensity: the power of each return, and the intensity that the sensor reports for it.
+// intensity: the power of each return, and the intensity that the sensor reports for it. docs/sensing.md explains the
+// options, and docs/keys.md lists them.
 //
-//   intensity: {reference_range_m: 10, falloff: inverse_square, near_range_m: 1, attenuation_per_m: 0,
-//               gain: 1, saturation: 4, gamma: 1, output: float}
+//   intensity: {reference_range_m: 10, near_range_m: 1, gain: 1, saturation: 4, gamma: 1, output: float}
 //   intensity: {model: reflectivity, diffuse: oren_nayar, output: u8, retro_full_scale: 1000}
 //   intensity: {model: reflectivity, output: u8, table: [[0.01, 30], [0.1, 90], [1, 160]], floor: 0.006, noise: 0.05}
 //
@@ -10,17 +10,10 @@
 //   power = (cos t * (diffuse + retroreflectance) + specular(t)) * (reference / max(r, near))^2 * exp(-2 sigma r)
 //
 // the lidar equation for a target wider than the beam (Hoefle and Pfeifer, "Correction of laser scanning intensity
-// data", ISPRS Journal 62, 2007), with sigma the extinction of the air (Beer and Lambert, both ways). `falloff: none`
-// leaves out the factor with the square, as sensors do that correct for range.
-//
-// near_range_m is the range from which the detector receives all light that the lens collects from the beam. An optic
-// that is focused far away images a near surface as a disc of the angular diameter aperture / r. If the disc is larger
-// than the detector's field of view, the detector receives (field of view * r / aperture)^2 of the light, which cancels
-// the factor 1 / r^2: nearer than aperture / field of view the power is constant (Harms et al., "Geometrical
-// compression of lidar return signals", Applied Optics 17, 1978; Roberts and Gimmestad, "Optimizing lidar dynamic range
-// by engineering the crossover region", Proc. SPIE 4723, 2002: defocus is the main part of the overlap function). An
-// offset between the axes of emitter and receiver acts likewise (Rasshofer et al., "Influences of weather phenomena on
-// automotive laser radar systems", Advances in Radio Science 9, 2011). The presets have 7 to 25 m.
+// data", ISPRS Journal 62, 2007), with sigma the extinction of the air (Beer and Lambert, both ways). Nearer than
+// near_range_m the detector does not receive all light that the lens collects, which cancels the growth with 1 / r^2
+// (Harms et al., "Geometrical compression of lidar return signals", Applied Optics 17, 1978). Effects that run earlier
+// may set Returns::gain, a factor on the power.
 //
 // specular(t) is the reflection of a microfacet surface (Torrance and Sparrow 1967) back along the beam, so the half
 // vector is the beam itself. It is pi cos t times D F G / (4 cos^2 t) (Walter et al., "Microfacet models for refraction
@@ -28,36 +21,16 @@
 // coincide, G = 1 / (1 + Lambda) (Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs",
 // JCGT 3(2), 2014, eq. 72 for Lambda of GGX; section 5 for correlated directions).
 //
-// `diffuse: oren_nayar` replaces the cosine of the diffuse part by A cos t + B sin^2 t: since the sensor is at the
-// light source, it sees the lit sides of a rough surface's facets, and roads stay bright at grazing incidence (Oren and
-// Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, eq. 30, with both directions along the beam;
-// A = 1 - 0.5 s^2 / (s^2 + 0.33), B = 0.45 s^2 / (s^2 + 0.09)). s is the angle whose tangent is alpha / sqrt(2), the
-// root-mean-square slope of a Beckmann surface of the same alpha (GGX's slopes have no variance).
+// `diffuse: oren_nayar` replaces the cosine of the diffuse part by A cos t + B sin^2 t (Oren and Nayar, "Generalization
+// of Lambert's reflectance model", SIGGRAPH 1994, eq. 30, with both directions along the beam; A = 1 - 0.5 s^2 / (s^2 +
+// 0.33), B = 0.45 s^2 / (s^2 + 0.09)). s is the angle whose tangent is alpha / sqrt(2), the root-mean-square slope of a
+// Beckmann surface of the same alpha (GGX's slopes have no variance).
 //
-// Effects that run earlier may set Returns::gain, a factor on the power.
-//
-// The response to the power is, for output float, v = min(gain * power, saturation) ^ gamma; for output u8 it is 255 *
-// (min(gain * power, saturation) / saturation) ^ gamma, rounded, with a default saturation of 1. The intensity of a
-// miss is 0.
-//
-// `model: reflectivity` reports the power that the surface would reflect from the reference range through clear air, as
-// sensors do that are calibrated against targets of known reflectance: 1 is a white diffuse target at normal incidence,
-// at any range. Effects that read the power still get the received power. With retro_full_scale the byte is 100 v for v
-// <= 1 and 100 + 155 log(v) / log(retro_full_scale) for larger v. This is the scale of manuals: 0 to 100 for diffuse
-// targets of 0 to 100 %, and up to 255 for retroreflectors (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1;
-// Ouster, Firmware User Manual, "Calibrated reflectivity"). The manuals do not state how bright a target with the byte
-// 255 is.
-//
-// `table` replaces this response by a curve: pairs of a value (the power or, with `model: reflectivity`, the
-// reflectivity) and the intensity that the sensor reports for it. The curve is linear in the logarithm of the value
-// between two pairs, and constant outside of them.
-//
-// `floor` is the received power that the amplifier does not measure, although the receiver finds echoes of this power:
-// it is taken from the received power before the response. Echoes with less power have the intensity 0, whatever their
-// range, and somewhat stronger ones an intensity that is too low.
-//
-// `noise` adds a Gaussian number of this standard deviation to intensities above 0, which do not become negative; then
-// `step` rounds to multiples of itself. Both are in parts of the full scale, which is 1 for floats and 255 for bytes.
+// The reported value is the power or, with `model: reflectivity`, the power that the surface would reflect from the
+// reference range through clear air; other effects read the received power in both cases. The received power below
+// `floor` is taken off the value. The response is v = min(gain * value, saturation) ^ gamma for floats, 255 * (v /
+// saturation ^ gamma) for bytes; or 100 v and, above 1, 100 + 155 log(v) / log(retro_full_scale) (Velodyne, VLP-16 User
+// Manual 63-9243 Rev. D, section 6.1); or the curve `table`. Then `noise` is added, and `step` rounds.
 
 #include <algorithm>
 #include <cfloat>

@@ -1,12 +1,13 @@
-// weather: rain, snow, fog or dust between the sensor and the surfaces that it sees.
+// weather: rain, snow, fog or dust between the sensor and the surfaces that it sees. docs/sensing.md explains the
+// options and the limits of the model.
 //
 //   weather: {kind: rain, severity: moderate}      # or light, heavy
 //   weather: {kind: rain, rate_mm_h: 12.5, wet: 0.6}
 //   weather: {kind: fog, visibility_m: 80}
 //
 // The power of all returns is multiplied by exp(-2 extinction r), the air's transmission both ways, before detection.
-// Particles in the air add returns with cause 6, in front of the nearest surface that the beam hits. These returns have
-// no class, or the class id given by `label`. The physics is in sense/weather.h.
+// Particles in the air add returns with cause 6, in front of the nearest surface that the beam hits. The physics is in
+// sense/weather.h.
 //
 // Raindrops and snowflakes are sparse: the number of sufficiently bright drops in a beam follows the Poisson
 // distribution with the mean
@@ -14,32 +15,16 @@
 //   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = least A(r) w(r)^2 exp(2 extinction r) / dropEcho
 //
 // from the sensor to the surface, with w(r) = max(r, near_range_m) / reference_range_m of the effect intensity, or 1 if
-// it has `falloff: none`. A(r) is the area that the beam illuminates (beamArea() in sensors/footprint.h; of a sensor
-// whose file gives no width, that of a beam of 3 mrad), N the number of drops per volume, and `least` the received
-// power below which drops are ignored: that of 0.001 of a white target at 10 m (with `falloff: none`, at any range), or
-// half of the threshold of the effect detection if that is less. Ranges are sampled from the integrand, and diameters
-// from the size distribution above D_least: the result has exactly the distribution that sampling all drops in the beam
-// would give. The area is treated as evenly lit, and each drop as completely inside or outside.
+// it has `falloff: none`. A(r) is the area that the beam illuminates (beamArea() in sensors/footprint.h), N the number
+// of drops per volume, and `least` the received power below which drops are ignored. Ranges are sampled from the
+// integrand, and diameters from the size distribution above D_least: the result has exactly the distribution that
+// sampling all drops in the beam would give. The area is treated as evenly lit, and each drop as completely inside or
+// outside.
 //
 // Fog and dust are dense. A beam is divided into intervals of a pulse length. The echo of an interval is pi backscatter
-// length exp(-2 extinction r), in units of a white target at the same range. The light of an interval does not
-// interfere: the coherence length of laser diodes, whose spectra are nanometres wide, is a fraction of a millimetre, so
-// the echo averages thousands of speckle patterns. If the power of the echo is at least `least`, it becomes a return at
-// a random range within the interval.
-//
-// A beam gets at most eight returns from particles: the strongest drops, or intervals of mist that are drawn with
-// probabilities proportional to their power. (Nearer than near_range_m the power hardly changes with the range, and the
-// receiver's noise decides which of the intervals is the strongest.)
-//
-// Two limits: fog and dust are modelled within 32 pulse lengths of the sensor's minimum range, and a beam keeps its
-// eight intervals before the receiver's noise is added. A receiver that barely detects thin fog has more intervals in
-// which noise may lift the echo over the threshold, and reports such fog up to 2.5 times too seldom: computed for
-// vls_128 in fog of 500 m, .57 of the beams into the sky become .23.
-//
-// wet: surfaces that face up (within 60 degrees of the vertical) are soaked with water and therefore darker. A fraction
-// `wet` of these surfaces is also covered by a film of standing water, in patches of about a metre, which reflects
-// grazing light away like a mirror. Not modelled are mirror images in the film, drops on the sensor, spray behind
-// wheels, and lying snow.
+// length exp(-2 extinction r), in units of a white target at the same range. If its power is at least `least`, it
+// becomes a return at a random range within the interval. A beam gets at most eight returns from particles: the
+// strongest drops, or intervals that are drawn with probabilities proportional to their power.
 
 #include "sense/weather.h"
 
