@@ -1,13 +1,11 @@
 #pragma once
 
 // Modules are plug-ins: shared libraries of the program that bring heavy libraries which are seldom needed, such as
-// VTK, OpenGL and OpenImageIO. The program loads a module at its first use and never unloads it. The program therefore
-// starts quickly, and works without a heavy library as long as it does not need it.
+// VTK, OpenGL and OpenImageIO. The program loads a module at its first use and never unloads it.
 //
 // The program uses a module through an interface: an abstract class in a header that includes nothing of the heavy
-// library. The interface has a constant `kFile` that says which file holds the module. The module derives a class from
-// the interface and exports one object of that class by SCANMILL_MODULE. The program gets the object from
-// moduleOf<Interface>().
+// library, with a constant `kFile` that says which file holds the module. The module derives a class from the interface
+// and exports one object of that class by SCANMILL_MODULE. The program gets the object from moduleOf<Interface>().
 //
 // Objects, containers and exceptions may cross between the program and a module, since both are built by the same
 // compiler from the same headers. A module of another build is refused before its object is used. A module contains no

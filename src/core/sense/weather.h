@@ -36,26 +36,22 @@ struct Weather {
   double backscatter = 0;
 };
 
-// Returns the optical properties of rain. In this and the following functions, rates are in mm/h of water and
-// visibilities (meteorological optical range) in m; both must be above 0. The extinction cross section of a drop much
-// wider than the wavelength is twice its area. Its backscatter, by ray optics, is the reflection of its front and its
-// back face along the axis: a^2 / 4 (R + (1 - R)^2 R n^2 / (2 - n)^2) per steradian for the radius a, with R = ((n - 1)
-// / (n + 1))^2 and n = 1.328, water at 905 nm. Kilic et al., "Lidar light scattering augmentation (LISA)", arXiv
-// 2107.07004, use only the first term.
+// Return the optical properties of rain, snow, fog and dust, by a rate (mm/h of water) or a visibility (m,
+// meteorological optical range); both must be above 0.
+//
+// The extinction cross section of a drop much wider than the wavelength is twice its area. Its backscatter, by ray
+// optics, is the reflection of its front and its back face along the axis: a^2 / 4 (R + (1 - R)^2 R n^2 / (2 - n)^2)
+// per steradian for the radius a, with R = ((n - 1) / (n + 1))^2 and n = 1.328, water at 905 nm. Snowflakes are spheres
+// with a tenth of the density of water, which gives the visibility in snow that observers report (700 m at 1.5 mm/h),
+// and the lidar ratio (extinction over backscatter) 25 sr; both are estimates.
+//
+// The extinction of fog and dust is -log(0.05) / visibility (Koschmieder's law with the contrast threshold of 5 % that
+// defines the meteorological optical range). The lidar ratio of fog is 18.8 sr, that of drops of 5 to 50 um at 905 nm
+// (O'Connor et al., "A technique for autocalibration of cloud lidar", Journal of Atmospheric and Oceanic Technology 21,
+// 2004), that of dust 50 sr (mineral dust has 40 to 60 sr).
 Weather rainOf(double rate);
-// Returns the optical properties of snow. Flakes are spheres with a tenth of the density of water, which gives the
-// visibility in snow that observers report (700 m at 1.5 mm/h). Their lidar ratio, extinction over backscatter, is 25
-// sr. The density and the lidar ratio are estimates; in ice clouds, lidar ratios of 20 to 35 sr are measured.
 Weather snowOf(double rate);
-// Returns the optical properties of fog. The extinction is -log(0.05) / visibility (Koschmieder's law with the contrast
-// threshold of 5 % that defines the meteorological optical range). The lidar ratio is 18.8 sr, that of drops of 5 to
-// 50 um at 905 nm (O'Connor et al., "A technique for autocalibration of cloud lidar", Journal of Atmospheric and
-// Oceanic Technology 21, 2004, from theory and measurements). Hahner et al., "Fog simulation on real LiDAR point
-// clouds", ICCV 2021, after Rasshofer et al., "Influences of weather phenomena on automotive laser radar systems",
-// Advances in Radio Science 9, 2011, have a backscatter of 0.046 / visibility: 65 sr, which water drops do not have.
 Weather fogOf(double visibility);
-// Returns the optical properties of dust. The extinction is the same as for fog; the lidar ratio is estimated as 50 sr.
-// Mineral dust has lidar ratios of 40 to 60 sr.
 Weather dustOf(double visibility);
 
 // Returns the echo of mist that fills `length` m of a beam, relative to the echo of a white Lambertian target at the
