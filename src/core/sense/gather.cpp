@@ -92,17 +92,6 @@ struct Strip {
   std::array<std::uint32_t, kTileColumns> next;
 };
 
-// Returns the transform from the sensor's frame at a step to its frame at the start of the revolution. The large world
-// coordinates are subtracted first, which keeps the precision.
-Affine startFromStep(const Shot& shot, std::size_t step) {
-  if (step == 0) return {};
-  const Pose& worldFromStart = shot.worldFromSensor[0];
-  const Pose& worldFromStep = shot.worldFromSensor[step];
-  const Mat3 startFromWorld = transposed(toMatrix(worldFromStart.rotation));
-  return {startFromWorld * toMatrix(worldFromStep.rotation),
-          startFromWorld * (worldFromStep.translation - worldFromStart.translation)};
-}
-
 class Gathering {
  public:
   Gathering(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout,
@@ -128,7 +117,7 @@ class Gathering {
       strip_.width = std::min(kTileColumns, hits_.columns - first);
       startStrip(stripRow);
       for (std::uint32_t c = 0; deskew && c < strip_.width; ++c) {
-        startFromColumn[c] = startFromStep(shot_, shot_.stepOf(first + c));
+        startFromColumn[c] = shot_.startFromStep(shot_.stepOf(first + c));
       }
       for (std::uint32_t ring = 0; ring < hits_.rings; ring += kTileRings) {
         for (std::uint32_t plane = 0; plane < order_.planes(); ++plane) {

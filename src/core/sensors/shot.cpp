@@ -7,6 +7,16 @@
 
 namespace scanmill {
 
+Affine Shot::startFromStep(std::size_t step) const {
+  if (step == 0) return {};
+  const Pose& worldFromStart = worldFromSensor[0];
+  const Pose& worldFromStep = worldFromSensor[step];
+  const Mat3 startFromWorld = transposed(toMatrix(worldFromStart.rotation));
+  // The large world coordinates are subtracted first, which keeps the precision.
+  return {startFromWorld * toMatrix(worldFromStep.rotation),
+          startFromWorld * (worldFromStep.translation - worldFromStart.translation)};
+}
+
 Motion readMotion(const Value* value) {
   if (value == nullptr) return {};
   Motion motion{.where = value->where};

@@ -69,6 +69,8 @@ struct Shot {
     const std::uint32_t rays = beams->raysPerBeam;
     return static_cast<std::size_t>(std::uint64_t{column / rays} * worldFromSensor.size() / (beams->columns / rays));
   }
+  // Returns the transform from the sensor's frame at a step to its frame at the start of the revolution.
+  Affine startFromStep(std::size_t step) const;
 };
 
 // The number of sensor poses in a revolution: one pose, one pose per column, or Motion::steps poses.

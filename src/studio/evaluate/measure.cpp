@@ -41,15 +41,6 @@ void checkStop(const MeasureOptions& options) {
   if (options.stop && options.stop()) throw Error("stopped: the measurement is not finished");
 }
 
-// Returns the transform from the sensor's frame at a step of the revolution to its frame at the start. World positions
-// are subtracted first, since they may be large and would lose precision.
-Affine startFromStep(const Shot& shot, std::size_t step) {
-  const Pose& start = shot.worldFromSensor[0];
-  const Pose& now = shot.worldFromSensor[step];
-  const Mat3 startFromWorld = transposed(toMatrix(start.rotation));
-  return {startFromWorld * toMatrix(now.rotation), startFromWorld * (now.translation - start.translation)};
-}
-
 // Distributes values of the points from hitPoints() to their beams. Returns one value per beam; NaN for misses.
 std::vector<float> byBeam(const Hits& hits, const std::vector<float>& pointValues) {
   std::vector<float> beamValues(hits.size(), kUnknownDistance);
@@ -276,7 +267,7 @@ std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits) {
   // Transforms to the sensor's frame at the start, one per step; empty: points stay in the frame of their step.
   std::vector<Affine> toStart;
   for (std::size_t step = 0; shot.deskew && step < shot.worldFromSensor.size(); ++step) {
-    toStart.push_back(step == 0 ? Affine{} : startFromStep(shot, step));
+    toStart.push_back(shot.startFromStep(step));
   }
   std::vector<Vec3f> points;
   points.reserve(hits.size());

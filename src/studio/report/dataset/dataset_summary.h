@@ -68,9 +68,6 @@ struct MixedInstance {
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
 };
 
-// Names of noteworthy scans, each with the reason, such as "street-s1-lane-000010, top: 12 points".
-using ScanRemarks = std::vector<std::string>;
-
 struct DatasetSummary {
   std::uint64_t samples = 0, scans = 0, points = 0, beams = 0, unresolved = 0;
   bool labelled = false;   // true: scans have classes
@@ -80,7 +77,8 @@ struct DatasetSummary {
   std::vector<SensorSummary> sensors;
   std::vector<SequenceSummary> sequences;
   std::vector<SplitSummary> splits;  // the splits, in the order in which the samples name them
-  ScanRemarks emptyScans, fewPoints, unresolvedScans;
+  // Noteworthy scans, each with the reason, such as "street-s1-lane-000010, top: 12 points".
+  std::vector<std::string> emptyScans, fewPoints, unresolvedScans;
 
   std::uint64_t scansChosen = 0, scansRead = 0;
   RangeSteps steps;

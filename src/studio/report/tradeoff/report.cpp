@@ -29,7 +29,8 @@ Json errorsJson(Json json, const GroupErrors& errors) {
                {"classes", errors.classAgreed()},
                {"instances", errors.instanceAgreed()},
                {"miss_rate", errors.missRate()}});
-  if (errors.bothHit + errors.falseNegatives > 0) json["false_negative_share"] = falseNegativeShare(errors);
+  const std::uint64_t trueHits = errors.bothHit + errors.falseNegatives;
+  if (trueHits > 0) json["false_negative_share"] = shareOf(errors.falseNegatives, trueHits);
   if (errors.nearestTo.count + errors.nearestFrom.count > 0) json["hausdorff_m"] = errors.hausdorff();
   return json;
 }

@@ -36,7 +36,9 @@ struct Measure {
 };
 
 const Measure kRangeError{"p99 of the range error: 99 % of the beams have less", "m", rangeP99};
-const Measure kNearest{"mean distance from true points to the nearest of the setting", "m", nearestMean};
+const Measure kNearest{"mean distance from true points to the nearest of the setting", "m", [](const GroupErrors& e) {
+                         return e.nearestTo.count == 0 ? kNone : e.nearestTo.mean < kExactRange ? 0 : e.nearestTo.mean;
+                       }};
 const Measure kWrong{"false negatives, false positives and wrongly labelled beams", "%",
                      [](const GroupErrors& e) { return e.beams == 0 ? kNone : wrongShare(e); }};
 const BeamErrors& errorsOf(const Study& study, std::size_t setting) {
@@ -124,31 +126,24 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
   return chart;
 }
 
-// The settings in a chart and their colours (indices in the palette).
-struct Shown {
-  explicit Shown(const Study& study) : settings(shownSettings(study, kMostLines)) {
-    std::vector<std::string> methods;
-    for (const std::size_t i : settings) methods.push_back(study.settings[i].setting.method);
-    colors = settingColors(methods);
-  }
-  std::vector<std::size_t> settings, colors;
-};
-
 // Returns the value of a setting for the name with index `name` on the x axis, and the text for its mark. The value is
 // NaN if there is none.
 using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
 
 // Returns `chart` with one series per setting, which has one value per name on the x axis. Values of one name are drawn
-// side by side.
-Chart settingsChart(const Study& study, const Shown& shown, Chart chart, const Figure& figure) {
+// side by side. `settings`: indices in Study::settings.
+Chart settingsChart(const Study& study, const std::vector<std::size_t>& settings, Chart chart, const Figure& figure) {
   constexpr double kBeside = 0.09;  // distance of two values of one name; names are 1 apart
   chart.width = kHalfWidth;
-  const double middle = (static_cast<double>(shown.settings.size()) - 1) / 2;
-  for (std::size_t k = 0; k < shown.settings.size(); ++k) {
-    const std::string& name = study.settings[shown.settings[k]].setting.name;
-    ChartSeries series{.name = name, .color = shown.colors[k], .mark = ChartMark::LineAndDots};
+  std::vector<std::string> methods;
+  for (const std::size_t i : settings) methods.push_back(study.settings[i].setting.method);
+  const std::vector<std::size_t> colors = settingColors(methods);
+  const double middle = (static_cast<double>(settings.size()) - 1) / 2;
+  for (std::size_t k = 0; k < settings.size(); ++k) {
+    const std::string& name = study.settings[settings[k]].setting.name;
+    ChartSeries series{.name = name, .color = colors[k], .mark = ChartMark::LineAndDots};
     for (std::size_t n = 0; n < chart.x.names.size(); ++n) {
-      const auto [value, detail] = figure(errorsOf(study, shown.settings[k]), n);
+      const auto [value, detail] = figure(errorsOf(study, settings[k]), n);
       series.add({static_cast<double>(n) + (static_cast<double>(k) - middle) * kBeside, value}, name + "\n" + detail);
     }
     chart.series.push_back(std::move(series));
@@ -158,12 +153,12 @@ Chart settingsChart(const Study& study, const Shown& shown, Chart chart, const F
 
 // Returns `chart` with a setting's errors in each group of beams. `bands`: title of the x axis.
 Chart bandChart(const Study& study, Chart chart, const char* bands, GroupsOfErrors groups, const Measure& measure) {
-  const Shown shown(study);
-  const std::vector<std::string> names = groupNames(study, shown.settings, groups);
+  const std::vector<std::size_t> settings = shownSettings(study, kMostLines);
+  const std::vector<std::string> names = groupNames(study, settings, groups);
   chart.x = {.title = bands, .names = names};
   chart.y = measure.axis();
   chart.height = 400;
-  return settingsChart(study, shown, std::move(chart), [&](const BeamErrors& errors, std::size_t n) {
+  return settingsChart(study, settings, std::move(chart), [&](const BeamErrors& errors, std::size_t n) {
     const double value = errorOf(errors.*groups, names[n], measure);
     return std::pair(value, fmt::format("{}: {}", names[n], measure.text(value)));
   });
@@ -171,19 +166,19 @@ Chart bandChart(const Study& study, Chart chart, const char* bands, GroupsOfErro
 
 // Returns `chart` with the share of object instances that a setting finds, by size. `sizes`: title of the x axis.
 Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vector<SizeRecall> BeamErrors::*recall) {
-  const Shown shown(study);
+  const std::vector<std::size_t> settings = shownSettings(study, kMostLines);
   chart.note = "share of the things with a true hit that at least one beam hits";
   chart.x.title = sizes;
   chart.y = {.title = "things found", .unit = "%", .high = 1};
   chart.height = 390;
-  std::vector<std::size_t> bands;
-  for (std::size_t b = 0; !shown.settings.empty() && b < (errorsOf(study, shown.settings[0]).*recall).size(); ++b) {
-    const SizeRecall& first = (errorsOf(study, shown.settings[0]).*recall)[b];
-    if (first.instances == 0) continue;
+  std::vector<std::size_t> bands;  // bands with instances, of which all settings have the same
+  for (std::size_t b = 0; !settings.empty() && b < (errorsOf(study, settings[0]).*recall).size(); ++b) {
+    const SizeRecall& band = (errorsOf(study, settings[0]).*recall)[b];
+    if (band.instances == 0) continue;
     bands.push_back(b);
-    chart.x.names.push_back(fmt::format("{} ({})", first.name, first.instances));
+    chart.x.names.push_back(fmt::format("{} ({})", band.name, band.instances));
   }
-  return settingsChart(study, shown, std::move(chart), [&](const BeamErrors& errors, std::size_t n) {
+  return settingsChart(study, settings, std::move(chart), [&](const BeamErrors& errors, std::size_t n) {
     const std::vector<SizeRecall>& sizeBands = errors.*recall;
     const SizeRecall band = bands[n] < sizeBands.size() ? sizeBands[bands[n]] : SizeRecall{};
     return std::pair(shareOf(band.instancesFound, band.instances, kNone),

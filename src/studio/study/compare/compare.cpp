@@ -17,8 +17,23 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestPatches = 50;  // a band with fewer patches of a set has no figure for this set
+constexpr std::size_t kFewestCompared = 50;  // a band with fewer patches of a set has no figure for this set
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
+
+// Upper ends of the bands of ranges (m). A last band without upper end follows.
+constexpr std::array<double, 5> kRangeBands{5, 10, 20, 40, 80};
+constexpr std::size_t kRangeBandCount = kRangeBands.size() + 1;
+
+// Returns the index of the band that contains a range (m).
+std::size_t rangeBand(float range) {
+  return static_cast<std::size_t>(std::ranges::upper_bound(kRangeBands, range) - kRangeBands.begin());
+}
+
+std::string rangeBandName(std::size_t band) {
+  if (band == 0) return fmt::format("to {:g} m", kRangeBands[0]);
+  if (band == kRangeBands.size()) return fmt::format("beyond {:g} m", kRangeBands.back());
+  return fmt::format("{:g} to {:g} m", kRangeBands[band - 1], kRangeBands[band]);
+}
 
 // The group number of each patch. Equal numbers mean the same group in both sets.
 using Groups = std::vector<std::uint16_t>;
@@ -29,7 +44,7 @@ Groups groupsByKind(const Patches& patches) {
   return groups;
 }
 
-// The values of a feature, by group and band of ranges (see comparedBandOf()).
+// The values of a feature, by group and band of ranges (see rangeBand()).
 using Strata = std::map<std::pair<std::uint16_t, std::size_t>, std::vector<float>>;
 
 // Returns the values of the patches that have the feature and for which isCompared(index of the patch) is true.
@@ -39,7 +54,7 @@ Strata strataOf(const Patches& patches, const Groups& groups, std::size_t featur
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const float value = patches.value[feature][i];
     if (std::isnan(value) || !isCompared(i)) continue;
-    strata[{groups[i], comparedBandOf(static_cast<double>(patches.range[i]))}].push_back(value);
+    strata[{groups[i], rangeBand(patches.range[i])}].push_back(value);
   }
   return strata;
 }
@@ -87,7 +102,7 @@ SeparationSums separate(const Strata& real, const Strata& simulated) {
   SeparationSums sums;
   for (const auto& [stratum, realValues] : real) {
     const auto found = simulated.find(stratum);
-    if (found == simulated.end() || std::min(realValues.size(), found->second.size()) < kFewestPatches) continue;
+    if (found == simulated.end() || std::min(realValues.size(), found->second.size()) < kFewestCompared) continue;
     sums.ofGroup[stratum.first].add(realValues, found->second);
     sums.all.add(realValues, found->second);
   }
@@ -102,12 +117,12 @@ void sortByStrength(std::vector<Separation>& list) {
 void addRanges(SetComparison& result) {
   const auto countsOf = [](const Patches& patches) {
     std::vector<std::uint64_t> counts(kRangeBandCount, 0);
-    for (const float range : patches.range) ++counts[comparedBandOf(static_cast<double>(range))];
+    for (const float range : patches.range) ++counts[rangeBand(range)];
     return counts;
   };
   const auto real = countsOf(result.real.patches), simulated = countsOf(result.simulated.patches);
   for (std::size_t band = 0; band < kRangeBandCount; ++band) {
-    result.ranges.push_back({comparedBandName(band), shareOf(real[band], result.real.patches.size()),
+    result.ranges.push_back({rangeBandName(band), shareOf(real[band], result.real.patches.size()),
                              shareOf(simulated[band], result.simulated.patches.size())});
   }
 }
@@ -126,7 +141,7 @@ std::vector<BandComparison> intensityBands(const SetComparison& result, const st
     }
     std::vector<double> ofBands;
     for (auto& band : intensities) {
-      ofBands.push_back(band.size() < kFewestPatches ? kUnmeasured : medianOf(std::move(band)));
+      ofBands.push_back(band.size() < kFewestCompared ? kUnmeasured : medianOf(std::move(band)));
     }
     return ofBands;
   };
@@ -141,10 +156,9 @@ std::vector<BandComparison> intensityBands(const SetComparison& result, const st
 // Sets the intensities by range and by incidence angle.
 void addIntensities(SetComparison& result) {
   std::vector<std::string> rangeNames;
-  for (std::size_t band = 0; band < kRangeBandCount; ++band) rangeNames.push_back(comparedBandName(band));
-  result.intensityByRange = intensityBands(result, rangeNames, [](const Patches& patches, std::size_t i) {
-    return comparedBandOf(static_cast<double>(patches.range[i]));
-  });
+  for (std::size_t band = 0; band < kRangeBandCount; ++band) rangeNames.push_back(rangeBandName(band));
+  result.intensityByRange = intensityBands(
+      result, rangeNames, [](const Patches& patches, std::size_t i) { return rangeBand(patches.range[i]); });
   constexpr double kBandDegrees = 15;  // width of a band of incidence angles
   result.intensityByIncidence = intensityBands(
       result, {"to 15 deg", "15 to 30 deg", "30 to 45 deg", "45 to 60 deg", "60 to 75 deg", "75 to 90 deg"},

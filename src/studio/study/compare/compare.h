@@ -63,14 +63,8 @@ inline constexpr auto kSetFigures = std::to_array<ComparedFigure>({
 });
 inline constexpr std::size_t kSetFigureCount = kSetFigures.size();
 
-// Upper ends of the bands of ranges (m). A last band without upper end follows.
-inline constexpr std::array<double, 5> kRangeBands{5, 10, 20, 40, 80};
-inline constexpr std::size_t kRangeBandCount = kRangeBands.size() + 1;
-std::size_t comparedBandOf(double range);        // returns the index of the band that contains a range (m)
-std::string comparedBandName(std::size_t band);  // returns the ends of a band, such as "5 to 10 m"
-
 struct ScanSet {
-  std::string name;          // last component of the path
+  std::string name{};        // last component of the path
   std::uint32_t scans = 0;   // number of scans that were read
   std::uint64_t stored = 0;  // number of scans in the set
   std::uint64_t points = 0;  // number of points in the scans that were read
@@ -82,7 +76,7 @@ struct ScanSet {
   std::optional<Ontology> ontology{};
   // Values in the order of kSetFigures; NaN if the scans do not show the figure.
   std::array<double, kSetFigureCount> figures{};
-  Patches patches;  // intensities in them are divided by the set's median
+  Patches patches{};  // intensities in them are divided by the set's median
 };
 
 struct ScanSetOptions {

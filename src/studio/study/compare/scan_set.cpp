@@ -30,21 +30,26 @@ constexpr double kNearPoint = 5;      // points at a smaller range (m) count as 
 
 // Counts and measured values of one scan, or of all scans.
 struct ScanMeasures {
+  ScanSet set{.labelled = true};         // without figures
   std::uint64_t beams = 0;               // pixels of the grid
-  std::uint64_t points = 0, near = 0;    // beams with a return, and those with one within kNearPoint
+  std::uint64_t near = 0;                // beams with a return within kNearPoint
   std::uint64_t below = 0;               // beams of rings below the horizon
   std::uint64_t missing = 0;             // beams in `below` without a return
   std::uint64_t inRuns = 0, single = 0;  // beams in `missing` in runs of more than kLongRun, and in runs of one
   // Of each scan with ground: the slope of its plane (m per m) and the ground's standard deviation from the plane (m).
   std::vector<double> slopes, residuals;
   std::vector<double> relief;  // standard deviation of the heights from each cell's plane (m)
-  std::uint32_t rows = 0;      // rows of the grid of the last scan
-  bool knowsRings = true, knowsMisses = true, labelled = true;
-  Patches patches;
 
   void add(ScanMeasures&& more) {
+    ++set.scans;
+    set.points += more.set.points;
+    set.rows = more.set.rows;
+    set.knowsRings &= more.set.knowsRings;
+    set.knowsMisses &= more.set.knowsMisses;
+    set.labelled &= more.set.labelled;
+    set.patches.append(more.set.patches);
+    more.set.patches = {};  // frees memory
     beams += more.beams;
-    points += more.points;
     near += more.near;
     below += more.below;
     missing += more.missing;
@@ -53,12 +58,6 @@ struct ScanMeasures {
     slopes.insert(slopes.end(), more.slopes.begin(), more.slopes.end());
     residuals.insert(residuals.end(), more.residuals.begin(), more.residuals.end());
     relief.insert(relief.end(), more.relief.begin(), more.relief.end());
-    rows = more.rows;
-    knowsRings &= more.knowsRings;
-    knowsMisses &= more.knowsMisses;
-    labelled &= more.labelled;
-    patches.append(more.patches);
-    more.patches = {};  // frees memory
   }
 };
 
@@ -100,7 +99,7 @@ void countBeams(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts) {
       counts.near += length(p) < kNearPoint ? 1 : 0;
     }
     counts.beams += grid.columns;
-    counts.points += filled;
+    counts.set.points += filled;
     if (filled > 0 && degrees(elevations / filled) <= kHorizon) countMissing(grid, row, counts);
   }
 }
@@ -215,13 +214,13 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts
 ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex, const ScanSetOptions& options) {
   const RangeGrid grid = rangeGrid(scan);
   ScanMeasures counts;
-  counts.rows = grid.rows;
-  counts.knowsRings = grid.knowsRings;
-  counts.knowsMisses = grid.knowsMisses;
-  counts.labelled = !scan[kLabel].empty();
+  counts.set.rows = grid.rows;
+  counts.set.knowsRings = grid.knowsRings;
+  counts.set.knowsMisses = grid.knowsMisses;
+  counts.set.labelled = !scan[kLabel].empty();
   countBeams(scan, grid, counts);
   measureGround(scan, grid, counts);
-  counts.patches = patchesOf(scan, grid, scanIndex, options.patchesPerScan);
+  counts.set.patches = patchesOf(scan, grid, scanIndex, options.patchesPerScan);
   return counts;
 }
 
@@ -293,25 +292,19 @@ void addPatchFigures(ScanSet& set) {
 ScanSet combine(std::string name, std::vector<ScanMeasures> scanMeasures, std::optional<Ontology> ontology) {
   ScanMeasures sum;
   for (ScanMeasures& scan : scanMeasures) sum.add(std::move(scan));
-  ScanSet set;
+  ScanSet set = std::move(sum.set);
   set.name = std::move(name);
-  set.scans = static_cast<std::uint32_t>(scanMeasures.size());
-  set.stored = scanMeasures.size();
-  set.points = sum.points;
-  set.rows = sum.rows;
-  set.knowsRings = sum.knowsRings;
-  set.knowsMisses = sum.knowsMisses;
-  set.labelled = ontology.has_value() && !scanMeasures.empty() && sum.labelled;
+  set.stored = set.scans;
+  set.labelled = set.labelled && ontology.has_value() && set.scans > 0;
   set.ontology = std::move(ontology);
-  set.patches = std::move(sum.patches);
   set.figures.fill(kNaN);
   if (set.knowsMisses) {
-    figureNamed(set, "returns") = shareOf(sum.points, sum.beams, kNaN);
+    figureNamed(set, "returns") = shareOf(set.points, sum.beams, kNaN);
     figureNamed(set, "missing_below") = shareOf(sum.missing, sum.below, kNaN);
     figureNamed(set, "missing_in_runs") = shareOf(sum.inRuns, sum.missing, kNaN);
     figureNamed(set, "missing_single") = shareOf(sum.single, sum.missing, kNaN);
   }
-  figureNamed(set, "near") = shareOf(sum.near, sum.points, kNaN);
+  figureNamed(set, "near") = shareOf(sum.near, set.points, kNaN);
   figureNamed(set, "ground_slope") = meanOf(sum.slopes);
   figureNamed(set, "ground_residual") = meanOf(sum.residuals);
   figureNamed(set, "ground_relief") = quantileOf(sum.relief, 0.5);
@@ -345,16 +338,6 @@ std::vector<std::size_t> samplesWith(const ScanStore& store, const std::string& 
 
 }  // namespace
 
-std::size_t comparedBandOf(double range) {
-  return static_cast<std::size_t>(std::ranges::upper_bound(kRangeBands, range) - kRangeBands.begin());
-}
-
-std::string comparedBandName(std::size_t band) {
-  if (band == 0) return fmt::format("to {:g} m", kRangeBands[0]);
-  if (band == kRangeBands.size()) return fmt::format("beyond {:g} m", kRangeBands.back());
-  return fmt::format("{:g} to {:g} m", kRangeBands[band - 1], kRangeBands[band]);
-}
-
 ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
                      const ScanSetOptions& options) {
   std::vector<ScanMeasures> scanMeasures(scans.size());
@@ -386,7 +369,7 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
       }
     });
     double points = 0;
-    for (std::size_t k = start; k < start + size; ++k) points += static_cast<double>(scanMeasures[k].points);
+    for (std::size_t k = start; k < start + size; ++k) points += static_cast<double>(scanMeasures[k].set.points);
     progress.advance(size, points);
     if (options.stop != nullptr && *options.stop) throw Error("stopped: nothing was written");
   }

@@ -25,6 +25,17 @@ constexpr double kLeastError = 1e-6;        // a band's standard error counts as
 
 using FlatPatches = std::vector<const FlatPatch*>;
 
+// Returns the standard deviation (m) that is typical of the patches; 0 if there are no patches. It is computed from the
+// median of the patches' variances, so that a few curved or rough patches do not affect it.
+double commonDeviation(const FlatPatches& patches) {
+  std::vector<double> variances;
+  for (const FlatPatch* p : patches) {
+    const SurfaceFit& lines = p->measuredLines;
+    if (lines.freedom > 0) variances.push_back(lines.variance() / chiSquareQuantile(lines.freedom, 0));
+  }
+  return std::sqrt(medianOf(std::move(variances)));
+}
+
 // Returns the deviation without the effect of rounding ranges to a step, which adds step^2 / 12 to the variance. The
 // formula holds if the ranges on a patch vary by more than a step.
 double withoutStep(double deviation, double step) {

@@ -332,15 +332,6 @@ double chiSquareQuantile(double freedom, double standardNormal) {
   return root > 0 ? root * root * root : 0;
 }
 
-double commonDeviation(const std::vector<const FlatPatch*>& patches) {
-  std::vector<double> variances;
-  for (const FlatPatch* p : patches) {
-    const SurfaceFit& lines = p->measuredLines;
-    if (lines.freedom > 0) variances.push_back(lines.variance() / chiSquareQuantile(lines.freedom, 0));
-  }
-  return std::sqrt(medianOf(std::move(variances)));
-}
-
 std::vector<FlatPatch> findFlatPatches(const BeamTable& beams, const std::vector<RecordedScan>& scans) {
   const BeamImage image(beams);
   if (image.rows() < kPatchRings) return {};

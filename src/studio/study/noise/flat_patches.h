@@ -94,10 +94,6 @@ std::vector<FlatPatch> findFlatPatches(const BeamTable& beams, const std::vector
 std::vector<double> rangeBandEdges();
 std::size_t rangeBandOf(double range);  // returns the index of the band that contains a range (m)
 
-// Returns the standard deviation (m) that is typical of the patches; 0 if there are no patches. It is computed from the
-// median of the patches' variances, so that a few curved or rough patches do not affect it.
-double commonDeviation(const std::vector<const FlatPatch*>& patches);
-
 // Returns the quantile of chi^2 / freedom that corresponds to the quantile `standardNormal` of the standard normal
 // distribution (Wilson and Hilferty, PNAS 17, 1931).
 double chiSquareQuantile(double freedom, double standardNormal);

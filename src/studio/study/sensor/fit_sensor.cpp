@@ -78,7 +78,7 @@ std::optional<RingLine> fitRingLine(const std::vector<const Point*>& points) {
 // Fits a line to the points of a ring, three times; after each fit, removes points that are far from the line. Returns
 // nothing if a fit is not possible.
 std::optional<RingLine> robustRingLine(const std::vector<Point>& ring) {
-  constexpr double kOutlier = 4;  // multiple of the median residual
+  constexpr double kOutlierRatio = 4;  // multiple of the median residual
   std::vector<const Point*> points;
   for (const Point& p : ring) points.push_back(&p);
   std::optional<RingLine> line;
@@ -87,7 +87,7 @@ std::optional<RingLine> robustRingLine(const std::vector<Point>& ring) {
     if (!line) return line;
     std::vector<double> residuals;
     for (const Point* p : points) residuals.push_back(std::fabs(line->residual(*p)));
-    const double largest = kOutlier * medianOf(std::move(residuals)) + 1e-9;
+    const double largest = kOutlierRatio * medianOf(std::move(residuals)) + 1e-9;
     std::erase_if(points, [&](const Point* p) { return std::fabs(line->residual(*p)) > largest; });
   }
   return line;

@@ -29,18 +29,9 @@ double wrongShare(const GroupErrors& e) {
                  e.beams);
 }
 
-double falseNegativeShare(const GroupErrors& e) {
-  return shareOf(e.falseNegatives, e.bothHit + e.falseNegatives);
-}
-
 double rangeP99(const GroupErrors& e) {
   if (e.range.count == 0) return std::numeric_limits<double>::quiet_NaN();
   return e.range.p99 < kExactRange ? 0 : e.range.p99;
-}
-
-double nearestMean(const GroupErrors& e) {
-  if (e.nearestTo.count == 0) return std::numeric_limits<double>::quiet_NaN();
-  return e.nearestTo.mean < kExactRange ? 0 : e.nearestTo.mean;
 }
 
 double beamsPerSecond(const Study& study, const SettingResult& result) {

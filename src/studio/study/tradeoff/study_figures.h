@@ -24,14 +24,9 @@ const GroupErrors* awayFromEdges(const BeamErrors& errors);
 
 // Returns the fraction of all beams that are false negatives, false positives, unresolved or wrongly labelled.
 double wrongShare(const GroupErrors& errors);
-// Returns the number of false negatives divided by the number of beams with a true hit.
-double falseNegativeShare(const GroupErrors& errors);
 // Returns the 99th percentile of the range error (m); 0 if it is below kExactRange; NaN if no beam hits both in the
 // truth and in the test.
 double rangeP99(const GroupErrors& errors);
-// Returns the mean distance (m) from true points to the nearest points of the setting; 0 if it is below kExactRange;
-// NaN if there are no points.
-double nearestMean(const GroupErrors& errors);
 
 // Returns how many beams per second the setting traces, without the time for its set-up.
 double beamsPerSecond(const Study& study, const SettingResult& result);

@@ -27,7 +27,8 @@ TEST(CompareAdvice, LeadsToTheValueThatMadeTheOtherSet) {
            {"sigma_m", 0.005}, {"range_sigma_m", 0.02}, {"gain_sigma", 0.075}, {"looks", 30.0 / 16}}) {
     const auto found = std::ranges::find_if(advice, [&](const KeyChange& a) { return a.key == key; });
     ASSERT_NE(found, advice.end()) << key;
-    EXPECT_LT(std::fabs(std::log(found->next / right)), std::fabs(std::log(found->now / right)) / 2) << key;
+    EXPECT_LT(std::fabs(std::log(found->suggestedValue / right)), std::fabs(std::log(found->currentValue / right)) / 2)
+        << key;
   }
 }
 
