@@ -32,7 +32,7 @@ bool hasObject(const Mesh& mesh, std::uint32_t object) {
 // entry for each of these meshes.
 bool takeOutThing(Scene& scene, std::uint32_t id, UnreducedScene& unreduced) {
   bool hasThing = false;
-  const auto meshWithout = [&](std::uint32_t mesh, std::uint32_t object) {
+  const auto addMeshWithout = [&](std::uint32_t mesh, std::uint32_t object) {
     Mesh reduced = scene.meshes[mesh];
     dropTriangles(reduced, [&](const Surface& surface) { return surface.object == object; });
     scene.meshes.push_back(std::move(reduced));
@@ -47,13 +47,13 @@ bool takeOutThing(Scene& scene, std::uint32_t id, UnreducedScene& unreduced) {
       auto reduced = std::make_shared<Animation>(*instance.animation);
       for (std::uint32_t& mesh : reduced->meshes) {
         hasThing = hasThing || hasObject(scene.meshes[mesh], object);
-        mesh = meshWithout(mesh, object);
+        mesh = addMeshWithout(mesh, object);
       }
       instance.mesh = reduced->meshes.front();
       instance.animation = std::move(reduced);
     } else if (hasObject(scene.meshes[instance.mesh], object)) {
       hasThing = true;
-      instance.mesh = meshWithout(instance.mesh, object);
+      instance.mesh = addMeshWithout(instance.mesh, object);
     }
   }
   return hasThing;

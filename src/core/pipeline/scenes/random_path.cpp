@@ -208,7 +208,7 @@ class PathSearch {
     while (!nodes.empty() && stepsBack < kMostStepsBack) {
       if (nodes.size() > longest.size()) {
         longest.clear();
-        for (const Node& node : nodes) longest.push_back(node.at.state.position);
+        for (const Node& node : nodes) longest.push_back(node.end.state.position);
       }
       if (static_cast<double>(nodes.size() - 1) * kArcLength >= request_.length) break;
       Node& last = nodes.back();
@@ -234,7 +234,7 @@ class PathSearch {
     double cost;
   };
   struct Node {
-    End at;
+    End end;
     std::vector<Arc> arcs;  // arcs that start at this node, the cheapest first
     std::size_t next = 0;   // index of the next arc to try
   };
@@ -251,14 +251,14 @@ class PathSearch {
   static Spot fineSpot(const State& s) { return spotOf(s, 1, 24); }            // where the path cannot go on
 
   void markDeadEnd(const Node& node) {
-    --visits_[coarseSpot(node.at.state)];
-    deadEnds_.insert(fineSpot(node.at.state));
+    --visits_[coarseSpot(node.end.state)];
+    deadEnds_.insert(fineSpot(node.end.state));
   }
 
   // Returns the node at the end of an arc, with the arcs from there. `driven`: length of the path so far (m).
-  Node openNode(const End& at, double driven) {
-    ++visits_[coarseSpot(at.state)];
-    Node node{at, {}};
+  Node openNode(const End& end, double driven) {
+    ++visits_[coarseSpot(end.state)];
+    Node node{end, {}};
     const double choice = random_.at(static_cast<std::uint32_t>(driven / kWishLength));
     const double wishedCurvature = choice < kTurnShare / 2       ? kWishedBend / kLeastRadius
                                    : choice < 1 - kTurnShare / 2 ? 0
@@ -266,16 +266,17 @@ class PathSearch {
     constexpr int kBends = 4;  // arcs to each side
     for (int k = -kBends; k <= kBends; ++k) {
       const double curvature = k / (kBends * kLeastRadius);
-      if (const std::optional<Arc> arc = arcOf(at, curvature, wishedCurvature)) node.arcs.push_back(*arc);
+      if (const std::optional<Arc> arc = arcOf(end, curvature, wishedCurvature)) node.arcs.push_back(*arc);
     }
     std::ranges::stable_sort(node.arcs, {}, &Arc::cost);
     return node;
   }
 
-  // Returns the arc of this curvature (rad/m) that starts at `at`. Returns nothing if a vehicle has no room on the arc,
-  // or if its end is known as a dead end. `wishedCurvature`: that the vehicle prefers in open places (rad/m).
-  std::optional<Arc> arcOf(const End& at, double curvature, double wishedCurvature) const {
-    State s = at.state;
+  // Returns the arc of this curvature (rad/m) that starts at `end`, the end of another arc. Returns nothing if a
+  // vehicle has no room on the arc, or if its end is known as a dead end. `wishedCurvature`: that the vehicle prefers
+  // in open places (rad/m).
+  std::optional<Arc> arcOf(const End& end, double curvature, double wishedCurvature) const {
+    State s = end.state;
     for (int metre = 0; metre < kArcLength; ++metre) {
       const std::optional<State> next = surface_.oneMetreOn(s, curvature);
       if (!next) return std::nullopt;
@@ -283,12 +284,13 @@ class PathSearch {
     }
     if (deadEnds_.contains(fineSpot(s))) return std::nullopt;
     const double bend = kLeastRadius * curvature;
-    const double change = kLeastRadius * (curvature - at.curvature);
+    const double change = kLeastRadius * (curvature - end.curvature);
     double cost = kBendCost * bend * bend + kChangeCost * change * change;
     // Rate the end of the arc and two points straight ahead of it, since rating the end alone makes the path oscillate.
     for (const double ahead : {0.0, 4.0, 8.0}) cost += lateralCost(s.driven(ahead, 0), curvature, wishedCurvature);
-    const auto [aheadLength, end] = lookAhead(s);
-    if (const auto visits = visits_.find(coarseSpot(end)); visits != visits_.end()) cost += kVisitCost * visits->second;
+    const auto [aheadLength, aheadState] = lookAhead(s);
+    if (const auto visits = visits_.find(coarseSpot(aheadState)); visits != visits_.end())
+      cost += kVisitCost * visits->second;
     cost += kLookAhead - aheadLength;
     return Arc{{s, curvature}, cost};
   }
@@ -312,8 +314,8 @@ class PathSearch {
            (edge >= kOpenWidth ? wishCost / 2 : 0);
   }
 
-  // Tests five arcs that start at a state. Returns the longest distance (m, at most kLook) that a vehicle can drive on
-  // one of them, and the state at its end.
+  // Tests five arcs that start at a state. Returns the longest distance (m, at most kLookAhead) that a vehicle can
+  // drive on one of them, and the state at its end.
   std::pair<double, State> lookAhead(const State& from) const {
     std::pair<double, State> farthest{0, from};
     for (const double bend : {0.0, 0.5, -0.5, 1.0, -1.0}) {
