@@ -144,6 +144,7 @@ class ScanCheck {
     });
   }
 
+  // Reports the values that the column's validity does not allow.
   template <class T>
   void checkColumn(const Column& column, const std::vector<T>& values) {
     // Reports the points for which isValid(index of the point, value) is false.
@@ -209,6 +210,7 @@ class ScanCheck {
     }
   }
 
+  // Compares the number of distinct instances with that of the manifest.
   void checkInstances() {
     if (scan_[kInstance].empty()) return;
     std::unordered_set<std::uint32_t> instances;

@@ -104,6 +104,7 @@ struct ShardFile::State {
     return static_cast<la_ssize_t>(size);
   }
 
+  // Hashes and writes bytes; short ones later, together with those that follow.
   void put(std::string_view bytes) {
     if (bytes.size() + pendingBytes.size() <= kShortBytes) {
       pendingBytes += bytes;

@@ -77,6 +77,7 @@ class ShardCheck {
     return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
   }
 
+  // Compares the file's size and hash with those of the manifest.
   void checkBytes() {
     Sha256 hash;
     std::uint64_t bytes = 0;
@@ -111,6 +112,7 @@ class ShardCheck {
     checkNames(names);
   }
 
+  // Checks a member that the manifest lists, by what its name says that it contains.
   void checkMember(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     if (name == sample.key + ".json") {
       const std::string difference = differenceOfSampleJson(bytes, sample);

@@ -41,6 +41,7 @@ struct Unit {
   std::size_t frames = 1;
 };
 
+// An export: the constructor chooses what is exported, run() checks and writes it.
 class Export {
  public:
   explicit Export(const ExportOptions& options)

@@ -72,6 +72,7 @@ McapMap publishing(Subscribers subscribers) {
                        keepsForLater ? 1 : 10, keepsForLater ? 1 : 2, kEndless, kEndless, kEndless)}};
 }
 
+// The file of a sequence: the constructor writes what is the same for all samples, add() the samples.
 class Bag {
  public:
   Bag(const ExportPlan& plan, std::size_t sequence, const std::filesystem::path& path)
@@ -143,6 +144,7 @@ class Bag {
     if (!mounts.empty()) file_.addMessage(mounts_, timeStamp(firstTime), transformsMessage(mounts));
   }
 
+  // Adds a box and a name for each object; the markers of the sample before are deleted.
   void addObjects(const SampleObjects& objects) {
     if (!objects_) objects_ = addChannel(addSchema(markersSchema()), "/objects");
     std::vector<RosMarker> markers(1);
