@@ -19,7 +19,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr const char* kResultFile = "compare.json";
+constexpr const char* kComparisonFile = "compare.json";
 constexpr const char* kPageFile = "index.html";
 constexpr std::size_t kMostScans = 200;  // greatest number of scans per set; each takes about 2 MB of memory
 
@@ -92,7 +92,7 @@ int runCompare(const std::vector<std::string>& arguments) {
   setOptions.sensor = parsed.text("sensor");
   setOptions.stop = &stopSignal();
   const bool quiet = parsed.has("quiet");
-  prepareReportFolder(folder, kResultFile, parsed.has("overwrite"));
+  prepareReportFolder(folder, kComparisonFile, parsed.has("overwrite"));
 
   Progress progress("compare", 2 * setOptions.scans, "scans", "points", quiet);
   ScanSet real = readScanSet(sets[0], setOptions, progress);
@@ -107,9 +107,9 @@ int runCompare(const std::vector<std::string>& arguments) {
   if (*setOptions.stop) throw Error("stopped: nothing was written");
 
   const std::string date = today();
-  beginReport(folder, kResultFile);
+  beginReport(folder, kComparisonFile);
   writeFile(folder / kPageFile, comparisonPage(comparison, date));
-  writeFile(folder / kResultFile, comparisonJson(comparison, date));
+  writeFile(folder / kComparisonFile, comparisonJson(comparison, date));
   for (const std::string& warning : comparison.warnings) warn(warning);
   if (comparison.features.empty()) {
     warn("the sets have no patches of the same class or shape at similar ranges, so their patches are not compared");

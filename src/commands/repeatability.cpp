@@ -18,9 +18,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr const char* kResultFile = "repeatability.json";
+constexpr const char* kRepeatabilityFile = "repeatability.json";
 
-// Writes the report's files, kResultFile last: if this file exists, the report is complete.
+// Writes the report's files, kRepeatabilityFile last: if this file exists, the report is complete.
 void writeResult(const Repeatability& result, const std::string& date, const std::filesystem::path& folder) {
   std::vector<Chart> charts = repeatabilityCharts(result, 0);
   if (result.levels.size() > 1) {
@@ -28,7 +28,7 @@ void writeResult(const Repeatability& result, const std::string& date, const std
   }
   for (const Chart& chart : charts) writeFile(folder / (chart.name + ".svg"), drawSvg(chart));
   writeFile(folder / "index.html", repeatabilityReport(result, date));
-  writeFile(folder / kResultFile, repeatabilityJson(result));
+  writeFile(folder / kRepeatabilityFile, repeatabilityJson(result));
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   const Channels channels = repeatabilityChannels(pipeline);
   const Plan plan = makePlan(std::move(pipeline), channels);
   const ShotSource vehicle(plan);  // a vehicle that cannot be used is refused before the folder is made
-  prepareReportFolder(folder, kResultFile, parsed.has("overwrite"));
+  prepareReportFolder(folder, kRepeatabilityFile, parsed.has("overwrite"));
   const RepeatabilityOptions run{.quiet = parsed.has("quiet"), .stop = &stopSignal()};
   const Repeatability result = measureRepeatability(plan, run);
   const std::string date = today();
