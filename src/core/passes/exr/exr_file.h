@@ -1,6 +1,6 @@
 #pragma once
 
-// Images of named 32-bit planes with attributes, in OpenEXR files. OpenEXR's own types are used only in exr_*.cpp.
+// Images of named 32-bit planes with attributes, in OpenEXR files. OpenEXR's own types are used only in exr_file.cpp.
 
 #include <array>
 #include <cstddef>
@@ -88,17 +88,6 @@ class ExrReader {
   std::vector<ExrChannel> channels_;
   ExrAttributes attributes_;
 };
-
-// Return the channels of a pass ("instance", "reflectance" ...; see pass_exr.h for the names that files may have); null
-// if the file has none. Throw InputError if several channels could be the pass.
-const ExrChannel* findPass(const ExrReader& file, std::string_view pass);
-std::array<const ExrChannel*, 3> findNormal(const ExrReader& file);  // either all three or none are null
-
-// Return the channels of a pass as the functions above do, but throw an InputError that lists the file's channels if
-// the pass is absent. The type of the channels is not checked.
-const ExrChannel& requirePass(const ExrReader& file, std::string_view pass);
-const ExrChannel& requireDepth(const ExrReader& file);
-std::array<const ExrChannel*, 3> requireNormal(const ExrReader& file);
 
 // Returns a camera as attributes of a file: see pass_exr.h for their names.
 ExrAttributes cameraAttributes(const Camera& camera);
