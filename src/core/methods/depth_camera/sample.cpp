@@ -26,6 +26,27 @@ constexpr double kFarAway = 1e6;        // m along the beam: second guess, if th
 constexpr double kLeastRange = 1e-30;   // m; excludes a range of 0 if the sensor has no minimum range
 constexpr double kLimitSlack = 1.2e-7;  // a range may be beyond a limit by this fraction: float32 rounding
 
+// Returns the nearest half-precision number, ties to even. Finite values beyond the largest one are clamped to it.
+double asHalf(double value) {
+  constexpr double kLargest = 65504;
+  constexpr int kBits = 11;            // bits of the significand
+  constexpr int kSmallestPower = -24;  // exponent of the spacing of subnormal numbers
+  if (!std::isfinite(value)) return value;
+  int power = 0;
+  std::frexp(value, &power);
+  const double step = std::ldexp(1.0, std::max(power - kBits, kSmallestPower));
+  return std::clamp(std::nearbyint(value / step) * step, -kLargest, kLargest);
+}
+
+// Returns a depth (m) as a z-buffer of `bits` bits of fixed point between the near and the far plane stores it.
+double asUnorm(double depth, int bits, double nearest, double farthest) {
+  const double steps = std::ldexp(1.0, bits) - 1;
+  const double clamped = std::clamp(depth, nearest, farthest);
+  const double fraction = (1 / nearest - 1 / clamped) / (1 / nearest - 1 / farthest);  // 0 to 1
+  const double rounded = std::nearbyint(fraction * steps) / steps;
+  return 1 / (1 / nearest - rounded * (1 / nearest - 1 / farthest));
+}
+
 // Beams that are sampled together, and the pixels that they fall into in this round.
 struct Batch {
   std::size_t firstBeam = 0;  // index of the first of `count` consecutive beams; used only if `beams` is empty
@@ -305,6 +326,22 @@ class Sampler {
 std::uint64_t samplePixels(PixelSource& source, const Pose& worldFromRig, const RigBeams& beams,
                            const SampleOptions& options, Hits& hits) {
   return Sampler(source, worldFromRig, beams, options, hits).run();
+}
+
+float storedDepth(float depth, DepthFormat format, double nearest, double farthest) {
+  constexpr double kShift = 500;  // m, added to coordinates by DepthFormat::Half500
+  if (!(depth < kNoDepth)) return depth;
+  switch (format) {
+    case DepthFormat::Float32:
+      break;
+    case DepthFormat::Unorm24:
+      return static_cast<float>(asUnorm(double{depth}, 24, nearest, farthest));
+    case DepthFormat::Unorm16:
+      return static_cast<float>(asUnorm(double{depth}, 16, nearest, farthest));
+    case DepthFormat::Half500:
+      return static_cast<float>(asHalf(double{depth} + kShift) - kShift);
+  }
+  return depth;
 }
 
 PassChoice passesFor(Channels channels, const SampleOptions& options) {

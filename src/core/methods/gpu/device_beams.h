@@ -3,10 +3,12 @@
 // The beams of a shot on a device, for shaders that compute its rays there. Beam tables stay on the device; only poses
 // are uploaded for each shot.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <list>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "gpu/compute.h"
@@ -17,7 +19,7 @@ namespace scanmill {
 
 class DeviceBeams {
  public:
-  explicit DeviceBeams(const ComputeDevice& device);
+  explicit DeviceBeams(const ComputeDevice& device) : device_(device), poses_(device) {}
 
   // Bytes per ray in the largest buffer, that of directions.
   static constexpr std::uint64_t kBytesPerRay = 24;
@@ -31,7 +33,23 @@ class DeviceBeams {
 
   // Uploads the shots' poses and, unless the device has them already, the rays of their table. The kTables most
   // recently used tables stay on the device, for the sensors of a vehicle.
-  void ensureUploaded(const Shots& shots);
+  void ensureUploaded(const Shots& shots) {
+    std::vector<double> poses;
+    for (const ShotFrame* frame : shots.frames) appendPoses(*frame, poses);
+    poses_.upload(std::span<const double>(poses));
+    const Shot& shot = *shots.shots.front();
+    auto table = std::ranges::find_if(tables_, [&](const Table& t) {
+      return t.beams.lock() == shot.beams && t.poses == shot.worldFromSensor.size();
+    });
+    const bool isUploaded = table != tables_.end();
+    if (!isUploaded) {  // use a table that no longer exists, a new one or the least recently used one
+      table = std::ranges::find_if(tables_, [](const Table& t) { return t.beams.expired(); });
+      if (table == tables_.end() && tables_.size() < kTables) table = tables_.emplace(tables_.end(), device_);
+      if (table == tables_.end()) --table;
+    }
+    tables_.splice(tables_.begin(), tables_, table);
+    if (!isUploaded) upload(tables_.front(), shot);
+  }
 
   // Buffers for the bindings 0 to 3 of programs that include rays.glsl, with the shots of the last ensureUploaded().
   const ComputeBuffer& directions() const { return tables_.front().directions; }
@@ -50,7 +68,27 @@ class DeviceBeams {
     ComputeBuffer directions, origins, steps;
   };
 
-  static void upload(Table& table, const Shot& shot);
+  // Uploads the rays of the shot's beam table, and the pose of each column.
+  static void upload(Table& table, const Shot& shot) {
+    const BeamTable& beams = *shot.beams;
+    table.beams.reset();  // until all buffers are filled, they belong to no beam table
+    table.directions.upload(std::span(beams.direction));
+    if (!beams.origin.empty()) table.origins.upload(std::span(beams.origin));
+    std::vector<std::uint32_t> steps(beams.columns);
+    for (std::uint32_t c = 0; c < steps.size(); ++c) steps[c] = static_cast<std::uint32_t>(shot.stepOf(c));
+    table.steps.upload(std::span<const std::uint32_t>(steps));
+    table.beams = shot.beams;
+    table.poses = shot.worldFromSensor.size();
+  }
+
+  // Appends 12 numbers per pose: each row of the rotation, followed by a component of the position.
+  static void appendPoses(const ShotFrame& frame, std::vector<double>& rows) {
+    for (std::size_t step = 0; step < frame.rotation.size(); ++step) {
+      const Mat3& r = frame.rotation[step];
+      const Vec3d& p = frame.position[step];
+      rows.insert(rows.end(), {r.x.x, r.y.x, r.z.x, p.x, r.x.y, r.y.y, r.z.y, p.y, r.x.z, r.y.z, r.z.z, p.z});
+    }
+  }
 
   ComputeDevice device_;
   std::list<Table> tables_;  // most recently used first
