@@ -36,20 +36,11 @@ class HouseMaker {
   Model make() {
     walls();
     plinth();
-    switch (h_.roof) {
-      case Roof::Flat:
-        flatRoof();
-        break;
-      case Roof::Gable:
-        gableRoof(Mat3{}, {0, 0, 0}, h_.width, h_.depth);
-        break;
-      case Roof::CrossGable:
-        gableRoof({{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}, {h_.width, 0, 0}, h_.depth, h_.width);
-        break;
-      case Roof::Hip:
-        hipRoof();
-        break;
-    }
+    if (h_.roof == Roof::Flat) flatRoof();
+    if (h_.roof == Roof::Gable) gableRoof(Mat3{}, {0, 0, 0}, h_.width, h_.depth);
+    if (h_.roof == Roof::CrossGable)
+      gableRoof({{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}, {h_.width, 0, 0}, h_.depth, h_.width);
+    if (h_.roof == Roof::Hip) hipRoof();
     downpipes();
     addHouseDetails(s_, seed_, h_, look_, m_);
     return s_.finish();
@@ -61,16 +52,8 @@ class HouseMaker {
 
   // Returns the horizontal distance (m) over which a pitched roof rises from its eaves to its ridge; 0 for flat roofs.
   double roofRun() const {
-    switch (h_.roof) {
-      case Roof::Gable:
-        return h_.depth / 2;
-      case Roof::CrossGable:
-        return h_.width / 2;
-      case Roof::Hip:
-        return std::min(h_.width, h_.depth) / 2 + kHipEaves;
-      default:
-        return 0;
-    }
+    const std::array runs{0.0, h_.depth / 2, h_.width / 2, std::min(h_.width, h_.depth) / 2 + kHipEaves};  // by Roof
+    return runs[static_cast<std::size_t>(h_.roof)];
   }
 
   // Sets the storeys' height, the slope and the top of the walls so that the house is `top` metres high. Storeys are at

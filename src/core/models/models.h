@@ -67,15 +67,6 @@ class Draw {
 // Returns the numbers begin, begin + step, begin + 2 * step, ... that are below `end`.
 std::vector<double> steps(double begin, double end, double step);
 
-// Returns make(0), ..., make(count - 1).
-template <class Make>
-auto makeForms(int count, const Make& make) {
-  std::vector<decltype(make(0))> forms;
-  forms.reserve(static_cast<std::size_t>(std::max(0, count)));
-  for (int form = 0; form < count; ++form) forms.push_back(make(form));
-  return forms;
-}
-
 using SurfaceIndex = std::uint16_t;  // index into Mesh::surfaces
 
 struct Point2 {
@@ -112,6 +103,10 @@ struct Model {
   std::uint32_t mesh = 0;
   Box bounds;
 };
+
+inline double widthOf(const Model& model) {
+  return model.bounds.high.y - model.bounds.low.y;  // m
+}
 
 // A mesh under construction. `frame` transforms everything that is appended. Lengths are in metres.
 class Shape {

@@ -13,10 +13,6 @@ using models::Kind;
 // The ends of the interval from which a town draws a property.
 struct Between {
   double low = 0, high = 0;
-
-  double of(Draw& draw) const { return draw.in(low, high); }
-  // Returns a random integer from `low` to `high`, both included.
-  int integerOf(Draw& draw) const { return static_cast<int>(low) + draw.below(static_cast<int>(high - low) + 1); }
 };
 
 // The kinds of places. The seed selects one of them, but never Street.
@@ -86,11 +82,55 @@ constexpr std::array<District, 16> kOrder{
     District::Motorway,   District::Suburban, District::OldTown,    District::Arterial,
     District::Suburban,   District::Rural,    District::Commercial, District::Dense};
 
-// Returns the index of the kind in kDistricts.
+// Returns the index in kDistricts of the district that the key names or, for "any", that follows from the seed.
 std::size_t districtOf(const Parameters& p, std::uint64_t seed) {
-  const auto* const named = std::ranges::find(kDistricts, p.district, &DistrictTraits::name);
-  if (named != kDistricts.end()) return static_cast<std::size_t>(named - kDistricts.begin());
+  const auto* const district = std::ranges::find(kDistricts, p.district, &DistrictTraits::name);
+  if (district != kDistricts.end()) return static_cast<std::size_t>(district - kDistricts.begin());
   return static_cast<std::size_t>(kOrder[(seed + kOrder.size() - 1) % kOrder.size()]);
+}
+
+// Draws the properties of a district from their intervals.
+struct PropertyDraw {
+  Draw& draw;
+  std::size_t district;  // index in kDistricts
+
+  const Between& interval(const OfKinds& property) const { return property[district]; }
+  double number(const OfKinds& property) const { return draw.in(interval(property).low, interval(property).high); }
+  // Returns a random integer of an interval, both ends included.
+  int integer(const OfKinds& property) const {
+    const int low = static_cast<int>(interval(property).low);
+    return low + draw.below(static_cast<int>(interval(property).high - low) + 1);
+  }
+  bool chance(const OfKinds& probability) const { return draw.chance(interval(probability).low); }
+};
+
+CrossSection drawMainSection(const PropertyDraw& random) {
+  CrossSection s;
+  s.lanes = random.integer(property::kLanes);
+  s.shoulder = random.interval(property::kShoulder).low;
+  s.median = random.number(property::kMedian);
+  s.parking = random.chance(property::kBays) ? random.draw.in(1.9, 2.4) : 0;
+  s.half = s.median + s.lanes * random.number(property::kLane) + s.shoulder + s.parking;
+  s.sidewalk = random.chance(property::kWalks) ? random.number(property::kSidewalk) : 0;
+  s.curb = s.sidewalk > 0 ? 0.15 : 0;
+  const double step = random.number(property::kStep);
+  s.step = s.sidewalk > 0 ? step : 0;
+  s.verge = random.chance(property::kGrassy) ? random.number(property::kVerge) : 0;
+  s.apron = s.sidewalk > 0 ? random.number(property::kApron) : 0;
+  return s;
+}
+
+// Returns the cross section of side roads: like that of the main road, but narrower.
+CrossSection drawSideSection(const PropertyDraw& random, CrossSection s, bool country) {
+  constexpr double kWidestLane = 3.6;  // m
+  const bool hasBays = !country && random.interval(property::kBays).low > 0;
+  s.lanes = 1;
+  s.median = s.shoulder = 0;
+  s.parking = hasBays && random.draw.chance(0.3) ? random.draw.in(1.9, 2.3) : 0;
+  s.half = std::min(random.number(property::kLane), kWidestLane) + s.parking;
+  s.verge *= random.draw.in(0, 1);
+  s.sidewalk *= random.draw.in(0.7, 1.0);
+  return s;
 }
 
 }  // namespace
@@ -121,72 +161,52 @@ Parameters readParameters(Fields& fields) {
 // The random stream draws the properties in the order of the code.
 Character::Character(const Parameters& p, std::uint64_t seed) : DistrictTraits(kDistricts[districtOf(p, seed)]) {
   Draw draw(seed, Kind::Town);
-  const auto of = [district = districtOf(p, seed)](const OfKinds& property) { return property[district]; };
-  main.lanes = of(property::kLanes).integerOf(draw);
-  main.shoulder = of(property::kShoulder).low;
-  main.median = of(property::kMedian).of(draw);
-  main.parking = draw.chance(of(property::kBays).low) ? draw.in(1.9, 2.4) : 0;
-  main.half = main.median + main.lanes * of(property::kLane).of(draw) + main.shoulder + main.parking;
-  main.sidewalk = draw.chance(of(property::kWalks).low) ? of(property::kSidewalk).of(draw) : 0;
-  main.curb = main.sidewalk > 0 ? 0.15 : 0;
-  const double step = of(property::kStep).of(draw);
-  main.step = main.sidewalk > 0 ? step : 0;
-  main.verge = draw.chance(of(property::kGrassy).low) ? of(property::kVerge).of(draw) : 0;
-  main.apron = main.sidewalk > 0 ? of(property::kApron).of(draw) : 0;
-  side = main;
-  side.lanes = 1;
-  side.median = side.shoulder = 0;
-  side.parking = country || of(property::kBays).low == 0 ? 0 : draw.chance(0.3) ? draw.in(1.9, 2.3) : 0;
-  side.half = std::min(of(property::kLane).of(draw), 3.6) + side.parking;
-  side.verge *= draw.in(0, 1);
-  side.sidewalk *= draw.in(0.7, 1.0);
-  sideRoads = of(property::kSideRoads).integerOf(draw);
-  bend = of(property::kBend).of(draw);
-  hills = p.slope * of(property::kHills).of(draw);
-  banks = p.slope * of(property::kBanks).of(draw);
-  undulation = of(property::kUndulation).of(draw);
-  setback = of(property::kSetback).of(draw);
+  const PropertyDraw random{draw, districtOf(p, seed)};
+  main = drawMainSection(random);
+  side = drawSideSection(random, main, country);
+  sideRoads = random.integer(property::kSideRoads);
+  bend = random.number(property::kBend);
+  hills = p.slope * random.number(property::kHills);
+  banks = p.slope * random.number(property::kBanks);
+  undulation = random.number(property::kUndulation);
+  setback = random.number(property::kSetback);
   setbackSpread = setback * draw.in(0.1, 0.6);
-  built = of(property::kBuilt).of(draw);
-  plotWidth = of(property::kPlotWidth).of(draw);
-  floorsLow = static_cast<int>(of(property::kFloors).low);
-  floorsHigh = static_cast<int>(of(property::kFloors).high);
-  const double green = p.greenery * draw.in(0.6, 1.5);
-  hedges = std::min(0.9, green * of(property::kHedges).of(draw));
-  fences = std::min(1 - hedges, of(property::kFences).of(draw));
-  avenue = std::min(1.0, green * of(property::kAvenue).of(draw));
-  gardenTrees = green * of(property::kTrees).of(draw);
-  gardenBushes = green * of(property::kBushes).of(draw);
-  woods = std::min(0.95, green * of(property::kWoods).of(draw));
-  forecourts = of(property::kForecourts).of(draw);
-  // Few places are full of parked vehicles.
-  const double full = draw.next();
-  parked =
-      std::min(0.95, p.vehicles * models::lerp(of(property::kParked).low, of(property::kParked).high, full * full));
-  traffic = p.vehicles * p.traffic * of(property::kTraffic).of(draw);
-  speed = of(property::kSpeed).of(draw);
-  people = p.people * of(property::kPeople).of(draw);
-  clutter = of(property::kClutter).of(draw);
-  lights = of(property::kLights).low;
+  built = random.number(property::kBuilt);
+  plotWidth = random.number(property::kPlotWidth);
+  floorsLow = static_cast<int>(random.interval(property::kFloors).low);
+  floorsHigh = static_cast<int>(random.interval(property::kFloors).high);
+  const double green = p.greenery * draw.in(0.6, 1.5);  // factor on all plants
+  hedges = std::min(0.9, green * random.number(property::kHedges));
+  fences = std::min(1 - hedges, random.number(property::kFences));
+  avenue = std::min(1.0, green * random.number(property::kAvenue));
+  gardenTrees = green * random.number(property::kTrees);
+  gardenBushes = green * random.number(property::kBushes);
+  woods = std::min(0.95, green * random.number(property::kWoods));
+  forecourts = random.number(property::kForecourts);
+  const double fullness = draw.next();  // squared below, so that few towns are full of parked vehicles
+  const auto& [leastParked, mostParked] = random.interval(property::kParked);
+  parked = std::min(0.95, p.vehicles * models::lerp(leastParked, mostParked, fullness * fullness));
+  traffic = p.vehicles * p.traffic * random.number(property::kTraffic);
+  speed = random.number(property::kSpeed);
+  people = p.people * random.number(property::kPeople);
+  clutter = random.number(property::kClutter);
+  lights = random.interval(property::kLights).low;
   drawSeason(p, seed);
 }
 
 // The season has its own random stream, so that everything else is the same in all seasons.
 void Character::drawSeason(const Parameters& p, std::uint64_t seed) {
-  Draw sky(seed, Kind::Season);
-  const double pick = sky.next();
-  const auto isSeason = [&](const char* wanted, double low, double high) {
-    return p.season == "any" ? pick >= low && pick < high : p.season == wanted;
-  };
-  season = isSeason("autumn", 0.5, 0.75) ? Season::Autumn
-           : isSeason("winter", 0.75, 1) ? Season::Winter
-                                         : Season::Summer;
-  wear = sky.next() * sky.next() * (plain ? 0 : 1);
-  if (season == Season::Autumn) foliage = sky.in(0.15, 0.7);
+  Draw draw(seed, Kind::Season);
+  const double share = draw.next();
+  const std::string_view drawn = share < 0.5 ? "summer" : share < 0.75 ? "autumn" : "winter";
+  const std::string_view seasonName = p.season == "any" ? drawn : std::string_view(p.season);
+  season = seasonName == "autumn" ? Season::Autumn : seasonName == "winter" ? Season::Winter : Season::Summer;
+  wear = draw.next() * draw.next() * (plain ? 0 : 1);
+  if (season == Season::Autumn) foliage = draw.in(0.15, 0.7);
   if (season == Season::Winter) {
     foliage = 0.03;
-    snow = sky.in(0.04, 0.25);
-    snowBanks = sky.in(0.2, 0.7);
+    snow = draw.in(0.04, 0.25);
+    snowBanks = draw.in(0.2, 0.7);
   }
 }
 

@@ -24,17 +24,16 @@ const Model& anyClutter(Placer& placer, Clutter what, Draw& draw) {
 }
 
 // Returns a random distance along the main road (m) such that no other road joins in the following `length` metres;
-// nullopt if no attempt finds such a place.
-std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
+// nullopt if no attempt finds one.
+std::optional<double> drawFreeStretch(const Layout& l, Draw& draw, double length) {
+  constexpr double kFromEnds = 25;  // m from the ends of the built-up part
   const Road& road = l.mainRoad();
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
-    const double at = draw.in(l.mainFrom + 25, l.mainTo - 25 - length);
-    bool clear = true;
-    for (const double along : models::steps(at, at + length + 2, 2)) {
-      const Point2 p = road.point(along);
-      clear = clear && l.besideAt(p).edge > -road.section.half - 0.2;
-    }
-    if (clear) return at;
+    const double start = draw.in(l.mainFrom + kFromEnds, l.mainTo - kFromEnds - length);
+    const auto isJunction = [&](double along) {
+      return l.besideAt(road.point(along)).edge <= -road.section.half - 0.2;
+    };
+    if (std::ranges::none_of(models::steps(start, start + length + 2, 2), isJunction)) return start;
   }
   return std::nullopt;
 }
@@ -44,44 +43,44 @@ std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
 void putLights(Placer& placer, const Model& light, const Road& road, double first, double last, bool marked,
                const std::string& name) {
   const double out = road.section.half + road.section.curb + 0.45;
-  Spot with = besideRoad(road, first, -out);
-  with.yaw += kPi;
-  placer.tryPut(light, with, name + ", with the line");
+  Spot spot = besideRoad(road, first, -out);
+  spot.yaw += kPi;
+  placer.tryPut(light, spot, name + ", with the line");
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
   Draw draw(placer.layout.seed, Kind::LightPhase, placer.lights.size());
-  placer.lights.push_back({last + 1, first - 1, draw.in(0, Placer::Light::kPeriod), marked});
+  placer.lights.push_back({.stopAgainstLine = last + 1,
+                           .stopWithLine = first - 1,
+                           .offset = draw.in(0, Placer::Light::kPeriod),
+                           .marked = marked});
 }
 
-// True if heights around the point differ by less than 0.35 m, so that a wide, flat object can be placed there.
+// True if the heights of four points around the point differ by less than kLargest, so that a wide, flat object can be
+// placed there.
 bool isLevel(const Layout& l, const Point2& p) {
-  double low = 1e9;
-  double high = -1e9;
-  for (const double dx : {-1.2, 1.2}) {
-    for (const double dy : {-1.2, 1.2}) {
-      const double z = l.heightAt({p.x + dx, p.y + dy});
-      low = std::min(low, z);
-      high = std::max(high, z);
-    }
-  }
-  return high - low < 0.35;
+  constexpr double kAround = 1.2, kLargest = 0.35;  // m
+  std::vector<double> heights;
+  for (const Point2& corner : cornersOf(models::squareAbout(p, kAround))) heights.push_back(l.heightAt(corner));
+  const auto [low, high] = std::ranges::minmax(heights);
+  return high - low < kLargest;
 }
 
-// Places roadworks in the lane that the ego vehicle does not use.
+// Places roadworks in the lane of the main road that the ego vehicle does not use: an excavator, materials, barriers at
+// both ends, cones beside the lane, and perhaps lights.
 void placeRoadworks(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::Roadworks);
   const bool rural = l.character.country;
+  const Road& road = l.mainRoad();
   // A one-way road has only the lane that the ego vehicle uses.
-  if (l.mainRoad().oneWay() || l.character.motorway) return;
+  if (road.oneWay() || l.character.motorway) return;
   if (!draw.chance(rural ? 0.5 : 0.3)) return;
   const double length = draw.in(9, 18);
-  const std::optional<double> at = freeStretch(l, draw, length);
-  if (!at) return;
-  const Road& road = l.mainRoad();
-  const double edge = road.section.half - road.section.parking;
-  const auto put = [&](const Model& m, double along, double lateral, double turn, const std::string& name) {
-    Spot spot = besideRoad(road, *at + along, lateral);
-    spot.yaw += turn;
+  const std::optional<double> start = drawFreeStretch(l, draw, length);
+  if (!start) return;
+  const double edge = road.section.half - road.section.parking;  // m to the left of the road's line
+  const auto put = [&](const Model& m, double along, double lateral, double yaw, const std::string& name) {
+    Spot spot = besideRoad(road, *start + along, lateral);
+    spot.yaw += yaw;
     placer.tryPark(m, spot, name);
   };
   if (l.parameters.vehicles > 0) {
@@ -89,46 +88,49 @@ void placeRoadworks(Placer& placer, const Model& light) {
     put(excavator, 0.4 * length, std::max(edge - 1.3, 1.6), draw.chance(0.5) ? 0 : kPi, "excavator");
   }
   put(anyClutter(placer, Clutter::Heap, draw), 0.8 * length, std::max(edge - 1.1, 2.0), 0, "heap");
-  put(anyClutter(placer, draw.chance(0.5) ? Clutter::Pallets : Clutter::Skip, draw), 1.5, edge - 1.1, 0,
-      "roadworks' goods");
+  const Clutter goods = draw.chance(0.5) ? Clutter::Pallets : Clutter::Skip;
+  put(anyClutter(placer, goods, draw), 1.5, edge - 1.1, 0, "roadworks' goods");
   const Model& barrier = anyClutter(placer, Clutter::Barrier, draw);
-  const double across = std::max(edge - 1.2, 1.4);
-  put(barrier, -0.6, across, kPi / 2, "barrier 1");
-  put(barrier, length + 0.6, across, kPi / 2, "barrier 2");
-  int number = 0;
+  const double barrierLateral = std::max(edge - 1.2, 1.4);
+  put(barrier, -0.6, barrierLateral, kPi / 2, "barrier 1");
+  put(barrier, length + 0.6, barrierLateral, kPi / 2, "barrier 2");
+  int coneNumber = 0;
   for (const double along : models::steps(0, length, draw.in(2, 3))) {
     const Model& cone = anyClutter(placer, Clutter::Cone, draw);
     const double lateral = std::max(edge - 2.6, 0.45) + draw.in(-0.1, 0.1);
-    put(cone, along, lateral, draw.in(0, 1), fmt::format("cone {}", ++number));
+    put(cone, along, lateral, draw.in(0, 1), fmt::format("cone {}", ++coneNumber));
   }
-  if (rural || draw.chance(0.4)) putLights(placer, light, road, *at - 6, *at + length + 6, false, "roadworks' light");
+  if (rural || draw.chance(0.4)) {
+    putLights(placer, light, road, *start - 6, *start + length + 6, false, "roadworks' light");
+  }
 }
 
 // Places a pedestrian crossing on the main road: stripes and lights.
 void placeCrossing(Placer& placer, const Model& light) {
+  constexpr double kLength = 3;                         // m along the road
+  constexpr double kStripe = 0.5, kStripeDistance = 1;  // m, width of a stripe, and from stripe to stripe
+  constexpr double kFreeOfCars = 4;                     // m; vehicles do not park closer to the crossing
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::Crossing);
-  constexpr double kLength = 3;
-  const std::optional<double> at = freeStretch(l, draw, kLength);
-  if (!at) return;
+  const std::optional<double> start = drawFreeStretch(l, draw, kLength);
+  if (!start) return;
   const Road& road = l.mainRoad();
-  // Vehicles park neither on the crossing nor close to it.
-  const Spot middle = besideRoad(road, *at + kLength / 2, 0);
-  const Footprint place{middle.at, kLength / 2 + 4, road.section.half, middle.yaw};
-  if (!placer.isFree(place)) return;
-  placer.noParking.add(place);
+  const Spot middle = besideRoad(road, *start + kLength / 2, 0);
+  const Footprint keptFree{middle.at, kLength / 2 + kFreeOfCars, road.section.half, middle.yaw};
+  if (!placer.isFree(keptFree)) return;
+  placer.noParking.add(keptFree);
   Shape s(placer.builder, "crossing");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
   const double half = road.section.half - 0.3;
-  for (const double lateral : models::steps(-half, half - 0.5, 1)) {
-    constexpr int kPieces = 3;
+  for (const double lateral : models::steps(-half, half - kStripe, kStripeDistance)) {
+    constexpr int kPieces = 3;  // of a stripe, which follow the ground
     for (int piece = 0; piece < kPieces; ++piece) {
-      const auto along = [&](int k) { return *at + kLength * k / kPieces; };
-      paintBar(s, paint, l, road, along(piece), along(piece + 1), lateral, lateral + 0.5);
+      const auto along = [&](int k) { return *start + kLength * k / kPieces; };
+      paintBar(s, paint, l, road, {along(piece), along(piece + 1)}, {lateral, lateral + kStripe});
     }
   }
-  placer.builder.place(s.finish().mesh, placer.worldFromTown, "crossing");
-  putLights(placer, light, road, *at - 1, *at + kLength + 1, true, "crossing's light");
+  placer.putShape(s);
+  putLights(placer, light, road, *start - 1, *start + kLength + 1, true, "crossing's light");
 }
 
 // Places traffic lights at some of the junctions of a side road with the main road.
@@ -146,72 +148,81 @@ void placeSignals(Placer& placer, const Model& light) {
   }
 }
 
+// Tries to place an object of a garden at a random position along a plot, `depth` metres from its edge at the road.
+// Returns false if it would be on a road, on uneven ground or on another object.
+bool tryPutInPlot(Placer& placer, const Plot& plot, Draw& draw, Clutter clutter, double depth, int& attempts) {
+  const Layout& l = placer.layout;
+  Spot spot = l.inPlot(plot, draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2)), depth);
+  spot.yaw += (plot.side > 0 ? 0 : kPi) + draw.in(-0.4, 0.4);
+  const Beside b = l.besideAt(spot.at);
+  if (b.nearRoad && b.edge < (clutter == Clutter::Pond ? b.section.paved() : b.section.outer()) + 1) return false;
+  if (!isLevel(l, spot.at)) return false;
+  return placer.tryPut(anyClutter(placer, clutter, draw), spot, fmt::format("clutter {}", ++attempts));
+}
+
 // Places objects in front gardens, behind houses and on plots without a house.
 void placeGardenThings(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.character.motorway) return;
-  int number = 0;
-  int water = 0;
-  const auto tryAt = [&](const Plot& plot, Draw& draw, Clutter what, double depth) {
-    Spot spot = l.inPlot(plot, draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2)), depth);
-    spot.yaw += (plot.side > 0 ? 0 : kPi) + draw.in(-0.4, 0.4);
-    const Beside b = l.besideAt(spot.at);
-    if (b.nearRoad && b.edge < (what == Clutter::Pond ? b.section.paved() : b.section.outer()) + 1) return false;
-    if (!isLevel(l, spot.at)) return false;
-    return placer.tryPut(anyClutter(placer, what, draw), spot, fmt::format("clutter {}", ++number));
+  int attempts = 0;  // of placing an object on level ground; objects are numbered by it
+  int waters = 0;    // number of ponds and fountains
+  const auto tryPut = [&](const Plot& plot, Draw& draw, Clutter clutter, double depth) {
+    const bool placed = tryPutInPlot(placer, plot, draw, clutter, depth, attempts);
+    waters += placed && (clutter == Clutter::Pond || clutter == Clutter::Fountain) ? 1 : 0;
   };
   for (const Plot& plot : l.plots) {
     Draw draw(l.seed, Kind::GardenThings, plot.number);
     if (plot.built) {
-      const double behind = plot.setback + plot.depth;
-      if (draw.chance(0.35)) tryAt(plot, draw, Clutter::Shed, behind + draw.in(3, 9));
-      if (draw.chance(0.25)) tryAt(plot, draw, draw.chance(0.5) ? Clutter::Swing : Clutter::WoodPile, behind + 4);
+      const double rear = plot.setback + plot.depth;
+      if (draw.chance(0.35)) tryPut(plot, draw, Clutter::Shed, rear + draw.in(3, 9));
+      if (draw.chance(0.25)) tryPut(plot, draw, draw.chance(0.5) ? Clutter::Swing : Clutter::WoodPile, rear + 4);
       if (plot.setback < 4) continue;
-      if (draw.chance(0.1)) water += tryAt(plot, draw, Clutter::Pond, draw.in(2, plot.setback - 1)) ? 1 : 0;
+      if (draw.chance(0.1)) tryPut(plot, draw, Clutter::Pond, draw.in(2, plot.setback - 1));
       if (draw.chance(0.12)) {
-        const Clutter what = draw.chance(0.4) ? Clutter::Heap : draw.chance(0.5) ? Clutter::WoodPile : Clutter::Pallets;
-        tryAt(plot, draw, what, draw.in(2, plot.setback - 1));
+        const Clutter clutter = draw.chance(0.4)   ? Clutter::Heap
+                                : draw.chance(0.5) ? Clutter::WoodPile
+                                                   : Clutter::Pallets;
+        tryPut(plot, draw, clutter, draw.in(2, plot.setback - 1));
       }
-      continue;
+    } else if (draw.chance(0.4)) {
+      const bool fountain = !l.character.country && !plot.bare && draw.chance(0.5);
+      tryPut(plot, draw, fountain ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8));
     }
-    if (!draw.chance(0.4)) continue;
-    const bool square = !l.character.country && !plot.bare && draw.chance(0.5);
-    water += tryAt(plot, draw, square ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8)) ? 1 : 0;
   }
   // If no water has been placed, tries to add a pond at the main road, so that few towns have no water.
   Draw draw(l.seed, Kind::TownPond);
-  for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots.empty(); ++attempt) {
+  for (int attempt = 0; attempt < 4 * Placer::kTries && waters == 0 && !l.plots.empty(); ++attempt) {
     const Plot& plot = draw.itemOf(l.plots);
-    if (plot.road == 0) water += tryAt(plot, draw, Clutter::Pond, draw.in(2.2, 6)) ? 1 : 0;
+    if (plot.road == 0) tryPut(plot, draw, Clutter::Pond, draw.in(2.2, 6));
   }
 }
 
 // Places a fountain in the middle of about half of the squares, and benches and planters around the middle of each.
 void placeSquares(Placer& placer) {
   const Layout& l = placer.layout;
-  std::uint32_t square = 0;
-  int number = 0;
-  const bool any = std::any_of(l.areas.list().begin(), l.areas.list().end(),
-                               [](const MapArea& area) { return area.land == Land::Paved && area.square; });
-  if (!any) return;
+  const auto isSquare = [](const MapArea& area) { return area.land == Land::Paved && area.square; };
+  if (std::ranges::none_of(l.areas.list(), isSquare)) return;
   const Model bench = models::makeFurnishing(placer.builder, l.seed, models::Furnishing::Bench);
   const Model planter = models::makeFurnishing(placer.builder, l.seed, models::Furnishing::Planter);
+  std::uint32_t areaNumber = 0;
   for (const MapArea& area : l.areas.list()) {
-    Draw draw(l.seed, Kind::Square, ++square);
-    if (area.land != Land::Paved || !area.square) continue;
+    Draw draw(l.seed, Kind::Square, ++areaNumber);
+    if (!isSquare(area)) continue;
     const Footprint about = rectangleAbout(area.outline);
-    const auto put = [&](const Model& m, const Point2& p, double yaw) {
-      if (l.areas.outsideHard(p) > -1.5 || l.areas.landAt(p) != Land::Paved) return;
-      if (placer.tryPut(m, {p, yaw, 1, 0}, fmt::format("square's {}", number + 1))) ++number;
+    const auto tryPut = [&](const Model& m, const Point2& p, double yaw) {
+      constexpr double kFromEdge = 1.5;  // m
+      if (l.areas.outsideHard(p) > -kFromEdge || l.areas.landAt(p) != Land::Paved) return;
+      placer.tryNumbered("square's",
+                         [&](const std::string& name) { return placer.tryPut(m, {.at = p, .yaw = yaw}, name); });
     };
-    if (draw.chance(0.5)) put(anyClutter(placer, Clutter::Fountain, draw), about.center, 0);
+    if (draw.chance(0.5)) tryPut(anyClutter(placer, Clutter::Fountain, draw), about.center, 0);
     const int count = 3 + draw.below(8);
     for (int k = 0; k < count; ++k) {
-      const Model& what = draw.chance(0.6) ? bench : planter;
+      const Model& furnishing = draw.chance(0.6) ? bench : planter;
       const double angle = 2 * kPi * k / count;
-      const double away = draw.in(0.4, 0.8);
-      const Point2 p = about.at(away * about.halfX * std::cos(angle), away * about.halfY * std::sin(angle));
-      put(what, p, about.yaw + angle + kPi / 2);
+      const double share = draw.in(0.4, 0.8);  // of the way from the middle to the square's edge
+      const Point2 p = about.at(share * about.halfX * std::cos(angle), share * about.halfY * std::sin(angle));
+      tryPut(furnishing, p, about.yaw + angle + kPi / 2);
     }
   }
 }
@@ -235,40 +246,38 @@ void placeAnimals(Placer& placer) {
   if (l.parameters.people <= 0 || l.character.motorway) return;
   Draw draw(l.seed, Kind::Animals);
   const Road& road = l.mainRoad();
-  int number = 0;
-  const auto put = [&](const Model& m, double along, double lateral) {
+  const auto tryPut = [&](const Model& m, double along, double lateral) {
     Spot spot = besideRoad(road, along, lateral);
     spot.yaw = draw.in(0, 2 * kPi);
     const Beside b = l.besideAt(spot.at);
     if (b.nearRoad && b.edge < 0.2) return false;
-    if (!placer.tryPut(m, spot, fmt::format("animal {}", number + 1))) return false;
-    ++number;
-    return true;
+    return placer.tryNumbered("animal", [&](const std::string& name) { return placer.tryPut(m, spot, name); });
   };
-  const double curb = road.section.half + road.section.curb;
+  const double curb = road.section.half + road.section.curb;  // m from the road's line to the curb's outer edge
   const int pets = 1 + draw.below(1 + static_cast<int>(0.4 * l.character.people * l.parameters.length / 100));
   for (int k = 0; k < pets; ++k) {
     const Model pet = models::makeAnimal(placer.builder, l.seed, draw.below(models::kPetForms), k % 6);
     for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
       const int side = draw.chance(0.5) ? 1 : -1;
       const double lateral = side * (curb + draw.in(0.3, 3));
-      if (put(pet, draw.in(l.mainFrom + 20, l.mainTo - 20), lateral)) break;
+      if (tryPut(pet, draw.in(l.mainFrom + 20, l.mainTo - 20), lateral)) break;
     }
   }
   if (!l.character.farmland) return;
   const int herds = 1 + draw.below(3);
   for (int herd = 0; herd < herds; ++herd) {
     const int form = models::kPetForms + draw.below(models::kAnimalForms - models::kPetForms);
-    const auto forms =
-        models::makeForms(3, [&](int f) { return models::makeAnimal(placer.builder, l.seed, form, 10 * herd + f); });
-    const double at = draw.in(l.mainFrom + 30, l.mainTo - 30);
+    const auto animals = placer.forms(3, [&](SceneBuilder& builder, std::uint64_t seed, int f) {
+      return models::makeAnimal(builder, seed, form, 10 * herd + f);
+    });
+    const double middle = draw.in(l.mainFrom + 30, l.mainTo - 30);  // m along the road
     const int side = draw.chance(0.5) ? 1 : -1;
     const double lateral = side * (curb + draw.in(7, 22));
     const int count = 3 + draw.below(8);
     for (int k = 0; k < count; ++k) {
-      const Model& animal = draw.itemOf(forms);
-      const double along = at + draw.in(-12, 12);
-      put(animal, along, lateral + draw.in(-6, 6));
+      const Model& animal = draw.itemOf(animals);
+      const double along = middle + draw.in(-12, 12);
+      tryPut(animal, along, lateral + draw.in(-6, 6));
     }
   }
 }

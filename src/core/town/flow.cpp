@@ -17,23 +17,26 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr DriverModel kModel;
 
 struct State {
-  double at = 0;
-  double speed = 0;
+  double at = 0;     // m along the vehicle's route
+  double speed = 0;  // m/s
 };
 
+// The state of all vehicles at one time, which step() advances.
 class Flow {
  public:
+  // `begin`: s, time of the start of the simulation.
   Flow(const std::vector<Route>& routes, const std::vector<Driver>& drivers, double begin)
       : routes_(routes), drivers_(drivers) {
     for (const Driver& d : drivers) states_.push_back({d.at, d.starts <= begin ? firstSpeed(d) : 0});
   }
 
+  // Advances from `time` by `dt` seconds. All accelerations follow from the states at `time`.
   void step(double time, double dt) {
-    std::vector<double> pushes;
-    for (std::size_t i = 0; i < drivers_.size(); ++i) pushes.push_back(acceleration(i, time));
+    std::vector<double> accelerations;
+    for (std::size_t i = 0; i < drivers_.size(); ++i) accelerations.push_back(acceleration(i, time));
     for (std::size_t i = 0; i < drivers_.size(); ++i) {
       State& s = states_[i];
-      s.speed = std::max(0.0, s.speed + pushes[i] * dt);
+      s.speed = std::max(0.0, s.speed + accelerations[i] * dt);
       s.at = std::min(s.at + s.speed * dt, routeOf(i).length);
     }
   }
@@ -56,68 +59,75 @@ class Flow {
     double speed = limitAt(d, d.at);
     for (const StopLine& stop : routes_[d.route].stops) {
       const double gap = stop.at - d.at - d.length / 2;
-      if (stop.period <= 0 && gap >= 0) speed = std::min(speed, std::sqrt(2 * kModel.braking * gap));
+      if (!stop.hasLight() && gap >= 0) speed = std::min(speed, std::sqrt(2 * kModel.braking * gap));
     }
     return speed;
   }
 
-  // Returns the acceleration (m/s^2) by equation (3) of the driver model, with the desired gap of equation (4).
-  double following(double speed, double wanted, double gap, double slower) const {
-    const double free = std::pow(speed / wanted, 4);
-    if (gap == kNone) return std::max(-kModel.braking, kModel.acceleration * (1 - free));
-    const double dynamic =
-        speed * kModel.headway + speed * slower / (2 * std::sqrt(kModel.acceleration * kModel.braking));
-    const double desired = kModel.gap + std::max(0.0, dynamic);
-    const double near = desired / std::max(gap, 0.01);
-    return std::max(-kHardest, kModel.acceleration * (1 - free - near * near));
+  // Returns the acceleration (m/s^2) by equation (3) of the driver model, with the desired gap of equation (4). `gap`:
+  // m to the vehicle in front; kNone: there is none. `approach`: m/s by which the vehicle in front is slower.
+  double following(double speed, double desiredSpeed, double gap, double approach) const {
+    const double freeTerm = std::pow(speed / desiredSpeed, 4);
+    if (gap == kNone) return std::max(-kModel.braking, kModel.acceleration * (1 - freeTerm));
+    const double dynamicGap =
+        speed * kModel.headway + speed * approach / (2 * std::sqrt(kModel.acceleration * kModel.braking));
+    const double desiredGap = kModel.gap + std::max(0.0, dynamicGap);
+    const double gapRatio = desiredGap / std::max(gap, 0.01);
+    return std::max(-kHardest, kModel.acceleration * (1 - freeTerm - gapRatio * gapRatio));
   }
 
+  // Returns the least acceleration (m/s^2) that the speed limit, the vehicles in front and closed stop lines allow.
   double acceleration(std::size_t i, double time) const {
     const Driver& d = drivers_[i];
     const State& s = states_[i];
     if (gone(i) || time < d.starts) return 0;
-    const double wanted = limitAt(d, s.at);
-    double least = following(s.speed, wanted, kNone, 0);
+    const double desiredSpeed = limitAt(d, s.at);
+    double least = following(s.speed, desiredSpeed, kNone, 0);
     for (const Leg& leg : routeOf(i).legs) {
       if (leg.to < s.at || leg.from > s.at + kSight) continue;
-      for (std::size_t j = 0; j < drivers_.size(); ++j) {
-        if (j == i || gone(j)) continue;
-        for (const Leg& other : routeOf(j).legs) {
-          if (other.lane != leg.lane || states_[j].at < other.from || states_[j].at > other.to) continue;
-          // position of vehicle j, m along the route of vehicle i
-          const double there = states_[j].at + other.shift - leg.shift;
-          const bool ahead = there > s.at || (there == s.at && j < i);
-          if (!ahead || there > s.at + kSight || there < leg.from || there > leg.to) continue;
-          const double gap = there - s.at - (d.length + drivers_[j].length) / 2;
-          least = std::min(least, following(s.speed, wanted, gap, s.speed - states_[j].speed));
-        }
-      }
+      forVehiclesOn(leg.lane, [&](std::size_t j, double alongLane) {
+        const double position = alongLane - leg.shift;  // of vehicle j, m along the route of vehicle i
+        const bool ahead = position > s.at || (position == s.at && j < i);
+        if (j == i || !ahead || position > s.at + kSight || position < leg.from || position > leg.to) return;
+        const double gap = position - s.at - (d.length + drivers_[j].length) / 2;
+        least = std::min(least, following(s.speed, desiredSpeed, gap, s.speed - states_[j].speed));
+      });
     }
     for (const StopLine& stop : routeOf(i).stops) {
       const double gap = stop.at - s.at - d.length / 2;
-      if (gap < 0 || gap > kSight || !closed(stop, time)) continue;
-      if (stop.period > 0 && s.speed * s.speed > 2 * kRunsAmber * gap) continue;
+      if (gap < 0 || gap > kSight || !isClosed(stop, time)) continue;
+      if (stop.hasLight() && s.speed * s.speed > 2 * kRunsAmber * gap) continue;
       // The vehicle's front stops at the line or shortly before it.
-      least = std::min(least, following(s.speed, wanted, gap + kModel.gap - 0.5, s.speed));
+      least = std::min(least, following(s.speed, desiredSpeed, gap + kModel.gap - 0.5, s.speed));
     }
     return least;
   }
 
-  bool closed(const StopLine& stop, double time) const {
-    if (!stop.givesWay) {
-      if (stop.period <= 0) return true;
-      const double phase = (time - stop.offset) / stop.period;
-      return (phase - std::floor(phase)) * stop.period < stop.red;
-    }
+  // Calls visit(vehicle, position) for each vehicle on a lane; the position is in m along the lane.
+  template <class Visit>
+  void forVehiclesOn(std::uint32_t lane, const Visit& visit) const {
     for (std::size_t j = 0; j < drivers_.size(); ++j) {
       if (gone(j)) continue;
       for (const Leg& leg : routeOf(j).legs) {
-        if (leg.lane != stop.lane || states_[j].at < leg.from || states_[j].at > leg.to) continue;
-        const double there = states_[j].at + leg.shift;
-        if (there > stop.from && there < stop.to) return true;
+        const bool onLeg = leg.lane == lane && states_[j].at >= leg.from && states_[j].at <= leg.to;
+        if (onLeg) visit(j, states_[j].at + leg.shift);
       }
     }
-    return false;
+  }
+
+  bool isClosed(const StopLine& stop, double time) const {
+    if (const auto* const light = std::get_if<TrafficLight>(&stop.rule)) {
+      const double phase = (time - light->offset) / light->period;
+      return (phase - std::floor(phase)) * light->period < light->red;
+    }
+    const auto* const giveWay = std::get_if<GiveWay>(&stop.rule);
+    bool closed = giveWay == nullptr;
+    if (giveWay != nullptr) {
+      forVehiclesOn(giveWay->lane, [&](std::size_t, double position) {
+        closed |= position > giveWay->from && position < giveWay->to;
+      });
+    }
+    return closed;
   }
 
   const std::vector<Route>& routes_;

@@ -3,6 +3,7 @@
 // Simulates over time how vehicles follow one another along lanes, stop at traffic lights and give way.
 
 #include <cstdint>
+#include <variant>
 #include <vector>
 
 namespace scanmill::town {
@@ -15,16 +16,23 @@ struct Leg {
   double shift = 0;
 };
 
+// When a stop line is closed: always, while a traffic light is red, or while a lane to which it gives way is occupied.
+struct AlwaysClosed {};
+// From the time `offset` (s) on, the light is red during the first `red` seconds of every `period` seconds.
+struct TrafficLight {
+  double period = 0, red = 0, offset = 0;
+};
+// The line is closed while a vehicle on `lane` is between `from` and `to` (m along the lane).
+struct GiveWay {
+  std::uint32_t lane = 0;
+  double from = 0, to = 0;
+};
+
 // A line where vehicles stop while it is closed.
 struct StopLine {
   double at = 0;  // m along the route
-  // If `givesWay` is false, the line has a traffic light: from the time `offset` (s) on, it is red during the first
-  // `red` seconds of every `period` seconds. If `period` is 0, the line is always closed.
-  double period = 0, red = 0, offset = 0;
-  // If `givesWay` is true, the line is closed while a vehicle on `lane` is between `from` and `to` (m along the lane).
-  bool givesWay = false;
-  std::uint32_t lane = 0;
-  double from = 0, to = 0;
+  std::variant<AlwaysClosed, TrafficLight, GiveWay> rule{};
+  bool hasLight() const { return std::holds_alternative<TrafficLight>(rule); }
 };
 
 struct Route {

@@ -15,10 +15,12 @@ using models::Fencing;
 using models::Kind;
 using models::Shape;
 
+constexpr int kForms = 4;           // number of forms of each kind of panel
 constexpr double kPanel = 2;        // m, length of a boundary's panel before it is scaled
 constexpr double kSunk = 0.05;      // m that panels reach below the ground
 constexpr double kPlinthDepth = 3;  // m, depth to which plinths extend below the door, to close gaps on slopes
 
+// Builds the plinth of a house, in the house's frame.
 Model makePlinth(SceneBuilder& builder, const models::House& house) {
   Shape s(builder, "plinth");
   s.box(s.surface("building", "concrete"), {house.width / 2, house.depth / 2, -kPlinthDepth / 2},
@@ -26,140 +28,141 @@ Model makePlinth(SceneBuilder& builder, const models::House& house) {
   return s.finish();
 }
 
+// Places rows of fence panels, walls and hedges.
 class Boundaries {
  public:
   explicit Boundaries(Placer& placer) : placer_(placer) {}
 
   // Places a row of panels from a to b, unless it is too short.
-  void row(Fencing what, int form, const Point2& a, const Point2& b) {
+  void placeRow(Fencing kind, int form, const Point2& a, const Point2& b) {
     constexpr double kShortest = 0.3;  // m
     if (distance(a, b) < kShortest) return;
     // The ground is marked as occupied only after the row is complete, because the panels of a row touch each other.
-    for (const Footprint& f : panels(what, form, a, b)) placer_.occupancy.add(f);
+    for (const Footprint& f : placePanels(kind, form, a, b)) placer_.occupancy.add(f);
   }
 
   // Places the barriers of a map. The ground is marked as occupied only after the last barrier, because panels overlap
   // at the corners of a barrier and where barriers meet.
-  void barriers(const std::vector<MapBarrier>& all) {
-    std::vector<Footprint> taken;
-    std::array<models::Occupancy, kKinds> built;
-    for (const MapBarrier& barrier : all) {
-      models::Occupancy& same = built[static_cast<std::size_t>(barrier.kind)];
-      const std::size_t first = taken.size();
+  void placeBarriers(const std::vector<MapBarrier>& barriers) {
+    std::vector<Footprint> panels;
+    std::array<models::Occupancy, kKinds> panelsOfKind;
+    for (const MapBarrier& barrier : barriers) {
+      models::Occupancy& sameKind = panelsOfKind[static_cast<std::size_t>(barrier.kind)];
+      const std::size_t first = panels.size();
       for (std::size_t i = 1; i < barrier.line.size(); ++i) {
         const std::vector<Footprint> row =
-            panels(barrier.kind, 0, barrier.line[i - 1], barrier.line[i], barrier.height, &same);
-        taken.insert(taken.end(), row.begin(), row.end());
+            placePanels(barrier.kind, 0, barrier.line[i - 1], barrier.line[i], barrier.height, &sameKind);
+        panels.insert(panels.end(), row.begin(), row.end());
       }
-      for (std::size_t k = first; k < taken.size(); ++k) same.add(taken[k]);
+      for (std::size_t k = first; k < panels.size(); ++k) sameKind.add(panels[k]);
     }
-    for (const Footprint& f : taken) placer_.occupancy.add(f);
-    // The text is the same for all places on the map, so that there is one warning.
-    if (!lost_) return;
+    for (const Footprint& f : panels) placer_.occupancy.add(f);
+    // The text is the same for all towns on the map, so that there is one warning.
+    if (!leftOut_) return;
     warn(
         fmt::format("{}: left out: pieces of walls, fences and hedges where the town has roads, paths, houses or trees",
                     placer_.layout.parameters.map.string()));
   }
 
   // Returns half of a panel's thickness (m).
-  double halfThickness(Fencing what, int form) {
-    const Model& m = panel(what, form);
-    return (m.bounds.high.y - m.bounds.low.y) / 2;
-  }
+  double halfThickness(Fencing kind, int form) { return models::widthOf(panel(kind, form)) / 2; }
 
  private:
-  // Places panels from a to b, each at the height of the ground at its middle, and returns their rectangles. Panels
-  // that would be on an object, a path or a road are left out, and panels whose middle is in one of the rectangles of
-  // `same`, such as those of the fence that two gardens share. `height` (m) replaces the height of the panel's model.
-  std::vector<Footprint> panels(Fencing what, int form, const Point2& a, const Point2& b,
-                                std::optional<double> height = {}, const models::Occupancy* same = nullptr) {
+  // Places panels from a to b, each at the height of the ground at its middle, and returns their rectangles. Leaves out
+  // panels on an object, a path or a road, and panels whose middle is in a rectangle of `sameKind`, such as those of
+  // the fence that two gardens share. `height` (m) replaces the height of the panel's model.
+  std::vector<Footprint> placePanels(Fencing kind, int form, const Point2& a, const Point2& b,
+                                     std::optional<double> height = {}, const models::Occupancy* sameKind = nullptr) {
     const double length = distance(a, b);
     const int count = std::max(1, static_cast<int>(std::lround(length / kPanel)));
+    const double width = length / count;
     const double yaw = std::atan2(b.y - a.y, b.x - a.x);
-    const Model& m = panel(what, form);
-    const double half = (m.bounds.high.y - m.bounds.low.y) / 2;
-    const double up = height ? (*height + kSunk) / m.bounds.high.z : 1;
-    std::vector<Footprint> taken;
+    const Model& m = panel(kind, form);
+    const double half = models::widthOf(m) / 2;
+    const double heightFactor = height ? (*height + kSunk) / m.bounds.high.z : 1;
+    std::vector<Footprint> placed;
     for (int k = 0; k < count; ++k) {
       const Point2 p = models::lerp(a, b, (k + 0.5) / count);
-      const double width = length / count;
       const Footprint covered{p, std::max(0.0, width / 2 - 0.1), half, yaw};
-      if (same != nullptr && !same->isFree({p, 0, 0, 0})) continue;
-      const Beside beside = placer_.layout.besideAt(p);
-      const bool onRoad = beside.nearRoad && beside.edge < beside.section.outer() + 0.05;
-      if (onRoad || !placer_.isFree(covered) || placer_.layout.areas.outsideHard(p) < half) {
-        lost_ |= placer_.isOnGround(p);
+      if (sameKind != nullptr && !sameKind->isFree({p, 0, 0, 0})) continue;
+      if (placer_.layout.besideAt(p).isOnRoadOrSidewalk(0.05) || !placer_.isFree(covered) ||
+          placer_.layout.areas.outsideHard(p) < half) {
+        leftOut_ |= placer_.isOnGround(p);
         continue;
       }
-      Affine place = models::at(placer_.layout.onGround(p, -kSunk), yaw);
-      place.linear = place.linear * Mat3::scale({width / kPanel, 1, up});
-      placer_.builder.place(m.mesh, placer_.worldFromTown * place, fmt::format("boundary {}", ++number_));
-      taken.push_back(covered);
+      Affine pose = models::at(placer_.layout.onGround(p, -kSunk), yaw);
+      pose.linear = pose.linear * Mat3::scale({width / kPanel, 1, heightFactor});
+      placer_.builder.place(m.mesh, placer_.worldFromTown * pose, fmt::format("boundary {}", ++number_));
+      placed.push_back(covered);
     }
-    return taken;
+    return placed;
   }
 
-  const Model& panel(Fencing what, int form) {
-    return placer_.model(Kind::Boundary, static_cast<int>(what) * kForms + form, [&] {
-      return what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, placer_.layout.seed, form)
-                                    : models::makeFencePanel(placer_.builder, placer_.layout.seed, what, form);
+  const Model& panel(Fencing kind, int form) {
+    return placer_.model(Kind::Boundary, static_cast<int>(kind) * kForms + form, [&] {
+      return kind == Fencing::Hedge ? models::makeHedgerow(placer_.builder, placer_.layout.seed, form)
+                                    : models::makeFencePanel(placer_.builder, placer_.layout.seed, kind, form);
     });
   }
 
-  static constexpr int kForms = 4;
   static constexpr std::size_t kKinds = static_cast<std::size_t>(Fencing::Count);
   Placer& placer_;
   int number_ = 0;
-  bool lost_ = false;  // true: a panel on the town's ground was left out
+  bool leftOut_ = false;  // true: a panel on the town's ground was left out
 };
 
 }  // namespace
 
+// Places houses with their plinths, and blocks. The buildings of one relation of a map are one object instance, whose
+// name differs from town to town of a scene.
 void placeHouses(Placer& placer) {
-  const std::size_t before = placer.builder.soFar().instances.size();
-  const auto put = [&](const Model& m, const Affine& place, const std::string& name, std::int64_t relation) {
-    const std::string thing = relation == 0 ? "" : fmt::format("relation {} after {} instances", relation, before);
-    placer.builder.place(m.mesh, place, name, {}, nullptr, nullptr, thing);
+  const std::size_t instancesBefore = placer.builder.soFar().instances.size();
+  const auto put = [&](const Model& m, const Affine& pose, const std::string& name, std::int64_t relation) {
+    const std::string object =
+        relation == 0 ? "" : fmt::format("relation {} after {} instances", relation, instancesBefore);
+    placer.builder.place(m.mesh, pose, name, {}, nullptr, nullptr, object);
   };
   int number = 0;
   for (const models::House& house : placer.layout.houses) {
-    const Affine place = placer.worldFromTown * house.pose;
+    const Affine pose = placer.worldFromTown * house.pose;
     const std::string name = fmt::format("house {}", ++number);
-    put(models::makeHouse(placer.builder, placer.layout.seed, house), place, name, house.relation);
-    put(makePlinth(placer.builder, house), place, name + " plinth", house.relation);
+    put(models::makeHouse(placer.builder, placer.layout.seed, house), pose, name, house.relation);
+    put(makePlinth(placer.builder, house), pose, name + " plinth", house.relation);
   }
   for (const PlacedBlock& b : placer.layout.blocks) {
-    const Affine place = placer.worldFromTown * models::at({b.about.center.x, b.about.center.y, b.height});
-    put(models::makeBlock(placer.builder, placer.layout.seed, b.block), place,
+    const Affine pose = placer.worldFromTown * models::at({b.about.center.x, b.about.center.y, b.height});
+    put(models::makeBlock(placer.builder, placer.layout.seed, b.block), pose,
         fmt::format("block {}", b.block.number + 1), b.block.relation);
   }
 }
 
+// Places the barriers of the map. Then places the fence, wall or hedge of each plot along the road, and at some plots
+// with gardens also one at their end along the road and one behind them.
 void placeBoundaries(Placer& placer) {
   const Layout& l = placer.layout;
   Boundaries boundaries(placer);
-  boundaries.barriers(l.barriers);
+  boundaries.placeBarriers(l.barriers);
   for (const Plot& plot : l.plots) {
     Draw draw(l.seed, Kind::PlotBoundary, plot.number);
     const Road& road = l.roads()[plot.road];
-    const int form = draw.below(4);
-    const auto at = [&](double along, double depth) {
+    const int form = draw.below(kForms);
+    const bool fenced = plot.fencing != Fencing::None;
+    const auto point = [&](double along, double depth) {
       return besideRoad(road, along, plot.side * (road.section.half + road.section.fenced() + depth)).at;
     };
     // Fences, walls and hedges stand at the edge of the sidewalk, with their whole thickness beyond it.
-    const double thick = plot.fencing == Fencing::None ? 0 : boundaries.halfThickness(plot.fencing, form);
-    const double front = thick + 0.06 + draw.in(0, 0.1);
-    if (plot.fencing != Fencing::None) boundaries.row(plot.fencing, form, at(plot.from, front), at(plot.to, front));
+    const double front = (fenced ? boundaries.halfThickness(plot.fencing, form) : 0) + 0.06 + draw.in(0, 0.1);
+    if (fenced) boundaries.placeRow(plot.fencing, form, point(plot.from, front), point(plot.to, front));
     if (plot.bare) continue;
     const bool hedged = draw.chance(0.1 * l.character.hedges);
     if (!hedged && !draw.chance(0.04 * l.character.fences)) continue;
-    const Fencing between = hedged                                                            ? Fencing::Hedge
-                            : plot.fencing == Fencing::None || plot.fencing == Fencing::Hedge ? Fencing::Pickets
-                                                                                              : plot.fencing;
-    boundaries.row(between, form, at(plot.to - 0.4, front + 1), at(plot.to - 0.4, draw.in(14, 28)));
+    const Fencing between = hedged                                      ? Fencing::Hedge
+                            : !fenced || plot.fencing == Fencing::Hedge ? Fencing::Pickets
+                                                                        : plot.fencing;
+    boundaries.placeRow(between, form, point(plot.to - 0.4, front + 1), point(plot.to - 0.4, draw.in(14, 28)));
     if (draw.chance(0.6)) {
-      const double back = draw.in(22, 30);
-      boundaries.row(between, form, at(plot.from, back), at(plot.to, back));
+      const double rear = draw.in(22, 30);
+      boundaries.placeRow(between, form, point(plot.from, rear), point(plot.to, rear));
     }
   }
 }

@@ -35,9 +35,9 @@ struct LanePoints {
 };
 
 // Returns the points of a path. Vehicles keep to the right: they drive `out` metres farther from the road's centre line
-// than the middle of their lane, and at least `least` metres from the centre line. On one-way roads they drive `out`
-// metres to the right of the centre line.
-LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double least);
+// than the middle of their lane, and at least `leastLateral` metres from the centre line. On one-way roads they drive
+// `out` metres to the right of the centre line.
+LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double leastLateral);
 
 // Distances along a side road (m) at which its lanes begin (the same for all side roads) and end, and at which vehicles
 // that leave the side road stop.

@@ -24,15 +24,11 @@ std::uint32_t paintStopLine(const Layout& l, Shape& s, models::SurfaceIndex pain
   constexpr double kGap = 0.15;  // m between the line and the lane's edges
   const double left = road.section.half - road.section.parking - kGap;
   const double right = road.oneWay() ? -left : kGap;
-  const double from = along - (solid ? 0.6 : 0.4);
-  const double to = along - 0.1;
+  const models::Span thickness{along - (solid ? 0.6 : 0.4), along - 0.1};
   const double piece = solid ? 0.7 : 0.5;  // m, length of a piece; it is short, to follow the road's camber
-  std::uint32_t pieces = 0;
-  for (const double start : models::steps(right, left, solid ? piece : 2 * piece)) {
-    paintBar(s, paint, l, road, from, to, start, std::min(start + piece, left));
-    ++pieces;
-  }
-  return pieces;
+  const std::vector<double> starts = models::steps(right, left, solid ? piece : 2 * piece);
+  for (const double start : starts) paintBar(s, paint, l, road, thickness, {start, std::min(start + piece, left)});
+  return static_cast<std::uint32_t>(starts.size());
 }
 
 // Paints the stop lines at signs and lights. Returns the number of pieces of all stop lines.
@@ -44,7 +40,7 @@ std::uint32_t paintStopLines(const Placer& placer, Shape& s, models::SurfaceInde
     if (sign) pieces += paintStopLine(l, s, paint, road, stopLineOfSideRoad(l), *sign);
   }
   for (const Placer::Light& light : placer.lights) {
-    if (light.marked) pieces += paintStopLine(l, s, paint, l.mainRoad(), light.along, TrafficSign::Stop);
+    if (light.marked) pieces += paintStopLine(l, s, paint, l.mainRoad(), light.stopAgainstLine, TrafficSign::Stop);
   }
   return pieces;
 }
@@ -55,12 +51,13 @@ bool isJoint(const Layout& l, const Road& road, const Point2& middle) {
   return l.besideAt(middle).edge < -road.section.half - kInside;
 }
 
-// Paints a dash of a line `lateral` metres to the left of the road's middle, in pieces that follow the ground.
-void paintDash(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double from, double length,
+// Paints a dash of a line `lateral` metres to the left of the road's middle, in pieces that follow the ground. `start`:
+// m along the road.
+void paintDash(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double start, double length,
                double lateral, int pieces) {
   for (int k = 0; k < pieces; ++k) {
-    paintBar(s, paint, l, road, from + length * k / pieces, from + length * (k + 1) / pieces, lateral - kHalfLine,
-             lateral + kHalfLine);
+    paintBar(s, paint, l, road, {start + length * k / pieces, start + length * (k + 1) / pieces},
+             {lateral - kHalfLine, lateral + kHalfLine});
   }
 }
 
@@ -69,8 +66,8 @@ std::uint32_t paintDashedLines(Shape& s, models::SurfaceIndex paint, const Layou
   constexpr double kFromEdge = 0.25;  // m from an edge line to the edge of the lanes
   const double length = draw.in(2, 5);
   const double gap = length * draw.in(1, 2);
-  const bool edges = l.character.country && draw.chance(0.6);
-  const double halfOfLanes = road.section.half - road.section.parking - road.section.shoulder;
+  const bool edgeLines = l.character.country && draw.chance(0.6);
+  const double edge = road.section.half - road.section.parking - road.section.shoulder;  // of the lanes
   std::vector<double> lines;  // m to the left of the road's middle
   if (road.section.median <= 0) lines.push_back(0);
   for (int lane = 1; lane < road.section.lanes; ++lane) {
@@ -79,13 +76,13 @@ std::uint32_t paintDashedLines(Shape& s, models::SurfaceIndex paint, const Layou
     }
   }
   std::uint32_t dashes = 0;
-  for (double at = kEndOfRoad; at + length < road.length() - kEndOfRoad; at += length + gap) {
-    if (isJoint(l, road, road.point(at + length / 2))) continue;
-    for (const double line : lines) paintDash(s, paint, l, road, at, length, line, 3);
+  for (double start = kEndOfRoad; start + length < road.length() - kEndOfRoad; start += length + gap) {
+    if (isJoint(l, road, road.point(start + length / 2))) continue;
+    for (const double line : lines) paintDash(s, paint, l, road, start, length, line, 3);
     ++dashes;
-    if (!edges) continue;
+    if (!edgeLines) continue;
     for (const double side : {-1.0, 1.0}) {
-      paintDash(s, paint, l, road, at, length, side * (halfOfLanes - kFromEdge), 1);
+      paintDash(s, paint, l, road, start, length, side * (edge - kFromEdge), 1);
     }
   }
   return dashes;
@@ -96,29 +93,30 @@ bool addManhole(Shape& s, models::SurfaceIndex iron, const Layout& l, const Poin
   constexpr int kCorners = 16;
   constexpr double kRadius = 0.31;  // m, radius of a manhole cover
   if (l.nearPothole(middle, kRadius)) return false;
-  const auto rim = [&](int corner) {
-    const double angle = 2 * kPi * corner / kCorners;
-    return l.onGround({middle.x + kRadius * std::cos(angle), middle.y + kRadius * std::sin(angle)}, kMarkingHeight);
-  };
   const Vec3d center = l.onGround(middle, kMarkingHeight);
-  for (int i = 0; i < kCorners; ++i) s.triangle(iron, center, rim(i), rim(i + 1));
+  std::vector<Vec3d> rim;
+  for (const Point2& p : models::regularPolygon(kCorners, kRadius)) {
+    rim.push_back(l.onGround({middle.x + p.x, middle.y + p.y}, kMarkingHeight));
+  }
+  for (std::size_t i = 0; i < kCorners; ++i) s.triangle(iron, center, rim[i], rim[(i + 1) % kCorners]);
   return true;
 }
 
-// Adds a rectangle of newer asphalt between the distances `from` and `to` along a road, and between `right` and `left`
-// metres to the left of its middle: a grid of quads that follows the road's surface. A quad is at most half a metre
-// long and wide.
-void addRepair(Shape& s, models::SurfaceIndex asphalt, const Layout& l, const Road& road, double from, double to,
-               double right, double left) {
+// Adds a rectangle of newer asphalt that extends along a road and across it (m along its line, and m to the left of
+// it): a grid of quads that follows the road's surface. A quad is at most half a metre long and wide.
+void addRepair(Shape& s, models::SurfaceIndex asphalt, const Layout& l, const Road& road, const models::Span& along,
+               const models::Span& lateral) {
   constexpr double kAboveRoad = 0.005;  // m, height of the quads above the road
-  const auto rows = static_cast<int>(std::ceil((to - from) / 0.5));
-  const auto columns = static_cast<int>(std::ceil((left - right) / 0.5));
+  const double length = along.high - along.low;
+  const double width = lateral.high - lateral.low;
+  const auto rows = static_cast<int>(std::ceil(length / 0.5));
+  const auto columns = static_cast<int>(std::ceil(width / 0.5));
   std::vector<std::vector<Vec3d>> grid;
   for (int r = 0; r <= rows; ++r) {
     std::vector<Vec3d>& row = grid.emplace_back();
     for (int c = 0; c <= columns; ++c) {
-      const double lateral = left + (right - left) * c / columns;
-      row.push_back(l.onGround(besideRoad(road, from + (to - from) * r / rows, lateral).at, kAboveRoad));
+      const Spot spot = besideRoad(road, along.low + length * r / rows, lateral.high - width * c / columns);
+      row.push_back(l.onGround(spot.at, kAboveRoad));
     }
   }
   s.grid(grid, false, [&](int, int) { return asphalt; });
@@ -126,12 +124,11 @@ void addRepair(Shape& s, models::SurfaceIndex asphalt, const Layout& l, const Ro
 
 }  // namespace
 
-void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double from, double to,
-              double right, double left) {
-  const auto corner = [&](double along, double lateral) {
-    return l.onGround(besideRoad(road, along, lateral).at, kMarkingHeight);
-  };
-  s.quad(paint, corner(from, right), corner(to, right), corner(to, left), corner(from, left));
+void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, const models::Span& along,
+              const models::Span& lateral) {
+  const auto corner = [&](double u, double v) { return l.onGround(besideRoad(road, u, v).at, kMarkingHeight); };
+  s.quad(paint, corner(along.low, lateral.low), corner(along.high, lateral.low), corner(along.high, lateral.high),
+         corner(along.low, lateral.high));
 }
 
 // Paints stop lines, dashed lines between lanes, and dashed middle lines on some roads without a central reservation.
@@ -148,7 +145,7 @@ void placeMarkings(Placer& placer) {
     if (!draw.chance(road.section.lanes > 1 ? 1 : road.main ? 0.8 : 0.35)) continue;
     painted += paintDashedLines(s, paint, l, road, draw);
   }
-  if (painted > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road markings");
+  if (painted > 0) placer.putShape(s);
 }
 
 // Places manhole covers, and rectangles of newer asphalt where roads were repaired. A road's random stream draws all of
@@ -156,19 +153,20 @@ void placeMarkings(Placer& placer) {
 void placeCovers(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "manholes and repairs");
-  const auto [iron, fresh] = s.surfaces("road", "metal_bare", "asphalt_new");
-  int count = 0;
+  const auto [iron, asphalt] = s.surfaces("road", "metal_bare", "asphalt_new");
+  int covers = 0;
   for (const Road& road : l.roads()) {
     Draw draw(l.seed, Kind::Cover, road.number);
-    const double half = road.section.half - road.section.parking - 0.3;
-    const double per100m = l.character.country ? 0.3 : 3;
-    const auto manholes = static_cast<int>(per100m * road.length() / 100 + draw.next());
+    const double half = road.section.half - road.section.parking - 0.3;  // m that covers extend from the middle
+    const double manholesPer100m = l.character.country ? 0.3 : 3;
+    const auto manholes = static_cast<int>(manholesPer100m * road.length() / 100 + draw.next());
     for (int k = 0; k < manholes; ++k) {
       const double along = draw.in(kEndOfRoad, road.length() - kEndOfRoad);
       const double lateral = draw.in(-half + 0.3, half - 0.3);
-      if (addManhole(s, iron, l, besideRoad(road, along, lateral).at)) ++count;
+      if (addManhole(s, iron, l, besideRoad(road, along, lateral).at)) ++covers;
     }
-    const auto repairs = static_cast<int>(8 * l.character.wear * road.length() / 100 + draw.next());
+    constexpr double kMostRepairsPer100m = 8;
+    const auto repairs = static_cast<int>(kMostRepairsPer100m * l.character.wear * road.length() / 100 + draw.next());
     for (int k = 0; k < repairs; ++k) {
       const double along = draw.in(kEndOfRoad, road.length() - 12);
       const double width = draw.in(0.5, 2);
@@ -176,11 +174,11 @@ void placeCovers(Placer& placer) {
       const double length = draw.in(0.8, 8);
       const Point2 middle = besideRoad(road, along + length / 2, right + width / 2).at;
       if (isJoint(l, road, middle) || l.nearPothole(middle, std::hypot(length, width) / 2)) continue;
-      addRepair(s, fresh, l, road, along, along + length, right, right + width);
-      ++count;
+      addRepair(s, asphalt, l, road, {along, along + length}, {right, right + width});
+      ++covers;
     }
   }
-  if (count > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road covers");
+  if (covers > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road covers");
 }
 
 }  // namespace scanmill::town

@@ -37,16 +37,17 @@ bool isBuilding(const osmium::OSMObject& object) {
 }
 
 // True if an object has a key by which the town builds or counts it, whether it is a line or an area.
-bool isLine(const osmium::OSMObject& object) {
+bool isMapped(const osmium::OSMObject& object) {
   return std::any_of(std::begin(kMappedKeys), std::end(kMappedKeys),
                      [&](const char* key) { return object.tags().has_key(key); });
 }
 
+// True if a closed way or a multipolygon with these tags is an area; see OsmExtract::areas.
 bool isArea(const osmium::OSMObject& object) {
   const osmium::TagList& tags = object.tags();
-  const bool any = object.type() == osmium::item_type::relation && tags.has_tag("type", "multipolygon");
+  const bool multipolygon = object.type() == osmium::item_type::relation && tags.has_tag("type", "multipolygon");
   return isBuilding(object) || hasAny(object, {"landuse", "landcover", "leisure", "natural", "amenity"}) ||
-         (any && isLine(object)) ||
+         (multipolygon && isMapped(object)) ||
          (tags.has_tag("area", "yes") && hasAny(object, {"highway", "aeroway", "barrier"})) ||
          tags.has_tag("aeroway", "apron") || tags.has_tag("aeroway", "helipad") ||
          tags.has_tag("waterway", "riverbank") || tags.has_tag("waterway", "dock");
@@ -57,7 +58,7 @@ bool isMultipolygon(const osmium::Relation& relation) {
 }
 
 // True if a tag is about the size of a building or about its roof.
-bool isSize(const osmium::Tag& tag) {
+bool isSizeOrRoof(const osmium::Tag& tag) {
   const std::string_view key = tag.key();
   return key == "height" || key == "est_height" || key == "min_height" || key.starts_with("building:") ||
          key.starts_with("roof:");
@@ -95,13 +96,13 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     return std::move(extract_);
   }
 
-  // Called for each relation of the file. Returns whether it is an area whose ways are wanted.
+  // Called by libosmium for each relation of the file. Returns true if it is an area, whose ways are then collected.
   bool new_relation(const osmium::Relation& relation) {
     if (!relation.visible()) return false;
     const bool multipolygon = isMultipolygon(relation);
-    const bool group = relation.tags().has_tag("type", "building");
+    const bool building = relation.tags().has_tag("type", "building");
     for (const osmium::RelationMember& member : relation.members()) {
-      if (group && !multipolygon) groups_[{member.type(), member.ref()}] = relation.id();
+      if (building && !multipolygon) groups_[{member.type(), member.ref()}] = relation.id();
       if (!multipolygon || member.type() != osmium::item_type::way) continue;
       members_.insert(member.ref());
       if (relation.tags().has_key("building") && !isInner(member)) outlines_.insert(member.ref());
@@ -115,6 +116,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     return member.type() == osmium::item_type::way;
   }
 
+  // Called by libosmium when all ways of a relation have been read.
   void complete_relation(const osmium::Relation& relation) {
     OsmTags tags = tagsOf(relation);
     std::vector<const osmium::Way*> ways;
@@ -122,10 +124,10 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
       if (member.ref() == 0 || member.type() != osmium::item_type::way) continue;
       const osmium::Way& way = *ways.emplace_back(get_member_way(member.ref()));
       // Outer ways of buildings may have heights and roofs that the relation lacks.
-      if (!isBuilding(relation) || isInner(member) || isLine(way)) continue;
+      if (!isBuilding(relation) || isInner(member) || isMapped(way)) continue;
       for (const osmium::Tag& tag : way.tags()) {
-        if (isSize(tag) && tags[tag.key()].empty()) tags.pairs.emplace_back(tag.key(), tag.value());
-        if (isSize(tag) && tags[tag.key()] != tag.value()) {
+        if (isSizeOrRoof(tag) && tags[tag.key()].empty()) tags.pairs.emplace_back(tag.key(), tag.value());
+        if (isSizeOrRoof(tag) && tags[tag.key()] != tag.value()) {
           ++extract_.leftOut["heights and roofs of outer ways that differ from those of their multipolygon"];
         }
       }
@@ -133,6 +135,8 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     addArea(relation, tags, ways);
   }
 
+  // Called by libosmium for each way, after the relations that it completes. Adds it as an area, as a line, as both
+  // (such as a closed road or hedge), or as neither.
   void after_way(const osmium::Way& way) {
     const osmium::WayNodeList& nodes = way.nodes();
     if (way.subitems<osmium::TagList>().size() > 1 || way.subitems<osmium::WayNodeList>().size() > 1) {
@@ -150,23 +154,28 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
       extract_.areas.push_back({tagsOf(way), {}, {}, kBroken, 0});
     }
     const bool road = way.tags().has_key("highway") && !way.tags().has_tag("area", "yes");
-    if (!isLine(way) || (area && !road && !way.tags().has_key("barrier"))) return;
+    if (!isMapped(way) || (area && !road && !way.tags().has_key("barrier"))) return;
     // A piece of the outline of a multipolygon repeats its tags.
     if (!area && isArea(way) && members_.contains(way.id()) && !hasAny(way, kLines)) return;
-    OsmWay made{tagsOf(way), {}, area};
-    bool begins = true;
-    for (const osmium::NodeRef& n : nodes) {
-      const bool valid = n.location().valid();
-      if (valid && begins) made.runs.emplace_back();
-      if (valid) made.runs.back().push_back(nodeOf(n));
-      made.incomplete |= !valid;
-      begins = !valid;
-    }
-    extract_.ways.push_back(std::move(made));
+    addLine(way, area);
   }
 
  private:
-  // Takes the nodes with tags.
+  // Adds a way as a line; nodes without a location divide it into runs.
+  void addLine(const osmium::Way& way, bool area) {
+    OsmWay line{tagsOf(way), {}, area};
+    bool startsRun = true;
+    for (const osmium::NodeRef& n : way.nodes()) {
+      const bool valid = n.location().valid();
+      if (valid && startsRun) line.runs.emplace_back();
+      if (valid) line.runs.back().push_back(nodeOf(n));
+      line.incomplete |= !valid;
+      startsRun = !valid;
+    }
+    extract_.ways.push_back(std::move(line));
+  }
+
+  // Collects the nodes with tags.
   class PointReader : public osmium::handler::Handler {
    public:
     explicit PointReader(std::vector<OsmPoint>& points) : points_(points) {}
@@ -181,16 +190,16 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
 
   static bool isInner(const osmium::RelationMember& member) { return std::string_view(member.role()) == "inner"; }
 
-  // Adds the area of a closed way, or of a relation with these ways.
+  // Adds the area of a closed way, or of a relation with these ways: one OsmArea for each outer ring.
   template <class Element, class... Ways>
   void addArea(const Element& element, const OsmTags& tags, const Ways&... ways) {
     osmium::area::AssemblerConfig config;
     config.create_empty_areas = false;
     osmium::area::Assembler assembler(config);
-    osmium::memory::Buffer made(1 << 10, osmium::memory::Buffer::auto_grow::yes);
+    osmium::memory::Buffer assembled(1 << 10, osmium::memory::Buffer::auto_grow::yes);
     const auto group = groups_.find({element.type(), element.id()});
     const std::int64_t building = group == groups_.end() ? 0 : group->second;
-    if (!assembler(element, ways..., made)) {
+    if (!assembler(element, ways..., assembled)) {
       const bool missing = assembler.stats().invalid_locations > 0;
       extract_.areas.push_back({tags, {}, {}, missing ? "missing nodes" : kBroken, building});
     }
@@ -200,12 +209,12 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
       if (!points.empty()) points.pop_back();
       return points;
     };
-    for (const osmium::Area& area : made.select<osmium::Area>()) {
-      const bool several = building == 0 && area.num_rings().first > 1;
+    for (const osmium::Area& area : assembled.select<osmium::Area>()) {
+      const bool several = building == 0 && area.num_rings().first > 1;  // outer rings of one building
       for (const osmium::OuterRing& outer : area.outer_rings()) {
-        OsmArea kept{tags, ring(outer), {}, {}, several ? element.id() : building};
-        for (const osmium::InnerRing& inner : area.inner_rings(outer)) kept.inner.push_back(ring(inner));
-        extract_.areas.push_back(std::move(kept));
+        OsmArea& added = extract_.areas.emplace_back(tags, ring(outer));
+        added.building = several ? element.id() : building;
+        for (const osmium::InnerRing& inner : area.inner_rings(outer)) added.inner.push_back(ring(inner));
       }
     }
   }

@@ -19,90 +19,94 @@ constexpr double kParkingLane = 1.5;  // m, least width of a lane in which cars 
 
 // Returns how far beyond the edge of the carriageway (m, negative: on it) the middle of a parked car stands: in the
 // middle of a parking lane, or half on the sidewalk if both the lane and a part of the sidewalk stay free, or else, on
-// roads that the ego vehicle does not use, at the curb. nullopt: there is no place. `half`: half of the car's
-// width.
-std::optional<double> parkedAt(const Road& road, double half, bool keepClear) {
+// roads that the ego vehicle does not use, at the curb. nullopt: there is no space. `half`: half of the car's width
+// (m).
+std::optional<double> parkedBeyondEdge(const Road& road, double half, bool egoDrives) {
   constexpr double kBesideLane = 1.6;  // m between the middle of a lane and parked cars: lorries pass
   constexpr double kWalk = 0.7;        // m, width of the sidewalk that stays free
+  constexpr double kFromCurb = 0.15;   // m between a car on the carriageway and the curb
   const CrossSection& s = road.section;
   if (s.parking > kParkingLane) return -s.parking / 2;
-  const double out = std::max(0.1, road.laneMiddle() + kBesideLane + half - s.half);
-  if (s.verge == 0 && out + half < s.fenced() - kWalk && !road.oneWay()) return out;
-  return keepClear ? std::nullopt : std::optional(-half - 0.15);
+  const double onSidewalk = std::max(0.1, road.laneMiddle() + kBesideLane + half - s.half);
+  if (s.verge == 0 && onSidewalk + half < s.fenced() - kWalk && !road.oneWay()) return onSidewalk;
+  return egoDrives ? std::nullopt : std::optional(-half - kFromCurb);
 }
 
-// Places cars in the bays and at the curb of one side of a road. `bay`: number of the first place; each place has a
-// random stream of its own. `number`: cars so far. Both are advanced.
-void placeCarsAtSide(Placer& placer, const Road& road, int side, bool egoDrives, std::uint32_t& bay, int& number) {
+// Places cars in the bays and at the curb of one side of a road. `egoDrives`: true on roads that the ego vehicle uses.
+// `firstBay`: number of the first bay; each has a random stream of its own. Returns the number after the last bay.
+std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool egoDrives, std::uint32_t firstBay) {
+  constexpr double kDrivewayClear = 2.2;  // m between a bay's middle and driveways
   const Layout& l = placer.layout;
   const CrossSection& s = road.section;
   const bool hasLane = s.parking > kParkingLane;
   const double first = road.main ? l.mainFrom : 14;
   const double last = road.main ? l.mainTo : road.length() - 4;
   // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
-  const bool custom =
-      hasLane ||
-      Draw(l.seed, Kind::SidewalkParking, 2 * road.number + (side > 0 ? 1u : 0u)).chance(egoDrives ? 0.35 : 0.75);
+  Draw sidewalk(l.seed, Kind::SidewalkParking, 2 * road.number + (side > 0 ? 1u : 0u));
+  const bool usual = hasLane || sidewalk.chance(egoDrives ? 0.35 : 0.75);
   // More cars stand in roads where fewer pass.
   const double parked = std::min(0.95, (!egoDrives ? 3 : hasLane ? 0.8 : 0.5) * l.character.parked);
-  for (double at = first; at + kBay < last; at += kBay) {
+  std::uint32_t bay = firstBay;
+  for (double along = first; along + kBay < last; along += kBay) {
     Draw draw(l.seed, Kind::ParkedCar, bay++);
-    if (!draw.chance(custom ? parked : 0.15 * parked)) continue;
+    if (!draw.chance(usual ? parked : 0.15 * parked)) continue;
     const Model& car = anyCar(placer, draw);
-    const double halfWidth = (car.bounds.high.y - car.bounds.low.y) / 2;
-    const std::optional<double> out = parkedAt(road, halfWidth, egoDrives);
-    if (!out || (*out > 0 && !custom)) continue;
-    if (*out <= 0 && !hasLane && custom && !draw.chance(0.15)) continue;  // they narrow the lane
-    Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half + *out));
-    const Beside b = l.besideAt(spot.at);
-    if (std::abs(b.edge - *out) > 0.3) continue;  // the bay is at a crossing
-    // Driveways are kept clear.
-    constexpr double kClear = 2.2;  // m
-    if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < kClear) continue;
+    const std::optional<double> out = parkedBeyondEdge(road, widthOf(car) / 2, egoDrives);
+    if (!out || (*out > 0 && !usual)) continue;
+    const bool narrowsLane = *out <= 0 && !hasLane;
+    if (narrowsLane && usual && !draw.chance(0.15)) continue;
+    Spot spot = besideRoad(road, along + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half + *out));
+    const bool atCrossing = std::abs(l.besideAt(spot.at).edge - *out) > 0.3;
+    const Spot behindSidewalk = besideRoad(road, along + kBay / 2, side * (s.half + s.outer() + 0.4));
+    if (atCrossing || l.outsidePatches(behindSidewalk.at) < kDrivewayClear) continue;
     if (draw.chance(0.08)) spot.yaw += kPi;
     spot.yaw += (side > 0 ? kPi : 0) + draw.in(-0.02, 0.02);
-    if (placer.tryPark(car, spot, fmt::format("car {}", number + 1))) ++number;
+    placer.tryNumbered("car", [&](const std::string& name) { return placer.tryPark(car, spot, name); });
   }
+  return bay;
 }
 
-// Places cars side by side on wide forecourts, with gaps; a driveway has room for one car. `number`: see
-// placeCarsAtSide().
-void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw, int& number) {
+// Places cars side by side on wide forecourts, with gaps; a driveway has room for one car. The patch's y axis points to
+// the house.
+void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
   constexpr double kBeside = 2.7;  // m between the middles of neighbours
+  const TurnedRectangle& ground = patch.rectangle;
   const double parked = placer.layout.character.parked;
-  const bool wide = patch.rectangle.halfX > kBeside;
-  const double first = wide ? -patch.rectangle.halfX + kBeside / 2 : 0;
-  for (const double u : models::steps(first, wide ? patch.rectangle.halfX - 1 : 1, kBeside)) {
+  const bool wide = ground.halfX > kBeside;
+  const double first = wide ? -ground.halfX + kBeside / 2 : 0;
+  for (const double u : models::steps(first, wide ? ground.halfX - 1 : 1, kBeside)) {
     if (!draw.chance(wide ? 0.65 + 0.3 * parked : 0.85 + 0.15 * parked)) continue;
     const Model& car = anyCar(placer, draw);
-    if (car.bounds.high.y - car.bounds.low.y > 2 * patch.rectangle.halfX + 0.2) continue;
-    const double in = patch.rectangle.halfY - 3 - draw.in(0, 1);
-    const double yaw = patch.rectangle.yaw + kPi / 2;  // direction from the road to the house
-    const double turned = draw.chance(0.6) ? 0 : kPi;
-    const Spot spot{patch.rectangle.at(u, in), yaw + turned + draw.in(-0.03, 0.03), 1, 0};
-    if (!placer.occupancy.isFree(footprint(car, spot, Placer::kGap))) continue;
-    placer.park(car, spot, fmt::format("car {}", ++number));
+    if (widthOf(car) > 2 * ground.halfX + 0.2) continue;
+    const double v = ground.halfY - 3 - draw.in(0, 1);
+    const double forwards = draw.chance(0.6) ? 0 : kPi;
+    const Spot spot{.at = ground.at(u, v), .yaw = ground.yaw + kPi / 2 + forwards + draw.in(-0.03, 0.03)};
+    placer.tryNumbered("car", [&](const std::string& name) {
+      const bool free = placer.occupancy.isFree(footprint(car, spot, Placer::kGap));
+      if (free) placer.park(car, spot, name);
+      return free;
+    });
   }
 }
 
+// Places the cars at the sides of all roads, then those on driveways and forecourts.
 void placeCars(Placer& placer) {
   const Layout& l = placer.layout;
   const EgoRoads ego = egoRoads(l);
-  int number = 0;
   std::uint32_t bay = 0;
   for (const Road& road : l.roads()) {
     if (road.minor || (road.oneWay() && road.section.parking < kParkingLane)) continue;
-    for (const int side : {-1, 1}) placeCarsAtSide(placer, road, side, road.main || ego.has(road), bay, number);
+    for (const int side : {-1, 1}) bay = placeCarsAtSide(placer, road, side, road.main || ego.has(road), bay);
   }
   std::uint32_t index = 0;
   for (const Patch& patch : l.patches) {
     Draw draw(l.seed, Kind::ForecourtCars, index++);
-    if (patch.parks && l.character.parked > 0) placeCarsOn(placer, patch, draw, number);
+    if (patch.parks && l.character.parked > 0) placeCarsOn(placer, patch, draw);
   }
 }
 
-constexpr double kBayWidth = 2.6, kBayDepth = 5,
-                 kAisle = 6.2;  // m, of bays on parking lots and between two rows of them
+// Bays on parking lots, and the aisle between two rows of them (m).
+constexpr double kBayWidth = 2.6, kBayDepth = 5, kAisle = 6.2;
 
 // True if a point is on a parking lot, not at its edge, and not on a road through it.
 bool isOnLot(const Placer& placer, const Point2& p) {
@@ -114,33 +118,34 @@ bool isOnLot(const Placer& placer, const Point2& p) {
 }
 
 // Paints the lines of a row of bays and parks cars in a part of them. `about`: the rectangle around the lot, with its x
-// axis along the row; `low`: m along its y axis, where the row begins. `facing`: 1 or -1, along this axis. `taken`:
-// fraction of the bays with a car. `number`: cars so far; it is advanced. Returns the number of lines.
+// axis along the row; `low`: m along its y axis, where the row begins. `facing`: 1 or -1, along this axis. `occupied`:
+// fraction of the bays with a car. Returns the number of lines.
 int placeRowOfBays(Placer& placer, models::Shape& s, models::SurfaceIndex paint, const Footprint& about, double low,
-                   int facing, double taken, Draw& draw, int& number) {
+                   int facing, double occupied, Draw& draw) {
   constexpr double kHalfLotLine = 0.06;  // m, half of a line's width
   constexpr double kIntoBay = 0.8;       // m from a bay's ends to the points that must be on the lot
   const Layout& l = placer.layout;
-  const auto paintLine = [&](double u) {
-    const auto corner = [&](double side, double v) { return l.onGround(about.at(u + side * kHalfLotLine, v), 0.01); };
-    s.quad(paint, corner(-1, low), corner(1, low), corner(1, low + kBayDepth), corner(-1, low + kBayDepth));
-  };
   int lines = 0;
   for (const double u : models::steps(-about.halfX + 0.8, about.halfX - kBayWidth - 0.4, kBayWidth)) {
-    const double middle = u + kBayWidth / 2;
-    Spot spot{about.at(middle, low + kBayDepth / 2), about.yaw + facing * kPi / 2, 1, 0};
-    const bool wanted = draw.chance(taken);
-    if (!isOnLot(placer, spot.at) || !isOnLot(placer, about.at(middle, low + kIntoBay)) ||
-        !isOnLot(placer, about.at(middle, low + kBayDepth - kIntoBay))) {
+    const auto inBay = [&](double v) { return about.at(u + kBayWidth / 2, low + v); };
+    Spot spot{.at = inBay(kBayDepth / 2), .yaw = about.yaw + facing * kPi / 2};
+    const bool hasCar = draw.chance(occupied);
+    if (!isOnLot(placer, spot.at) || !isOnLot(placer, inBay(kIntoBay)) ||
+        !isOnLot(placer, inBay(kBayDepth - kIntoBay))) {
       continue;
     }
-    paintLine(u);
-    paintLine(u + kBayWidth);
-    lines += 2;
-    if (!wanted) continue;
+    for (const double line : {u, u + kBayWidth}) {
+      const auto corner = [&](double side, double v) {
+        return l.onGround(about.at(line + side * kHalfLotLine, v), 0.01);
+      };
+      s.quad(paint, corner(-1, low), corner(1, low), corner(1, low + kBayDepth), corner(-1, low + kBayDepth));
+      ++lines;
+    }
+    if (!hasCar) continue;
     if (!draw.chance(0.7)) spot.yaw += kPi;
     spot.yaw += draw.in(-0.04, 0.04);
-    if (placer.tryPark(anyCar(placer, draw), spot, fmt::format("car on a lot {}", number + 1))) ++number;
+    const Model& car = anyCar(placer, draw);
+    placer.tryNumbered("car on a lot", [&](const std::string& name) { return placer.tryPark(car, spot, name); });
   }
   return lines;
 }
@@ -150,77 +155,80 @@ void placeLots(Placer& placer) {
   const Layout& l = placer.layout;
   models::Shape s(placer.builder, "lots' markings");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
-  std::uint32_t lot = 0;
+  std::uint32_t lotNumber = 0;
   int lines = 0;
-  int number = 0;
   for (const MapArea& area : l.areas.list()) {
     if (area.land != Land::Lot) continue;
-    Draw draw(l.seed, Kind::Lot, ++lot);
-    // Few lots are full.
-    const double full = draw.next();
-    const double taken = std::min(0.95, l.parameters.vehicles * (0.2 + 0.7 * full * full));
+    Draw draw(l.seed, Kind::Lot, ++lotNumber);
+    const double fullness = draw.next();  // squared, so that few lots are full
+    const double occupied = std::min(0.95, l.parameters.vehicles * (0.2 + 0.7 * fullness * fullness));
     Footprint about = rectangleAbout(area.outline);
     if (about.halfX < about.halfY) {
       std::swap(about.halfX, about.halfY);
       about.yaw += kPi / 2;
     }
-    bool far = false;  // true for the second of the two rows at an aisle
-    for (double low = -about.halfY + 0.4; low + kBayDepth < about.halfY - 0.2; far = !far) {
-      lines += placeRowOfBays(placer, s, paint, about, low, far ? -1 : 1, taken, draw, number);
-      low += kBayDepth + (far ? 0 : kAisle);
+    bool secondRow = false;  // of an aisle
+    for (double low = -about.halfY + 0.4; low + kBayDepth < about.halfY - 0.2; secondRow = !secondRow) {
+      lines += placeRowOfBays(placer, s, paint, about, low, secondRow ? -1 : 1, occupied, draw);
+      low += kBayDepth + (secondRow ? 0 : kAisle);
     }
   }
-  if (lines > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "lots' markings");
+  if (lines > 0) placer.putShape(s);
 }
 
-// Places a delivering lorry and a waiting bus in side roads or, if there are no side roads, on the far side of the main
-// road. Also places trailers, caravans and tractors beside the main road.
+// Parks a vehicle beside a road, in the direction of driving. `lateral`: m to the left of the road's line. Returns
+// false if the position is at a crossing, on another road or not free.
+bool tryStand(Placer& placer, const Model& vehicle, const Road& road, double along, double lateral,
+              const std::string& name) {
+  Spot spot = besideRoad(road, along, lateral);
+  if (lateral > 0) spot.yaw += kPi;
+  const Beside b = placer.layout.besideAt(spot.at);
+  if (!b.nearRoad || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
+  return placer.tryPark(vehicle, spot, name);
+}
+
+// Places a lorry or bus at the edge of a random side road that the ego vehicle does not use or, if there are no side
+// roads, at the left edge of the main road, if an attempt finds a free position.
+void placeAtEdge(Placer& placer, Draw& draw, const Model& vehicle, const std::string& name) {
+  const Layout& l = placer.layout;
+  const double half = widthOf(vehicle) / 2;
+  for (int attempt = 0; attempt < 2 * Placer::kTries; ++attempt) {
+    const int sideRoads = static_cast<int>(l.roads().size()) - 1;
+    const Road& road = l.roads()[sideRoads > 0 ? static_cast<std::size_t>(1 + draw.below(sideRoads)) : 0];
+    if (egoRoads(l).has(road) || road.minor || road.oneWay()) continue;
+    const double lateral = std::max(road.section.half - half - 0.2, half + kMiddle);
+    const bool left = road.main || draw.chance(0.5);
+    const double along = road.main ? draw.in(l.mainFrom + 10, l.mainTo - 10) : draw.in(12, 28);
+    if (tryStand(placer, vehicle, road, along, left ? lateral : -lateral, name)) return;
+  }
+}
+
+// Places waiting buses and a delivering lorry at the edges of roads, and trailers, caravans and tractors beside the
+// main road. Each is left out with a probability that follows from the key `vehicles`.
 void placeStanding(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.character.motorway) return;
   Draw draw(l.seed, Kind::StandingVehicles);
   const double share = l.parameters.vehicles;
-  const auto wanted = [&] { return share >= 1 || draw.chance(share); };
-  const std::vector<Road>& roads = l.roads();
-  const auto tryAt = [&](const Model& m, const Road& road, double at, double lateral, const std::string& name) {
-    Spot spot = besideRoad(road, at, lateral);
-    if (lateral > 0) spot.yaw += kPi;
-    const Beside b = l.besideAt(spot.at);
-    // The place must not be at a crossing or on another road.
-    if (!b.nearRoad || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
-    return placer.tryPark(m, spot, name);
-  };
-  const auto onRoad = [&](const Model& m, const std::string& name) {
-    const double wide = (m.bounds.high.y - m.bounds.low.y) / 2;
-    for (int attempt = 0; attempt < 2 * Placer::kTries; ++attempt) {
-      const int sides = static_cast<int>(roads.size()) - 1;
-      const Road& road = roads[sides > 0 ? static_cast<std::size_t>(1 + draw.below(sides)) : 0];
-      if (egoRoads(l).has(road) || road.minor || road.oneWay()) continue;
-      const double lateral = std::max(road.section.half - wide - 0.2, wide + kMiddle);
-      const bool left = road.main || draw.chance(0.5);
-      const double at = road.main ? draw.in(l.mainFrom + 10, l.mainTo - 10) : draw.in(12, 28);
-      if (tryAt(m, road, at, left ? lateral : -lateral, name)) return;
-    }
-  };
-  // Towns with traffic lights have a second bus.
-  const int buses = l.character.lights > 0.4 ? 2 : 1;
+  const auto isWanted = [&] { return share >= 1 || draw.chance(share); };
+  const int buses = l.character.lights > 0.4 ? 2 : 1;  // towns with traffic lights have a second bus
   for (int k = 0; k < buses; ++k) {
-    if (wanted()) onRoad(busOf(placer), k == 0 ? "waiting bus" : "waiting bus 2");
+    if (isWanted()) placeAtEdge(placer, draw, busOf(placer), k == 0 ? "waiting bus" : "waiting bus 2");
   }
-  if (wanted()) onRoad(anyTruck(placer, draw), "delivering truck");
-  const bool rural = l.character.country;
-  const int others = 1 + draw.below(3);
-  for (int k = 0; k < others; ++k) {
-    if (!wanted()) continue;
-    const models::WorkVehicle what = rural && draw.chance(0.6) ? models::WorkVehicle::Tractor
-                                     : draw.chance(0.7)        ? models::WorkVehicle::Trailer
-                                                               : models::WorkVehicle::Caravan;
-    const Model m = models::makeWorkVehicle(placer.builder, l.seed, what, k);
+  if (isWanted()) placeAtEdge(placer, draw, anyTruck(placer, draw), "delivering truck");
+  const int workVehicles = 1 + draw.below(3);
+  for (int k = 0; k < workVehicles; ++k) {
+    if (!isWanted()) continue;
+    const models::WorkVehicle kind = l.character.country && draw.chance(0.6) ? models::WorkVehicle::Tractor
+                                     : draw.chance(0.7)                      ? models::WorkVehicle::Trailer
+                                                                             : models::WorkVehicle::Caravan;
+    const Model m = models::makeWorkVehicle(placer.builder, l.seed, kind, k);
     for (int attempt = 0; attempt < 4 * Placer::kTries; ++attempt) {
-      const Road& road = roads.front();
-      const double beyond = road.section.half + road.section.outer() + draw.in(2, 8);
-      const double at = draw.in(l.mainFrom + 10, l.mainTo - 10);
-      if (tryAt(m, road, at, draw.chance(0.5) ? beyond : -beyond, fmt::format("other vehicle {}", k + 1))) break;
+      const Road& road = l.mainRoad();
+      const double lateral = road.section.half + road.section.outer() + draw.in(2, 8);
+      const double along = draw.in(l.mainFrom + 10, l.mainTo - 10);
+      const int side = draw.chance(0.5) ? 1 : -1;
+      if (tryStand(placer, m, road, along, side * lateral, fmt::format("other vehicle {}", k + 1))) break;
     }
   }
 }

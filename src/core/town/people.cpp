@@ -30,39 +30,43 @@ struct PavementPosition {
   }
 };
 
-// Returns a random position for people; nullopt if it is on another road.
+// Returns a random position for people, mostly along the main road; nullopt if it is on another road.
 std::optional<PavementPosition> drawPosition(const Placer& placer, Draw& draw) {
   const Layout& l = placer.layout;
-  const auto r = static_cast<std::size_t>(draw.chance(0.7) ? 0 : draw.below(static_cast<int>(l.roads().size())));
-  const Road& road = l.roads()[r];
+  const Road& road = draw.chance(0.7) ? l.mainRoad() : draw.itemOf(l.roads());
   const CrossSection& s = road.section;
-  const double at = road.main ? draw.in(l.mainFrom, l.mainTo) : draw.in(10, road.length());
+  const double along = road.main ? draw.in(l.mainFrom, l.mainTo) : draw.in(10, road.length());
   const double out =
       s.sidewalk > 0 ? s.curb + s.verge + draw.in(0.3, std::max(0.4, s.sidewalk - 0.3)) : draw.in(0.4, 1);
   const double side = draw.sign();
-  const PavementPosition place{&road, at, side * (s.half + out), draw.sign()};
-  return l.besideAt(place.spot().at).edge > 0.2 ? std::optional(place) : std::nullopt;
+  const PavementPosition position{&road, along, side * (s.half + out), draw.sign()};
+  return l.besideAt(position.spot().at).edge > 0.2 ? std::optional(position) : std::nullopt;
 }
 
-// Returns how far (m) a pedestrian or cyclist can go from a place before an object, another road or the end of the road
-// is in the way; at most `most`. `half`: half of the width that must be free (m), of which 0.2 m may be over a road.
-double freeLength(const Placer& placer, PavementPosition place, double most, double half) {
-  constexpr double kNearEnd = 20;  // m from the ends of the main road, where traffic comes out of the ground
+constexpr double kLongestFree = 110;  // m, largest free length that is looked for
+
+// Returns how far (m) a pedestrian or cyclist can go from a position before an object, another road or the end of the
+// road is in the way; at most kLongestFree. `half`: half of the width that must be free (m), of which 0.2 m may be over
+// a road.
+double freeLength(const Placer& placer, PavementPosition position, double half) {
+  constexpr double kNearEnd = 20;      // m from the ends of the main road, where traffic comes out of the ground
+  constexpr double kEndOfRoad = 4;     // m
+  constexpr double kFarthestOut = 12;  // m from a road's edge; farther out the position is beyond a bend
   const std::vector<Point2>& line = placer.layout.mainRoad().line;
-  const double start = place.along;
-  for (const double done : models::steps(0, most, 0.5)) {
-    place.along = start + place.direction * done;
-    if (place.along < 4 || place.along > place.road->length() - 4) return done;
-    const Spot spot = place.spot();
+  const double start = position.along;
+  for (const double done : models::steps(0, kLongestFree, 0.5)) {
+    position.along = start + position.direction * done;
+    if (position.along < kEndOfRoad || position.along > position.road->length() - kEndOfRoad) return done;
+    const Spot spot = position.spot();
     if (std::min(distance(spot.at, line.front()), distance(spot.at, line.back())) < kNearEnd) return done;
     const double edge = placer.layout.besideAt(spot.at).edge;
-    if (edge < half - 0.2 || edge > 12 || !placer.occupancy.isFree({spot.at, half, half, spot.yaw})) return done;
+    if (edge < half - 0.2 || edge > kFarthestOut) return done;
+    if (!placer.occupancy.isFree(models::squareAbout(spot.at, half, spot.yaw))) return done;
   }
-  return most;
+  return kLongestFree;
 }
 
-constexpr double kMostFree = 110;  // m, largest free length that is looked for
-constexpr double kPiece = 3;       // m between the points of a path on a pavement
+constexpr double kPiece = 3;  // m between the points of a path on a pavement
 
 // Returns the points of a pedestrian's path in the world: to the end of the free length and back, `laps` times. The
 // pedestrian keeps to one side on the way there and to the other side on the way back, and turns at the ends.
@@ -72,10 +76,10 @@ std::vector<Vec3d> walkingPath(const Placer& placer, const PavementPosition& sta
   const auto pieces = static_cast<int>(freeLength / kPiece);
   std::vector<Vec3d> points;
   const auto add = [&](double piece, double lateral) {
-    PavementPosition here = start;
-    here.along += here.direction * freeLength * piece / pieces;
-    here.lateral += here.direction * lateral;
-    points.push_back(placer.worldFromTown * placer.layout.onGround(here.spot().at));
+    PavementPosition position = start;
+    position.along += position.direction * freeLength * piece / pieces;
+    position.lateral += position.direction * lateral;
+    points.push_back(placer.worldFromTown * placer.layout.onGround(position.spot().at));
   };
   const double turn = kTurn * pieces / freeLength;  // kTurn as a number of pieces
   for (int lap = 0; lap < laps; ++lap) {
@@ -98,7 +102,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   const std::optional<PavementPosition> start = drawPosition(placer, draw);
   const double speed = draw.in(1.0, 1.6);
   if (!start) return false;
-  const double length = freeLength(placer, *start, kMostFree, kHalfWidth);
+  const double length = freeLength(placer, *start, kHalfWidth);
   if (length < kLeast) return false;
   const auto laps = static_cast<int>(std::ceil(speed * kLeastDuration / (2 * length)));
   const auto path = std::make_shared<const Path>(walkingPath(placer, *start, length, laps));
@@ -120,16 +124,16 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
 // Places a cyclist who rides along a pavement and stops where the free length ends. Returns false if it is too short.
 bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model& rider, const std::string& name) {
   constexpr double kLeast = 20;  // m, least free length
-  const std::optional<PavementPosition> place = drawPosition(placer, draw);
+  const std::optional<PavementPosition> start = drawPosition(placer, draw);
   const double speed = draw.in(2, 4);
-  if (!place) return false;
-  const double length = freeLength(placer, *place, kMostFree, 0.7);
+  if (!start) return false;
+  const double length = freeLength(placer, *start, 0.7);
   if (length < kLeast) return false;
   std::vector<Vec3d> points;
-  PavementPosition here = *place;
+  PavementPosition position = *start;
   for (const double done : models::steps(1.5, length - 1.5, kPiece)) {
-    here.along = place->along + place->direction * done;
-    const Spot spot = here.spot();
+    position.along = start->along + start->direction * done;
+    const Spot spot = position.spot();
     placer.occupancy.add({spot.at, kPiece / 2 + 0.9, 0.5, spot.yaw});
     points.push_back(placer.worldFromTown * placer.layout.onGround(spot.at));
   }
@@ -143,52 +147,49 @@ bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model&
 // Places a person who stands, if an attempt finds a free position.
 void placeStandingPerson(Placer& placer, Draw& draw, const Model& person, const std::string& name) {
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
-    const std::optional<PavementPosition> place = drawPosition(placer, draw);
-    if (!place) continue;
-    Spot spot = place->spot();
+    const std::optional<PavementPosition> position = drawPosition(placer, draw);
+    if (!position) continue;
+    Spot spot = position->spot();
     spot.yaw += draw.in(-0.3, 0.3);
     if (placer.tryPut(person, spot, name)) return;
   }
 }
 
-// Places up to `most` bicycles or motorcycles side by side, across the pavement or, where it is narrow, along it.
-// `lean`: rad, of a parked one.
+// Places up to `most` bicycles or motorcycles side by side, across the pavement or, where it is narrow, along it. They
+// are named "NAME.1", "NAME.2" and so on. `lean`: rad, roll of a parked vehicle.
 void placeParkedRow(Placer& placer, Draw& draw, const std::vector<Model>& forms, const std::string& name, double lean,
                     int most) {
   constexpr double kApart = 0.75, kApartAlong = 2.2;  // m between neighbours across and along the pavement
   constexpr double kWide = 2.6;                       // m; narrower pavements have rows along them
+  constexpr double kFromWalls = 1.1;                  // m; between a row and the road, pedestrians have room
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
-    std::optional<PavementPosition> place = drawPosition(placer, draw);
-    if (!place) continue;
-    const CrossSection& s = place->road->section;
+    std::optional<PavementPosition> position = drawPosition(placer, draw);
+    if (!position) continue;
+    const CrossSection& s = position->road->section;
     const bool across = s.sidewalk > kWide;
-    // Near the walls, where there is room for those who walk.
-    if (across) place->lateral = std::copysign(s.half + s.outer() - 1.1, place->lateral);
-    const int wanted = 1 + draw.below(most);
-    int found = 0;
-    for (; found < wanted; ++found) {
-      Spot spot = place->spot();
+    if (across) position->lateral = std::copysign(s.half + s.outer() - kFromWalls, position->lateral);
+    const int count = 1 + draw.below(most);
+    int placed = 0;
+    for (; placed < count; ++placed) {
+      Spot spot = position->spot();
       const bool onRoad = placer.layout.besideAt(spot.at).edge < 0.3;
-      if (onRoad || place->along > place->road->length() - 3) break;
+      if (onRoad || position->along > position->road->length() - 3) break;
       spot.yaw += (across ? kPi / 2 : 0) + draw.in(-0.08, 0.08);
       spot.lean = lean;
-      if (!placer.tryPut(draw.itemOf(forms), spot, fmt::format("{}.{}", name, found + 1))) break;
-      place->along += across ? kApart : kApartAlong;
+      if (!placer.tryPut(draw.itemOf(forms), spot, fmt::format("{}.{}", name, placed + 1))) break;
+      position->along += across ? kApart : kApartAlong;
     }
-    if (found > 0) return;
+    if (placed > 0) return;
   }
 }
 
-// Places pedestrians; two of three walk.
+// Places pedestrians. Each third one stands; those who find no free length to walk stand, too.
 void placePedestrians(Placer& placer, int count) {
   constexpr int kWalkers = 5, kStanding = 4;  // numbers of models
-  const std::uint64_t seed = placer.layout.seed;
-  const auto walking =
-      models::makeForms(std::min(count, kWalkers), [&](int f) { return models::makeWalker(placer.builder, seed, f); });
-  const auto standing = models::makeForms(std::min((count + 2) / 3, kStanding),
-                                          [&](int f) { return models::makePedestrian(placer.builder, seed, f); });
+  const auto walking = placer.forms(std::min(count, kWalkers), models::makeWalker);
+  const auto standing = placer.forms(std::min((count + 2) / 3, kStanding), models::makePedestrian);
   for (int i = 0; i < count; ++i) {
-    Draw draw(seed, Kind::Pedestrian, i);
+    Draw draw(placer.layout.seed, Kind::Pedestrian, i);
     const std::string name = fmt::format("pedestrian {}", i + 1);
     const bool stands = i % 3 == 2;
     const models::Walker& walker = walking[static_cast<std::size_t>(i) % walking.size()];
@@ -203,12 +204,12 @@ void placePedestrians(Placer& placer, int count) {
 
 void placeSidewalkCyclists(Placer& placer, int count) {
   constexpr int kCyclists = 3;  // number of models
-  const std::uint64_t seed = placer.layout.seed;
-  const auto riding = models::makeForms(std::min(count, kCyclists), [&](int f) {
-    return models::makeCyclist(placer.builder, seed, kRoadCyclistForms + f);
-  });
+  const auto makeCyclist = [](SceneBuilder& builder, std::uint64_t seed, int form) {
+    return models::makeCyclist(builder, seed, kRoadCyclistForms + form);
+  };
+  const auto riding = placer.forms(std::min(count, kCyclists), makeCyclist);
   for (int i = 0; i < count; ++i) {
-    Draw draw(seed, Kind::SidewalkCyclist, i);
+    Draw draw(placer.layout.seed, Kind::SidewalkCyclist, i);
     const auto& [bicycle, rider] = riding[static_cast<std::size_t>(i) % riding.size()];
     for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
       if (placeCyclist(placer, draw, bicycle, rider, fmt::format("cyclist's bicycle on the sidewalk {}", i + 1))) break;
@@ -224,25 +225,23 @@ void placePeople(Placer& placer) {
   const double length = l.mainTo - l.mainFrom;
   Draw counts(l.seed, Kind::PeopleCounts);
   // Returns the number of people or vehicles of a kind: at least one, unless people are switched off.
-  const auto count = [&](double share) {
-    const int drawn = static_cast<int>(share * l.character.people * length / 100 + counts.next());
-    return l.parameters.people > 0 ? std::max(1, drawn) : 0;
+  const auto drawCount = [&](double share) {
+    const int count = static_cast<int>(share * l.character.people * length / 100 + counts.next());
+    return l.parameters.people > 0 ? std::max(1, count) : 0;
   };
-  const int pedestrians = count(1);
-  const int bicycles = count(0.6);
-  const int motorcycles = count(0.6);
-  const int cyclists = count(2);
+  const int pedestrians = drawCount(1);
+  const int bicycles = drawCount(0.6);
+  const int motorcycles = drawCount(0.6);
+  const int cyclists = drawCount(2);
   placePedestrians(placer, pedestrians);
-  const auto bicycleForms =
-      models::makeForms(std::min(bicycles, 4), [&](int f) { return models::makeBicycle(placer.builder, l.seed, f); });
+  const auto bicycleForms = placer.forms(std::min(bicycles, 4), models::makeBicycle, nullptr);
   for (int i = 0; i < bicycles; ++i) {
     Draw draw(l.seed, Kind::ParkedBicycles, i);
     const double lean = radians(draw.in(-9, -5));
     placeParkedRow(placer, draw, bicycleForms, fmt::format("bicycle {}", i + 1), lean, 8);
   }
   placeSidewalkCyclists(placer, cyclists);
-  const auto motorcycleForms = models::makeForms(
-      std::min(motorcycles, 2), [&](int f) { return models::makeMotorcycle(placer.builder, l.seed, f); });
+  const auto motorcycleForms = placer.forms(std::min(motorcycles, 2), models::makeMotorcycle, nullptr);
   for (int i = 0; i < motorcycles; ++i) {
     Draw draw(l.seed, Kind::ParkedMotorcycles, i);
     placeParkedRow(placer, draw, motorcycleForms, fmt::format("motorcycle {}", i + 1), radians(8), 4);

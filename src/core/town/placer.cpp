@@ -12,10 +12,10 @@ void Placer::put(const Model& m, const Spot& s, const std::string& name, double 
   builder.place(m.mesh, worldFromTown * models::poseOf(s, layout.heightAt(s.at) - sink), name);
 }
 
-bool Placer::tryPut(const Model& m, const Spot& s, const std::string& name, double sink) {
+bool Placer::tryPut(const Model& m, const Spot& s, const std::string& name) {
   if (!isFree(footprint(m, s, kGap))) return false;
   occupancy.add(footprint(m, s, 0));
-  put(m, s, name, sink);
+  put(m, s, name);
   return true;
 }
 
@@ -25,14 +25,13 @@ bool Placer::tryPark(const Model& m, const Spot& s, const std::string& name) {
   return true;
 }
 
+// The model stands on four points of the ground: at about its axles, and at about its wheels' tracks.
 void Placer::park(const Model& m, const Spot& s, const std::string& name) {
   occupancy.add(footprint(m, s, 0));
   const double halfX = 0.3 * (m.bounds.high.x - m.bounds.low.x);
   const double halfY = 0.4 * (m.bounds.high.y - m.bounds.low.y);
-  const Point2 ahead{std::cos(s.yaw), std::sin(s.yaw)};
-  const auto ground = [&](double u, double v) {
-    return layout.onGround({s.at.x + u * ahead.x - v * ahead.y, s.at.y + u * ahead.y + v * ahead.x});
-  };
+  const Footprint wheels{s.at, halfX, halfY, s.yaw};
+  const auto ground = [&](double u, double v) { return layout.onGround(wheels.at(u, v)); };
   const Vec3d x = normalized(ground(halfX, 0) - ground(-halfX, 0));
   const Vec3d left = ground(0, halfY) - ground(0, -halfY);
   const Vec3d z = normalized(cross(x, left));

@@ -21,26 +21,48 @@ using models::Footprint;
 using models::Model;
 using models::Spot;
 
+// Places the objects of a town on the ground that is still free.
 class Placer {
  public:
-  static constexpr int kTries = 16;
+  static constexpr int kTries = 16;     // number of random positions that are tried for an object
   static constexpr double kGap = 0.15;  // m, least distance between objects
 
   Placer(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown);
 
-  // Places a model upright, with its origin on the ground or `sink` metres below, even if the place is not free.
+  // Places a model upright, with its origin on the ground or `sink` metres below, even if the spot is not free.
   void put(const Model& m, const Spot& s, const std::string& name, double sink = 0);
-  // Places the model if the place is free. Otherwise returns false.
-  bool tryPut(const Model& m, const Spot& s, const std::string& name, double sink = 0);
-  // Places a model on wheels, which tilts with the ground, if the place is free and not in noParking. Otherwise returns
+  // Places the model if the spot is free. Otherwise returns false.
+  bool tryPut(const Model& m, const Spot& s, const std::string& name);
+  // Places a model on wheels, which tilts with the ground, if the spot is free and not in noParking. Otherwise returns
   // false.
   bool tryPark(const Model& m, const Spot& s, const std::string& name);
-  // Places a model on wheels even if the place is not free.
+  // Places a model on wheels even if the spot is not free.
   void park(const Model& m, const Spot& s, const std::string& name);
   // Places a model that moves. In a plain town it stands where it is when the drive begins, or is left out if it is
   // below the ground then.
   void putMoving(std::uint32_t mesh, const std::string& name, const std::shared_ptr<const Movement>& movement,
                  const std::shared_ptr<const Animation>& animation = nullptr);
+  // Adds a mesh whose points are in the town's frame.
+  void putShape(models::Shape& shape) {
+    const std::string name = shape.mesh.name;
+    builder.place(shape.finish().mesh, worldFromTown, name);
+  }
+  // Calls tryPlace(name) with a name such as "car 3", which consists of `prefix` and the next number. The number is
+  // used up if tryPlace() returns true. Returns the same.
+  template <class TryPlace>
+  bool tryNumbered(const std::string& prefix, const TryPlace& tryPlace) {
+    int& number = numbers[prefix];
+    if (!tryPlace(prefix + " " + std::to_string(number + 1))) return false;
+    ++number;
+    return true;
+  }
+  // Returns make(builder, seed, form, arguments...) for each form from 0 to count - 1.
+  template <class Make, class... Arguments>
+  auto forms(int count, const Make& make, const Arguments&... arguments) const {
+    std::vector<decltype(make(builder, layout.seed, 0, arguments...))> built;
+    for (int form = 0; form < count; ++form) built.push_back(make(builder, layout.seed, form, arguments...));
+    return built;
+  }
 
   SceneBuilder& builder;
   const Layout& layout;
@@ -60,8 +82,8 @@ class Placer {
   struct Light {
     static constexpr double kPeriod = 44;  // s, period of the light
     static constexpr double kRed = 16;     // s, duration of red in each period
-    double along;                          // m along the road, where vehicles stop that drive against its line
-    double facing;                         // the same for vehicles that drive in the direction of the line
+    double stopAgainstLine;                // m along the road, where vehicles stop that drive against its line
+    double stopWithLine;                   // the same for vehicles that drive in the direction of the line
     double offset;                         // s, time at which a period begins
     bool marked;                           // true: there is a stop line on the road
   };
@@ -76,6 +98,7 @@ class Placer {
   }
   // Models of trees that have been built, by form, number of the variant, and whether the tree is far from roads.
   std::map<std::tuple<int, int, bool>, std::optional<models::TreeModel>> trees;
+  std::map<std::string, int> numbers;  // numbers that tryNumbered() has used up, by prefix
 
  private:
   std::map<std::pair<models::Kind, int>, Model> models_;
@@ -86,10 +109,10 @@ const Model& anyCar(Placer& placer, Draw& draw);
 const Model& anyTruck(Placer& placer, Draw& draw);
 const Model& busOf(Placer& placer);
 
-// Appends paint on a road: a quad between the distances `from` and `to` along the road's line, and between `right` and
-// `left` metres to the left of the line.
-void paintBar(models::Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double from, double to,
-              double right, double left);
+// Appends paint on a road: a quad that extends along the road's line and across it (m along the line, and m to its
+// left).
+void paintBar(models::Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road,
+              const models::Span& along, const models::Span& lateral);
 
 // Returns the kind of sign for vehicles that come out of a side road; nullopt if there is no sign.
 std::optional<models::TrafficSign> signAtMouth(const Layout& l, const Road& sideRoad);

@@ -28,7 +28,7 @@ class Quadtree {
 
   Tiling make() {
     divide(0, 0, steps_);
-    tiling_.triangles.reserve(3 * leaves_.size());  // with room for the pieces of cuts
+    tiling_.triangles.reserve(3 * leaves_.size());
     for (const Leaf& leaf : leaves_) addLeaf(leaf);
     return std::move(tiling_);
   }
@@ -120,89 +120,6 @@ class Quadtree {
   Tiling tiling_;
 };
 
-// Divides the triangles of a tiling along the line on which a field is zero. Two steps: cutTriangles() finds the
-// pieces, insertPieces() puts them into the list of triangles.
-class LineCutter {
- public:
-  // `field`: see cutAlong().
-  LineCutter(Tiling& tiling, std::vector<double> field)
-      : tiling_(tiling), field_(std::move(field)), sides_(field_.size()) {
-    for (std::size_t p = 0; p < field_.size(); ++p) {
-      if (std::abs(field_[p]) < kOnLine) field_[p] = 0;
-      sides_[p] = field_[p] > 0 ? kAbove : field_[p] < 0 ? kBelow : 0;
-    }
-  }
-
-  void cutTriangles() {
-    for (std::size_t i = 0; i < tiling_.triangles.size(); ++i) {
-      const Corners& t = tiling_.triangles[i];
-      if ((sides_[t[0]] | sides_[t[1]] | sides_[t[2]]) != (kAbove | kBelow)) continue;
-      // Rotates the corners so that the first corner is on the line, or is the only corner on its side of the line.
-      const bool onLine = sides_[t[0]] == 0 || sides_[t[1]] == 0 || sides_[t[2]] == 0;
-      std::size_t first = 0;
-      while (onLine ? sides_[t[first]] != 0 : sides_[t[(first + 1) % 3]] != sides_[t[(first + 2) % 3]]) ++first;
-      const std::uint32_t a = t[first];
-      const std::uint32_t b = t[(first + 1) % 3];
-      const std::uint32_t c = t[(first + 2) % 3];
-      cuts_.push_back({i, onLine ? 2 : 3});
-      if (onLine) {
-        const std::uint32_t bc = crossing(b, c);
-        pieces_.insert(pieces_.end(), {{a, b, bc}, {a, bc, c}});
-      } else {
-        const std::uint32_t ab = crossing(a, b);
-        const std::uint32_t ac = crossing(a, c);
-        pieces_.insert(pieces_.end(), {{a, ab, ac}, {ab, b, c}, {ab, c, ac}});
-      }
-    }
-  }
-
-  // Puts the pieces in the place of their triangles. Goes from the last triangle to the first, so that no triangle is
-  // overwritten before it has moved.
-  void insertPieces() {
-    std::vector<Corners>& triangles = tiling_.triangles;
-    auto unmovedEnd = static_cast<std::ptrdiff_t>(triangles.size());
-    triangles.resize(triangles.size() + pieces_.size() - cuts_.size());
-    auto target = triangles.end();  // what is inserted next ends here
-    auto pieceEnd = pieces_.end();
-    for (; !cuts_.empty(); cuts_.pop_back()) {
-      const auto index = static_cast<std::ptrdiff_t>(cuts_.back().triangle);
-      const auto pieceBegin = pieceEnd - cuts_.back().pieces;
-      target = std::move_backward(triangles.begin() + index + 1, triangles.begin() + unmovedEnd, target);
-      target = std::move_backward(pieceBegin, pieceEnd, target);
-      unmovedEnd = index;
-      pieceEnd = pieceBegin;
-    }
-  }
-
- private:
-  using Corners = std::array<std::uint32_t, 3>;
-  // The side of the line on which a point is; 0: on the line. The sides of a triangle's corners are combined by `or`.
-  static constexpr std::uint8_t kAbove = 1, kBelow = 2;
-  struct Cut {
-    std::size_t triangle;
-    std::ptrdiff_t pieces;  // number of the triangle's pieces
-  };
-
-  // Returns the index of the point on the edge between a and b where the field is zero, which is added if it is new.
-  std::uint32_t crossing(std::uint32_t a, std::uint32_t b) {
-    if (a > b) std::swap(a, b);
-    const auto next = static_cast<std::uint32_t>(tiling_.points.size());
-    const auto [entry, isNew] = crossings_.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, next);
-    if (isNew) {
-      const double t = field_[a] / (field_[a] - field_[b]);
-      tiling_.points.push_back(models::lerp(tiling_.points[a], tiling_.points[b], t));
-    }
-    return entry->second;
-  }
-
-  Tiling& tiling_;
-  std::vector<double> field_;
-  std::vector<std::uint8_t> sides_;                             // by point
-  std::unordered_map<std::uint64_t, std::uint32_t> crossings_;  // index of the new point, by edge
-  std::vector<Cut> cuts_;                                       // in the order of the triangles
-  std::vector<Corners> pieces_;                                 // of all cuts, in their order
-};
-
 }  // namespace
 
 Tiling makeTiling(double half, double smallest, const std::function<bool(double x, double y, double size)>& divided) {
@@ -210,9 +127,50 @@ Tiling makeTiling(double half, double smallest, const std::function<bool(double 
 }
 
 void cutAlong(Tiling& tiling, std::vector<double> field) {
-  LineCutter lineCutter(tiling, std::move(field));
-  lineCutter.cutTriangles();
-  lineCutter.insertPieces();
+  using Corners = std::array<std::uint32_t, 3>;
+  // The side of the line on which a point is; 0: on the line. The sides of a triangle's corners are combined by `or`.
+  constexpr std::uint8_t kAbove = 1, kBelow = 2;
+  std::vector<std::uint8_t> sides(field.size());  // by point
+  for (std::size_t p = 0; p < field.size(); ++p) {
+    if (std::abs(field[p]) < kOnLine) field[p] = 0;
+    sides[p] = field[p] > 0 ? kAbove : field[p] < 0 ? kBelow : 0;
+  }
+  std::unordered_map<std::uint64_t, std::uint32_t> crossings;  // index of the new point, by edge
+  // Returns the index of the point on the edge between a and b where the field is zero. Adds the point if it is new.
+  const auto addCrossing = [&](std::uint32_t a, std::uint32_t b) {
+    if (a > b) std::swap(a, b);
+    const auto newIndex = static_cast<std::uint32_t>(tiling.points.size());
+    const auto [entry, isNew] = crossings.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, newIndex);
+    if (isNew) {
+      const double t = field[a] / (field[a] - field[b]);
+      tiling.points.push_back(models::lerp(tiling.points[a], tiling.points[b], t));
+    }
+    return entry->second;
+  };
+  std::vector<Corners> triangles;
+  triangles.reserve(tiling.triangles.size() + tiling.triangles.size() / 8);
+  for (const Corners& t : tiling.triangles) {
+    if ((sides[t[0]] | sides[t[1]] | sides[t[2]]) != (kAbove | kBelow)) {
+      triangles.push_back(t);
+      continue;
+    }
+    // Rotates the corners so that the first corner is on the line, or is the only corner on its side of the line.
+    const bool onLine = sides[t[0]] == 0 || sides[t[1]] == 0 || sides[t[2]] == 0;
+    std::size_t first = 0;
+    while (onLine ? sides[t[first]] != 0 : sides[t[(first + 1) % 3]] != sides[t[(first + 2) % 3]]) ++first;
+    const std::uint32_t a = t[first];
+    const std::uint32_t b = t[(first + 1) % 3];
+    const std::uint32_t c = t[(first + 2) % 3];
+    if (onLine) {
+      const std::uint32_t bc = addCrossing(b, c);
+      triangles.insert(triangles.end(), {{a, b, bc}, {a, bc, c}});
+    } else {
+      const std::uint32_t ab = addCrossing(a, b);
+      const std::uint32_t ac = addCrossing(a, c);
+      triangles.insert(triangles.end(), {{a, ab, ac}, {ab, b, c}, {ab, c, ac}});
+    }
+  }
+  tiling.triangles = std::move(triangles);
 }
 
 }  // namespace scanmill::town

@@ -36,23 +36,25 @@ struct VehiclePath {
   std::shared_ptr<const Path> path;
   LanePoints lane;  // with its points in the world's frame
 
-  // Returns the distance along the path (m) at a position on a road.
-  double at(std::uint32_t road, double along) const {
+  // Returns the distance along the path (m) at a position on a road (m along the road). If the path does not pass the
+  // position, returns the distance at its last point on the road; 0 if it has none.
+  double distanceAt(std::uint32_t road, double along) const {
     const auto distanceOf = [&](std::size_t i) { return path->distanceOfPoint(lane.firstOnRoad + i); };
-    std::optional<std::size_t> before;
+    std::optional<std::size_t> previous;  // index of the previous point on the road
     for (std::size_t i = 0; i < lane.positions.size(); ++i) {
       if (lane.positions[i].road != road) continue;
-      const double to = lane.positions[i].along;
-      const double from = before ? lane.positions[*before].along : to;
-      if ((from - along) * (to - along) <= 0 && from != to) {
-        return distanceOf(*before) + (distanceOf(i) - distanceOf(*before)) * (along - from) / (to - from);
+      const double end = lane.positions[i].along;
+      const double start = previous ? lane.positions[*previous].along : end;
+      if ((start - along) * (end - along) <= 0 && start != end) {
+        return distanceOf(*previous) + (distanceOf(i) - distanceOf(*previous)) * (along - start) / (end - start);
       }
-      before = i;
+      previous = i;
     }
-    return before ? distanceOf(*before) : 0;
+    return previous ? distanceOf(*previous) : 0;
   }
 };
 
+// Returns the path of a vehicle along lanes; see lanePoints(). Its sides stay off the centre line of two-way roads.
 VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, double halfWidth,
                         const Affine& worldFromTown) {
   LanePoints lane = lanePoints(l, lanePath, out, halfWidth + kMiddle);
@@ -61,11 +63,11 @@ VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, d
   return {std::move(path), std::move(lane)};
 }
 
+// Places the traffic of a town: adds routes, then vehicles on them, simulates, and places the vehicles with their
+// movements. The route through the town, of which vehicles turn off, is the first one.
 class Traffic {
  public:
-  explicit Traffic(Placer& placer) : placer_(placer), l_(placer.layout), main_(road(0)) {
-    fastest_ = l_.character.speed;
-  }
+  explicit Traffic(Placer& placer) : placer_(placer), l_(placer.layout), main_(road(0)), fastest_(l_.character.speed) {}
 
   void place() {
     addThrough();
@@ -75,9 +77,8 @@ class Traffic {
     const std::vector<std::vector<double>> travelled = drive(routes_, drivers_, kWarmUp, kDuration, kInterval);
     for (std::size_t i = 0; i < drivers_.size(); ++i) {
       const Participant& p = participants_[i];
-      const double halfWidth = (p.vehicle.bounds.high.y - p.vehicle.bounds.low.y) / 2;
       const VehiclePath driven =
-          vehiclePath(l_, lanePaths_[drivers_[i].route], p.out, halfWidth, placer_.worldFromTown);
+          vehiclePath(l_, lanePaths_[drivers_[i].route], p.out, models::widthOf(p.vehicle) / 2, placer_.worldFromTown);
       const auto movement = std::make_shared<const Movement>(driven.path, travelled[i], kInterval);
       placer_.putMoving(p.vehicle.mesh, p.name, movement);
       if (p.rider) placer_.putMoving(p.rider->mesh, "rider of " + p.name, movement);
@@ -85,19 +86,22 @@ class Traffic {
   }
 
  private:
+  // What drives: the vehicle of the driver with the same index.
   struct Participant {
     Model vehicle;
     std::optional<Model> rider;
-    double out = 0;
+    double out = 0;  // m to the right of the middle of the rightmost lane
     std::string name;
   };
 
   const Road& road(std::uint32_t r) const { return l_.roads()[r]; }
+  // Numbers of the lanes of a side road, towards the main road and away from it. Lane 0 is that of the main road.
   static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
   static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
 
-  // Adds a route `out` metres to the right of the middle of the rightmost lane. Returns its index.
-  std::uint32_t add(const LanePath& lanePath, double out = 0) {
+  // Adds a route without legs and stop lines, `out` metres to the right of the middle of the rightmost lane. Returns
+  // its index.
+  std::uint32_t addRoute(const LanePath& lanePath, double out = 0) {
     lanePaths_.push_back(lanePath);
     paths_.push_back(vehiclePath(l_, lanePath, out, 0, placer_.worldFromTown));
     const Path& path = *paths_.back().path;
@@ -110,37 +114,42 @@ class Traffic {
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
 
-  // Returns where an object first blocks the lane between two places of a road (m along the road); nullopt if the lane
-  // is free.
-  std::optional<double> blocked(std::uint32_t r, double from, double to) const {
+  // Returns where an object first blocks the lane on the way from one position of a road to another (m along the road);
+  // nullopt if the lane is free.
+  std::optional<double> firstObstacle(std::uint32_t r, double from, double to) const {
     const double direction = to >= from ? 1 : -1;
     const double lateral = road(r).oneWay() ? 0 : std::max(road(r).laneMiddle(), 0.9 + kMiddle);
-    for (const double done : models::steps(0, std::abs(to - from), 1.5)) {
-      const double along = from + direction * done;
+    for (const double travelled : models::steps(0, std::abs(to - from), 1.5)) {
+      const double along = from + direction * travelled;
       const Spot spot = besideRoad(road(r), along, -direction * lateral);
       if (!placer_.occupancy.isFree({spot.at, 0.75, 0.9, spot.yaw})) return along;
     }
     return std::nullopt;
   }
 
-  // Adds the route through the town: the complete main road, driven against its line.
+  // Adds the route through the town: the complete main road, driven against its line. It has stop lines at obstacles
+  // and at traffic lights.
   void addThrough() {
+    constexpr double kBeforeObstacle = 2;  // m
+    constexpr double kNextObstacle = 26;  // m behind the beginning of an obstacle, where the search for the next begins
     const double length = main_.length();
-    const std::uint32_t route = add({{{0, length, 0}}, kUpstream, kBeyond});
+    const std::uint32_t route = addRoute({{{0, length, 0}}, kUpstream, kBeyond});
     Route& through = routes_[route];
-    through.legs = {{0, 0, through.length, 0}};
-    // A vehicle that starts behind an obstacle may have another one ahead.
-    constexpr double kNext = 26;  // m from the beginning of an obstacle, from where the next one is looked for
-    for (auto at = blocked(0, length, 0); at; at = *at > kNext ? blocked(0, *at - kNext, 0) : std::nullopt) {
-      through.stops.push_back({paths_[route].at(0, *at) - 2});
+    through.legs = {{.lane = 0, .from = 0, .to = through.length}};
+    std::optional<double> obstacle = firstObstacle(0, length, 0);
+    while (obstacle) {
+      through.stops.push_back({.at = paths_[route].distanceAt(0, *obstacle) - kBeforeObstacle});
+      obstacle = *obstacle > kNextObstacle ? firstObstacle(0, *obstacle - kNextObstacle, 0) : std::nullopt;
     }
-    addLights(route, &Placer::Light::along);
+    addLights(route, &Placer::Light::stopAgainstLine);
   }
 
-  // Adds the stop lines of the main road's lights to a route. `position`: where the route's vehicles stop.
+  // Adds the stop lines of the main road's lights to a route. `position`: the member that has the position of the line
+  // for the direction of this route.
   void addLights(std::uint32_t route, double Placer::Light::*position) {
     for (const Placer::Light& light : placer_.lights) {
-      routes_[route].stops.push_back({paths_[route].at(0, light.*position), light.kPeriod, light.kRed, light.offset});
+      routes_[route].stops.push_back({.at = paths_[route].distanceAt(0, light.*position),
+                                      .rule = TrafficLight{light.kPeriod, light.kRed, light.offset}});
     }
   }
 
@@ -151,12 +160,13 @@ class Traffic {
     for (int lane = 1; lane < main_.section.lanes; ++lane) {
       for (const bool along : {false, true}) {
         const LanePath lanePath{{{0, along ? 0 : length, along ? length : 0}}, kUpstream, kBeyond};
-        const std::uint32_t number = kPassing + 2 * static_cast<std::uint32_t>(lane) + (along ? 1 : 0);
-        const std::uint32_t route = add(lanePath, -lane * main_.section.laneWidth());
-        routes_[route].legs = {{number, 0, routes_[route].length, 0}};
-        addLights(route, along ? &Placer::Light::facing : &Placer::Light::along);
-        Draw draw(l_.seed, Kind::PassingTraffic, number);
-        drawAlong(draw, route, l_.character.traffic, -lane * main_.section.laneWidth());
+        const std::uint32_t laneNumber = kPassing + 2 * static_cast<std::uint32_t>(lane) + (along ? 1 : 0);
+        const double out = -lane * main_.section.laneWidth();
+        const std::uint32_t route = addRoute(lanePath, out);
+        routes_[route].legs = {{.lane = laneNumber, .from = 0, .to = routes_[route].length}};
+        addLights(route, along ? &Placer::Light::stopWithLine : &Placer::Light::stopAgainstLine);
+        Draw draw(l_.seed, Kind::PassingTraffic, laneNumber);
+        addPassingVehicles(draw, route, out);
       }
     }
   }
@@ -170,186 +180,203 @@ class Traffic {
     const double start = laneStart(l_);
     if (!side.joins || end < start + kLeastLanes || egoRoads(l_).has(side)) return;
     const bool turns = side.joinsLeft && main_.against;
-    std::optional<std::uint32_t> out;
-    std::optional<std::uint32_t> in;
-    if (side.along && !blocked(r, start, end)) {
-      out = add({{{r, start, end}}});
-      routes_[*out].legs = {{outwards(r), 0, routes_[*out].length, 0}};
-      routes_[*out].stops = {{routes_[*out].length - kBeforeEnd}};
+    std::optional<std::uint32_t> outRoute, inRoute;  // away from the main road, and towards it
+    if (side.along && !firstObstacle(r, start, end)) {
+      outRoute = addRoute({{{r, start, end}}});
+      const double length = routes_[*outRoute].length;
+      routes_[*outRoute].legs = {{.lane = outwards(r), .from = 0, .to = length}};
+      routes_[*outRoute].stops = {{.at = length - kBeforeEnd}};
       if (turns) addTurnInto(side);
     }
-    if (side.against && !blocked(r, end, start)) in = turns ? addTurnOutOf(side) : addUpToStopLine(side);
-    drawSide(r, in, out, start, end);
+    if (side.against && !firstObstacle(r, end, start)) inRoute = turns ? addTurnOutOf(side) : addUpToStopLine(side);
+    addSideVehicles(r, inRoute, outRoute, end - start);
   }
 
-  // Adds the route from the main road into a side road.
+  // Adds the route from the main road into a side road. On the main road it shares the lane of the route through the
+  // town and its stop lines.
   void addTurnInto(const Road& side) {
-    constexpr double kOverlap = 4;  // m before its own lane where a turning vehicle is seen by those on that lane
-    const double before = *side.joins + turnStart(side);
-    const std::uint32_t number =
-        add({.intervals = {{0, main_.length(), before}, {side.number, laneStart(l_), laneEnd(side)}},
-             .hiddenBefore = kUpstream});
-    Route& turning = routes_[number];
-    const double from = paths_[number].at(side.number, laneStart(l_));
-    turning.legs = {{.lane = 0, .from = 0, .to = from},
-                    {.lane = outwards(side.number), .from = from - kOverlap, .to = turning.length, .shift = -from}};
-    turning.stops = {{turning.length - kBeforeEnd}};
+    constexpr double kSeenBefore =
+        4;  // m before the side road's lane, where vehicles on this lane see those that turn in
+    const double turnAlong = *side.joins + turnStart(side);  // m along the main road
+    const std::uint32_t index =
+        addRoute({.intervals = {{0, main_.length(), turnAlong}, {side.number, laneStart(l_), laneEnd(side)}},
+                  .hiddenBefore = kUpstream});
+    Route& route = routes_[index];
+    const double laneBegin = paths_[index].distanceAt(side.number, laneStart(l_));  // m along the route
+    route.legs = {
+        {.lane = 0, .from = 0, .to = laneBegin},
+        {.lane = outwards(side.number), .from = laneBegin - kSeenBefore, .to = route.length, .shift = -laneBegin}};
+    route.stops = {{.at = route.length - kBeforeEnd}};
     for (const StopLine& s : routes_.front().stops) {
-      if (s.at < paths_[number].at(0, before)) turning.stops.push_back(s);
+      if (s.at < paths_[index].distanceAt(0, turnAlong)) route.stops.push_back(s);
     }
-    turns_.push_back(number);
+    turns_.push_back(index);
   }
 
-  // Adds the route along a side road to its stop line, where vehicles wait for ever.
+  // Adds the route along a side road to its stop line, where vehicles wait for ever. Returns its index.
   std::uint32_t addUpToStopLine(const Road& side) {
-    const std::uint32_t number = add({{{side.number, laneEnd(side), stopLineOfSideRoad(l_)}}});
-    Route& coming = routes_[number];
-    coming.legs = {{inwards(side.number), 0, coming.length, 0}};
-    coming.stops = {{paths_[number].at(side.number, stopLineOfSideRoad(l_)) - kBeforeEnd}};
-    return number;
+    const std::uint32_t index = addRoute({{{side.number, laneEnd(side), stopLineOfSideRoad(l_)}}});
+    Route& route = routes_[index];
+    route.legs = {{.lane = inwards(side.number), .from = 0, .to = route.length}};
+    route.stops = {{.at = paths_[index].distanceAt(side.number, stopLineOfSideRoad(l_)) - kBeforeEnd}};
+    return index;
   }
 
-  // Adds the route from a side road to the main road, to which it gives way at its stop line.
+  // Adds the route from a side road to the main road, to which it gives way at its stop line. Returns its index.
   std::uint32_t addTurnOutOf(const Road& side) {
-    constexpr double kLooksBack = 50, kLooksAhead = 14;  // m of the main road from the junction that must be free
-    constexpr double kLeaves = 6, kEnters = 1;           // m behind the stop line: end and start of the lanes
-    const double after = *side.joins - turnStart(side);
+    constexpr double kLooksBack = 50, kLooksAhead = 14;       // m of the main road from the junction that must be free
+    constexpr double kLeaves = 6, kEnters = 1;                // m behind the stop line: end and start of the lanes
+    const double mergeAlong = *side.joins - turnStart(side);  // m along the main road
     const std::uint32_t r = side.number;
-    const std::uint32_t number = add({{{r, laneEnd(side), stopLineOfSideRoad(l_)}, {0, after, 0}}, 0, kBeyond});
-    Route& coming = routes_[number];
-    const double line = paths_[number].at(r, stopLineOfSideRoad(l_));
-    const double merged = paths_[number].at(0, after);   // m along this route
-    const double through = paths_.front().at(0, after);  // m along the route through the town
-    coming.legs = {{inwards(r), 0, line + kLeaves, 0}, {0, line + kEnters, coming.length, through - merged}};
-    coming.stops = {{line, 0, 0, 0, true, 0, through - kLooksBack, through + kLooksAhead}};
+    const std::uint32_t index =
+        addRoute({{{r, laneEnd(side), stopLineOfSideRoad(l_)}, {0, mergeAlong, 0}}, 0, kBeyond});
+    Route& route = routes_[index];
+    const double line = paths_[index].distanceAt(r, stopLineOfSideRoad(l_));
+    const double merge = paths_[index].distanceAt(0, mergeAlong);          // m along this route
+    const double throughMerge = paths_.front().distanceAt(0, mergeAlong);  // m along the route through the town
+    const double shift = throughMerge - merge;
+    route.legs = {{.lane = inwards(r), .from = 0, .to = line + kLeaves},
+                  {.lane = 0, .from = line + kEnters, .to = route.length, .shift = shift}};
+    const GiveWay toMainRoad{.lane = 0, .from = throughMerge - kLooksBack, .to = throughMerge + kLooksAhead};
+    route.stops = {{.at = line, .rule = toMainRoad}};
     for (const StopLine& s : routes_.front().stops) {
-      if (s.at > through) coming.stops.push_back({s.at + merged - through, s.period, s.red, s.offset});
+      if (s.at > throughMerge) route.stops.push_back({.at = s.at + merge - throughMerge, .rule = s.rule});
     }
-    return number;
+    return index;
   }
 
-  void drawSide(std::uint32_t r, const std::optional<std::uint32_t>& in, const std::optional<std::uint32_t>& out,
-                double mouth, double end) {
+  // Adds the vehicles of a side road at random positions of its two routes, at least 14 m apart; a route may be
+  // missing. `length`: m, of the lanes.
+  void addSideVehicles(std::uint32_t r, const std::optional<std::uint32_t>& inRoute,
+                       const std::optional<std::uint32_t>& outRoute, double length) {
+    constexpr double kApart = 14;  // m between the middles of two vehicles
     Draw draw(l_.seed, Kind::SideTraffic, r);
-    const int count = static_cast<int>(l_.character.traffic * 0.4 * (end - mouth) / 100 + draw.next());
-    std::vector<std::pair<std::uint32_t, double>> taken;
+    const int count = static_cast<int>(l_.character.traffic * 0.4 * length / 100 + draw.next());
+    std::vector<std::pair<std::uint32_t, double>> starts;  // routes, and m along them
     for (int k = 0; k < count; ++k) {
-      const bool inwardsBound = draw.chance(0.5);
-      const std::optional<std::uint32_t>& route = inwardsBound ? in : out;
-      const double at = draw.in(4, std::max(5.0, end - mouth - 12));
-      const double starts = draw.chance(0.5) ? draw.in(0, 40) : kAlways;
+      const std::optional<std::uint32_t>& route = draw.chance(0.5) ? inRoute : outRoute;
+      const double along = draw.in(4, std::max(5.0, length - 12));
+      const double startTime = draw.chance(0.5) ? draw.in(0, 40) : kAlways;
       const Model& car = anyCar(placer_, draw);
-      const double off = draw.in(-0.15, 0.15);
-      if (!route) continue;
-      const bool near = std::any_of(taken.begin(), taken.end(),
-                                    [&](const auto& t) { return t.first == *route && std::abs(t.second - at) < 14; });
-      if (near) continue;
-      taken.emplace_back(*route, at);
-      addDriver(*route, at, car, std::nullopt, draw.in(6, 10), off, starts);
+      const double out = draw.in(-0.15, 0.15);
+      const auto isNear = [&](const auto& s) { return s.first == *route && std::abs(s.second - along) < kApart; };
+      if (!route || std::ranges::any_of(starts, isNear)) continue;
+      starts.emplace_back(*route, along);
+      addDriver(*route, along, car, std::nullopt, draw.in(6, 10), out, startTime);
     }
   }
 
-  // Adds the vehicles that drive through the town. They start at least kStartGap plus one second of driving apart.
+  // Adds the vehicles that drive through the town or turn off. They start at least kStartGap plus one second of driving
+  // apart. In the built-up part, the first ones are cyclists, as many as the town wants.
   void drawThrough() {
     if (!main_.against) return;
+    constexpr double kHeavyShare = 0.27, kBusShare = 0.16, kMotorcycleShare = 0.2, kTurnShare = 0.25;
     Draw draw(l_.seed, Kind::Traffic);
-    const double density = l_.character.traffic / 100;
-    const double length = routes_.front().length;
-    int riding = ridersWanted();
-    const double built = paths_.front().at(0, l_.mainTo);
-    const double last = paths_.front().at(0, l_.mainFrom);
-    double at = draw.in(0, 30);
-    while (at < length - kBeyond) {
+    const double density = l_.character.traffic / 100;  // vehicles per m
+    const double end = routes_.front().length - kBeyond;
+    int missingCyclists = cyclistCount();
+    const double builtFrom = paths_.front().distanceAt(0, l_.mainTo);
+    const double builtTo = paths_.front().distanceAt(0, l_.mainFrom);
+    double along = draw.in(0, 30);
+    while (along < end) {
       const double speed = fastest_ * draw.in(0.85, 1.1);
       const double pick = draw.next();
-      const double off = draw.in(-0.2, 0.2);
-      if (riding > 0 && at > built && at < last) {
-        --riding;
-        addCyclist(draw, at);
+      const double out = draw.in(-0.2, 0.2);
+      if (missingCyclists > 0 && along > builtFrom && along < builtTo) {
+        --missingCyclists;
+        addCyclist(draw, along);
+      } else if (density > 0 && pick > 1 - kMotorcycleShare) {
+        addMotorcyclist(draw, 0, along, speed, out);
+        along += kStartGap + speed;
+        continue;
       } else if (density > 0) {
-        const bool heavy = pick < 0.27 && main_.section.laneWidth() > kHeavyLane;
-        if (pick > 0.8) {
-          addMotorcyclist(draw, 0, at, speed, off);
-          at += kStartGap + speed;
-          continue;
-        }
-        const Model& m = !heavy ? anyCar(placer_, draw) : pick < 0.16 ? busOf(placer_) : anyTruck(placer_, draw);
-        const bool turns = !heavy && !turns_.empty() && draw.chance(0.25);
-        std::uint32_t route = 0;
-        if (turns) route = draw.itemOf(turns_);
-        const std::vector<Leg>& legs = routes_[route].legs;
+        const bool heavy = pick < kHeavyShare && main_.section.laneWidth() > kHeavyLane;
+        const Model& m = !heavy ? anyCar(placer_, draw) : pick < kBusShare ? busOf(placer_) : anyTruck(placer_, draw);
+        const bool turns = !heavy && !turns_.empty() && draw.chance(kTurnShare);
+        const std::uint32_t route = turns ? draw.itemOf(turns_) : 0;
+        const bool beforeTurn = along < routes_[route].legs.front().to - 30;
         // Lorries and buses keep to the middle of the lane: in bends they need its width.
-        addDriver(at < legs.front().to - 30 ? route : 0, at, m, std::nullopt, speed, heavy ? 0 : off, kAlways);
+        addDriver(beforeTurn ? route : 0, along, m, std::nullopt, speed, heavy ? 0 : out, kAlways);
       }
       const double least = kStartGap + speed;
       const double mean = density > 0 ? std::max(1 / density - least, 8.0) : 40;
-      at += least - mean * std::log(draw.next());
+      along += least - mean * std::log(draw.next());
     }
   }
 
-  // Adds the vehicles of a route that nobody leaves, `out` metres to the right of the rightmost lane. `per100m`:
-  // vehicles per 100 m of the lane.
-  void drawAlong(Draw& draw, std::uint32_t route, double per100m, double out) {
-    const double length = routes_[route].length;
-    double at = draw.in(0, 30);
-    while (per100m > 0 && at < length - kBeyond) {
+  // Adds the vehicles of a passing lane, `out` metres to the right of the rightmost lane. They drive faster than those
+  // of the rightmost lane.
+  void addPassingVehicles(Draw& draw, std::uint32_t route, double out) {
+    const double per100m = l_.character.traffic;
+    const double end = routes_[route].length - kBeyond;
+    double along = draw.in(0, 30);
+    while (per100m > 0 && along < end) {
       const double speed = 1.1 * fastest_ * draw.in(0.9, 1.1);
-      const double off = draw.in(-0.2, 0.2);
+      const double vehicleOut = out + draw.in(-0.2, 0.2);
       const bool heavy = draw.chance(0.08) && main_.section.laneWidth() > kHeavyLane;
       if (draw.chance(0.2)) {
-        addMotorcyclist(draw, route, at, speed, out + off);
+        addMotorcyclist(draw, route, along, speed, vehicleOut);
       } else {
-        addDriver(route, at, heavy ? anyTruck(placer_, draw) : anyCar(placer_, draw), std::nullopt, speed, out + off,
-                  kAlways);
+        const Model& m = heavy ? anyTruck(placer_, draw) : anyCar(placer_, draw);
+        addDriver(route, along, m, std::nullopt, speed, vehicleOut, kAlways);
       }
       const double least = kStartGap + speed;
-      at += least - std::max(100 / per100m - least, 8.0) * std::log(draw.next());
+      along += least - std::max(100 / per100m - least, 8.0) * std::log(draw.next());
     }
   }
 
-  int ridersWanted() const {
+  // Returns the number of cyclists on the main road.
+  int cyclistCount() const {
     if (l_.parameters.people <= 0 || l_.character.motorway) return 0;
     Draw draw(l_.seed, Kind::RoadCyclists);
     const double length = l_.mainTo - l_.mainFrom;
     return std::max(1, static_cast<int>(0.7 * l_.character.people * length / 100 + draw.next()));
   }
 
-  void addCyclist(Draw& draw, double at) {
-    const int form = draw.below(static_cast<int>(cyclists_.size()));
-    std::optional<models::Ridden>& pair = cyclists_[static_cast<std::size_t>(form)];
-    if (!pair) pair = models::makeCyclist(placer_.builder, l_.seed, form);
-    const double speed = draw.in(3.5, 6);
+  // Returns a random one of a few models, which `make` builds when it is first needed.
+  template <std::size_t Count, class Make>
+  const models::Ridden& anyRidden(std::array<std::optional<models::Ridden>, Count>& built, Draw& draw,
+                                  const Make& make) {
+    const int form = draw.below(static_cast<int>(Count));
+    std::optional<models::Ridden>& ridden = built[static_cast<std::size_t>(form)];
+    if (!ridden) ridden = make(placer_.builder, l_.seed, form);
+    return *ridden;
+  }
+
+  void addCyclist(Draw& draw, double along) {
     constexpr double kBesideParked = 1;  // m from the lane's middle, where cyclists pass parked cars
+    const auto& [bicycle, rider] = anyRidden(cyclists_, draw, models::makeCyclist);
+    const double speed = draw.in(3.5, 6);
     const double out = std::min(main_.section.laneWidth() / 2 - 0.6, kBesideParked);
-    addDriver(0, at, pair->vehicle, pair->rider, speed, out, kAlways, "cyclist's bicycle");
+    addDriver(0, along, bicycle, rider, speed, out, kAlways, "cyclist's bicycle");
   }
 
-  void addMotorcyclist(Draw& draw, std::uint32_t route, double at, double speed, double out) {
-    const int form = draw.below(static_cast<int>(motorcyclists_.size()));
-    std::optional<models::Ridden>& pair = motorcyclists_[static_cast<std::size_t>(form)];
-    if (!pair) pair = models::makeMotorcyclist(placer_.builder, l_.seed, form);
-    addDriver(route, at, pair->vehicle, pair->rider, speed, out, kAlways, "traffic on a motorcycle");
+  void addMotorcyclist(Draw& draw, std::uint32_t route, double along, double speed, double out) {
+    const auto& [motorcycle, rider] = anyRidden(motorcyclists_, draw, models::makeMotorcyclist);
+    addDriver(route, along, motorcycle, rider, speed, out, kAlways, "traffic on a motorcycle");
   }
 
-  // Adds a vehicle that starts at `at` (m along the route), unless a line is too near. `what` begins its name.
-  void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& rider, double speed,
-                 double out, double starts, std::string_view what = "traffic") {
+  // Adds a vehicle that is `along` metres along the route at the start, and does not move before `startTime` (s);
+  // unless a stop line without a light (a give-way line or an obstacle such as roadworks) is within 14 m ahead or 26 m
+  // behind. `namePrefix`: of the vehicle's name, which a number follows.
+  void addDriver(std::uint32_t route, double along, const Model& vehicle, const std::optional<Model>& rider,
+                 double speed, double out, double startTime, const std::string& namePrefix = "traffic") {
+    constexpr double kBeforeLine = 14, kBehindLine = 26;  // m
+    const bool nearLine = std::ranges::any_of(routes_[route].stops, [&](const StopLine& s) {
+      return !s.hasLight() && along > s.at - kBeforeLine && along < s.at + kBehindLine;
+    });
+    if (nearLine) return;
     const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
-    // No vehicle starts within 14 m before a StopLine without a traffic light, a give-way line or an obstacle such
-    // as roadworks, or within 26 m behind it.
-    for (const StopLine& s : routes_[route].stops) {
-      if (s.period <= 0 && at > s.at - 14 && at < s.at + 26) return;
-    }
-    drivers_.push_back({route, at, length, speed, starts});
-    participants_.push_back({vehicle, rider, out, fmt::format("{} {}", what, ++numbers_[std::string(what)])});
+    drivers_.push_back({route, along, length, speed, startTime});
+    participants_.push_back({vehicle, rider, out, fmt::format("{} {}", namePrefix, ++numbers_[namePrefix])});
   }
 
   Placer& placer_;
   const Layout& l_;
   const Road& main_;
-  double fastest_ = 12;  // m/s, speed limit in the town
-  std::vector<LanePath> lanePaths_;
-  std::vector<VehiclePath> paths_;
+  double fastest_;                   // m/s, speed limit in the town
+  std::vector<LanePath> lanePaths_;  // by route
+  std::vector<VehiclePath> paths_;   // by route
   std::vector<Route> routes_;
   std::vector<std::uint32_t> turns_;  // indices of routes that leave the main road
   std::vector<Driver> drivers_;

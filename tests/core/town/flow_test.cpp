@@ -34,7 +34,7 @@ TEST(Flow, FollowsAtTheGapOfTheModel) {
 
 TEST(Flow, NobodyDrivesBackwardsOrIntoAnother) {
   Route route = straight(3000);
-  route.stops = {{600, 40, 20, 3}, {900, 60, 15, 30}};
+  route.stops = {{600, TrafficLight{40, 20, 3}}, {900, TrafficLight{60, 15, 30}}};
   std::vector<Driver> drivers;
   for (int i = 0; i < 30; ++i) drivers.push_back({0, 25.0 * i, i % 5 == 0 ? 12.0 : 4.5, 8.0 + i % 7});
   const auto t = drive({route}, drivers, 0, 200, kInterval);
@@ -53,7 +53,7 @@ TEST(Flow, NobodyPassesARedLight) {
   constexpr double kPeriod = 50;
   constexpr double kRed = 25;
   constexpr double kOffset = 7;
-  route.stops = {{kLine, kPeriod, kRed, kOffset}};
+  route.stops = {{kLine, TrafficLight{kPeriod, kRed, kOffset}}};
   std::vector<Driver> drivers;
   for (int i = 0; i < 12; ++i) drivers.push_back({0, 35.0 * i, 4, 12});
   const auto t = drive({route}, drivers, 0, 150, kInterval);
@@ -86,7 +86,7 @@ TEST(Flow, GivesWay) {
   Route in;
   in.length = 800;
   in.legs = {{1, 0, 106, 0}, {0, 101, 800, 400}};  // joins the other lane at 500
-  in.stops = {{100, 0, 0, 0, true, 0, 420, 514}};
+  in.stops = {{100, GiveWay{0, 420, 514}}};
   const std::vector<Driver> drivers{{0, 430, 4, 10}, {0, 390, 4, 10}, {0, 200, 4, 10}, {1, 80, 4, 10}};
   const auto t = drive({through, in}, drivers, 0, 40, kInterval);
   for (std::size_t k = 1; k < t[3].size(); ++k) {
