@@ -73,7 +73,7 @@ std::vector<Vec3f> wall(float x, float half) {
 }
 
 void setOnePoint(Canvas& canvas, ItemId item, const Vec3f& at, const Rgb& color, const ItemLook& look) {
-  canvas.setPoints(item, std::vector{at}, std::vector{color});
+  canvas.set(item, ItemKind::Points, std::vector{at}, std::vector{color});
   canvas.setLook(item, look);
 }
 
@@ -107,7 +107,7 @@ TEST(Canvas, ProjectsLikeItsCameras) {
     points.push_back(Vec3f(Vec3d{between(-20, 20), between(-20, 20), between(-20, 20)}));
     colors.push_back(colorOf(k));
   }
-  canvas.setPoints(3, points, colors);
+  canvas.set(3, ItemKind::Points, points, colors);
   canvas.setLook(3, {.views = 7});
   std::size_t found = 0;
   for (int round = 0; round < 12; ++round) {
@@ -193,7 +193,7 @@ TEST(Canvas, ShowsWhatIsAskedFor) {
     return std::array{countOf(image, kRed), countOf(image, kGreen), countOf(image, kBlue)};
   };
   using Counts = std::array<std::size_t, 3>;
-  canvas.setPoints(1, points, colors);
+  canvas.set(1, ItemKind::Points, points, colors);
   canvas.setLook(1, sized(5));
   EXPECT_EQ(counts(), (Counts{25, 25, 25}));
   canvas.showOnly(1, std::vector<std::uint32_t>{0, 2, 3});
@@ -206,13 +206,13 @@ TEST(Canvas, ShowsWhatIsAskedFor) {
   EXPECT_EQ(counts(), (Counts{25, 0, 0}));
   canvas.showAll(1);
   EXPECT_EQ(counts(), (Counts{25, 25, 25}));
-  canvas.setPoints(1, std::span(points).first(1), std::vector{kBlue});  // keeps its look, and is shown
+  canvas.set(1, ItemKind::Points, std::span(points).first(1), std::vector{kBlue});  // keeps its look, and is shown
   EXPECT_EQ(counts(), (Counts{0, 0, 25}));
-  canvas.setPoints(1, {}, {});
+  canvas.set(1, ItemKind::Points, {}, {});
   EXPECT_EQ(counts(), (Counts{0, 0, 0}));
-  canvas.setPoints(1, std::span(points).first(3), std::span(colors).first(3));
+  canvas.set(1, ItemKind::Points, std::span(points).first(3), std::span(colors).first(3));
   EXPECT_EQ(counts(), (Counts{25, 25, 25}));
-  canvas.setTriangles(1, wall(10, 0.5f), std::vector{kRed, kRed});  // another kind of thing
+  canvas.set(1, ItemKind::Triangles, wall(10, 0.5f), std::vector{kRed, kRed});  // another kind of thing
   EXPECT_EQ(counts()[1], 0u);
   canvas.drop(1);
   canvas.drop(1);
@@ -262,19 +262,20 @@ TEST(Canvas, EveryViewHasItsItems) {
 TEST(Canvas, SurfacesAreLitFromTheEye) {
   CANVAS_OR_SKIP(canvas, 100, 100);
   setView(canvas);
-  canvas.setTriangles(1, wall(10, 20), std::vector{kGreen, kGreen});
+  canvas.set(1, ItemKind::Triangles, wall(10, 20), std::vector{kGreen, kGreen});
   Image image = drawn(canvas);
   EXPECT_NEAR(image.at(50, 50)[1], kGreen[1], 2);
   EXPECT_LT(image.at(1, 1)[1], kGreen[1] - 10);  // seen from the side
   const Vec3f a{5, -1, -1};
-  canvas.setTriangles(1, std::vector{a, Vec3f{50, -1, -1}, Vec3f{50, 1, -1}}, std::vector{kGreen});  // a grazing floor
+  canvas.set(1, ItemKind::Triangles, std::vector{a, Vec3f{50, -1, -1}, Vec3f{50, 1, -1}},
+             std::vector{kGreen});  // a grazing floor
   image = drawn(canvas);
   std::uint8_t brightest = 0;
   for (const Rgb& pixel : image.pixels) brightest = std::max(brightest, pixel[1]);
   EXPECT_GT(brightest, 60);
   EXPECT_LT(brightest, 140);
   const ItemLook look{.lit = false};
-  canvas.setTriangles(1, wall(10, 20), std::vector{kGreen, kGreen});
+  canvas.set(1, ItemKind::Triangles, wall(10, 20), std::vector{kGreen, kGreen});
   canvas.setLook(1, look);
   EXPECT_EQ(countOf(drawn(canvas), kGreen), 10000u);
 }
@@ -283,7 +284,7 @@ TEST(Canvas, WhatIsTranslucentHidesNothing) {
   CANVAS_OR_SKIP(canvas, 100, 100);
   setView(canvas);
   ItemLook faint{.opacity = 0.25, .lit = false};
-  canvas.setTriangles(1, wall(5, 20), std::vector{kGreen, kGreen});
+  canvas.set(1, ItemKind::Triangles, wall(5, 20), std::vector{kGreen, kGreen});
   canvas.setLook(1, faint);
   setOnePoint(canvas, 2, {10, 1, 0}, kRed, sized(5));      // behind it
   setOnePoint(canvas, 3, {4, -0.4f, 0}, kBlue, sized(5));  // before it
@@ -308,7 +309,8 @@ TEST(Canvas, WhatIsTranslucentHidesNothing) {
 TEST(Canvas, LinesHaveTheirColorsAndWidths) {
   CANVAS_OR_SKIP(canvas, 100, 60);
   setView(canvas);
-  canvas.setLines(1, std::vector<Vec3f>{{10, 3, 0}, {10, -3, 0}, {10, 3, 2}, {10, -3, 2}}, std::vector{kRed, kBlue});
+  canvas.set(1, ItemKind::Segments, std::vector<Vec3f>{{10, 3, 0}, {10, -3, 0}, {10, 3, 2}, {10, -3, 2}},
+             std::vector{kRed, kBlue});
   Image image = drawn(canvas);
   EXPECT_NEAR(static_cast<double>(countOf(image, kRed)), 60, 2);
   EXPECT_NEAR(static_cast<double>(countOf(image, kBlue)), 60, 2);
@@ -381,8 +383,8 @@ TEST(Canvas, DepthEdgesDarkenWhatLiesBehindAndNothingElse) {
     }
     canvas.setViews(views);
     const ItemLook look{.views = 3, .lit = false};
-    canvas.setTriangles(1, wall(20, 4), std::vector{kGreen, kGreen});
-    canvas.setTriangles(2, wall(10, 1), std::vector{kRed, kRed});
+    canvas.set(1, ItemKind::Triangles, wall(20, 4), std::vector{kGreen, kGreen});
+    canvas.set(2, ItemKind::Triangles, wall(10, 1), std::vector{kRed, kRed});
     canvas.setLook(1, look);
     canvas.setLook(2, look);
     const Image image = drawn(canvas);
@@ -407,7 +409,7 @@ TEST(Canvas, SlopesAreNotDarkened) {
   CANVAS_OR_SKIP(canvas, 200, 200);
   setView(canvas, true);
   const ItemLook look{.lit = false};
-  canvas.setTriangles(1, std::vector<Vec3f>{{2, -90, -1}, {2, 90, -1}, {90, 0, -1}}, std::vector{kGreen});
+  canvas.set(1, ItemKind::Triangles, std::vector<Vec3f>{{2, -90, -1}, {2, 90, -1}, {90, 0, -1}}, std::vector{kGreen});
   canvas.setLook(1, look);
   const Image image = drawn(canvas);
   const auto isFloor = [&](int x, int y) { return image.at(x, y) != kNight; };
@@ -432,7 +434,7 @@ TEST(Canvas, FewerPointsAreASpreadSubset) {
       points.push_back({10, 9.95f - 0.2f * static_cast<float>(x), 9.95f - 0.2f * static_cast<float>(y)});
     }
   }
-  canvas.setPoints(1, points, std::vector<Rgb>(points.size(), kRed));
+  canvas.set(1, ItemKind::Points, points, std::vector<Rgb>(points.size(), kRed));
   const Image all = drawn(canvas);
   EXPECT_EQ(countOf(all, kRed), 10000u);
   const Image few = drawn(canvas, 1000);
@@ -460,10 +462,10 @@ TEST(Canvas, TheSameCallsGiveTheSamePicture) {
     std::uniform_real_distribution<float> any(-5, 5);
     std::vector<Vec3f> points(3000);
     for (Vec3f& point : points) point = {12 + any(random), any(random), any(random)};
-    canvas.setPoints(1, points, std::vector<Rgb>(points.size(), kRed));
+    canvas.set(1, ItemKind::Points, points, std::vector<Rgb>(points.size(), kRed));
     canvas.setLook(1, sized(4));
     const ItemLook faint{.opacity = 0.3};
-    canvas.setTriangles(2, wall(11, 3), std::vector{kGreen, kBlue});
+    canvas.set(2, ItemKind::Triangles, wall(11, 3), std::vector{kGreen, kBlue});
     canvas.setLook(2, faint);
     canvas.setImage(1, 1, 1, std::vector<Rgba>{{1, 2, 3, 99}});
     canvas.setOverlay(overlayOf(1, {0, 0, 3, 2}));
@@ -494,8 +496,9 @@ TEST(Canvas, WrongUseIsTold) {
   CANVAS_OR_SKIP(canvas, 40, 30);
   EXPECT_THAT(messageOf<Error>([&] { canvas.setColors(5, {}); }), HasSubstr("no item 5"));
   const std::vector<Vec3f> three(3);
-  EXPECT_THAT(messageOf<Error>([&] { canvas.setPoints(1, three, std::vector{kRed}); }), HasSubstr("3 corners"));
-  canvas.setPoints(1, three, std::vector(3, kRed));
+  EXPECT_THAT(messageOf<Error>([&] { canvas.set(1, ItemKind::Points, three, std::vector{kRed}); }),
+              HasSubstr("3 corners"));
+  canvas.set(1, ItemKind::Points, three, std::vector(3, kRed));
   EXPECT_THAT(messageOf<Error>([&] { canvas.setColors(1, std::vector{kRed}); }), HasSubstr("3 elements"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.run(10, [](const CanvasEvent&) { return true; }); }),
               HasSubstr("without a window"));

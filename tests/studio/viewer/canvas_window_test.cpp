@@ -22,7 +22,7 @@ void draw(Canvas& canvas) {
 }
 
 void addDot(Canvas& canvas, double size) {
-  canvas.setPoints(1, std::vector<Vec3f>{{10, 0, 0}}, std::vector{kDot});
+  canvas.set(1, ItemKind::Points, std::vector<Vec3f>{{10, 0, 0}}, std::vector{kDot});
   canvas.setLook(1, {.size = size});
 }
 

@@ -52,6 +52,9 @@ struct CanvasView {
   bool depthEdges = true;  // darkens points behind nearer surfaces (eye-dome lighting)
 };
 
+// What the elements of an item are. The value is the number of corners per element.
+enum class ItemKind : std::uint32_t { Points = 1, Segments = 2, Triangles = 3 };
+
 struct ItemLook {
   Affine canvasFromItem{};
   double size = 1;          // pixels: side of a point, or width of a line
@@ -120,12 +123,10 @@ class Canvas {
   // Sets the views that are drawn: at most kCanvasViews rectangles, which must not overlap. Pixels outside of all views
   // are black.
   virtual void setViews(std::span<const CanvasView> views) = 0;
-  // Set the elements of an item: points, triangles of three corners, or segments of two ends. Each element has one
-  // colour. If the item exists, its elements are replaced and its look is kept. Elements with coordinates that are not
-  // finite are not drawn.
-  virtual void setPoints(ItemId item, std::span<const Vec3f> positions, std::span<const Rgb> colors) = 0;
-  virtual void setTriangles(ItemId item, std::span<const Vec3f> corners, std::span<const Rgb> colors) = 0;
-  virtual void setLines(ItemId item, std::span<const Vec3f> ends, std::span<const Rgb> colors) = 0;
+  // Sets the elements of an item. Each element has one colour, and as many corners as its kind states. If the item
+  // exists, its elements are replaced and its look is kept. Elements with coordinates that are not finite are not
+  // drawn.
+  virtual void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors) = 0;
   // Sets the colours of an item's elements: one per point, triangle or segment.
   virtual void setColors(ItemId item, std::span<const Rgb> colors) = 0;
   // Restricts drawing to some elements of an item, until showAll() is called. `indices`: indices of elements,

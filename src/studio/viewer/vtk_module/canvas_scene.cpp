@@ -27,14 +27,14 @@ void checkSize(int width, int height) {
 
 constexpr const char* kVertex = R"(//VTK::System::Dec
 in vec2 pixel;
-in vec2 place;
+in vec2 textureCoordinates;
 in vec4 color;
 uniform vec2 canvasSize;
-out vec2 imagePlace;
+out vec2 imagePosition;
 out vec4 tint;
 
 void main() {
-  imagePlace = place;
+  imagePosition = textureCoordinates;
   tint = color;
   gl_Position = vec4(2.0 * pixel.x / canvasSize.x - 1.0, 1.0 - 2.0 * pixel.y / canvasSize.y, 0.0, 1.0);
 }
@@ -42,12 +42,12 @@ void main() {
 
 constexpr const char* kFragment = R"(//VTK::System::Dec
 //VTK::Output::Dec
-in vec2 imagePlace;
+in vec2 imagePosition;
 in vec4 tint;
 uniform sampler2D image;
 
 void main() {
-  gl_FragData[0] = tint * texture(image, imagePlace);
+  gl_FragData[0] = tint * texture(image, imagePosition);
 }
 )";
 
@@ -80,7 +80,7 @@ void CanvasScene::resize(int width, int height) {
   checkSize(width, height);
   width_ = width;
   height_ = height;
-  pictured_ = false;
+  hasPicture_ = false;
   window_->SetSize(width, height);
   placeViews();
 }
@@ -91,13 +91,13 @@ void CanvasScene::setViews(std::span<const CanvasView> views) {
 }
 
 void CanvasScene::placeViews() {
-  drawn_ = false;
+  viewsDrawn_ = false;
   // The black background is added first, so that the views are drawn on top of it.
   window_->AddRenderer(uncovered_);
   for (std::size_t k = 0; k < renderers_.size(); ++k) {
-    const bool used = k < views_.size() && views_[k].rect.left < width_ && views_[k].rect.top < height_;
-    if (used) renderers_[k]->setView(views_[k], width_, height_);
-    used ? window_->AddRenderer(renderers_[k]) : window_->RemoveRenderer(renderers_[k]);
+    const bool isOnCanvas = k < views_.size() && views_[k].rect.left < width_ && views_[k].rect.top < height_;
+    if (isOnCanvas) renderers_[k]->setView(views_[k], width_, height_);
+    isOnCanvas ? window_->AddRenderer(renderers_[k]) : window_->RemoveRenderer(renderers_[k]);
   }
 }
 
@@ -111,24 +111,20 @@ void CanvasScene::set(ItemId number, ItemKind kind, std::span<const Vec3f> corne
   if (corners.size() != colors.size() * static_cast<std::size_t>(kind)) {
     throw std::invalid_argument(fmt::format("{} colors for {} corners", colors.size(), corners.size()));
   }
-  drawn_ = false;
-  std::unique_ptr<Item>& slot = items_[number];
-  std::optional<ItemLook> look;
-  if (slot != nullptr && slot->kind() != kind) {
-    look = slot->look();
-    remove(*slot);
-    slot.reset();
+  viewsDrawn_ = false;
+  std::unique_ptr<Item>& item = items_[number];
+  if (item == nullptr || item->kind() != kind) {
+    const ItemLook look = item != nullptr ? item->look() : ItemLook{};
+    if (item != nullptr) remove(*item);
+    item = std::make_unique<Item>(kind);
+    item->setLook(look);
+    place(*item);
   }
-  if (slot == nullptr) {
-    slot = std::make_unique<Item>(kind);
-    if (look) slot->setLook(*look);
-    place(*slot);
-  }
-  slot->set(corners, colors);
+  item->set(corners, colors);
 }
 
 void CanvasScene::setColors(ItemId number, std::span<const Rgb> colors) {
-  drawn_ = false;
+  viewsDrawn_ = false;
   Item& changed = item(number);
   if (colors.size() != changed.count()) {
     throw std::invalid_argument(fmt::format("item {} has {} elements, not {}", number, changed.count(), colors.size()));
@@ -137,12 +133,12 @@ void CanvasScene::setColors(ItemId number, std::span<const Rgb> colors) {
 }
 
 void CanvasScene::show(ItemId number, std::optional<std::vector<std::uint32_t>> indices) {
-  drawn_ = false;
+  viewsDrawn_ = false;
   item(number).show(std::move(indices));
 }
 
 void CanvasScene::setLook(ItemId number, const ItemLook& look) {
-  drawn_ = false;
+  viewsDrawn_ = false;
   Item& changed = item(number);
   changed.setLook(look);
   place(changed);
@@ -151,7 +147,7 @@ void CanvasScene::setLook(ItemId number, const ItemLook& look) {
 void CanvasScene::drop(ItemId number) {
   const auto found = items_.find(number);
   if (found == items_.end()) return;
-  drawn_ = false;
+  viewsDrawn_ = false;
   remove(*found->second);
   items_.erase(found);
 }
@@ -160,9 +156,9 @@ void CanvasScene::drop(ItemId number) {
 // that is already there, or not there.
 void CanvasScene::place(Item& item) {
   for (std::uint32_t k = 0; k < kCanvasViews; ++k) {
-    const bool wanted = (item.look().views >> k & 1u) != 0;
+    const bool isInView = (item.look().views >> k & 1u) != 0;
     for (vtkActor* actor : item.actors()) {
-      wanted ? renderers_[k]->AddActor(actor) : renderers_[k]->RemoveActor(actor);
+      isInView ? renderers_[k]->AddActor(actor) : renderers_[k]->RemoveActor(actor);
     }
   }
 }
@@ -186,11 +182,11 @@ void CanvasScene::setOverlay(Overlay overlay) {
 // kept. They are copied to a second framebuffer, in which the overlay is drawn on top.
 void CanvasScene::draw(std::uint64_t maxPoints) {
   vtkOpenGLState* state = window_->GetState();
-  if (!drawn_ || drawnPoints_ != maxPoints) {
+  if (!viewsDrawn_ || drawnMaxPoints_ != maxPoints) {
     for (auto& [number, item] : items_) item->choose(maxPoints);
     window_->Render();
-    drawn_ = true;
-    drawnPoints_ = maxPoints;
+    viewsDrawn_ = true;
+    drawnMaxPoints_ = maxPoints;
   }
   state->Push();
   state->PushFramebufferBindings();
@@ -203,11 +199,11 @@ void CanvasScene::draw(std::uint64_t maxPoints) {
   overlay_.draw(window_, width_, height_);
   state->PopFramebufferBindings();
   state->Pop();
-  pictured_ = true;
+  hasPicture_ = true;
 }
 
 void CanvasScene::read(std::span<Rgb> pixels) {
-  if (!pictured_) throw std::invalid_argument("nothing has been drawn at this size yet");
+  if (!hasPicture_) throw std::invalid_argument("nothing has been drawn at this size yet");
   vtkOpenGLState* state = window_->GetState();
   state->PushReadFramebufferBinding();
   window_->GetDisplayFramebuffer()->Bind(GL_READ_FRAMEBUFFER);
@@ -253,6 +249,26 @@ void OverlayPainter::set(Overlay overlay) {
   uploaded_ = false;
 }
 
+// Copies the overlay to the bound vertex array, whose attributes are those of the shader.
+void OverlayPainter::upload(vtkShaderProgram& program) {
+  glBindBuffer(GL_ARRAY_BUFFER, vertices_);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(overlay_.vertices.size() * sizeof(OverlayVertex)),
+               overlay_.vertices.data(), GL_STREAM_DRAW);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, corners_);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(overlay_.corners.size() * sizeof(std::uint32_t)),
+               overlay_.corners.data(), GL_STREAM_DRAW);
+  const auto attribute = [&](const char* name, int size, GLenum type, std::size_t offset) {
+    const auto index = static_cast<GLuint>(glGetAttribLocation(static_cast<GLuint>(program.GetHandle()), name));
+    glEnableVertexAttribArray(index);
+    glVertexAttribPointer(index, size, type, type == GL_FLOAT ? GL_FALSE : GL_TRUE, sizeof(OverlayVertex),
+                          offsetPointer(offset));
+  };
+  attribute("pixel", 2, GL_FLOAT, offsetof(OverlayVertex, x));
+  attribute("textureCoordinates", 2, GL_FLOAT, offsetof(OverlayVertex, u));
+  attribute("color", 4, GL_UNSIGNED_BYTE, offsetof(OverlayVertex, color));
+  uploaded_ = true;
+}
+
 void OverlayPainter::draw(vtkOpenGLRenderWindow* window, int width, int height) {
   if (overlay_.parts.empty()) return;
   vtkOpenGLState* state = window->GetState();
@@ -264,24 +280,7 @@ void OverlayPainter::draw(vtkOpenGLRenderWindow* window, int width, int height) 
     glGenBuffers(1, &corners_);
   }
   glBindVertexArray(vertexArray_);
-  if (!uploaded_) {
-    glBindBuffer(GL_ARRAY_BUFFER, vertices_);
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(overlay_.vertices.size() * sizeof(OverlayVertex)),
-                 overlay_.vertices.data(), GL_STREAM_DRAW);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, corners_);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(overlay_.corners.size() * sizeof(std::uint32_t)),
-                 overlay_.corners.data(), GL_STREAM_DRAW);
-    const auto attribute = [&](const char* name, int size, GLenum type, std::size_t offset) {
-      const auto at = static_cast<GLuint>(glGetAttribLocation(static_cast<GLuint>(program->GetHandle()), name));
-      glEnableVertexAttribArray(at);
-      glVertexAttribPointer(at, size, type, type == GL_FLOAT ? GL_FALSE : GL_TRUE, sizeof(OverlayVertex),
-                            offsetPointer(offset));
-    };
-    attribute("pixel", 2, GL_FLOAT, offsetof(OverlayVertex, x));
-    attribute("place", 2, GL_FLOAT, offsetof(OverlayVertex, u));
-    attribute("color", 4, GL_UNSIGNED_BYTE, offsetof(OverlayVertex, color));
-    uploaded_ = true;
-  }
+  if (!uploaded_) upload(*program);
   state->vtkglDisable(GL_DEPTH_TEST);
   state->vtkglDisable(GL_CULL_FACE);
   state->vtkglDepthMask(GL_FALSE);

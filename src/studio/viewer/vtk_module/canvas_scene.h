@@ -67,6 +67,8 @@ class OverlayPainter {
   void release(vtkWindow* window);
 
  private:
+  void upload(vtkShaderProgram& program);
+
   std::map<ImageId, vtkNew<vtkTextureObject>> images_;
   Overlay overlay_;
   bool uploaded_ = false;  // true: the buffers contain the current overlay
@@ -85,7 +87,7 @@ class CanvasScene {
   int width() const { return width_; }
   int height() const { return height_; }
   void resize(int width, int height);
-  // Implement the functions of Canvas; set() implements setPoints(), setTriangles() and setLines().
+  // Implement the functions of Canvas.
   void setViews(std::span<const CanvasView> views);
   void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(ItemId item, std::span<const Rgb> colors);
@@ -116,9 +118,9 @@ class CanvasScene {
   std::map<ItemId, std::unique_ptr<Item>> items_;
   DepthEdges edges_;
   OverlayPainter overlay_;
-  bool drawn_ = false;  // true: the window's framebuffer contains the current views
-  std::uint64_t drawnPoints_ = 0;
-  bool pictured_ = false;  // true: a picture with the canvas's size exists
+  bool viewsDrawn_ = false;           // true: the window's framebuffer contains the current views
+  std::uint64_t drawnMaxPoints_ = 0;  // the limit with which they were drawn, see Canvas::render()
+  bool hasPicture_ = false;           // true: a picture with the canvas's size exists
 };
 
 }  // namespace scanmill

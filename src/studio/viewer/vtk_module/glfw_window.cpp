@@ -25,17 +25,18 @@ using Kind = CanvasEvent::Kind;
 constexpr double kDoubleClick = 0.4;  // maximum time between the presses of a double click (s)
 constexpr double kSamePlace = 4;      // maximum distance between the presses of a double click (pixels)
 
-// Returns the first error message of GLFW since the last check. It is global, since GLFW's error handler does not get
-// the window; only one window can be open at a time.
-std::string& complaint() {
+// Returns the first error message of GLFW since the last check; empty if there was none. It is global, since GLFW's
+// error handler does not get the window; only one window can be open at a time.
+std::string& firstError() {
   static std::string text;
   return text;
 }
 
-void connect() {
-  complaint().clear();
+// Connects to the X server. Throws NoDisplay if this fails.
+void connectToDisplay() {
+  firstError().clear();
   glfwSetErrorCallback([](int /*code*/, const char* text) {
-    if (complaint().empty()) complaint() = text;
+    if (firstError().empty()) firstError() = text;
   });
   // Suppresses Mesa's warning that the X server has no graphics card, which Mesa does not need.
   ::setenv("EGL_LOG_LEVEL", "fatal", 0);
@@ -43,18 +44,19 @@ void connect() {
   glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);  // GLFW 3.4 tries Wayland first, but VTK supports only X11
 #endif
   if (glfwInit() == GLFW_TRUE) return;
-  const char* const name = std::getenv("DISPLAY");
+  const char* const display = std::getenv("DISPLAY");
   constexpr std::string_view kInstead = "or take a picture without one: --screenshot FILE.png";
-  if (name == nullptr || *name == '\0') {
+  if (display == nullptr || *display == '\0') {
     throw NoDisplay(fmt::format("there is no display for a window: DISPLAY is not set; set it, {}", kInstead));
   }
   throw NoDisplay(
       fmt::format("there is no display for a window: the X server {} (DISPLAY) does not answer or lets nobody in ({}); "
                   "set DISPLAY, {}",
-                  name, complaint(), kInstead));
+                  display, firstError(), kInstead));
 }
 
-GLFWwindow* create(const std::string& title, int width, int height) {
+// Creates an invisible window with the newest version of OpenGL that the display has, from 3.2 on. Throws NoDevice.
+GLFWwindow* createWindow(const std::string& title, int width, int height) {
   constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 2}}};
   for (const auto& [major, minor] : kVersions) {
     glfwDefaultWindowHints();
@@ -69,10 +71,10 @@ GLFWwindow* create(const std::string& title, int width, int height) {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHintString(GLFW_X11_CLASS_NAME, "Scanmill");
     glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "scanmill");
-    complaint().clear();
+    firstError().clear();
     if (GLFWwindow* const window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr)) return window;
   }
-  throw NoDevice(fmt::format("there is no OpenGL 3.2 for a window on this display: {}", complaint()));
+  throw NoDevice(fmt::format("there is no OpenGL 3.2 for a window on this display: {}", firstError()));
 }
 
 // Returns the name of a key that types no character; empty for other keys. Without num lock, keys of the number pad
@@ -99,17 +101,17 @@ std::string_view nameOf(int key, bool numLock) {
                                                        {GLFW_KEY_PAGE_DOWN, "Page_Down"},
                                                        {GLFW_KEY_HOME, "Home"},
                                                        {GLFW_KEY_END, "End"}};
-  const auto named = std::ranges::find(kOthers, key, &std::pair<int, std::string_view>::first);
-  return named == std::end(kOthers) ? "" : named->second;
+  const auto found = std::ranges::find(kOthers, key, &std::pair<int, std::string_view>::first);
+  return found == std::end(kOthers) ? "" : found->second;
 }
 
+// Returns a code point in UTF-8: a first byte that states the number of bytes after it, which hold 6 bits each.
 std::string utf8(unsigned codepoint) {
-  std::string text;
   if (codepoint < 0x80) return {static_cast<char>(codepoint)};
-  const int more = codepoint < 0x800 ? 1 : codepoint < 0x10000 ? 2 : 3;
-  constexpr std::array<unsigned, 4> kFirst{0, 0xC0, 0xE0, 0xF0};
-  text += static_cast<char>(kFirst[static_cast<std::size_t>(more)] | codepoint >> 6 * more);
-  for (int i = more - 1; i >= 0; --i) text += static_cast<char>(0x80 | (codepoint >> 6 * i & 0x3F));
+  const int moreBytes = codepoint < 0x800 ? 1 : codepoint < 0x10000 ? 2 : 3;
+  constexpr std::array<unsigned, 4> kFirstBytes{0, 0xC0, 0xE0, 0xF0};
+  std::string text{static_cast<char>(kFirstBytes[static_cast<std::size_t>(moreBytes)] | codepoint >> 6 * moreBytes)};
+  for (int i = moreBytes - 1; i >= 0; --i) text += static_cast<char>(0x80 | (codepoint >> 6 * i & 0x3F));
   return text;
 }
 
@@ -130,9 +132,10 @@ struct GlfwWindow::State {
     glfwTerminate();
   }
 
-  static State& of(GLFWwindow* of) { return *static_cast<State*>(glfwGetWindowUserPointer(of)); }
+  static State& of(GLFWwindow* window) { return *static_cast<State*>(glfwGetWindowUserPointer(window)); }
 
-  CanvasEvent plain(Kind kind) const {
+  // Returns an event with the current state of the pointer, the modifier keys and the window.
+  CanvasEvent eventOf(Kind kind) const {
     return {.kind = kind, .x = x, .y = y, .shift = shift, .control = control, .width = width, .height = height};
   }
 
@@ -144,7 +147,7 @@ struct GlfwWindow::State {
     events.push_back(std::move(event));
   }
 
-  void modifiers(int mods) {
+  void setModifiers(int mods) {
     shift = (mods & GLFW_MOD_SHIFT) != 0;
     control = (mods & GLFW_MOD_CONTROL) != 0;
   }
@@ -152,18 +155,18 @@ struct GlfwWindow::State {
   // Handles keys that type no character, and all keys pressed with control. typed() handles the other keys, depending
   // on the keyboard layout.
   void key(int code, int scan, int mods) {
-    modifiers(mods);
+    setModifiers(mods);
     std::string name(nameOf(code, (mods & GLFW_MOD_NUM_LOCK) != 0));
     const char* const typed = control ? glfwGetKeyName(code, scan) : nullptr;
     if (name.empty() && typed != nullptr) name = typed;
     if (name.empty()) return;
-    CanvasEvent event = plain(Kind::Key);
+    CanvasEvent event = eventOf(Kind::Key);
     event.key = std::move(name);
     add(std::move(event));
   }
 
   void typed(unsigned codepoint) {
-    CanvasEvent event = plain(Kind::Key);
+    CanvasEvent event = eventOf(Kind::Key);
     event.key = event.text = utf8(codepoint);
     add(std::move(event));
   }
@@ -171,14 +174,14 @@ struct GlfwWindow::State {
   void button(int code, bool down, int mods) {
     constexpr std::array<int, 3> kNumbers{1, 3, 2};  // GLFW's order is left, right, middle
     if (code < 0 || code >= static_cast<int>(kNumbers.size())) return;
-    modifiers(mods);
-    CanvasEvent event = plain(down ? Kind::Down : Kind::Up);
+    setModifiers(mods);
+    CanvasEvent event = eventOf(down ? Kind::Down : Kind::Up);
     event.button = kNumbers[static_cast<std::size_t>(code)];
     if (down) {
       const double now = glfwGetTime();
-      const bool again = clicks == 1 && event.button == lastPress.button && now - pressedAt <= kDoubleClick &&
-                         std::abs(x - lastPress.x) <= kSamePlace && std::abs(y - lastPress.y) <= kSamePlace;
-      clicks = again ? 2 : 1;
+      const bool isDoubleClick = clicks == 1 && event.button == lastPress.button && now - pressedAt <= kDoubleClick &&
+                                 std::abs(x - lastPress.x) <= kSamePlace && std::abs(y - lastPress.y) <= kSamePlace;
+      clicks = isDoubleClick ? 2 : 1;
       pressedAt = now;
       lastPress = event;
     }
@@ -186,31 +189,32 @@ struct GlfwWindow::State {
     add(std::move(event));
   }
 
+  // Registers functions with GLFW that turn what happens to the window into events.
   void listen() {
     glfwSetWindowUserPointer(window, this);
     glfwSetInputMode(window, GLFW_LOCK_KEY_MODS, GLFW_TRUE);
     glfwSetKeyCallback(window, [](GLFWwindow* from, int code, int scan, int action, int mods) {
       if (action != GLFW_RELEASE) return of(from).key(code, scan, mods);
       // X still reports a modifier as pressed in the event of its release, so the state of the keys is read.
-      const auto held = [&](int left, int right) {
+      const auto isPressed = [&](int left, int right) {
         return glfwGetKey(from, left) == GLFW_PRESS || glfwGetKey(from, right) == GLFW_PRESS;
       };
-      of(from).shift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
-      of(from).control = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+      of(from).shift = isPressed(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+      of(from).control = isPressed(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
     });
     glfwSetCharCallback(window, [](GLFWwindow* from, unsigned codepoint) { of(from).typed(codepoint); });
     glfwSetCursorPosCallback(window, [](GLFWwindow* from, double atX, double atY) {
       State& s = of(from);
       s.x = static_cast<int>(atX);
       s.y = static_cast<int>(atY);
-      s.add(s.plain(Kind::Move));
+      s.add(s.eventOf(Kind::Move));
     });
     glfwSetMouseButtonCallback(window, [](GLFWwindow* from, int code, int action, int mods) {
       of(from).button(code, action == GLFW_PRESS, mods);
     });
     glfwSetScrollCallback(window, [](GLFWwindow* from, double, double amount) {
       State& s = of(from);
-      CanvasEvent event = s.plain(Kind::Wheel);
+      CanvasEvent event = s.eventOf(Kind::Wheel);
       event.amount = amount;
       if (amount != 0) s.add(std::move(event));
     });
@@ -219,10 +223,10 @@ struct GlfwWindow::State {
       if (newWidth < 1 || newHeight < 1 || (newWidth == s.width && newHeight == s.height)) return;
       s.width = newWidth;
       s.height = newHeight;
-      s.add(s.plain(Kind::Resize));
+      s.add(s.eventOf(Kind::Resize));
     });
-    glfwSetWindowRefreshCallback(window, [](GLFWwindow* from) { of(from).add(of(from).plain(Kind::Redraw)); });
-    glfwSetWindowCloseCallback(window, [](GLFWwindow* from) { of(from).add(of(from).plain(Kind::Close)); });
+    glfwSetWindowRefreshCallback(window, [](GLFWwindow* from) { of(from).add(of(from).eventOf(Kind::Redraw)); });
+    glfwSetWindowCloseCallback(window, [](GLFWwindow* from) { of(from).add(of(from).eventOf(Kind::Close)); });
   }
 };
 
@@ -233,8 +237,8 @@ GlfwWindow::GlfwWindow(const std::string& title, int width, int height) : state_
   if (width < 1 || height < 1 || width > kLargest || height > kLargest) {
     throw std::invalid_argument(fmt::format("a window of {} x {} pixels cannot be made", width, height));
   }
-  connect();
-  state_->window = create(title, width, height);
+  connectToDisplay();
+  state_->window = createWindow(title, width, height);
   glfwSetWindowSizeLimits(state_->window, std::min(width, kLeastWidth), std::min(height, kLeastHeight), GLFW_DONT_CARE,
                           GLFW_DONT_CARE);
   glfwGetFramebufferSize(state_->window, &state_->width, &state_->height);
@@ -261,7 +265,7 @@ void GlfwWindow::present() {
 }
 
 void GlfwWindow::check() {
-  if (const std::string text = std::exchange(complaint(), {}); !text.empty()) throw std::runtime_error(text);
+  if (const std::string text = std::exchange(firstError(), {}); !text.empty()) throw std::runtime_error(text);
 }
 
 void GlfwWindow::run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handler) {
@@ -270,27 +274,27 @@ void GlfwWindow::run(int tickMilliseconds, const std::function<bool(const Canvas
   glfwShowWindow(s.window);
   glfwPollEvents();
   s.events.clear();
-  if (!handler(s.plain(Kind::Resize))) return;
-  // Passes one event to the handler. Returns false if the handler returns false or the window is closed.
-  const auto next = [&] {
+  if (!handler(s.eventOf(Kind::Resize))) return;
+  // Removes the first event and passes it to the handler. Returns false if the handler does or the window is closed.
+  const auto handleNext = [&] {
     const CanvasEvent event = std::move(s.events.front());
     s.events.pop_front();
-    const bool more = handler(event);
+    const bool goesOn = handler(event);
     check();
-    return more && event.kind != Kind::Close;
+    return goesOn && event.kind != Kind::Close;
   };
-  Clock::time_point due = Clock::now() + tick;
+  Clock::time_point due = Clock::now() + tick;  // time of the next tick
   for (;;) {
     glfwPollEvents();
     // A due tick is sent before further events; otherwise a moving mouse could delay it forever.
     while ((tickMilliseconds <= 0 || Clock::now() < due) && !s.events.empty()) {
-      if (!next()) return;
+      if (!handleNext()) return;
     }
     if (tickMilliseconds > 0 && Clock::now() >= due) {
-      if (!handler(s.plain(Kind::Tick))) return;
+      if (!handler(s.eventOf(Kind::Tick))) return;
       check();
-      due = std::max(due + tick, Clock::now());  // skips missed ticks
-      if (!s.events.empty() && !next()) return;  // at least one event is handled between two ticks
+      due = std::max(due + tick, Clock::now());        // skips missed ticks
+      if (!s.events.empty() && !handleNext()) return;  // at least one event is handled between two ticks
       continue;
     }
     if (tickMilliseconds <= 0) {

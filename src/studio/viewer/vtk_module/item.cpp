@@ -11,6 +11,8 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -30,12 +32,28 @@ constexpr const char* kLightAtTheEye = R"(
   gl_FragData[0] = vec4(ambientColor + max(facing, 0.0) * diffuseColor, opacity);
 )";
 
-// Divides the indices 0 to count - 1 into `most` equal ranges and returns a random index in range k. If the index were
-// not random, the rings and columns of a scan would cause visible patterns.
-std::uint64_t sample(std::uint64_t k, std::uint64_t most, std::uint64_t count) {
-  const std::uint64_t first = k * count / most;
-  const std::uint64_t end = (k + 1) * count / most;
-  return first + philox4x32({static_cast<std::uint32_t>(k)}, {})[0] % (end - first);
+// Divides the indices 0 to count - 1 into `ranges` equal ranges and returns a random index in the range with index
+// `range`. If the index were not random, the rings and columns of a scan would cause visible patterns.
+std::uint64_t randomIndex(std::uint64_t range, std::uint64_t ranges, std::uint64_t count) {
+  const std::uint64_t first = range * count / ranges;
+  const std::uint64_t end = (range + 1) * count / ranges;
+  return first + philox4x32({static_cast<std::uint32_t>(range)}, {})[0] % (end - first);
+}
+
+// Returns the indices of elements with `values` floats each that are all finite; nothing if all elements are.
+std::optional<std::vector<std::uint32_t>> finiteElements(std::span<const float> coordinates, std::uint32_t values) {
+  unsigned notFinite = 0;
+  for (const float value : coordinates) {
+    // Written without a branch, so that the compiler can use SIMD.
+    notFinite |= !(std::abs(value) <= std::numeric_limits<float>::max());
+  }
+  if (notFinite == 0) return {};
+  std::vector<std::uint32_t> elements;
+  for (std::uint32_t i = 0; std::uint64_t{i} * values < coordinates.size(); ++i) {
+    const auto element = coordinates.subspan(std::size_t{i} * values, values);
+    if (std::ranges::all_of(element, [](float value) { return std::isfinite(value); })) elements.push_back(i);
+  }
+  return elements;
 }
 
 }  // namespace
@@ -76,33 +94,18 @@ void Item::set(std::span<const Vec3f> vertices, std::span<const Rgb> colors) {
   points_->SetData(array);
   colors_->SetNumberOfTuples(static_cast<vtkIdType>(vertices.size()));
 
-  finite_.reset();
-  const auto isFinite = [&](std::uint32_t element) {
-    const float* first = positions + 3 * std::uint64_t{corners()} * element;
-    return std::all_of(first, first + 3 * corners(), [](float value) { return std::isfinite(value); });
-  };
-  unsigned others = 0;
-  for (std::uint64_t i = 0; i < 3 * vertices.size(); ++i) {
-    // Written without a branch, so that the compiler can use SIMD.
-    others |= !(std::abs(positions[i]) <= std::numeric_limits<float>::max());
-  }
-  if (others != 0) {
-    finite_.emplace();
-    for (std::uint32_t i = 0; i < count_; ++i) {
-      if (isFinite(i)) finite_->push_back(i);
-    }
-  }
+  finite_ = finiteElements({positions, 3 * vertices.size()}, 3 * corners());
   setColors(colors);
   for (Part* part : {&all_, &few_}) part->data->SetPoints(points_);
   show({});
 }
 
 void Item::setColors(std::span<const Rgb> colors) {
-  std::uint8_t* to = colors_->GetPointer(0);
+  std::uint8_t* next = colors_->GetPointer(0);
   for (const Rgb& color : colors) {
     for (std::uint32_t k = 0; k < corners(); ++k) {
-      to = std::ranges::copy(color, to).out;
-      *to++ = 255;
+      next = std::ranges::copy(color, next).out;
+      *next++ = 255;  // alpha
     }
   }
   colors_->Modified();
@@ -126,8 +129,8 @@ void Item::setLook(const ItemLook& look) {
   look_ = look;
   const Mat3& m = look.canvasFromItem.linear;
   const Vec3d& t = look.canvasFromItem.translation;
-  const double rows[16] = {m.x.x, m.y.x, m.z.x, t.x, m.x.y, m.y.y, m.z.y, t.y, m.x.z, m.y.z, m.z.z, t.z, 0, 0, 0, 1};
-  canvasFromItem_->DeepCopy(rows);
+  const double matrix[16] = {m.x.x, m.y.x, m.z.x, t.x, m.x.y, m.y.y, m.z.y, t.y, m.x.z, m.y.z, m.z.z, t.z, 0, 0, 0, 1};
+  canvasFromItem_->DeepCopy(matrix);  // row by row
   const bool lit = look.lit && kind_ == ItemKind::Triangles;
   const auto opacity = static_cast<float>(std::clamp(look.opacity, 0.0, 1.0));
   property_->SetPointSize(static_cast<float>(look.size));
@@ -151,41 +154,39 @@ void Item::setLook(const ItemLook& look) {
 
 void Item::choose(std::uint64_t maxPoints) {
   const std::uint64_t count = all_.elements;
-  const bool few = kind_ == ItemKind::Points && maxPoints != 0 && maxPoints < count;
-  if (few && chosen_ != maxPoints) {
+  const bool drawsFew = kind_ == ItemKind::Points && maxPoints != 0 && maxPoints < count;
+  if (drawsFew && chosen_ != maxPoints) {
     std::vector<std::uint32_t> elements(maxPoints);
     for (std::uint64_t k = 0; k < maxPoints; ++k) {
-      const std::uint64_t at = sample(k, maxPoints, count);
-      elements[k] = drawn_ ? (*drawn_)[at] : static_cast<std::uint32_t>(at);
+      const std::uint64_t index = randomIndex(k, maxPoints, count);
+      elements[k] = drawn_ ? (*drawn_)[index] : static_cast<std::uint32_t>(index);
     }
     fill(few_, &elements);
     chosen_ = maxPoints;
   }
-  const bool seen = count > 0 && look_.opacity > 0;
-  all_.actor->SetVisibility(seen && !few);
-  few_.actor->SetVisibility(seen && few);
+  const bool isVisible = count > 0 && look_.opacity > 0;
+  all_.actor->SetVisibility(isVisible && !drawsFew);
+  few_.actor->SetVisibility(isVisible && drawsFew);
 }
 
 // Sets the elements that the part draws; null: all. All points form a single cell, since VTK's time depends on the
 // number of cells.
 void Item::fill(Part& part, const std::vector<std::uint32_t>* elements) {
   part.elements = elements != nullptr ? elements->size() : count_;
-  const std::uint32_t step = corners();
-  const vtkIdType vertices = static_cast<vtkIdType>(part.elements) * static_cast<vtkIdType>(step);
-  vtkNew<vtkTypeInt32Array> connectivity;
+  const vtkIdType vertices = static_cast<vtkIdType>(part.elements) * static_cast<vtkIdType>(corners());
+  vtkNew<vtkTypeInt32Array> connectivity;  // indices of vertices, element by element
   connectivity->SetNumberOfValues(vertices);
-  std::int32_t* to = connectivity->GetPointer(0);
+  std::int32_t* next = connectivity->GetPointer(0);
   if (elements == nullptr) {
-    std::iota(to, to + vertices, 0);
+    std::iota(next, next + vertices, 0);
   } else {
     for (const std::uint32_t element : *elements) {
-      for (std::uint32_t k = 0; k < step; ++k) *to++ = static_cast<std::int32_t>(element * step + k);
+      for (std::uint32_t k = 0; k < corners(); ++k) *next++ = static_cast<std::int32_t>(element * corners() + k);
     }
   }
-  const std::int32_t cellSize =
-      kind_ == ItemKind::Points ? static_cast<std::int32_t>(vertices) : static_cast<std::int32_t>(step);
+  const auto cellSize = static_cast<std::int32_t>(kind_ == ItemKind::Points ? vertices : vtkIdType{corners()});
   const vtkIdType cells = cellSize > 0 ? vertices / cellSize : 0;
-  vtkNew<vtkTypeInt32Array> offsets;
+  vtkNew<vtkTypeInt32Array> offsets;  // where each cell begins in `connectivity`, and its end
   offsets->SetNumberOfValues(cells + 1);
   for (vtkIdType cell = 0; cell <= cells; ++cell) {
     offsets->SetValue(cell, static_cast<std::int32_t>(cell * cellSize));

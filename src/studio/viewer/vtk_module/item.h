@@ -22,9 +22,6 @@
 
 namespace scanmill {
 
-// The value is the number of corners per element.
-enum class ItemKind : std::uint32_t { Points = 1, Segments = 2, Triangles = 3 };
-
 // Draws the elements of an item. A list of indices, separate from the positions, selects the elements, so that
 // positions are not copied again if only the list or the colours change.
 class Item {

@@ -66,14 +66,8 @@ class VtkCanvas final : public Canvas {
   double scale() const override { return window_ != nullptr ? window_->scale() : 1; }
 
   void setViews(std::span<const CanvasView> views) override { change(&CanvasScene::setViews, views); }
-  void setPoints(ItemId item, std::span<const Vec3f> positions, std::span<const Rgb> colors) override {
-    change(&CanvasScene::set, item, ItemKind::Points, positions, colors);
-  }
-  void setTriangles(ItemId item, std::span<const Vec3f> corners, std::span<const Rgb> colors) override {
-    change(&CanvasScene::set, item, ItemKind::Triangles, corners, colors);
-  }
-  void setLines(ItemId item, std::span<const Vec3f> ends, std::span<const Rgb> colors) override {
-    change(&CanvasScene::set, item, ItemKind::Segments, ends, colors);
+  void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors) override {
+    change(&CanvasScene::set, item, kind, corners, colors);
   }
   void setColors(ItemId item, std::span<const Rgb> colors) override { change(&CanvasScene::setColors, item, colors); }
   void showAll(ItemId item) override { change(&CanvasScene::show, item, std::nullopt); }
@@ -105,7 +99,8 @@ class VtkCanvas final : public Canvas {
   // VTK's messages are not collected here, but in the functions of the canvas that `handle` calls.
   void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) override {
     std::exception_ptr thrown;  // the exception that `handle` has thrown; it is rethrown unchanged
-    const auto handled = [&](const CanvasEvent& event) {
+    // Resizes the canvas if necessary, then calls `handle`. Returns false if the window is to be closed.
+    const auto resizeAndHandle = [&](const CanvasEvent& event) {
       if (event.kind == CanvasEvent::Kind::Resize) {
         makeCurrent();
         scene_->resize(event.width, event.height);
@@ -120,7 +115,7 @@ class VtkCanvas final : public Canvas {
     try {
       withCanvasErrors([&] {
         if (window_ == nullptr) throw std::invalid_argument("a canvas without a window has no events");
-        window_->run(tickMilliseconds, handled);
+        window_->run(tickMilliseconds, resizeAndHandle);
       });
     } catch (const Error&) {
       if (!thrown) throw;

@@ -31,21 +31,23 @@ void ViewRenderer::setView(const CanvasView& view, int canvasWidth, int canvasHe
               fraction(rect.left + rect.width, canvasWidth), 1 - fraction(rect.top, canvasHeight));
   SetBackground(view.background[0] / 255.0, view.background[1] / 255.0, view.background[2] / 255.0);
 
-  const ViewCamera& from = view.camera;
-  const Vec3d at = from.eye + from.forward;
-  const Vec3d up = -from.down;
+  const ViewCamera& viewCamera = view.camera;
+  const Vec3d& eye = viewCamera.eye;
+  const Vec3d target = eye + viewCamera.forward;
+  const Vec3d up = -viewCamera.down;
   vtkCamera* camera = GetActiveCamera();
-  camera->SetPosition(from.eye.x, from.eye.y, from.eye.z);
-  camera->SetFocalPoint(at.x, at.y, at.z);
+  camera->SetPosition(eye.x, eye.y, eye.z);
+  camera->SetFocalPoint(target.x, target.y, target.z);
   camera->SetViewUp(up.x, up.y, up.z);
-  const double halfHeight = rect.height / 2.0 / from.focal;
-  camera->SetParallelProjection(from.orthographic);
-  if (from.orthographic) {
+  // Half the picture's height divided by the depth, or in metres if the camera is orthographic.
+  const double halfHeight = rect.height / 2.0 / viewCamera.focal;
+  camera->SetParallelProjection(viewCamera.orthographic);
+  if (viewCamera.orthographic) {
     camera->SetParallelScale(halfHeight);
   } else {
     camera->SetViewAngle(degrees(2 * std::atan(halfHeight)));
   }
-  camera->SetClippingRange(from.nearest, view.farthest);
+  camera->SetClippingRange(viewCamera.nearest, view.farthest);
 }
 
 void ViewRenderer::DeviceRenderOpaqueGeometry(vtkFrameBufferObjectBase* frame) {
@@ -83,9 +85,10 @@ constexpr const char* kFragment = R"(//VTK::System::Dec
 uniform sampler2D depths;
 uniform ivec2 first;
 uniform ivec2 last;
-uniform vec3 lens;
+uniform vec3 lens;  // farthest depth (m), range of depths (m), and this range in pixels
 uniform int orthographic;
 
+// Returns a multiple of the inverse depth (of the depth, negative, without perspective). `depth`: of the framebuffer.
 float nearness(float depth) {
   return orthographic == 1 ? -depth * lens.z : lens.x - depth * lens.y;
 }
@@ -128,11 +131,9 @@ void DepthEdges::darken(vtkOpenGLRenderWindow* window, const CanvasView& view, i
   frame_->ActivateDrawBuffer(0);
 
   const PixelRect& rect = view.rect;
-  const int left = rect.left;
-  const int low = height - (rect.top + rect.height);
-  const int size[2] = {rect.width, rect.height};
-  state->vtkglViewport(left, low, size[0], size[1]);
-  state->vtkglScissor(left, low, size[0], size[1]);
+  const int bottom = height - (rect.top + rect.height);  // OpenGL counts rows from the bottom
+  state->vtkglViewport(rect.left, bottom, rect.width, rect.height);
+  state->vtkglScissor(rect.left, bottom, rect.width, rect.height);
   state->vtkglEnable(GL_SCISSOR_TEST);
   state->vtkglDisable(GL_DEPTH_TEST);
   state->vtkglDepthMask(GL_FALSE);
@@ -142,11 +143,11 @@ void DepthEdges::darken(vtkOpenGLRenderWindow* window, const CanvasView& view, i
   vtkShaderProgram* program = window->GetShaderCache()->ReadyShaderProgram(kVertex, kFragment, "");
   if (program == nullptr) throw std::runtime_error("a shader of the canvas cannot be built");
   depths->Activate();
-  const int first[2] = {left, low};
-  const int last[2] = {left + size[0] - 1, low + size[1] - 1};
-  const double depth = view.farthest - view.camera.nearest;
-  const float lens[3] = {static_cast<float>(view.farthest), static_cast<float>(depth),
-                         static_cast<float>(depth * view.camera.focal / kUsualFocal)};
+  const int first[2] = {rect.left, bottom};
+  const int last[2] = {rect.left + rect.width - 1, bottom + rect.height - 1};
+  const double depthRange = view.farthest - view.camera.nearest;
+  const float lens[3] = {static_cast<float>(view.farthest), static_cast<float>(depthRange),
+                         static_cast<float>(depthRange * view.camera.focal / kUsualFocal)};
   program->SetUniformi("depths", depths->GetTextureUnit());
   program->SetUniform2i("first", first);
   program->SetUniform2i("last", last);

@@ -303,7 +303,7 @@ void Pointer::setOutlinePoints(const ShownCloud& cloud) {
     if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
     points.push_back(Vec3f(cloud.canvasFromScan * Vec3d(positions[i])));
   }
-  context_.canvas.setPoints(kHighlightItem, points, std::vector<Rgb>(points.size(), Rgb{255, 255, 255}));
+  context_.canvas.set(kHighlightItem, ItemKind::Points, points, std::vector<Rgb>(points.size(), Rgb{255, 255, 255}));
 }
 
 // Places the outline behind the points, as seen by the camera.

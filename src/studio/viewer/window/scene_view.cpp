@@ -119,7 +119,7 @@ void SceneView::placeGuides() {
 }
 
 void SceneView::setLines(ItemId item, const LineSet& lines, double width) {
-  context_.canvas.setLines(item, lines.ends, lines.colors);
+  context_.canvas.set(item, ItemKind::Segments, lines.ends, lines.colors);
   context_.canvas.setLook(item, {.size = width, .views = allViews()});
 }
 

@@ -34,7 +34,7 @@ void SceneView::placeMesh() {
   }
   computeCanvasFrame();
   meshColoring = colorMesh(*mesh, meshColor);
-  context_.canvas.setTriangles(kMeshItem, mesh->corners, meshColoring.colors);
+  context_.canvas.set(kMeshItem, ItemKind::Triangles, mesh->corners, meshColoring.colors);
   placeMeshLook();
   applyFilter();
   if (context_.source->isScene()) showScene();
@@ -80,7 +80,7 @@ void SceneView::placeVehicle() {
   if (file && !vehicle_) vehicle_ = loadViewMesh(*file, 1);
   const bool places = file && vehicle_->size() > 0;
   if (places && !vehiclePlaced_) {
-    canvas.setTriangles(kVehicleItem, vehicle_->corners, colorMesh(*vehicle_, MeshColor::Class).colors);
+    canvas.set(kVehicleItem, ItemKind::Triangles, vehicle_->corners, colorMesh(*vehicle_, MeshColor::Class).colors);
   }
   vehiclePlaced_ = places;
   if (!places) return canvas.drop(kVehicleItem);

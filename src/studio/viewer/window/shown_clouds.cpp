@@ -137,7 +137,7 @@ void ShownClouds::arrange() {
     }
     cloud.finite = static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
     if (!classesKnown_) addClasses(scan, presentClasses);
-    context_.canvas.setPoints(cloudItem(k), scanOf(cloud).drawnPositions(), cloud.coloring.colors);
+    context_.canvas.set(cloudItem(k), ItemKind::Points, scanOf(cloud).drawnPositions(), cloud.coloring.colors);
   }
   for (std::size_t k = list.size(); k < previousClouds; ++k) context_.canvas.drop(cloudItem(k));
 }

@@ -16,7 +16,7 @@ namespace scanmill {
 class FakeCanvas : public Canvas {
  public:
   struct Item {
-    enum class Kind { Points, Triangles, Lines } kind = Kind::Points;
+    ItemKind kind = ItemKind::Points;
     std::vector<Vec3f> places;
     std::vector<Rgb> colors;
     std::optional<std::vector<std::uint32_t>> shown;  // none: all
@@ -40,14 +40,13 @@ class FakeCanvas : public Canvas {
     }
     views_.assign(views.begin(), views.end());
   }
-  void setPoints(ItemId item, std::span<const Vec3f> positions, std::span<const Rgb> colors) override {
-    set(item, Item::Kind::Points, positions, colors, 1);
-  }
-  void setTriangles(ItemId item, std::span<const Vec3f> corners, std::span<const Rgb> colors) override {
-    set(item, Item::Kind::Triangles, corners, colors, 3);
-  }
-  void setLines(ItemId item, std::span<const Vec3f> ends, std::span<const Rgb> colors) override {
-    set(item, Item::Kind::Lines, ends, colors, 2);
+  void set(ItemId item, ItemKind kind, std::span<const Vec3f> places, std::span<const Rgb> colors) override {
+    require(places.size() == static_cast<std::size_t>(kind) * colors.size(), "a colour each");
+    Item& i = items[item];
+    i.kind = kind;
+    i.places.assign(places.begin(), places.end());
+    i.colors.assign(colors.begin(), colors.end());
+    i.shown.reset();
   }
   void setColors(ItemId item, std::span<const Rgb> colors) override {
     Item& i = itemOf(item);
@@ -104,7 +103,7 @@ class FakeCanvas : public Canvas {
   std::vector<ItemId> pointItems() const {
     std::vector<ItemId> ids;
     for (const auto& [id, item] : items) {
-      if (item.kind == Item::Kind::Points) ids.push_back(id);
+      if (item.kind == ItemKind::Points) ids.push_back(id);
     }
     return ids;
   }
@@ -149,15 +148,6 @@ class FakeCanvas : public Canvas {
   }
   static void require(bool holds, const char* what) {
     if (!holds) throw std::logic_error(what);
-  }
-  void set(ItemId item, Item::Kind kind, std::span<const Vec3f> places, std::span<const Rgb> colors,
-           std::size_t placesEach) {
-    require(places.size() == placesEach * colors.size(), "a colour each");
-    Item& i = items[item];
-    i.kind = kind;
-    i.places.assign(places.begin(), places.end());
-    i.colors.assign(colors.begin(), colors.end());
-    i.shown.reset();
   }
 
   struct Picture {

@@ -237,7 +237,7 @@ TEST(SessionMeasure, JoinsTwoClicks) {
   const auto linesOf = [&] {
     std::vector<std::vector<Vec3f>> all;
     for (const auto& [id, item] : world.canvas.items) {
-      if (item.kind == FakeCanvas::Item::Kind::Lines && item.places.size() == 2) all.push_back(item.places);
+      if (item.kind == ItemKind::Segments && item.places.size() == 2) all.push_back(item.places);
     }
     return all;
   };

@@ -50,7 +50,7 @@ std::map<std::string, std::string> aspectsOf(const SessionWorld& world) {
   put("edges", first.depthEdges);
   put("views", world.canvas.views().size());
   for (const auto& [id, item] : world.canvas.items) {
-    if (item.kind == FakeCanvas::Item::Kind::Points && id != kHighlightItem) {
+    if (item.kind == ItemKind::Points && id != kHighlightItem) {
       put("clouds", id, item.look.views);
       put("size", item.look.size);
       put("frame", item.look.canvasFromItem.translation.x, item.places.front().x);
@@ -211,7 +211,7 @@ TEST(ViewSession, AMeshThatFailsIsNoItem) {
   const auto triangles = [](const SessionWorld& w) {
     std::size_t count = 0;
     for (const auto& [id, item] : w.canvas.items) {
-      if (item.kind == FakeCanvas::Item::Kind::Triangles) count += item.colors.size();
+      if (item.kind == ItemKind::Triangles) count += item.colors.size();
     }
     return count;
   };
