@@ -400,18 +400,18 @@ class SvgDrawing {
   // labels avoid it: such lines are staircases, so the box of each segment has no width or no height.
   void drawLine(const ChartSeries& s) {
     std::string commands;
-    std::optional<Vec2d> previous;  // pixel of the point before; absent: it is not drawn
+    Vec2d previous;  // pixel of the point before
+    bool isPreviousDrawn = false;
     for (const Vec2d& point : s.points) {
-      if (!isDrawn(point)) {
-        previous.reset();
-        continue;
-      }
+      const bool continues = isPreviousDrawn;
+      isPreviousDrawn = isDrawn(point);
+      if (!isPreviousDrawn) continue;
       const Vec2d p = pixel(point);
-      if (previous && s.emphasised) {
-        lines_.push_back({std::min(p.x, previous->x), std::min(p.y, previous->y), std::max(p.x, previous->x),
-                          std::max(p.y, previous->y)});
+      if (continues && s.emphasised) {
+        lines_.push_back({std::min(p.x, previous.x), std::min(p.y, previous.y), std::max(p.x, previous.x),
+                          std::max(p.y, previous.y)});
       }
-      commands += fmt::format("{}{},{}", previous ? "L" : "M", svgNumber(p.x), svgNumber(p.y));
+      commands += fmt::format("{}{},{}", continues ? "L" : "M", svgNumber(p.x), svgNumber(p.y));
       previous = p;
     }
     if (!commands.empty()) addPath(cssClasses("line", s), commands);

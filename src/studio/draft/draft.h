@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -35,15 +36,32 @@ struct GuessedFile {
   bool measured = false;  // no materials are drafted, since the points have intensities or colours
   bool numbered = false;  // the points have labels that are only numbers
 
-  std::uint64_t triangles() const;
-  std::uint64_t trianglesWithCopies() const;
-  // Number of triangles whose class was guessed from names of node, material, texture or file, or that are guessed to
-  // be superfluous.
-  std::uint64_t guessed() const;
-  // Number of the triangles counted by guessed() that have the class that the name of the file suggests.
-  std::uint64_t byFile() const;
-  // Number of triangles whose class only the name of the file's folder states.
-  std::uint64_t byFolder() const;
+  // Returns the number of triangles of the parts for which isCounted(part) is true.
+  std::uint64_t trianglesOf(const auto& isCounted) const {
+    std::uint64_t sum = 0;
+    for (const GuessedPart& part : parts) sum += isCounted(part) ? part.triangles : 0;
+    return sum;
+  }
+  std::uint64_t triangles() const {
+    return trianglesOf([](const GuessedPart&) { return true; });
+  }
+  std::uint64_t trianglesWithCopies() const {
+    std::uint64_t sum = 0;
+    for (const GuessedPart& part : parts) sum += part.triangles * part.copies;
+    return sum;
+  }
+  // Returns the number of triangles whose class was guessed from names of node, material, texture or file, or that are
+  // guessed to be superfluous.
+  std::uint64_t guessed() const {
+    return trianglesOf([](const GuessedPart& part) { return part.shows != nullptr && !part.byFolder; });
+  }
+  // Returns the number of the triangles counted by guessed() that have the class that the name of the file suggests.
+  std::uint64_t byFile() const {
+    if (fileConcept == nullptr || conceptByFolder) return 0;
+    return trianglesOf([&](const GuessedPart& part) { return part.shows == fileConcept; });
+  }
+  // Returns the number of triangles whose class only the name of the file's folder states.
+  std::uint64_t byFolder() const { return trianglesOf(std::mem_fn(&GuessedPart::byFolder)); }
   // Returns the guesses that a person should check, in a few words each.
   std::vector<std::string> doubts() const;
 };

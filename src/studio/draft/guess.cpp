@@ -7,9 +7,9 @@
 #include <iterator>
 #include <map>
 #include <optional>
-#include <sstream>
 
 #include "assets/meshes/asset_parts.h"
+#include "base/text_scan.h"
 #include "config/text.h"
 
 namespace scanmill::draft {
@@ -72,17 +72,11 @@ bool statesClasses(const Vocabulary& words, const Asset& asset) {
   return classes.size() > 1 || (!classes.empty() && words.conceptOf(*classes.begin()) != nullptr);
 }
 
-// Splits a folded name at its blanks.
-std::vector<std::string> wordsOf(const std::string& folded) {
-  std::istringstream stream(folded);
-  return {std::istream_iterator<std::string>(stream), {}};
-}
-
 // Returns a folded name without some words.
 std::string withoutWords(const std::string& folded, const std::set<std::string>& ignored) {
   std::string shorter;
-  for (const std::string& word : wordsOf(folded)) {
-    if (!ignored.contains(word)) shorter += (shorter.empty() ? "" : " ") + word;
+  for (const std::string_view word : wordsOf(folded)) {
+    if (!ignored.contains(std::string(word))) shorter += fmt::format("{}{}", shorter.empty() ? "" : " ", word);
   }
   return shorter;
 }
@@ -373,7 +367,7 @@ void Vocabulary::ignoreShared(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::string folded = foldedName(name);
     if (folded.empty() || !distinctNames.insert(folded).second) continue;
-    for (const std::string& word : wordsOf(folded)) namesWith[word].insert(folded);
+    for (const std::string_view word : wordsOf(folded)) namesWith[std::string(word)].insert(folded);
   }
   std::set<std::string> sharedWords;
   for (const auto& [word, containing] : namesWith) {

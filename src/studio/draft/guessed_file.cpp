@@ -78,13 +78,6 @@ void nameFiles(std::vector<GuessedFile>& models) {
   }
 }
 
-// Returns the number of triangles of the parts for which counts(part) is true.
-std::uint64_t trianglesOf(const std::vector<GuessedPart>& parts, const auto& counts) {
-  std::uint64_t sum = 0;
-  for (const GuessedPart& p : parts) sum += counts(p) ? p.triangles : 0;
-  return sum;
-}
-
 // True if the names of nodes state coarser levels of detail beside the finest one: "Tree_LOD1" or "Tree_Billboard"
 // beside "Tree_LOD0".
 bool hasCoarserLevels(const std::vector<GuessedPart>& parts) {
@@ -100,29 +93,6 @@ bool hasCoarserLevels(const std::vector<GuessedPart>& parts) {
 }
 
 }  // namespace
-
-std::uint64_t GuessedFile::triangles() const {
-  return trianglesOf(parts, [](const GuessedPart&) { return true; });
-}
-
-std::uint64_t GuessedFile::trianglesWithCopies() const {
-  std::uint64_t sum = 0;
-  for (const GuessedPart& p : parts) sum += p.triangles * p.copies;
-  return sum;
-}
-
-std::uint64_t GuessedFile::guessed() const {
-  return trianglesOf(parts, [](const GuessedPart& p) { return p.shows != nullptr && !p.byFolder; });
-}
-
-std::uint64_t GuessedFile::byFile() const {
-  return trianglesOf(
-      parts, [&](const GuessedPart& p) { return p.shows != nullptr && p.shows == fileConcept && !conceptByFolder; });
-}
-
-std::uint64_t GuessedFile::byFolder() const {
-  return trianglesOf(parts, [](const GuessedPart& p) { return p.byFolder; });
-}
 
 std::vector<std::string> GuessedFile::doubts() const {
   std::vector<std::string> doubts;

@@ -3,10 +3,13 @@
 // Images in memory, and as PNG files.
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "images/images.h"
 
 namespace scanmill {
 
@@ -26,9 +29,16 @@ struct Image {
 };
 
 // Returns the linear mixture of a (at t = 0) and b (at t = 1).
-Rgb mix(const Rgb& a, const Rgb& b, double t);
+inline Rgb mix(const Rgb& a, const Rgb& b, double t) {
+  Rgb mixed{};
+  for (std::size_t c = 0; c < 3; ++c) mixed[c] = static_cast<std::uint8_t>(std::lround(a[c] + (b[c] - a[c]) * t));
+  return mixed;
+}
 
 // Returns a PNG file of the image with 8-bit RGB. The same image always gives the same bytes, since no time is stored.
-std::string encodePng(const Image& image);
+inline std::string encodePng(const Image& image) {
+  static_assert(sizeof(Rgb) == 3);
+  return encodePng(reinterpret_cast<const std::uint8_t*>(image.pixels.data()), image.width, image.height);
+}
 
 }  // namespace scanmill

@@ -22,23 +22,6 @@ namespace {
 constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}, {240, 242, 246},
                                {0, 220, 230}, {166, 118, 60},  {150, 100, 255}};
 
-// A scan in memory, in colours that are given.
-class OneScan final : public FrameSource {
- public:
-  OneScan(const Scan& scan, const Coloring& coloring, const std::string& title) : keys_{title} {
-    scan_.scan = scan;
-    scan_.coloring = coloring;
-  }
-  std::string title() const override { return keys_.front(); }
-  const std::vector<std::string>& keys() const override { return keys_; }
-  const Ontology* ontology() const override { return nullptr; }
-  ViewFrame load(std::size_t) const override { return {keys_.front(), {scan_}, {}}; }
-
- private:
-  std::vector<std::string> keys_;
-  ViewScan scan_;
-};
-
 }  // namespace
 
 Rgb overlayColor(std::size_t scan) {
@@ -49,8 +32,11 @@ Rgb overlayColor(std::size_t scan) {
 Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height, const std::string& title,
                bool depthEdges) {
   const std::unique_ptr<Canvas> canvas = openOffscreen(width, height);
+  ViewFrame frame{.key = title, .scans = std::vector<ViewScan>(1), .problems = {}};
+  frame.scans.front().scan = scan;
+  frame.scans.front().coloring = coloring;
   ViewSession session(
-      std::make_shared<OneScan>(scan, coloring, title), *canvas,
+      std::make_shared<OneFrame>(std::move(frame)), *canvas,
       {.pointSize = std::max(2.0, std::round(height / 240.0)), .depthEdges = depthEdges, .axes = false, .still = true});
   session.settle();
   return session.picture();

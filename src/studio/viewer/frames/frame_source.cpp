@@ -20,32 +20,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A scene that is viewed without a dataset: one frame without scans.
-class SceneFrames : public FrameSource {
- public:
-  explicit SceneFrames(const ViewInput& input)
-      : choice_{.file = input.path, .seed = input.seed.value_or(1), .ontology = input.ontology},
-        keys_{input.path.filename().string()} {
-    if (!input.over.empty() || !input.reference.empty() || !input.sensor.empty() || !input.scene.empty()) {
-      throw InputError({input.path.string()},
-                       "is a scene: --over, --reference, --sensor and --scene belong to a dataset, a shard or a scan");
-    }
-    requireScene(input.path);
-    ontology_ = input.ontology.empty() ? readSceneOntology(input.path) : readOntology(input.ontology);
+std::unique_ptr<FrameSource> openScene(const ViewInput& input) {
+  if (!input.over.empty() || !input.reference.empty() || !input.sensor.empty() || !input.scene.empty()) {
+    throw InputError({input.path.string()},
+                     "is a scene: --over, --reference, --sensor and --scene belong to a dataset, a shard or a scan");
   }
-
-  std::string title() const override { return keys_.front(); }
-  const std::vector<std::string>& keys() const override { return keys_; }
-  const Ontology* ontology() const override { return ontology_ ? &*ontology_ : nullptr; }
-  bool isScene() const override { return true; }
-  ViewFrame load(std::size_t frame) const override { return {keys_.at(frame), {}, {}}; }
-  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return choice_; }
-
- private:
-  SceneChoice choice_;
-  std::vector<std::string> keys_;
-  std::optional<Ontology> ontology_;
-};
+  requireScene(input.path);
+  return std::make_unique<OneFrame>(
+      ViewFrame{.key = input.path.filename().string(), .scans = {}, .problems = {}},
+      SceneChoice{.file = input.path, .seed = input.seed.value_or(1), .ontology = input.ontology},
+      input.ontology.empty() ? readSceneOntology(input.path) : readOntology(input.ontology));
+}
 
 // Returns the file with a path that a dataset's manifest records; nothing if the file is not found. The path is
 // relative to the pipeline's folder, which the manifest does not record, so each of pipelineFolders() is tried.
@@ -62,7 +47,7 @@ std::optional<fs::path> fileOf(const std::string& recordedPath, const fs::path& 
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
   const std::string suffix = input.path.extension().string();
   const bool inputIsFile = isFile(input.path);
-  if (inputIsFile && (suffix == ".yaml" || suffix == ".yml")) return std::make_unique<SceneFrames>(input);
+  if (inputIsFile && (suffix == ".yaml" || suffix == ".yml")) return openScene(input);
   if (input.seed && input.scene.empty() && pathExists(input.path)) {
     throw InputError({input.path.string()},
                      "is no scene: --seed is for a scene that is viewed by itself, or by --scene");
@@ -80,10 +65,6 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
   }
   if (!input.scene.empty()) requireScene(input.scene);
   return std::make_unique<StoredFrames>(input);
-}
-
-std::size_t findFrame(const FrameSource& source, const std::string& wanted) {
-  return findKey(source.keys(), wanted, source.title());
 }
 
 std::optional<SceneChoice> sceneOf(const SequenceRecord* sequence, const fs::path& datasetFolder, double time,

@@ -8,10 +8,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/vec.h"
 #include "dataset/manifest.h"
+#include "dataset/names.h"
 #include "dataset/objects.h"
 #include "scan/scan.h"
 #include "scene/ontology.h"
@@ -103,15 +105,36 @@ class FrameSource {
   virtual std::vector<std::uint16_t> classes() const { return {}; }
 };
 
+// A source of one frame: a scan in memory, or a scene without scans.
+class OneFrame final : public FrameSource {
+ public:
+  explicit OneFrame(ViewFrame frame, std::optional<SceneChoice> scene = {}, std::optional<Ontology> ontology = {})
+      : keys_{frame.key}, frame_(std::move(frame)), scene_(std::move(scene)), ontology_(std::move(ontology)) {}
+  std::string title() const override { return frame_.key; }
+  const std::vector<std::string>& keys() const override { return keys_; }
+  const Ontology* ontology() const override { return ontology_ ? &*ontology_ : nullptr; }
+  bool isScene() const override { return scene_.has_value(); }
+  ViewFrame load(std::size_t) const override { return frame_; }
+  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return scene_; }
+
+ private:
+  std::vector<std::string> keys_;
+  ViewFrame frame_;
+  std::optional<SceneChoice> scene_;
+  std::optional<Ontology> ontology_;
+};
+
 // Opens what the user wants to see. Reads the manifest and the directories of shards, but no scans of a dataset. Throws
 // InputError if nothing can be shown: the file does not exist or is of an unknown kind, the manifest or a single scan
 // cannot be read, or there is no such sensor.
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input);
 
-// Returns the index of a frame. `wanted`: the frame's key, a part of the key that no other key contains, or its index
+// Returns the index of a frame. `name`: the frame's key, a part of the key that no other key contains, or its index
 // starting at 0; if empty, the middle frame is returned. Throws InputError if there is no such frame; the message lists
 // similar keys.
-std::size_t findFrame(const FrameSource& source, const std::string& wanted);
+inline std::size_t findFrame(const FrameSource& source, const std::string& name) {
+  return findKey(source.keys(), name, source.title());
+}
 
 // Returns the scene of a sequence at a time (s since the drive began). If the scene is not found or `sequence` is null,
 // returns nothing, and `why` receives the reason.

@@ -25,16 +25,6 @@ namespace {
 constexpr std::size_t kTriangleGrain = 16384;
 constexpr std::size_t kBoxGrain = 64;
 
-// Returns the index of each instance's first triangle in the view mesh, followed by the total number of triangles.
-std::vector<std::size_t> firstTriangles(const Scene& scene) {
-  std::vector<std::size_t> firsts{0};
-  firsts.reserve(scene.instances.size() + 1);
-  for (const Instance& instance : scene.instances) {
-    firsts.push_back(firsts.back() + scene.meshes[instance.mesh].triangles.size());
-  }
-  return firsts;
-}
-
 // Returns the name of a part from the names of object and node, such as "hall: Wall.003"; only the object's name if the
 // node has the same name ("car" in "car#3") or none.
 std::string partName(const std::string& object, const std::string& node) {
@@ -112,7 +102,10 @@ std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
 // Sets corners, classes, instances and surfaces of all triangles, in the order of instances and of the triangles of
 // their meshes. Threads fill ranges of triangles, which may begin and end within an instance.
 void fillTriangles(const Scene& scene, ViewMesh& view) {
-  const std::vector<std::size_t> firstTriangle = firstTriangles(scene);  // by instance
+  std::vector<std::size_t> firstTriangle{0};  // of each instance, then the number of all triangles
+  for (const Instance& instance : scene.instances) {
+    firstTriangle.push_back(firstTriangle.back() + scene.meshes[instance.mesh].triangles.size());
+  }
   const std::vector<std::uint32_t> firstSurface = listSurfaces(scene, view);
   const std::size_t count = firstTriangle.back();
   view.corners.resize(3 * count);

@@ -14,7 +14,6 @@
 #include "viewer/window/scene_view.h"
 #include "viewer/window/session_context.h"
 #include "viewer/window/shown_clouds.h"
-#include "viewer/window/view_keys.h"
 #include "viewer/window/view_options.h"
 
 namespace scanmill {

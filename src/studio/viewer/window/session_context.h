@@ -17,7 +17,6 @@
 #include "viewer/canvas/canvas.h"
 #include "viewer/frames/frame_source.h"
 #include "viewer/window/redraw.h"
-#include "viewer/window/view_keys.h"
 #include "viewer/window/view_options.h"
 
 namespace scanmill {

@@ -11,7 +11,7 @@
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/window/canvas_items.h"
-#include "viewer/window/view_keys.h"
+#include "viewer/window/view_options.h"
 
 namespace scanmill {
 namespace {

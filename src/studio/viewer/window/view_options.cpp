@@ -1,4 +1,4 @@
-#include "viewer/window/view_keys.h"
+#include "viewer/window/view_options.h"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -18,9 +18,10 @@ constexpr std::string_view kNoRangeImage = "a scene has no range image: a datase
 constexpr std::string_view kNoTrajectory = "a scene has no trajectory: a dataset of it has";
 constexpr std::string_view kNoRangeRings = "a scene has no sensor to draw range rings about";
 
+// Each row: menu, action with its number or option, label, keys, and why it does nothing for a scene without scans.
 std::vector<ViewCommand> listCommands() {
   using A = KeyAction;
-  std::vector<ViewCommand> all{
+  std::vector<ViewCommand> commands{
       {"Frames", {A::StepFrames, 1}, "next", {"Right", "."}, kNoFrames},
       {"Frames", {A::StepFrames, -1}, "previous", {"Left", ","}, kNoFrames},
       {"Frames", {A::StepFrames, 10}, "ten on", {"Page_Down"}, kNoFrames},
@@ -37,9 +38,9 @@ std::vector<ViewCommand> listCommands() {
   };
   for (int i = 0; i < 10; ++i) {  // the keys 1 to 9, then 0
     const std::string& name = colorNames()[static_cast<std::size_t>(i)];
-    all.push_back({"Colours", {A::ColorByNumber, i}, "by " + name, {std::to_string((i + 1) % 10)}});
+    commands.push_back({"Colours", {A::ColorByNumber, i}, "by " + name, {std::to_string((i + 1) % 10)}});
   }
-  const std::vector<ViewCommand> more{
+  const std::vector<ViewCommand> othersOfMenus{
       {"Colours", {A::StepColor, 1}, "by the next column", {"c"}},
       {"Colours", {A::StepColor, -1}, "by the previous column", {"C"}},
       {"Colours", {A::AutomaticScale}, "the scale that the values give", {"\\"}},
@@ -75,8 +76,8 @@ std::vector<ViewCommand> listCommands() {
       {"Tools", {A::Quit}, "quit", {"q"}},
       {"", {A::Escape}, "close what is open: help, distance, pin, instance alone", {"Escape"}},
   };
-  all.insert(all.end(), more.begin(), more.end());
-  return all;
+  commands.insert(commands.end(), othersOfMenus.begin(), othersOfMenus.end());
+  return commands;
 }
 
 }  // namespace
