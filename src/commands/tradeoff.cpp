@@ -17,7 +17,6 @@
 #include "study/figure_text.h"
 #include "study/tradeoff/settings.h"
 #include "study/tradeoff/study.h"
-#include "study/tradeoff/study_figures.h"
 
 namespace scanmill {
 

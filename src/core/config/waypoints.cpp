@@ -1,4 +1,3 @@
-#include "config/waypoints.h"
 
 #include <fmt/format.h>
 

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/path.h"
 #include "base/random.h"
-#include "config/waypoints.h"
+#include "config/fields.h"
 #include "scene/surface_heights.h"
 #include "scenefile/object_placer.h"
 

@@ -12,7 +12,6 @@
 #include "base/path.h"
 #include "base/short_text.h"
 #include "config/fields.h"
-#include "config/waypoints.h"
 #include "scene/road_path.h"
 
 namespace scanmill {

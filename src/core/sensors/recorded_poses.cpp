@@ -7,7 +7,6 @@
 
 #include "base/file.h"
 #include "config/fields.h"
-#include "config/waypoints.h"
 
 namespace scanmill {
 namespace {

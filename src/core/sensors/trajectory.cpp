@@ -8,7 +8,6 @@
 
 #include "base/path.h"
 #include "config/fields.h"
-#include "config/waypoints.h"
 
 namespace scanmill {
 

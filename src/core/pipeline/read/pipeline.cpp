@@ -11,7 +11,6 @@
 #include "base/random.h"
 #include "config/fields.h"
 #include "config/file_kind.h"
-#include "config/waypoints.h"
 #include "dataset/split.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"

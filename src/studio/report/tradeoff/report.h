@@ -41,7 +41,7 @@ std::vector<std::string> groupNames(const Study& study, const std::vector<std::s
                                     GroupsOfErrors groups);
 
 // Returns at most `most` noteworthy settings as indices in Study::settings: the methods with their defaults, the
-// fastest setting of each method, and the Pareto fronts of study_figures.h.
+// fastest setting of each method, and the Pareto fronts (see frontOf()).
 std::vector<std::size_t> shownSettings(const Study& study, std::size_t most);
 
 // Returns the index of a method's colour in the charts' palette. All charts of a report use this colour for the method.

@@ -9,7 +9,7 @@
 #include "report/page/page.h"
 #include "report/tradeoff/report.h"
 #include "study/figure_text.h"
-#include "study/tradeoff/study_figures.h"
+#include "study/tradeoff/study.h"
 
 namespace scanmill {
 

@@ -13,7 +13,7 @@
 #include "dataset/scan_store.h"
 #include "evaluate/spread.h"
 #include "study/compare/compare.h"
-#include "study/compare/range_grid.h"
+#include "study/compare/patches.h"
 #include "study/figure_text.h"
 
 namespace scanmill {

@@ -12,7 +12,6 @@
 #include "evaluate/spread.h"
 #include "sensors/beams.h"
 #include "study/noise/flat_patches.h"
-#include "study/noise/recorded_scan.h"
 
 namespace scanmill {
 

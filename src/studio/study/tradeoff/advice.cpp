@@ -11,7 +11,6 @@
 #include "base/short_text.h"
 #include "study/figure_text.h"
 #include "study/tradeoff/study.h"
-#include "study/tradeoff/study_figures.h"
 
 namespace scanmill {
 

@@ -1,5 +1,3 @@
-#include "study/tradeoff/study_figures.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,7 @@
 
 #include "base/append_new.h"
 #include "methods/method.h"
+#include "study/tradeoff/study.h"
 
 namespace scanmill {
 

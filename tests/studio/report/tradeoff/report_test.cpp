@@ -5,7 +5,7 @@
 #include <regex>
 
 #include "images/images.h"
-#include "study/tradeoff/study_figures.h"
+#include "study/tradeoff/study.h"
 #include "tests/studio/charts/svg_check.h"
 #include "tests/studio/study/tradeoff/example_study.h"
 #include "tests/support/test_scene.h"

@@ -1,6 +1,5 @@
-#include "study/compare/range_grid.h"
-
 #include "dataset/scan_store.h"
+#include "study/compare/patches.h"
 #include "tests/studio/study/compare/compare_scans.h"
 #include "tests/support/shared_data.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "study/noise/recorded_scan.h"
+#include "study/noise/flat_patches.h"
 #include "tests/support/noisy_walls.h"
 
 namespace scanmill {

@@ -1,8 +1,7 @@
-#include "study/tradeoff/study_figures.h"
-
 #include <set>
 
 #include "base/random.h"
+#include "study/tradeoff/study.h"
 #include "tests/studio/study/tradeoff/example_study.h"
 
 namespace scanmill {
