@@ -1,6 +1,5 @@
-// NumPy's format NPY 1.0 (numpy.org/doc/stable/reference/generated/numpy.lib.format.html): a magic number, the length
-// of a header, the header as the text of a Python dictionary, padded so that the elements begin at a multiple of 64
-// bytes, and the elements.
+// A file of NumPy's format NPY 1.0 is a magic number, the length of a header, the header as the text of a Python
+// dictionary, padded so that the elements begin at a multiple of 64 bytes, and the elements.
 
 #include "formats/npy.h"
 

@@ -57,10 +57,8 @@ Cloud readCsv(std::string_view bytes, const std::string& what, bool exact = true
 Cloud readDraco(std::string_view bytes, const std::string& what);
 
 // Reads the points of LAS 1.0 to 1.4, point formats 0 to 10 ("LAS Specification 1.4 - R15", American Society for
-// Photogrammetry and Remote Sensing, 2019), except points marked as withheld; extra bytes are columns. Coordinates are
-// metres, unless `unit` is OfFile and the coordinate system (rasters/raster.h) states feet; depths become heights.
-// Refuses bytes that are not LAS, of another version, truncated, or compressed (LAZ), and coordinates that are degrees,
-// earth-centred or in unknown units. Warns of Mercator projections.
+// Photogrammetry and Remote Sensing, 2019), except points marked as withheld; extra bytes are columns. If `unit` is
+// OfFile, refuses coordinates that are degrees, earth-centred or in unknown units, and warns of Mercator projections.
 Cloud readLas(std::string_view bytes, const std::string& what, CloudUnit unit = CloudUnit::OfFile);
 
 // Reads the points of a PLY file (the element `vertex`). Properties that are lists are left out.

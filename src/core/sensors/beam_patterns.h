@@ -11,12 +11,10 @@
 
 namespace scanmill {
 
-// A sensor read from a table with one line per beam. The first line names the columns: azimuth_deg and elevation_deg
-// (or zenith_deg, from straight up), and optionally time_us (since the start of the revolution; or time_s, time_ms,
-// time_ns), ring, column, and origin_x_m, origin_y_m, origin_z_m. Units may also be written as "Time/s" or "Time [s]".
-// Rings and columns are numbered from 0, and every pair of ring and column must occur once; without them all beams form
-// one ring, in the order of the lines. No column may fire before its predecessor. readListedBeams() throws InputError
-// with the file and, if the fault is in one line, the line.
+// A sensor read from a table with one line per beam, whose columns docs/keys.md explains (`beams`). Rings and columns
+// are numbered from 0, and every pair of ring and column must occur once; without them all beams form one ring, in the
+// order of the lines. No column may fire before its predecessor. readListedBeams() throws InputError with the file and,
+// if the fault is in one line, the line.
 struct ListedSensor {
   std::uint32_t rings = 0, columns = 0;
   ListedBeams beams;
@@ -33,11 +31,7 @@ std::vector<double> scaledBy(double factor, std::vector<double> values);
 ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32_t columns,
                        const std::vector<double>& elevation);
 
-// Reads {field_deg: 38.4, turns_hz: [121.6, -77.7], phase_deg: [0, 0]} from YAML: one to four prisms that rotate with
-// these frequencies. Together they deflect the beam by up to half the field of view, each by the same angle;
-// `deflection_deg` states the angle of each in place of `field_deg`. Optional keys: laser_azimuth_deg: [0, 1] and
-// laser_elevation_deg: [0, 0.2] deflect the beams of several lasers, which all pass the prisms; mirror: {tilt_deg: 56,
-// turns_hz: 180, phase_deg: 0} is Rosette::mirror. Throws InputError.
+// Reads the key `rosette` of a sensor, which docs/keys.md explains. Throws InputError.
 Rosette readRosette(const Value& value);
 
 // A mirror that scans zones side by side, all at once, line by line from the top (a laser for each zone).
@@ -50,8 +44,7 @@ struct RasterScan {
   bool alternate = false;  // true: every other line is scanned from right to left
 };
 
-// Reads {zones_deg: [24, 0, -24], width_deg: 24, top_deg: 12.5, bottom_deg: -12.5, lines: 126, line_us: 625, alternate:
-// false} from YAML; the last two are optional. Throws InputError.
+// Reads the key `raster` of a sensor, which docs/keys.md explains. Throws InputError.
 RasterScan readRasterScan(const Value& value);
 
 // Returns the beams of a raster with a ring for each zone. The columns are numbered in the order in which they fire:

@@ -1,9 +1,7 @@
 #pragma once
 
-// Reads calibration files with the beams of one sensor unit. Three kinds are known: the files of Velodyne's ROS drivers
-// (.yaml: a map with a list `lasers`, each with `vert_correction` and `rot_correction` in rad and optionally
-// `vert_offset_correction` and `horiz_offset_correction` in m), Ouster's metadata (.json), and tables of beams such as
-// Hesai's (.csv).
+// Reads calibration files with the beams of one sensor unit: the files of Velodyne's ROS drivers (.yaml), Ouster's
+// metadata (.json), and tables of beams such as Hesai's (.csv).
 
 #include <cstdint>
 #include <filesystem>
@@ -36,9 +34,7 @@ struct Laser {
   double firing = 0;     // us, firing time after the start of the column
 };
 
-// Reads the lasers of a table. The table's first line names the columns: either the columns of Hesai's angle correction
-// files (Channel or Laser id, Elevation, Azimuth; degrees, azimuths clockwise), or elevation_deg and optionally
-// azimuth_offset_deg (counter-clockwise), origin_left_m, origin_up_m and firing_time_us. The rows may come in any order
+// Reads the lasers of a table, Hesai's or one of the user's own: see beamTableFormat(). The rows may come in any order
 // if the table has channels, which become the rings. Throws InputError with the line.
 std::vector<Laser> readBeamTable(const std::filesystem::path& file);
 
