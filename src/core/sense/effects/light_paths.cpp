@@ -3,11 +3,8 @@
 //   light_paths: {panes: 4, bounces: 1}
 //   light_paths: {bounces: 2, mirrored: unlabeled, least: 0.0001}
 //
-// Materials with a `transmission` let light through (both ways, by Fresnel's equations and the absorption of the
-// glass); materials with a roughness of at most 0.1 reflect as mirrors. Each hit of a continued ray is a separate echo.
-// Returns behind glass have cause 3 and the class of the surface that they hit. Mirror images have cause 4 and are
-// placed where the sensor assumes them: along the beam, at the length of the light's path. (The code:
-// methods/interface/light_paths.h.)
+// Each hit of a continued ray is a separate echo: with cause 3 behind glass, with cause 4 for mirror images, which are
+// placed where the sensor assumes them. The code is in methods/interface/light_paths.h.
 
 #include "methods/interface/light_paths.h"
 

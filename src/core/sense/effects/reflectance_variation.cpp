@@ -6,9 +6,7 @@
 //
 // The reflectance at a point is the reflectance of the material times exp(sum of c_k n_k - c_k^2 / 2). Each of the
 // material's `variations` has a contrast c_k and a size, and n_k is a Gaussian field of variance 1 over cubes of that
-// size (spatial_noise.h). The result is a log-normal distribution whose mean is the material's reflectance. The fields
-// depend only on the point in the world and the pipeline's seed, so that every frame, sensor and method finds the same
-// patches.
+// size (spatial_noise.h). The result is a log-normal distribution whose mean is the material's reflectance.
 //
 // A beam averages over its width: if the sensor file gives the width, the variance c_k^2 is divided by 1 + area of the
 // beam / size^2, as for the mean of this many independent patches.

@@ -5,13 +5,12 @@
 //   relief: {strength: 0.5}   # half as high
 //
 // The height over the mesh is the sum of height_k n_k over the entries of the material's `relief`. Each entry has a
-// height and a size, and n_k is a Gaussian field of variance 1 over cubes of that size (spatial_noise.h). The
-// field depends only on the point in the world and the pipeline's seed, so that every frame, sensor and method hits the
-// same tufts. The search begins kSearchDeviations standard deviations of the height above the mesh and follows the
-// beam, in steps shorter than the smallest size (unless this takes more than kMostSteps), to the first step below the
-// height field. Two linear interpolations between this step and the previous one then find the hit (relief mapping:
-// Policarpo, Oliveira and Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). Grazing beams
-// therefore hit the tips of tufts, with gaps behind them, and beams from above hit heights whose mean is 0.
+// height and a size, and n_k is a Gaussian field of variance 1 over cubes of that size (spatial_noise.h). The search
+// begins kSearchDeviations standard deviations of the height above the mesh and follows the beam, in steps shorter than
+// the smallest size (unless this takes more than kMostSteps), to the first step below the height field. Two linear
+// interpolations between this step and the previous one then find the hit (relief mapping: Policarpo, Oliveira and
+// Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). Grazing beams therefore hit the tips of
+// tufts, with gaps behind them, and beams from above hit heights whose mean is 0.
 //
 // A beam averages over its width: as in reflectance_variation, the variance is divided by 1 + area / size^2, where the
 // area is the illuminated area on the slanted surface.
