@@ -38,8 +38,7 @@ class DatasetFolder {
   // Releases the lock. An unfinished dataset stays on the disk, so that it can be resumed, if it has a complete shard
   // or if other processes are working on it.
   ~DatasetFolder();
-  DatasetFolder(const DatasetFolder&) = delete;
-  DatasetFolder& operator=(const DatasetFolder&) = delete;
+  DatasetFolder& operator=(DatasetFolder&&) = delete;  // neither copied nor moved
 
   // Throws the errors of the constructor about the contents of the folder and about other processes, except the error
   // about another plan. Changes no dataset.

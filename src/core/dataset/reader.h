@@ -39,8 +39,7 @@ class ShardIndex {
   // Reads only the members' headers. If the end of the file is missing or damaged, the members before the damage can be
   // read. Throws the InputError of readTar() if the first member is damaged.
   explicit ShardIndex(std::filesystem::path file);
-  ShardIndex(const ShardIndex&) = delete;
-  ShardIndex& operator=(const ShardIndex&) = delete;
+  ShardIndex& operator=(ShardIndex&&) = delete;  // neither copied nor moved
 
   const std::filesystem::path& file() const { return file_; }
   const std::vector<ShardMember>& members() const { return members_; }  // in the shard's order

@@ -42,8 +42,7 @@ class ScanStore {
   // layout imports/scan_folder.h supports. The manifest of a shard is searched beside and above the shard; a shard
   // without a manifest can also be read. If a shard is truncated, its complete members can be read. Throws InputError.
   explicit ScanStore(std::filesystem::path path, Digests digests = Digests::Ignored);
-  ScanStore(const ScanStore&) = delete;
-  ScanStore& operator=(const ScanStore&) = delete;
+  ScanStore& operator=(ScanStore&&) = delete;  // neither copied nor moved
 
   const std::filesystem::path& path() const { return path_; }
   bool single() const { return single_.has_value(); }

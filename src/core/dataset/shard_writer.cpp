@@ -86,8 +86,7 @@ struct ShardFile::State {
     discard = true;  // set first, because freeing an unfinished archive flushes it
     archive_write_free(tar);
   }
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
+  State& operator=(State&&) = delete;  // neither copied nor moved
 
   // The callback of libarchive. `self`: the State.
   static la_ssize_t writeBytes(archive*, void* self, const void* data, std::size_t size) {

@@ -22,8 +22,7 @@ class ShardFile {
   // Follows no links below `folder` (base/own_folder.h); `path` begins with `folder`.
   ShardFile(const std::filesystem::path& folder, const std::filesystem::path& path);
   ~ShardFile();
-  ShardFile(const ShardFile&) = delete;
-  ShardFile& operator=(const ShardFile&) = delete;
+  ShardFile& operator=(ShardFile&&) = delete;  // neither copied nor moved
 
   // Appends a member.
   void add(const std::string& name, std::string_view bytes);

@@ -79,8 +79,7 @@ std::vector<FoundDevice> findDevices();
 class ComputeBuffer {
  public:
   explicit ComputeBuffer(const ComputeDevice& device);
-  ComputeBuffer(const ComputeBuffer&) = delete;
-  ComputeBuffer& operator=(const ComputeBuffer&) = delete;
+  ComputeBuffer& operator=(ComputeBuffer&&) = delete;  // neither copied nor moved
 
   // Makes the buffer at least this large. If it grows, its contents are lost.
   void reserve(std::uint64_t bytes);
@@ -159,8 +158,7 @@ class ComputeProgram {
   // 2 ... and its parameters, if any, as a uniform block (std140) with binding 0. Throws Error with the compiler's
   // message.
   ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text);
-  ComputeProgram(const ComputeProgram&) = delete;
-  ComputeProgram& operator=(const ComputeProgram&) = delete;
+  ComputeProgram& operator=(ComputeProgram&&) = delete;  // neither copied nor moved
 
   // Calls invoke(i) for i from 0 to invocations - 1, in any order; `invocations` must be less than 2^32. The data that
   // these calls write is visible to the next run() and to readbacks. OpenGL 4.3 promises 8 buffers, 16 tables and 16

@@ -27,8 +27,7 @@ class MappedCopy {
  public:
   MappedCopy() = default;
   ~MappedCopy() { drop(); }
-  MappedCopy(const MappedCopy&) = delete;
-  MappedCopy& operator=(const MappedCopy&) = delete;
+  MappedCopy& operator=(MappedCopy&&) = delete;  // neither copied nor moved
 
   void start(GLuint buffer, std::size_t bytes) {
     glBindBuffer(GL_COPY_READ_BUFFER, buffer);
@@ -133,8 +132,7 @@ class BufferTexture {
  public:
   BufferTexture() { glGenTextures(1, &name_); }
   ~BufferTexture() { glDeleteTextures(1, &name_); }
-  BufferTexture(const BufferTexture&) = delete;
-  BufferTexture& operator=(const BufferTexture&) = delete;
+  BufferTexture& operator=(BufferTexture&&) = delete;  // neither copied nor moved
 
   void bind(GLuint unit, GLuint buffer, GLenum format) const {
     glActiveTexture(GL_TEXTURE0 + unit);
@@ -178,8 +176,7 @@ class GlCompute final : public ComputeBackend {
       state_.reset();
     });
   }
-  GlCompute(const GlCompute&) = delete;
-  GlCompute& operator=(const GlCompute&) = delete;
+  GlCompute& operator=(GlCompute&&) = delete;  // neither copied nor moved
 
   std::string name() const override { return name_; }
   bool software() const override { return software_; }

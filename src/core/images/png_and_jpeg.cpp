@@ -69,8 +69,7 @@ class PngReader final : public ImageReader {
     }
   }
   ~PngReader() override { png_destroy_read_struct(&png_, &info_, nullptr); }
-  PngReader(const PngReader&) = delete;
-  PngReader& operator=(const PngReader&) = delete;
+  PngReader& operator=(PngReader&&) = delete;  // neither copied nor moved
 
   ImageHeader header() const override { return header_; }
 
@@ -156,8 +155,7 @@ class JpegReader final : public ImageReader {
     }
   }
   ~JpegReader() override { jpeg_destroy_decompress(&jpeg_); }
-  JpegReader(const JpegReader&) = delete;
-  JpegReader& operator=(const JpegReader&) = delete;
+  JpegReader& operator=(JpegReader&&) = delete;  // neither copied nor moved
 
   bool isOfInks() const { return jpeg_.num_components == 4; }
 

@@ -25,8 +25,7 @@ struct VisibleTriangle {
 class Resolver {
  public:
   explicit Resolver(const Scene& scene);
-  Resolver(const Resolver&) = delete;
-  Resolver& operator=(const Resolver&) = delete;
+  Resolver& operator=(Resolver&&) = delete;  // neither copied nor moved
 
   // Fills `planes` with one entry per entry of `triangles`. addresses[i] is the pixel that shows triangles[i] in the
   // cameras' images (kNoPixel: no pixel). Normals are turned against the line of sight through the pixel's centre. A

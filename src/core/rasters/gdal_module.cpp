@@ -56,8 +56,7 @@ class Reference {
     OSRSetAxisMappingStrategy(handle_, OAMS_TRADITIONAL_GIS_ORDER);
   }
   ~Reference() { OSRDestroySpatialReference(handle_); }
-  Reference(const Reference&) = delete;
-  Reference& operator=(const Reference&) = delete;
+  Reference& operator=(Reference&&) = delete;  // neither copied nor moved
 
   // Replaces the definition by Esri's, in the file `prj`.
   void readEsri(const std::string& prj) {
@@ -187,8 +186,7 @@ class GdalReader final : public RasterReader {
     if (header_.driver == "VRT") markGapsOfMosaic();
   }
   ~GdalReader() override { GDALClose(dataset_); }
-  GdalReader(const GdalReader&) = delete;
-  GdalReader& operator=(const GdalReader&) = delete;
+  GdalReader& operator=(GdalReader&&) = delete;  // neither copied nor moved
 
   const RasterHeader& header() const override { return header_; }
 

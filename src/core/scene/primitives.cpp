@@ -19,8 +19,7 @@ class Appender {
   ~Appender() {
     if (!mesh_.uvs.empty()) mesh_.uvs.resize(mesh_.positions.size());
   }
-  Appender(const Appender&) = delete;
-  Appender& operator=(const Appender&) = delete;
+  Appender& operator=(Appender&&) = delete;  // neither copied nor moved
 
   std::uint32_t vertex(const Vec3d& p) {
     mesh_.positions.push_back(Vec3f(meshFromShape_ * p));

@@ -88,8 +88,7 @@ struct SurfaceHeights::Hierarchy {
     rtcReleaseScene(all);
     rtcReleaseDevice(device);
   }
-  Hierarchy(const Hierarchy&) = delete;
-  Hierarchy& operator=(const Hierarchy&) = delete;
+  Hierarchy& operator=(Hierarchy&&) = delete;  // neither copied nor moved
 
   // Returns Embree's scene of a mesh, which is built at its first use.
   RTCScene sceneOf(const Mesh& mesh, std::uint32_t index) {

@@ -44,8 +44,7 @@ class ColorImages {
       : asset_(std::move(asset)), allowOutside_(allowOutside), folders_(std::move(folders)) {}
   // Warns of missing images.
   ~ColorImages();
-  ColorImages(const ColorImages&) = delete;
-  ColorImages& operator=(const ColorImages&) = delete;
+  ColorImages& operator=(ColorImages&&) = delete;  // neither copied nor moved
 
   // Returns the image that the asset calls `name`: the result of `embedded` or, if this is absent, the file `name`.
   // Returns null if the image is missing (the destructor warns), is broken (warns), or has no alpha although

@@ -19,8 +19,7 @@ class EglContext {
   // NoDevice if no device is suitable, and std::invalid_argument if no device has this name.
   explicit EglContext(const std::string& device);
   ~EglContext();
-  EglContext(const EglContext&) = delete;
-  EglContext& operator=(const EglContext&) = delete;
+  EglContext& operator=(EglContext&&) = delete;  // neither copied nor moved
 
   // Makes the context current on the calling thread until another context is made current. Throws std::runtime_error
   // if this fails. Switching contexts is slow: drivers then flush, which may take as long as tracing a scan.

@@ -19,8 +19,7 @@ class GlBuffer {
  public:
   GlBuffer() { glGenBuffers(1, &name_); }
   ~GlBuffer() { glDeleteBuffers(1, &name_); }
-  GlBuffer(const GlBuffer&) = delete;
-  GlBuffer& operator=(const GlBuffer&) = delete;
+  GlBuffer& operator=(GlBuffer&&) = delete;  // neither copied nor moved
 
   GLuint name() const { return name_; }
   // Replaces the buffer's contents by `bytes` bytes from `data`; if `data` is null, the contents are undefined.
@@ -49,8 +48,7 @@ class GlVertexArray {
  public:
   GlVertexArray() { glGenVertexArrays(1, &name_); }
   ~GlVertexArray() { glDeleteVertexArrays(1, &name_); }
-  GlVertexArray(const GlVertexArray&) = delete;
-  GlVertexArray& operator=(const GlVertexArray&) = delete;
+  GlVertexArray& operator=(GlVertexArray&&) = delete;  // neither copied nor moved
 
   void add(const GlAttribute& attribute);
   void bind() const { glBindVertexArray(name_); }
@@ -70,8 +68,7 @@ class GlProgram {
   // compiler's message.
   GlProgram(std::string_view name, std::initializer_list<GlShaderText> shaders);
   ~GlProgram() { glDeleteProgram(name_); }
-  GlProgram(const GlProgram&) = delete;
-  GlProgram& operator=(const GlProgram&) = delete;
+  GlProgram& operator=(GlProgram&&) = delete;  // neither copied nor moved
 
   void use() const { glUseProgram(name_); }
   GLint uniform(const char* name) const { return glGetUniformLocation(name_, name); }

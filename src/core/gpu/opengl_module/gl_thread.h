@@ -20,8 +20,7 @@ class GlThread {
 
   GlThread();
   ~GlThread();
-  GlThread(const GlThread&) = delete;
-  GlThread& operator=(const GlThread&) = delete;
+  GlThread& operator=(GlThread&&) = delete;  // neither copied nor moved
 
   // Calls `work` on this thread, waits until it is done, and rethrows its exception. If the caller is on this thread
   // already, calls `work` directly.

@@ -27,8 +27,7 @@ class [[nodiscard]] Quiet {
  public:
   Quiet();
   ~Quiet();
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
+  Quiet& operator=(Quiet&&) = delete;  // neither copied nor moved
 
   // Throws std::runtime_error with the error messages since the last call, if there are any. Warnings are discarded.
   void check();

@@ -387,8 +387,7 @@ struct ContextState {
     pass.releaseGraphicsResources(window);
     window->Finalize();
   }
-  ContextState(const ContextState&) = delete;
-  ContextState& operator=(const ContextState&) = delete;
+  ContextState& operator=(ContextState&&) = delete;  // neither copied nor moved
 
   EglContext context;
   vtkNew<GlWindow> window;
@@ -419,8 +418,7 @@ class GlDevice final : public VtkDevice {
       state_.reset();
     });
   }
-  GlDevice(const GlDevice&) = delete;
-  GlDevice& operator=(const GlDevice&) = delete;
+  GlDevice& operator=(GlDevice&&) = delete;  // neither copied nor moved
 
   std::string name() const override { return name_; }
   VtkLimits limits() const override { return limits_; }

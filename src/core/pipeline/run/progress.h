@@ -15,8 +15,7 @@ class Progress {
   // `workUnit`: unit of the work, such as "rays", which is shown per second. `quiet`: shows nothing.
   Progress(std::string what, std::uint64_t total, std::string unit, std::string workUnit, bool quiet);
   ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  Progress& operator=(Progress&&) = delete;  // neither copied nor moved
 
   void setTotal(std::uint64_t total) { total_ = total; }  // for a total that was unknown at the start of the work
   void advance(std::uint64_t count, double work);

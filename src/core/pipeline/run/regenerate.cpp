@@ -46,8 +46,7 @@ class RegenerationFolder {
     lock_.reset();
     if (hiddenIsNew_) fs::remove(hidden_, ignored);
   }
-  RegenerationFolder(const RegenerationFolder&) = delete;
-  RegenerationFolder& operator=(const RegenerationFolder&) = delete;
+  RegenerationFolder& operator=(RegenerationFolder&&) = delete;  // neither copied nor moved
 
   fs::path folder() const { return hidden_ / kScratch; }
 

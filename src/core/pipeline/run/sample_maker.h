@@ -113,8 +113,7 @@ class SceneStore {
   // `loading`: called before a scene is loaded, with the sequence that needs it, on any thread.
   SceneStore(ShotSource& source, std::function<void(const Sequence&)> loading);
   ~SceneStore();
-  SceneStore(const SceneStore&) = delete;
-  SceneStore& operator=(const SceneStore&) = delete;
+  SceneStore& operator=(SceneStore&&) = delete;  // neither copied nor moved
 
   // announce() announces a frame of the sequence. release() must be called for each announced frame once it is done or
   // cancelled.

@@ -23,8 +23,7 @@ class ExactTracer {
   // `scene` must outlive this object.
   explicit ExactTracer(const Scene& scene);
   ~ExactTracer();
-  ExactTracer(const ExactTracer&) = delete;
-  ExactTracer& operator=(const ExactTracer&) = delete;
+  ExactTracer& operator=(ExactTracer&&) = delete;  // neither copied nor moved
 
   // Traces a shot with the same rules as Method::trace() for range limits, channels, alpha cut-outs, and the lowest
   // instance id among coplanar surfaces. May be called from several threads at a time.

@@ -23,9 +23,8 @@ class FrameLoader {
   // Caches the requested frame and the frames nearest to it, up to `cacheBytes` bytes together; the requested frame is
   // always cached.
   explicit FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t cacheBytes = std::uint64_t{1} << 30);
-  ~FrameLoader();  // waits until the current load is finished
-  FrameLoader(const FrameLoader&) = delete;
-  FrameLoader& operator=(const FrameLoader&) = delete;
+  ~FrameLoader();                                  // waits until the current load is finished
+  FrameLoader& operator=(FrameLoader&&) = delete;  // neither copied nor moved
 
   // Requests a frame, and after it at most 64 following frames in the direction of `step` (1 or -1; 0: none), as long
   // as these fit into half of `cacheBytes`; the other half is for frames that were shown before. Cancels earlier

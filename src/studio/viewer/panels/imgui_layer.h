@@ -19,8 +19,7 @@ class ImGuiLayer {
   // `lineHeight`: height of a line of text in pixels.
   ImGuiLayer(Canvas& canvas, double lineHeight);
   ~ImGuiLayer();
-  ImGuiLayer(const ImGuiLayer&) = delete;
-  ImGuiLayer& operator=(const ImGuiLayer&) = delete;
+  ImGuiLayer& operator=(ImGuiLayer&&) = delete;  // neither copied nor moved
 
   double lineHeight() const;  // height of a line of text in pixels
   double row() const;         // height of a menu, a button or a slider in pixels

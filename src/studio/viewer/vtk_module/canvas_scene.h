@@ -81,8 +81,7 @@ class CanvasScene {
  public:
   CanvasScene(int width, int height);
   ~CanvasScene();
-  CanvasScene(const CanvasScene&) = delete;
-  CanvasScene& operator=(const CanvasScene&) = delete;
+  CanvasScene& operator=(CanvasScene&&) = delete;  // neither copied nor moved
 
   int width() const { return width_; }
   int height() const { return height_; }

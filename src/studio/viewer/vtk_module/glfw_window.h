@@ -19,8 +19,7 @@ class GlfwWindow {
   // no suitable OpenGL.
   GlfwWindow(const std::string& title, int width, int height);
   ~GlfwWindow();
-  GlfwWindow(const GlfwWindow&) = delete;
-  GlfwWindow& operator=(const GlfwWindow&) = delete;
+  GlfwWindow& operator=(GlfwWindow&&) = delete;  // neither copied nor moved
 
   void makeCurrent() noexcept;
   double scale() const;  // the display's scale factor for text, see Canvas::scale()

@@ -58,8 +58,7 @@ class VtkCanvas final : public Canvas {
     }
     scene_.reset();
   }
-  VtkCanvas(const VtkCanvas&) = delete;
-  VtkCanvas& operator=(const VtkCanvas&) = delete;
+  VtkCanvas& operator=(VtkCanvas&&) = delete;  // neither copied nor moved
 
   int width() const override { return scene_->width(); }
   int height() const override { return scene_->height(); }

@@ -24,8 +24,7 @@ class ViewSession {
   // if an option names a sample or a class that does not exist, or colours that a scene cannot have.
   ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canvas, const ViewOptions& options,
               std::unique_ptr<FrameLoader> loader = nullptr);
-  ViewSession(const ViewSession&) = delete;
-  ViewSession& operator=(const ViewSession&) = delete;
+  ViewSession& operator=(ViewSession&&) = delete;  // neither copied nor moved
 
   // Handles an event. Returns false if the session is to be closed.
   bool handle(const CanvasEvent& event);
