@@ -112,8 +112,7 @@ constexpr double kNearestSample = 0.1;       // m along a beam; nearer points ne
 // Returns the angle (rad) of the rotation from a to b.
 double angleBetween(const Quat& a, const Quat& b) {
   const Quat between = Quat{a.w, -a.x, -a.y, -a.z} * b;
-  return 2 * std::atan2(std::sqrt(between.x * between.x + between.y * between.y + between.z * between.z),
-                        std::abs(between.w));
+  return 2 * std::atan2(length(Vec3d{between.x, between.y, between.z}), std::abs(between.w));
 }
 
 // Returns the number of renders of a revolution if the options do not set it: see stepsOf().

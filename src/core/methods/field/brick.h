@@ -44,19 +44,16 @@ class BrickMaker {
     std::uint32_t corner, triangle;
   };
 
-  // These functions are defined in brick.cpp:
   void sortTriangles();
   void endList(std::uint32_t corner);
   void fillTrianglesOrLists(const std::uint16_t* distance, std::uint32_t* triangleOrList) const;
   void appendLists(std::uint32_t* triangleOrList, std::vector<std::uint32_t>& listEntries);
   void fillDistances(std::uint16_t* distance) const;
-
-  // These functions are defined in sparse_brick.cpp:
   void makeSparse(const BrickFrame& frame);
   void fillBlock(const BrickFrame& frame, int block);
   void listBlock(int block);
 
-  // These functions are defined in dense_brick.cpp:
+  // Defined in dense_brick.cpp:
   void makeDense(const BrickFrame& frame);
   [[nodiscard]] bool makeBlock(const BrickFrame& frame, int block);
   void searchBlock(const BrickFrame& frame, int block);

@@ -227,13 +227,8 @@ SCANMILL_BEST_INSTRUCTIONS void setUpRays(const Shot& shot, const ShotFrame& fra
     }
   }
   rays.count = lane;
-  for (; lane < kPacket; ++lane) {
-    rays.ox[lane] = rays.ox[0];
-    rays.oy[lane] = rays.oy[0];
-    rays.oz[lane] = rays.oz[0];
-    rays.dx[lane] = rays.dx[0];
-    rays.dy[lane] = rays.dy[0];
-    rays.dz[lane] = rays.dz[0];
+  for (Lane* values : {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz}) {
+    std::fill(*values + lane, *values + kPacket, (*values)[0]);
   }
 }
 

@@ -127,14 +127,52 @@ double leastDistance(const CameraFromMesh& map, const Vec3f& low, const Vec3f& h
 // must outlive the view.
 class DrawnView {
  public:
-  DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
+  DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits)
+      : scene_(scene),
+        geometry_(geometry),
+        camera_(camera),
+        limits_(limits),
+        cameraFromWorld_(transposed(toMatrix(camera.worldFromCamera.rotation))) {
+    std::vector<Candidate> solid;
+    std::vector<Candidate> cut;
+    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) addFrame(i, solid, cut);
+    addDraws(solid, geometry.solid, solid_);
+    addDraws(cut, geometry.cut, cut_);
+  }
 
   // Returns the image to draw, which has pointers into this view.
-  VtkImage image() const;
+  VtkImage image() const {
+    return {camera_.width, camera_.height, static_cast<float>(limits_.nearest), placements_, solid_, cut_};
+  }
+
   // Returns the triangle that a pixel (its index in the image) shows if the image's value at the pixel is `number`;
   // none if `number` is 0 or the triangle is beyond the far limit. The depth is the depth of the triangle's plane at
   // the pixel's centre, computed in double and clamped to the depths of the triangle's corners.
-  VisibleTriangle triangleAt(std::uint32_t pixel, std::uint32_t number) const;
+  VisibleTriangle triangleAt(std::uint32_t pixel, std::uint32_t number) const {
+    if (number == 0) return {};
+    const auto nextChunk = std::ranges::upper_bound(firstNumbers_, number);
+    const auto index = static_cast<std::size_t>(nextChunk - firstNumbers_.begin() - 1);
+    const DrawnChunk& chunk = drawnChunks_[index];
+    const Frame& frame = frames_[chunk.frame];
+    const Mesh& mesh = scene_.meshes[scene_.instances[frame.instance].mesh];
+    const std::uint32_t triangle = chunk.batch->original[chunk.firstTriangle + (number - firstNumbers_[index])];
+
+    const Triangle& corners = mesh.triangles[triangle];
+    const Vec3d a(mesh.positions[corners[0]]);
+    const Vec3d b(mesh.positions[corners[1]]);
+    const Vec3d c(mesh.positions[corners[2]]);
+    const Vec3d normal = cross(b - a, c - a);
+    const Vec3d ray = camera_.ray(pixel % camera_.width + 0.5, pixel / camera_.width + 0.5);
+    const double depth = dot(normal, a - frame.cameraInMesh) / dot(normal, frame.meshFromCamera * ray);
+    // If a triangle is seen edge-on, the line of sight may intersect its plane outside of the triangle, or not at all.
+    // Clamp the depth to the depths of the corners.
+    const auto depthOf = [&](const Vec3d& p) { return dot(frame.depthAxis, p) + frame.depthOffset; };
+    const auto [least, most] = std::minmax({depthOf(a), depthOf(b), depthOf(c)});
+    const double nearest = std::max(least, limits_.nearest);
+    const double clamped = depth >= nearest ? std::min(depth, std::max(most, nearest)) : nearest;  // `nearest` if NaN
+    if (clamped > limits_.farthest) return {};
+    return {static_cast<float>(clamped), frame.instance + 1, triangle};
+  }
 
  private:
   // A visible instance of the scene, and the transform from the camera's frame to its mesh's frame.
@@ -153,8 +191,77 @@ class DrawnView {
     const ViewBatch* batch;
   };
 
-  void addFrame(std::uint32_t instance, std::vector<Candidate>& solid, std::vector<Candidate>& cut);
-  void addDraws(std::vector<Candidate>& candidates, const ViewBatch& batch, std::vector<VtkDraw>& draws);
+  // Adds an instance to frames_, and its chunks to the candidates, if it may be visible. Everything is computed in
+  // double precision, from the instance's position relative to the camera, so that the results are the same far from
+  // the world's origin.
+  void addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
+    const Instance& instance = scene_.instances[index];
+    const ViewMesh& mesh = geometry_.meshes[instance.mesh];
+    const Affine& worldFromMesh = instance.worldFromMesh;
+    const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
+    const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
+    // Maps points relative to mesh.origin, as the bounds of meshes and chunks are.
+    const CameraFromMesh map{transposed(linear), cameraFromWorld_ * offset + linear * mesh.origin};
+    const std::array<HalfSpace, 6> volume = viewVolume(map, camera_, limits_);
+    const Side side = sideOf(volume, mesh.low, mesh.high);
+    const auto isOutOfReach = [&](const Vec3f& low, const Vec3f& high) {
+      return leastDistance(map, low, high) > limits_.reach;
+    };
+    if (side == Side::Outside || isOutOfReach(mesh.low, mesh.high)) return;
+
+    const Mat3 meshFromWorld = inverse(worldFromMesh.linear);
+    const Vec3d cameraInMesh = -(meshFromWorld * offset);
+    const double scale = std::cbrt(std::abs(determinant(worldFromMesh.linear)));  // m in the world per m in the mesh
+    const auto frame = static_cast<std::uint32_t>(frames_.size());
+    const auto addVisible = [&](const ViewBatch& batch, const ChunkRange& range, std::vector<Candidate>& candidates) {
+      for (std::uint32_t c = range.first; c < range.end; ++c) {
+        const ViewChunk& chunk = batch.chunks[c];
+        if (side == Side::Across && sideOf(volume, chunk.low, chunk.high) == Side::Outside) continue;
+        if (isOutOfReach(chunk.low, chunk.high)) continue;
+        const double distance = scale * distanceTo(chunk.low, chunk.high, cameraInMesh - mesh.origin);
+        candidates.push_back({distanceStep(distance), c, frame});
+      }
+    };
+    addVisible(geometry_.solid, mesh.solid, solid);
+    addVisible(geometry_.cut, mesh.cut, cut);
+
+    frames_.push_back({.instance = index,
+                       .meshFromCamera = meshFromWorld * transposed(cameraFromWorld_),
+                       .cameraInMesh = cameraInMesh,
+                       .depthAxis = map.rows.z,
+                       .depthOffset = map.translation.z - dot(map.rows.z, mesh.origin),
+                       .placement = placementOf(map, camera_)});
+  }
+
+  // Appends draw calls of the visible chunks, all of one batch. Near chunks are drawn first, so that they hide farther
+  // ones. Instances of the same chunk at the same distance step are drawn by one call.
+  void addDraws(std::vector<Candidate>& candidates, const ViewBatch& batch, std::vector<VtkDraw>& draws) {
+    std::sort(candidates.begin(), candidates.end());
+    const Candidate* previous = nullptr;
+    for (const Candidate& candidate : candidates) {
+      const ViewChunk& chunk = batch.chunks[candidate.chunk];
+      if (previous != nullptr && previous->chunk == candidate.chunk && previous->distance == candidate.distance) {
+        ++draws.back().placements;
+      } else {
+        draws.push_back({chunk.firstTriangle, chunk.triangles, static_cast<std::uint32_t>(placements_.size()), 1});
+      }
+      previous = &candidate;
+      VtkPlacement placement = frames_[candidate.frame].placement;
+      // The shader adds a triangle's index in the batch to firstNumber, and the chunk's first triangle must get
+      // nextNumber_. The difference may wrap around.
+      placement.firstNumber = static_cast<std::uint32_t>(nextNumber_) - chunk.firstTriangle;
+      placements_.push_back(placement);
+      drawnChunks_.push_back({chunk.firstTriangle, candidate.frame, &batch});
+      firstNumbers_.push_back(static_cast<std::uint32_t>(nextNumber_));
+      nextNumber_ += chunk.triangles;
+    }
+    if (nextNumber_ > std::numeric_limits<std::uint32_t>::max()) {
+      throw Error(
+          fmt::format("the camera '{}' has {} triangles in view, more than can be told apart: take a smaller "
+                      "range, or ray tracing",
+                      camera_.name, nextNumber_));
+    }
+  }
 
   const Scene& scene_;
   const ViewGeometry& geometry_;
@@ -169,121 +276,6 @@ class DrawnView {
   std::vector<std::uint32_t> firstNumbers_;  // by drawn chunk: number of its first triangle in the image, ascending
   std::uint64_t nextNumber_ = 1;
 };
-
-DrawnView::DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits)
-    : scene_(scene),
-      geometry_(geometry),
-      camera_(camera),
-      limits_(limits),
-      cameraFromWorld_(transposed(toMatrix(camera.worldFromCamera.rotation))) {
-  std::vector<Candidate> solid;
-  std::vector<Candidate> cut;
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) addFrame(i, solid, cut);
-  addDraws(solid, geometry.solid, solid_);
-  addDraws(cut, geometry.cut, cut_);
-}
-
-// Adds an instance to frames_, and its chunks to the candidates, if it may be visible. Everything is computed in double
-// precision, from the instance's position relative to the camera, so that the results are the same far from the world's
-// origin.
-void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
-  const Instance& instance = scene_.instances[index];
-  const ViewMesh& mesh = geometry_.meshes[instance.mesh];
-  const Affine& worldFromMesh = instance.worldFromMesh;
-  const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
-  const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
-  // Maps points relative to mesh.origin, as the bounds of meshes and chunks are.
-  const CameraFromMesh map{transposed(linear), cameraFromWorld_ * offset + linear * mesh.origin};
-  const std::array<HalfSpace, 6> volume = viewVolume(map, camera_, limits_);
-  const Side side = sideOf(volume, mesh.low, mesh.high);
-  const auto isOutOfReach = [&](const Vec3f& low, const Vec3f& high) {
-    return leastDistance(map, low, high) > limits_.reach;
-  };
-  if (side == Side::Outside || isOutOfReach(mesh.low, mesh.high)) return;
-
-  const Mat3 meshFromWorld = inverse(worldFromMesh.linear);
-  const Vec3d cameraInMesh = -(meshFromWorld * offset);
-  const double scale = std::cbrt(std::abs(determinant(worldFromMesh.linear)));  // m in the world per m in the mesh
-  const auto frame = static_cast<std::uint32_t>(frames_.size());
-  const auto addVisible = [&](const ViewBatch& batch, const ChunkRange& range, std::vector<Candidate>& candidates) {
-    for (std::uint32_t c = range.first; c < range.end; ++c) {
-      const ViewChunk& chunk = batch.chunks[c];
-      if (side == Side::Across && sideOf(volume, chunk.low, chunk.high) == Side::Outside) continue;
-      if (isOutOfReach(chunk.low, chunk.high)) continue;
-      const double distance = scale * distanceTo(chunk.low, chunk.high, cameraInMesh - mesh.origin);
-      candidates.push_back({distanceStep(distance), c, frame});
-    }
-  };
-  addVisible(geometry_.solid, mesh.solid, solid);
-  addVisible(geometry_.cut, mesh.cut, cut);
-
-  frames_.push_back({.instance = index,
-                     .meshFromCamera = meshFromWorld * transposed(cameraFromWorld_),
-                     .cameraInMesh = cameraInMesh,
-                     .depthAxis = map.rows.z,
-                     .depthOffset = map.translation.z - dot(map.rows.z, mesh.origin),
-                     .placement = placementOf(map, camera_)});
-}
-
-// Appends draw calls of the visible chunks, all of one batch. Near chunks are drawn first, so that they hide farther
-// ones. Instances of the same chunk at the same distance step are drawn by one call.
-void DrawnView::addDraws(std::vector<Candidate>& candidates, const ViewBatch& batch, std::vector<VtkDraw>& draws) {
-  std::sort(candidates.begin(), candidates.end());
-  const Candidate* previous = nullptr;
-  for (const Candidate& candidate : candidates) {
-    const ViewChunk& chunk = batch.chunks[candidate.chunk];
-    if (previous != nullptr && previous->chunk == candidate.chunk && previous->distance == candidate.distance) {
-      ++draws.back().placements;
-    } else {
-      draws.push_back({chunk.firstTriangle, chunk.triangles, static_cast<std::uint32_t>(placements_.size()), 1});
-    }
-    previous = &candidate;
-    VtkPlacement placement = frames_[candidate.frame].placement;
-    // The shader adds a triangle's index in the batch to firstNumber, and the chunk's first triangle must get
-    // nextNumber_. The difference may wrap around.
-    placement.firstNumber = static_cast<std::uint32_t>(nextNumber_) - chunk.firstTriangle;
-    placements_.push_back(placement);
-    drawnChunks_.push_back({chunk.firstTriangle, candidate.frame, &batch});
-    firstNumbers_.push_back(static_cast<std::uint32_t>(nextNumber_));
-    nextNumber_ += chunk.triangles;
-  }
-  if (nextNumber_ > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(
-        fmt::format("the camera '{}' has {} triangles in view, more than can be told apart: take a smaller "
-                    "range, or ray tracing",
-                    camera_.name, nextNumber_));
-  }
-}
-
-VtkImage DrawnView::image() const {
-  return {camera_.width, camera_.height, static_cast<float>(limits_.nearest), placements_, solid_, cut_};
-}
-
-VisibleTriangle DrawnView::triangleAt(std::uint32_t pixel, std::uint32_t number) const {
-  if (number == 0) return {};
-  const auto nextChunk = std::ranges::upper_bound(firstNumbers_, number);
-  const auto index = static_cast<std::size_t>(nextChunk - firstNumbers_.begin() - 1);
-  const DrawnChunk& chunk = drawnChunks_[index];
-  const Frame& frame = frames_[chunk.frame];
-  const Mesh& mesh = scene_.meshes[scene_.instances[frame.instance].mesh];
-  const std::uint32_t triangle = chunk.batch->original[chunk.firstTriangle + (number - firstNumbers_[index])];
-
-  const Triangle& corners = mesh.triangles[triangle];
-  const Vec3d a(mesh.positions[corners[0]]);
-  const Vec3d b(mesh.positions[corners[1]]);
-  const Vec3d c(mesh.positions[corners[2]]);
-  const Vec3d normal = cross(b - a, c - a);
-  const Vec3d ray = camera_.ray(pixel % camera_.width + 0.5, pixel / camera_.width + 0.5);
-  const double depth = dot(normal, a - frame.cameraInMesh) / dot(normal, frame.meshFromCamera * ray);
-  // If a triangle is seen edge-on, the line of sight may intersect its plane outside of the triangle, or not at all.
-  // Clamp the depth to the depths of the corners.
-  const auto depthOf = [&](const Vec3d& p) { return dot(frame.depthAxis, p) + frame.depthOffset; };
-  const auto [least, most] = std::minmax({depthOf(a), depthOf(b), depthOf(c)});
-  const double nearest = std::max(least, limits_.nearest);
-  const double clamped = depth >= nearest ? std::min(depth, std::max(most, nearest)) : nearest;  // `nearest` if NaN
-  if (clamped > limits_.farthest) return {};
-  return {static_cast<float>(clamped), frame.instance + 1, triangle};
-}
 
 // Calls `work`, which uses the plug-in, and rethrows its exceptions as Error with a message about this renderer.
 template <class Work>

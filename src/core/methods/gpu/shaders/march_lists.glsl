@@ -30,7 +30,7 @@ struct Search {
   uint triangle;
 };
 
-// Intersects a particle's line with a triangle (Moeller and Trumbore, see march_triangles.h). A hit that is nearer than
+// Intersects a particle's line with a triangle (Moeller and Trumbore, see march_stream.h). A hit that is nearer than
 // the one before, by more than `tie`, replaces it.
 void intersect(inout Search search, uint triangle, Facet facet) {
   precise vec3 p = crossed(search.d, facet.ac);
