@@ -12,7 +12,6 @@
 #include "report/page/page.h"
 #include "report/repeatability/repeatability_report.h"
 #include "study/figure_text.h"
-#include "study/repeatability/repeatability_choice.h"
 
 namespace scanmill {
 

@@ -15,7 +15,6 @@
 #include "report/page/page.h"
 #include "report/tradeoff/report.h"
 #include "study/figure_text.h"
-#include "study/tradeoff/settings.h"
 #include "study/tradeoff/study.h"
 
 namespace scanmill {

@@ -9,14 +9,51 @@
 #include "base/append_new.h"
 #include "base/parallel.h"
 #include "config/version.h"
+#include "evaluate/beam_errors.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/run_shot.h"
 #include "pipeline/scenes/shot_source.h"
-#include "study/repeatability/repeatability_choice.h"
 
 namespace scanmill {
 
 namespace {
+
+// Returns all object instances of a scene, sorted by instance id.
+std::vector<BoxedObject> boxedObjects(const Scene& scene) {
+  std::vector<std::vector<Box>> boxes;  // indexed by mesh and object
+  for (const Mesh& mesh : scene.meshes) boxes.push_back(objectBoxes(mesh));
+  std::vector<BoxedObject> objects;
+  for (const Instance& instance : scene.instances) {
+    for (const Box& box : boxes[instance.mesh]) {
+      if (!box.empty()) objects.emplace_back(instance.name, instance.worldFromMesh, box);
+    }
+  }
+  return objects;
+}
+
+// Returns the object with this name that is nearest to the sensor's position (world frame, m); if the name is empty,
+// the nearest of all objects. `scene`: the scene of the objects, which messages name. Throws InputError if no object
+// has the name, or if the scene has no objects.
+const BoxedObject& objectToScan(const std::vector<BoxedObject>& objects, const std::string& name,
+                                const Vec3d& sensorPosition, const Scene& scene) {
+  const BoxedObject* nearest = nullptr;
+  double leastDistance = 0;  // of `nearest`
+  std::vector<std::string> objectNames;
+  for (const BoxedObject& object : objects) {
+    appendNew({object.name()}, objectNames);
+    if (!name.empty() && object.name() != name) continue;
+    const double distance = object.distance(sensorPosition);
+    if (nearest != nullptr && distance >= leastDistance) continue;
+    nearest = &object;
+    leastDistance = distance;
+  }
+  if (nearest != nullptr) return *nearest;
+  if (objects.empty()) {
+    throw InputError({scene.file.string()},
+                     "has no thing to scan repeatedly: give an object a class of things, such as `object` or `car`");
+  }
+  throw InputError({scene.file.string()}, fmt::format("has no thing '{}'{}", name, suggestion(name, objectNames)));
+}
 
 using ObjectCloud = std::vector<Vec3f>;  // points relative to the object's centre, along the world's axes (m)
 

@@ -7,11 +7,17 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "base/vec.h"
 #include "evaluate/registration.h"
+#include "evaluate/settings.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/read/pipeline.h"
+#include "scene/scene.h"
+#include "sense/sense.h"
 
 namespace scanmill {
 
@@ -67,13 +73,67 @@ struct Repeatability {
   }
 };
 
+// The options of a study are the key `repeatability:` of a pipeline. All keys in it are optional.
+//
+//   repeatability:
+//     scans: 5                      # number of scans from each pose, with consecutive seeds
+//     noise:                        # noise levels (default: one, with the pipeline's effects)
+//       - {name: 1 cm, effects: [{shell: {scale_m: 0.01}}]}
+//       - {name: fitted, effects: sensor}      # the effects in the sensor's file
+//     reference: 1 cm               # the level that the first charts show (default: the first)
+//     methods: [ray_tracing, {depth_camera: {resolution: 512}}]   # default: the pipeline's method
+//     object: crate                 # name of an object in the scene (default: the object nearest to the sensor)
+//     margin_m: 0.1                 # points farther from the object's bounding box are removed
+//     icp: {iterations: 10, reach_m: 0.5, fitness_within_m: 0.5}  # default: 10 and no limits, as in PCL
+struct NoiseLevel {
+  std::string name;
+  std::vector<std::shared_ptr<const Effects>> effects;  // one list per sensor
+  bool fromPipeline = false;                            // true: `noise` is absent; the level has the pipeline's effects
+};
+
+struct RepeatabilityChoice {
+  std::uint32_t scans = 5;
+  std::vector<NoiseLevel> levels;
+  std::size_t reference = 0;  // index in `levels` of the level that the first charts show
+  std::vector<MethodSetting> methods;
+  std::string object;   // name of an object; empty: the object nearest to the sensor
+  double margin = 0.1;  // distance (m) from the object's bounding box within which points are kept
+  IcpOptions icp;
+};
+
+// Reads the key `repeatability` of a pipeline. Throws InputError with file and line.
+RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline);
+
+// Returns the layout of scans for the comparison: positions, and the column of each point.
+ScanLayout repeatabilityLayout();
+// Returns the channels that the effects of all noise levels read. A plan with these channels loads the textures that
+// they need.
+Channels repeatabilityChannels(const Pipeline& pipeline);
+
+// An object of a scene, with a bounding box along the axes of the object's mesh.
+class BoxedObject {
+ public:
+  BoxedObject(std::string name, const Affine& worldFromMesh, const Box& box);
+
+  const std::string& name() const { return name_; }
+  Vec3d center() const { return worldFromMesh_ * box_.center(); }
+  // Returns the distance (m) from a point in the world frame to the bounding box; 0 inside of the box. The result is
+  // exact if the mesh's axes are perpendicular in the world frame too.
+  double distance(const Vec3d& worldPoint) const;
+
+ private:
+  std::string name_;
+  Affine worldFromMesh_, meshFromWorld_;
+  Box box_;
+};
+
 struct RepeatabilityOptions {
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
 };
 
-// Runs the study that the pipeline's key `repeatability` describes; see study/repeatability/repeatability_choice.h. The
-// plan must have been made with repeatabilityChannels(). Throws InputError for unusable input.
+// Runs the study that the pipeline's key `repeatability` describes. The plan must have been made with
+// repeatabilityChannels(). Throws InputError for unusable input.
 Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions& options);
 
 // Returns the result as JSON. The same figures always give the same bytes.

@@ -1,14 +1,11 @@
-#include "study/repeatability/repeatability_choice.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 
-#include "base/append_new.h"
 #include "base/error.h"
 #include "config/fields.h"
-#include "evaluate/beam_errors.h"
 #include "pipeline/read/effects.h"
+#include "study/repeatability/repeatability.h"
 
 namespace scanmill {
 
@@ -120,39 +117,6 @@ double BoxedObject::distance(const Vec3d& worldPoint) const {
   const Vec3d nearestInBox{std::clamp(p.x, box_.low.x, box_.high.x), std::clamp(p.y, box_.low.y, box_.high.y),
                            std::clamp(p.z, box_.low.z, box_.high.z)};
   return length(worldFromMesh_.linear * (p - nearestInBox));
-}
-
-std::vector<BoxedObject> boxedObjects(const Scene& scene) {
-  std::vector<std::vector<Box>> boxes;  // indexed by mesh and object
-  for (const Mesh& mesh : scene.meshes) boxes.push_back(objectBoxes(mesh));
-  std::vector<BoxedObject> objects;
-  for (const Instance& instance : scene.instances) {
-    for (const Box& box : boxes[instance.mesh]) {
-      if (!box.empty()) objects.emplace_back(instance.name, instance.worldFromMesh, box);
-    }
-  }
-  return objects;
-}
-
-const BoxedObject& objectToScan(const std::vector<BoxedObject>& objects, const std::string& name,
-                                const Vec3d& sensorPosition, const Scene& scene) {
-  const BoxedObject* nearest = nullptr;
-  double leastDistance = 0;  // of `nearest`
-  std::vector<std::string> objectNames;
-  for (const BoxedObject& object : objects) {
-    appendNew({object.name()}, objectNames);
-    if (!name.empty() && object.name() != name) continue;
-    const double distance = object.distance(sensorPosition);
-    if (nearest != nullptr && distance >= leastDistance) continue;
-    nearest = &object;
-    leastDistance = distance;
-  }
-  if (nearest != nullptr) return *nearest;
-  if (objects.empty()) {
-    throw InputError({scene.file.string()},
-                     "has no thing to scan repeatedly: give an object a class of things, such as `object` or `car`");
-  }
-  throw InputError({scene.file.string()}, fmt::format("has no thing '{}'{}", name, suggestion(name, objectNames)));
 }
 
 }  // namespace scanmill

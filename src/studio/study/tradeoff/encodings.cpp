@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/stage_clock.h"
-#include "study/tradeoff/settings.h"
+#include "study/tradeoff/study.h"
 
 namespace scanmill {
 

@@ -13,7 +13,6 @@
 #include "pipeline/run/run_shot.h"
 #include "pipeline/scenes/shot_source.h"
 #include "study/figure_text.h"
-#include "study/tradeoff/settings.h"
 #include "study/tradeoff/study.h"
 
 namespace scanmill {

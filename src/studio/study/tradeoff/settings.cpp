@@ -1,10 +1,9 @@
-#include "study/tradeoff/settings.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 
 #include "config/fields.h"
+#include "study/tradeoff/study.h"
 
 namespace scanmill {
 

@@ -138,6 +138,45 @@ struct Advice {
 // Returns the advice for all needs, in the order of the needs; nothing if no setting was measured.
 std::vector<Advice> advise(const Study& study);
 
+// The options of a study are the key `tradeoff:` of a pipeline. All keys in it are optional.
+//
+//   tradeoff:
+//     settings:                     # see evaluate/settings.h
+//       - ray_tracing
+//       - {depth_camera: {resolution: [512, 1024, 2048], sampling: [plane, nearest]}}
+//     encodings: [pcd, {draco: {max_error_mm: [1, 10]}}]
+//     sequence: street-s1-lane      # key of the sequence to scan (default: the first)
+//     shots: 8                      # maximum number of frames to scan
+//     repeats: 3                    # least number of timed scans per frame
+//     budget_s: 300                 # approximate duration of the study
+struct StudyEncoding {
+  std::string name;
+  std::string options;
+  ChosenFormat choice;
+};
+
+struct StudyChoice {
+  std::vector<MethodSetting> settings;
+  std::vector<StudyEncoding> encodings;
+  std::size_t sequence = 0;  // index in Pipeline::sequences
+  std::uint32_t shots = 8;
+  int repeats = 3;
+  double budgetSeconds = 300;
+};
+
+// Reads the key `tradeoff` of a pipeline and checks the options of all settings. Throws InputError with file
+// and line.
+StudyChoice readStudyChoice(const Pipeline& pipeline);
+
+// Returns the settings that are measured if the pipeline lists none: all methods with their defaults, and variations
+// with one or several options changed.
+std::vector<MethodSetting> defaultSettings();
+
+// Encodes and decodes each scan `repeats` times on one thread and uses the shortest time of each scan. Rates and sizes
+// are per return; misses in organised scans need bytes, but do not count as points. The error is the distance between
+// decoded and original positions.
+EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats);
+
 struct StudyOptions {
   double budgetSeconds = 0;  // approximate duration of the study (s); 0: the pipeline's budget, or 300 s
   bool quiet = false;
@@ -146,9 +185,9 @@ struct StudyOptions {
   std::function<std::string(const TrueShot& truth, const Hits& tested)> drawErrors{};
 };
 
-// Runs the study that the pipeline's key `tradeoff` describes; see study/tradeoff/settings.h. Throws InputError for
-// unusable input. If a setting cannot run on this machine, for instance because it needs Blender, this is not an error:
-// the reason is stored in SettingResult::failure.
+// Runs the study that the pipeline's key `tradeoff` describes. Throws InputError for unusable input. If a setting
+// cannot run on this machine, for instance because it needs Blender, this is not an error: the reason is stored in
+// SettingResult::failure.
 Study runStudy(const Plan& plan, const StudyOptions& options);
 
 // Returns the study as JSON (the file tradeoff.json), without the contents of the pictures.

@@ -5,7 +5,6 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "study/repeatability/repeatability_choice.h"
 #include "tests/studio/study/repeatability/repeated_scans.h"
 #include "tests/support/two_returns.h"
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "study/repeatability/repeatability.h"
-#include "study/repeatability/repeatability_choice.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,7 +1,7 @@
 #include <limits>
 
 #include "base/random.h"
-#include "study/tradeoff/settings.h"
+#include "study/tradeoff/study.h"
 
 namespace scanmill {
 namespace {

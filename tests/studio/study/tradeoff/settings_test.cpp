@@ -1,4 +1,4 @@
-#include "study/tradeoff/settings.h"
+#include "study/tradeoff/study.h"
 
 #include <set>
 
