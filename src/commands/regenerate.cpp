@@ -39,15 +39,15 @@ int runRegenerate(const std::vector<std::string>& arguments) {
       "  scanmill regenerate out/quickstart --shards 0-9,12\n");
   const std::filesystem::path folder = parsed.positional("DIR");
   const bool quiet = parsed.has("quiet");
-  const std::string asked = parsed.text("shards");
+  const std::string ranges = parsed.text("shards");
   requireDataset(folder);
   const std::filesystem::path manifestFile = folder / kManifestName;
   requireStatedDigest(manifestFile, readFile(manifestFile));
   std::map<std::uint32_t, std::string> undescribed;
   const Manifest manifest = readManifest(folder, undescribed);
   std::vector<std::uint64_t> shards;
-  if (!asked.empty()) {
-    shards = parseShardRanges(asked, manifest.shards.size());
+  if (!ranges.empty()) {
+    shards = parseShardRanges(ranges, manifest.shards.size());
   } else {
     shards = damagedShards(folder, manifest);
     for (const auto& [shard, problem] : undescribed) shards.push_back(shard);

@@ -23,12 +23,6 @@ namespace {
 
 constexpr const char* kStudyFile = "tradeoff.json";
 
-// Returns the 99th percentile of the range error away from edges; empty if no beam is away from edges.
-std::string awayText(const BeamErrors& errors) {
-  const GroupErrors* away = awayFromEdges(errors);
-  return away == nullptr ? "" : metresText(away->range.p99);
-}
-
 void printSettings(const Study& study) {
   Rows rows{{"setting", "set-up", "scan", "beams/s", "memory", "median", "p99", "away from edges", "labels",
              "false negatives", "false positives", "to", "from"}};
@@ -38,12 +32,14 @@ void printSettings(const Study& study) {
       continue;
     }
     const Cost& cost = s.measured.cost;
-    const GroupErrors& e = s.measured.errors.all;  // of all beams
+    const GroupErrors& e = s.measured.errors.all;                            // of all beams
+    const GroupErrors* const awayErrors = awayFromEdges(s.measured.errors);  // null: no beam is away from edges
     const auto beams = static_cast<double>(e.beams);
     rows.push_back({s.setting.name, secondsText(cost.setupSeconds), secondsText(cost.scanSeconds),
                     shortNumber(cost.beamsPerSecond(study.beamsPerShot)),
                     shortBytes(static_cast<double>(cost.memoryBytes)), metresText(e.range.median),
-                    metresText(e.range.p99), awayText(s.measured.errors), fmt::format("{:.3f} %", 100 * e.labels()),
+                    metresText(e.range.p99), awayErrors == nullptr ? "" : metresText(awayErrors->range.p99),
+                    fmt::format("{:.3f} %", 100 * e.labels()),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.falseNegatives) / beams),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.falsePositives) / beams),
                     metresText(e.nearestTo.mean), metresText(e.nearestFrom.mean)});

@@ -95,8 +95,8 @@ PictureSize readPictureSize(const std::string& text) {
 
 // Returns the file that --ontology names, by a path or a name of `scanmill list ontologies`; empty if not given.
 std::filesystem::path ontologyOption(const Arguments& parsed) {
-  const std::string given = parsed.text("ontology");
-  return given.empty() ? std::filesystem::path() : namedResource(given, "labels");
+  const std::string name = parsed.text("ontology");
+  return name.empty() ? std::filesystem::path() : namedResource(name, "labels");
 }
 
 // Outputs that replace the window, and their options. Without a screenshot or a pick, a window is opened.
@@ -148,11 +148,11 @@ Vec3d readPosition(const std::string& text) {
 }
 
 std::optional<CloseUp> readCloseUp(const Arguments& parsed) {
-  const bool at = parsed.has("at");
-  if (at != parsed.has("within")) {
+  const bool hasPosition = parsed.has("at");
+  if (hasPosition != parsed.has("within")) {
     throw InputError("a close-up takes both --at X,Y,Z (where, in m) and --within R (so far around it, in m)");
   }
-  if (!at) return {};
+  if (!hasPosition) return {};
   return CloseUp{readPosition(parsed.text("at")), parsed.number("within", 0.01, kMostCoordinate)};
 }
 

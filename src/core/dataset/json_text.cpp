@@ -8,10 +8,6 @@ namespace {
 
 constexpr std::size_t kLineWidth = 120;
 
-bool isNumberList(const OrderedJson& value) {
-  return value.is_array() && std::ranges::all_of(value, [](const OrderedJson& v) { return v.is_number(); });
-}
-
 enum class Lines { One, AsNeeded };  // AsNeeded: a line for each item if one line would be too long
 
 // Joins the texts of the items of a list or an object. `brackets`: the opening and the closing one, "[]" or "{}".
@@ -63,7 +59,9 @@ std::string layOut(const OrderedJson& value, std::size_t indent) {
     items.push_back(value.is_object() ? scalarText(key) + ": " : std::string());
     items.back() += layOut(child, indent + 1);
   }
-  return joined(items, value.is_object() ? "{}" : "[]", isNumberList(value) ? Lines::One : Lines::AsNeeded, indent);
+  const bool isNumberList =
+      value.is_array() && std::ranges::all_of(value, [](const OrderedJson& item) { return item.is_number(); });
+  return joined(items, value.is_object() ? "{}" : "[]", isNumberList ? Lines::One : Lines::AsNeeded, indent);
 }
 
 std::string layOutList(const std::vector<std::string>& items, std::size_t indent) {

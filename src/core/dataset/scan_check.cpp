@@ -39,12 +39,6 @@ class Rule {
   std::size_t firstPoint_ = 0;
 };
 
-// Returns the distance (m) that the sensor moves during the revolution. Deskewed points may exceed the maximum
-// range by this distance, because they are relative to the sensor's first pose.
-double egoMotion(const ScanRecord& record) {
-  return length(record.worldFromSensor.back().translation - record.worldFromSensor.front().translation);
-}
-
 // Checks one scan; beams_ is set, because the manifest lists the record's sensor.
 class ScanCheck {
  public:
@@ -118,10 +112,12 @@ class ScanCheck {
       for (const double offset : offsets) magnitude = std::max(magnitude, std::abs(offset));
       return magnitude;
     };
+    // The path of the sensor during the revolution (m): deskewed points are relative to its first pose.
+    const double motion =
+        length(record_.worldFromSensor.back().translation - record_.worldFromSensor.front().translation);
     // m: from the origin of the sensor's frame, so that the offsets of the beams' origins are added to the range.
     const double reach = kNoiseReach * beams_->maxRange + std::hypot(beams_->originOffset, beams_->originHeight) +
-                         std::hypot(largest(beams_->originLeft), largest(beams_->originUp)) + egoMotion(record_) +
-                         maxError_;
+                         std::hypot(largest(beams_->originLeft), largest(beams_->originUp)) + motion + maxError_;
     Rule finiteRule("not finite");
     Rule reachRule(fmt::format("farther than {:.6g} m, the sensor's greatest range", reach));
     std::uint64_t points = 0;

@@ -18,8 +18,6 @@
 #include <lz4frame.h>
 #include <zlib.h>
 
-#include <algorithm>
-
 #include "base/error.h"
 #include "formats/little_endian.h"
 
@@ -102,12 +100,6 @@ std::string compressed(std::string_view bytes) {
 }
 
 }  // namespace
-
-void McapFile::TimeSpan::add(std::uint64_t time) {
-  first = empty ? time : std::min(first, time);
-  last = std::max(last, time);
-  empty = false;
-}
 
 McapFile::McapFile(const std::filesystem::path& path, std::string_view profile, std::string_view library)
     : file_(path) {

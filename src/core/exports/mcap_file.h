@@ -2,6 +2,7 @@
 
 // Writes files in the container format MCAP: messages of topics with their times, in compressed and indexed chunks.
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -39,7 +40,11 @@ class McapFile {
     std::uint64_t first = 0;
     std::uint64_t last = 0;
     bool empty = true;
-    void add(std::uint64_t time);
+    void add(std::uint64_t time) {
+      first = empty ? time : std::min(first, time);
+      last = std::max(last, time);
+      empty = false;
+    }
   };
 
   void write(std::string_view bytes);
