@@ -120,6 +120,42 @@ ScanVoxels decodeVoxels(std::string_view bytes, const std::string& what) {
   return voxels;
 }
 
+std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
+  const VoxelGrid& grid = voxels.grid;
+  const Vec3d sensor = grid.inVoxels({});
+  const auto isInside = [](double coordinate, std::uint32_t count) { return coordinate >= 0 && coordinate < count; };
+  // `center`: of the voxel. Positions are in voxels; a step is one voxel along the axis on which the sensor is
+  // farthest.
+  const auto isOccluded = [&](const Vec3d& center) {
+    const Vec3d toSensor = sensor - center;
+    const double steps = std::max({std::fabs(toSensor.x), std::fabs(toSensor.y), std::fabs(toSensor.z)});
+    const Vec3d step = toSensor * (1 / steps);
+    Vec3d position = center;
+    const int stepsBefore = static_cast<int>(std::ceil(steps)) - 1;  // excludes the sensor's voxel
+    for (int i = 0; i < stepsBefore; ++i) {
+      position += step;
+      // The grid is convex, so a line that leaves it does not enter it again.
+      if (!isInside(position.x, grid.counts[0]) || !isInside(position.y, grid.counts[1]) ||
+          !isInside(position.z, grid.counts[2]))
+        return false;
+      const std::size_t voxel =
+          grid.index(static_cast<std::uint32_t>(position.x), static_cast<std::uint32_t>(position.y),
+                     static_cast<std::uint32_t>(position.z));
+      if (voxels.label[voxel] != 0 || voxels.input[voxel] != 0) return true;
+    }
+    return false;
+  };
+  std::vector<std::uint8_t> occluded(grid.voxels(), 0);
+  for (std::uint32_t x = 0; x < grid.counts[0]; ++x) {
+    for (std::uint32_t y = 0; y < grid.counts[1]; ++y) {
+      for (std::uint32_t z = 0; z < grid.counts[2]; ++z) {
+        occluded[grid.index(x, y, z)] = isOccluded({x + 0.5, y + 0.5, z + 0.5}) ? 1 : 0;
+      }
+    }
+  }
+  return occluded;
+}
+
 std::uint64_t mostVoxelsBytes(const VoxelGrid& grid) {
   constexpr std::uint64_t kBytesPerVoxel = sizeof(std::uint16_t) + 3;  // label and three flags
   constexpr std::uint64_t kHeaderBytes = 4096;                         // more than all headers of the archive

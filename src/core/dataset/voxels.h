@@ -39,6 +39,9 @@ std::string encodeVoxels(const ScanVoxels& voxels);
 // Reads the bytes of an archive. Throws an InputError that begins with `what` if the bytes are not an archive of
 // voxels.
 ScanVoxels decodeVoxels(std::string_view bytes, const std::string& what);
+// Returns 1 for each voxel that is hidden from the sensor (at the origin) by another voxel that is not empty, otherwise
+// 0. The line of sight from the voxel's centre visits one voxel per layer along the line's longest axis.
+std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels);
 // Returns an upper bound of the size of the result of encodeVoxels(). The result is usually a twentieth of the bound or
 // less.
 std::uint64_t mostVoxelsBytes(const VoxelGrid& grid);

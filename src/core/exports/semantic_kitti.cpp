@@ -5,7 +5,11 @@
 //   semantic-kitti.yaml                    classes, colours (blue, green, red) and splits, for the API's --config
 //   sequences/00/velodyne/000000.bin       float32 x, y, z, remission per point, ring after ring from the top
 //   sequences/00/labels/000000.label       uint32 per point: class in the lower 16 bits, instance in the upper
-//   sequences/00/voxels/000000.*           if the dataset has voxels, see exports/semantic_kitti_voxels.h
+//   sequences/00/voxels/000000.label       uint16 per voxel, if the dataset has voxels: class, 0 for an empty voxel; in
+//                                          the order of VoxelGrid::index()
+//   sequences/00/voxels/000000.bin         a bit per voxel: it contains a point of the scan
+//   sequences/00/voxels/000000.invalid     a bit per voxel: it must be ignored, see ScanVoxels
+//   sequences/00/voxels/000000.occluded    a bit per voxel: another voxel hides it, see occludedVoxels()
 //   sequences/00/poses.txt                 12 numbers per line: pose of camera 0 relative to its first pose
 //   sequences/00/calib.txt, times.txt
 //   semantickitti_infos_train.json, ...    the frames of each split, for mmdetection3d's `ann_file`
@@ -25,7 +29,6 @@
 #include "dataset/json_text.h"
 #include "exports/instance_numbers.h"
 #include "exports/layout.h"
-#include "exports/semantic_kitti_voxels.h"
 #include "formats/little_endian.h"
 
 namespace scanmill {
@@ -83,6 +86,15 @@ std::set<InstanceNumbers::Instance> instanceIdsOf(const ExportPlan&, const Scan&
   return instances;
 }
 
+// Returns flags as bits, eight per byte, the first in the highest bit.
+std::string packed(const std::vector<std::uint8_t>& flags) {
+  std::string bytes((flags.size() + 7) / 8, '\0');
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    if (flags[i] != 0) bytes[i / 8] = static_cast<char>(static_cast<unsigned char>(bytes[i / 8]) | 0x80u >> i % 8);
+  }
+  return bytes;
+}
+
 class SemanticKitti : public ExportLayout {
  public:
   void check(const ExportPlan& plan) const override {
@@ -107,11 +119,15 @@ class SemanticKitti : public ExportLayout {
     folder.write(path / "velodyne" / (name + ".bin"), velodynePoints(sample.scans.front(), order));
     if (hasColumn(plan, "label")) folder.write(path / "labels" / (name + ".label"), labels(plan, sample, order));
     if (!sample.voxels) return;
-    const VoxelFiles voxels = semanticKittiVoxels(*sample.voxels, plan.classes);
-    folder.write(path / "voxels" / (name + ".bin"), voxels.bin);
-    folder.write(path / "voxels" / (name + ".label"), voxels.label);
-    folder.write(path / "voxels" / (name + ".invalid"), voxels.invalid);
-    folder.write(path / "voxels" / (name + ".occluded"), voxels.occluded);
+    const ScanVoxels& voxels = *sample.voxels;
+    std::string voxelLabels;
+    for (const std::uint16_t label : voxels.label) {
+      putNumber(label == 0 ? label : plan.classes.targetId(label), voxelLabels);
+    }
+    folder.write(path / "voxels" / (name + ".bin"), packed(voxels.input));
+    folder.write(path / "voxels" / (name + ".label"), voxelLabels);
+    folder.write(path / "voxels" / (name + ".invalid"), packed(voxels.invalid));
+    folder.write(path / "voxels" / (name + ".occluded"), packed(occludedVoxels(voxels)));
   }
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects&,

@@ -1,8 +1,7 @@
-#include "exports/semantic_kitti_voxels.h"
-
 #include <cstdlib>
 #include <random>
 
+#include "dataset/voxels.h"
 #include "tests/core/exports/export_world.h"
 
 namespace scanmill {
@@ -102,37 +101,26 @@ class VoxelExport : public ExportWorld {
 
 // Unpacked as the API does: by numpy, the highest bit first, x slowest.
 TEST_F(VoxelExport, IsReadAsTheApiDoes) {
-  const VoxelFiles files = semanticKittiVoxels(voxels_, plan_.classes);
-  writeFile(folder_.path() / "a.bin", files.bin);
-  writeFile(folder_.path() / "a.label", files.label);
-  writeFile(folder_.path() / "a.invalid", files.invalid);
-  writeFile(folder_.path() / "a.occluded", files.occluded);
+  const std::unique_ptr<ExportLayout> layout = makeSemanticKitti();
+  writeChanged(*layout, 1, 0, [](const ExportSample&) {});
+  writeChanged(*layout, 1, 1, [&](ExportSample& changed) { changed.voxels = voxels_; });
+  EXPECT_EQ(written().size(), 2u + 6u) << "only the second sample has voxels";
   std::string input, label;
   for (std::size_t i = 0; i < voxels_.grid.voxels(); ++i) {
     input += voxels_.input[i] != 0 ? '1' : '0';
     label += voxels_.label[i] == 0 ? '0' : voxels_.label[i] == classId("car") ? 'c' : 'b';
   }
   const std::string printed = python(R"(
+path = folder / 'sequences/08/voxels'
 def flags(name):
-    return np.unpackbits(np.fromfile(folder / name, np.uint8))[:120].reshape(6, 5, 4)
-label = np.fromfile(folder / 'a.label', np.uint16).reshape(6, 5, 4)
+    return np.unpackbits(np.fromfile(path / name, np.uint8))[:120].reshape(6, 5, 4)
+label = np.fromfile(path / '000001.label', np.uint16).reshape(6, 5, 4)
 assert set(np.unique(label)) == {0, 10, 50}, np.unique(label)
-print(''.join(map(str, flags('a.bin').ravel())))
+print(''.join(map(str, flags('000001.bin').ravel())))
 print(''.join({0: '0', 10: 'c', 50: 'b'}[int(i)] for i in label.ravel()))
-assert flags('a.invalid').sum() > 10 and flags('a.occluded').sum() > 10
+assert flags('000001.invalid').sum() > 10 and flags('000001.occluded').sum() > 10
 )");
   EXPECT_EQ(printed, input + "\n" + label + "\n");
-}
-
-TEST_F(VoxelExport, FilesAreThereWhereTheSampleHasVoxels) {
-  const std::unique_ptr<ExportLayout> layout = makeSemanticKitti();
-  writeChanged(*layout, 1, 0, [](const ExportSample&) {});
-  writeChanged(*layout, 1, 1, [&](ExportSample& changed) { changed.voxels = voxels_; });
-  const auto files = written();
-  EXPECT_EQ(files.size(), 2u + 6u);
-  EXPECT_EQ(files.at("sequences/08/voxels/000001.bin"), semanticKittiVoxels(voxels_, plan_.classes).bin);
-  EXPECT_EQ(files.at("sequences/08/voxels/000001.label").size(), 240u);
-  EXPECT_TRUE(files.contains("sequences/08/voxels/000001.occluded"));
 }
 
 }  // namespace
