@@ -137,10 +137,10 @@ class ParticleMethod : public Method {
           marchCpu(job.field(), job.triangles(), job.maxSteps, particles, indices, records);
         }
         const StageTimer timer(clock, "resolve");
-        countsOfThread += resolve(job, materials_, piece, particles, records, hits, unresolved);
+        countsOfThread.add(resolve(job, materials_, piece, particles, records, hits, unresolved));
       }
       const std::scoped_lock lock(mutex);
-      counts += countsOfThread;
+      counts.add(countsOfThread);
       hits.unresolved.insert(hits.unresolved.end(), unresolved.begin(), unresolved.end());
     });
     return counts;
@@ -171,7 +171,7 @@ class ParticleMethod : public Method {
       hits.unresolved.push_back(ray.ray);
     }
     StageClock ignored;
-    counts += marchOnCpu(job, cpuTiles, hits, ignored);
+    counts.add(marchOnCpu(job, cpuTiles, hits, ignored));
     return counts;
   }
 

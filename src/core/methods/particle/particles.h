@@ -69,7 +69,12 @@ struct UnreliableBeams {
   std::uint64_t exhausted = 0;  // beams whose particles used up all their steps
   std::uint64_t leftField = 0;  // beams whose particles left the field, which does not cover the complete scene
   std::uint64_t touching = 0;   // beams whose particles started so near to a surface that they hit it at once
-  UnreliableBeams& operator+=(const UnreliableBeams& other);
+
+  void add(const UnreliableBeams& other) {
+    exhausted += other.exhausted;
+    leftField += other.leftField;
+    touching += other.touching;
+  }
 };
 
 // Turns the records of launched particles that have marched into hits: lets particles continue through transparent

@@ -107,13 +107,6 @@ void prefetchHits(const MarchJob& job, const HitRecords& records, std::size_t fi
 
 }  // namespace
 
-UnreliableBeams& UnreliableBeams::operator+=(const UnreliableBeams& other) {
-  exhausted += other.exhausted;
-  leftField += other.leftField;
-  touching += other.touching;
-  return *this;
-}
-
 UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
                         Particles& particles, HitRecords& records, Hits& hits, std::vector<std::uint32_t>& unresolved) {
   const bool lists = job.field().shape.lists;
