@@ -3,7 +3,6 @@
 // The interface of libscanmill_images.so, the module that links OpenImageIO (base/module.h), and what it shares with
 // the readers of PNG and JPEG. All functions are inline, since modules use them too.
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>

@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <memory>
-#include <utility>
 #include <vector>
 
 #include "assets/meshes/imported_file.h"

@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/file.h"
 #include "base/text_scan.h"
 #include "config/resources.h"
 

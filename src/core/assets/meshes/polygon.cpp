@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "assets/meshes/asset_parts.h"
-#include "base/error.h"
 
 namespace scanmill {
 

@@ -14,7 +14,6 @@
 #include "assets/meshes/references.h"
 #include "base/file.h"
 #include "base/input_budget.h"
-#include "config/text.h"
 
 namespace scanmill {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 // The files of glTF 2.0: .gltf, which is JSON; .glb, which contains JSON and binary data; and .b3dm of 3D Tiles 1.0,
-// which contains a .glb. And checked access to the JSON, for the readers of this folder.
+// which contains a .glb. And checked access to the JSON.
 
 #include <fmt/format.h>
 
@@ -19,89 +19,89 @@ namespace scanmill::gltf {
 
 using Json = nlohmann::json;
 
-// Reads a file's JSON into a model. All functions throw an InputError that names the file. `path` names the JSON value
-// in the message, such as "meshes[0].primitives[1]".
-class JsonReader {
- protected:
-  JsonReader(Model& model, const Json& json) : model_(model), json_(json) {}
+// An object of a file's JSON, and where it stands in the file, for messages: "meshes[0].primitives[1]". All functions
+// throw an InputError that names the file.
+struct JsonObject {
+  const Model& model;
+  const Json& json;
+  std::string path;
 
-  [[noreturn]] void fail(const std::string& problem) const { model_.fail(problem); }
+  [[noreturn]] void fail(const std::string& problem) const { model.fail(path + " " + problem); }
+  [[noreturn]] void failInvalid(const std::string& problem) const {
+    model.fail(fmt::format("is not valid glTF: {} {}", path, problem));
+  }
+  std::string pathOf(const char* key) const { return path.empty() ? key : path + "." + key; }
 
-  const Json& list(const char* key) const { return listIn(json_, key, key); }
-
-  // Returns the list under a key; an empty list if the key is absent.
-  const Json& listIn(const Json& object, const char* key, const std::string& path) const {
+  // Returns the list under a key; an empty list if the key is absent. `name`: of the list, in messages.
+  const Json& list(const char* key, const std::string& name) const {
     static const Json kEmpty = Json::array();
-    const auto value = object.find(key);
-    if (value == object.end()) return kEmpty;
-    if (!value->is_array()) fail(fmt::format("is not valid glTF: '{}' is not a list", path));
+    const auto value = json.find(key);
+    if (value == json.end()) return kEmpty;
+    if (!value->is_array()) model.fail(fmt::format("is not valid glTF: '{}' is not a list", name));
     return *value;
   }
+  const Json& list(const char* key) const { return list(key, pathOf(key)); }
 
-  // Appends read(object, path) for each object of the file's list under a key.
-  template <class T, class Read>
-  void each(const char* key, std::vector<T>& into, const Read& read) {
-    const Json& objects = list(key);
-    into.reserve(objects.size());
-    for (std::size_t i = 0; i < objects.size(); ++i) {
-      const std::string path = fmt::format("{}[{}]", key, i);
-      if (!objects[i].is_object()) fail(fmt::format("is not valid glTF: {} is not an object", path));
-      into.push_back(read(objects[i], path));
-    }
-  }
-
-  // Returns a value that must be an index below `count`.
-  Index readIndex(const Json& value, std::size_t count, const std::string& path) const {
-    if (!value.is_number_unsigned()) fail(fmt::format("is not valid glTF: {} is not an index", path));
+  // Returns a value, which `name` names in messages, that must be an index below `count`.
+  Index index(const Json& value, std::size_t count, const std::string& name) const {
+    const JsonObject named{model, value, name};
+    if (!value.is_number_unsigned()) named.failInvalid("is not an index");
     const std::uint64_t i = value.get<std::uint64_t>();
-    if (i >= count) fail(fmt::format("is not valid glTF: {} is {}, but only {} exist", path, i, count));
+    if (i >= count) named.failInvalid(fmt::format("is {}, but only {} exist", i, count));
     return i;
   }
-
-  MaybeIndex readOptionalIndex(const Json& object, const char* key, std::size_t count, const std::string& path) const {
-    const auto value = object.find(key);
-    return value == object.end() ? std::nullopt : MaybeIndex(readIndex(*value, count, path + "." + key));
+  Index index(const char* key, std::size_t count) const { return index(json.at(key), count, pathOf(key)); }
+  MaybeIndex maybeIndex(const char* key, std::size_t count) const {
+    return json.contains(key) ? MaybeIndex(index(key, count)) : std::nullopt;
   }
 
-  std::uint64_t readLength(const Json& object, const char* key, std::uint64_t fallback, const std::string& path) const {
-    const auto value = object.find(key);
-    if (value == object.end()) return fallback;
+  // Returns a number of bytes or elements; the fallback if the key is absent.
+  std::uint64_t length(const char* key, std::uint64_t fallback = 0) const {
+    const auto value = json.find(key);
+    if (value == json.end()) return fallback;
     // Sums of a few lengths must not overflow.
     if (!value->is_number_unsigned() || value->get<std::uint64_t>() > UINT64_MAX / 4) {
-      fail(fmt::format("is not valid glTF: {}.{} is not a length", path, key));
+      model.fail(fmt::format("is not valid glTF: {} is not a length", pathOf(key)));
     }
     return value->get<std::uint64_t>();
   }
 
   // Reads a list of `size` numbers. Returns false, without a change of `into`, if the key is absent.
   template <std::size_t size>
-  bool readNumbers(const Json& object, const char* key, const std::string& path, std::array<double, size>& into) const {
-    const auto value = object.find(key);
-    if (value == object.end()) return false;
+  bool numbers(const char* key, std::array<double, size>& into) const {
+    const auto value = json.find(key);
+    if (value == json.end()) return false;
     const bool fits = value->is_array() && value->size() == size &&
                       std::all_of(value->begin(), value->end(), [](const Json& n) { return n.is_number(); });
-    if (!fits) fail(fmt::format("{}.{} is not {} numbers", path, key, size));
+    if (!fits) model.fail(fmt::format("{} is not {} numbers", pathOf(key), size));
     into = value->get<std::array<double, size>>();
     return true;
   }
 
-  // Returns the extension with this name; null if the object does not have it.
-  const Json* extensionOf(const Json& object, const char* name) const {
-    const auto extensions = object.find("extensions");
-    return extensions == object.end() ? nullptr : objectIn(*extensions, name);
+  // Returns the object under a key, with the path of this one; nullopt if the key is absent.
+  std::optional<JsonObject> object(const char* key) const {
+    const auto value = json.find(key);
+    if (value == json.end()) return std::nullopt;
+    if (!value->is_object()) model.fail(fmt::format("is not valid glTF: a '{}' is not an object", key));
+    return JsonObject{model, *value, path};
   }
-
-  // Returns the object under a key; null if the key is absent.
-  const Json* objectIn(const Json& object, const char* key) const {
-    const auto value = object.find(key);
-    if (value == object.end()) return nullptr;
-    if (!value->is_object()) fail(fmt::format("is not valid glTF: a '{}' is not an object", key));
-    return &*value;
+  std::optional<JsonObject> extension(const char* name) const {
+    const auto extensions = json.find("extensions");
+    return extensions == json.end() ? std::nullopt : JsonObject{model, *extensions, path}.object(name);
   }
-
-  Model& model_;
-  const Json& json_;
 };
+
+// Appends read(object) for each object of the file's list under a key.
+template <class T, class Read>
+void readEach(const JsonObject& file, const char* key, std::vector<T>& into, const Read& read) {
+  const Json& objects = file.list(key);
+  into.reserve(objects.size());
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const JsonObject object{file.model, objects[i], fmt::format("{}[{}]", key, i)};
+    if (!objects[i].is_object()) object.failInvalid("is not an object");
+    into.push_back(read(object));
+  }
+}
 
 struct Container {
   std::string json;
@@ -114,8 +114,8 @@ struct Container {
 // glTF 1.0.
 Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name);
 
-// Reads buffers, views and accessors into the model and checks them. Model::bin and Model::file must be set before.
-// `allowOutside`: see AssetOptions.
-void readStorage(Model& model, const Json& json, bool allowOutside);
+// Reads buffers, views and accessors into the model, that of `file`, and checks them. Model::bin and Model::file must
+// be set before. `allowOutside`: see AssetOptions.
+void readStorage(Model& model, const JsonObject& file, bool allowOutside);
 
 }  // namespace scanmill::gltf

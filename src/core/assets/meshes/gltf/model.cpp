@@ -21,53 +21,56 @@ bool isAppearance(std::string_view extension) {
          extension.starts_with("EXT_lights_");
 }
 
-class ModelReader : JsonReader {
+class ModelReader {
  public:
+  // `json`: the file's.
   ModelReader(Model& model, const Json& json, bool allowOutside)
-      : JsonReader(model, json), allowOutside_(allowOutside) {}
+      : model_(model), file_{model, json, ""}, allowOutside_(allowOutside) {}
 
   void read() {
-    if (!json_.is_object()) fail("is not valid glTF: the file is not a JSON object");
-    const auto asset = json_.find("asset");
-    if (asset == json_.end() || !asset->is_object()) fail("is not glTF: 'asset' is missing");
-    const std::string version = asset->value("version", std::string());
-    if (!version.starts_with("2.")) {
-      fail(fmt::format("is glTF {}: only version 2.0 is read, so export it again",
-                       version.empty() ? "of no version" : version));
+    if (!file_.json.is_object()) model_.fail("is not valid glTF: the file is not a JSON object");
+    checkVersionAndExtensions();
+    if (const auto extensions = file_.json.find("extensions");
+        extensions != file_.json.end() && extensions->contains("CESIUM_RTC")) {
+      const auto [x, y, z] = extensions->at("CESIUM_RTC").at("center").get<std::array<double, 3>>();
+      model_.center = Vec3d{x, y, z};
     }
-    for (const Json& name : list("extensionsRequired")) {
-      const auto extension = name.get<std::string>();
-      if (isAppearance(extension) || gltfFormat().find(extension) != nullptr) continue;
-      fail(fmt::format("requires the extension {}, which is not supported: export it without this extension",
-                       extension));
-    }
-    for (const Json& name : list("extensionsUsed")) {
-      if (!isAppearance(name.get<std::string>())) model_.leftOut.addKeyword(gltfFormat(), name.get<std::string>());
-    }
-    if (const auto extensions = json_.find("extensions"); extensions != json_.end() && extensions->is_object()) {
-      if (const auto rtc = extensions->find("CESIUM_RTC"); rtc != extensions->end()) {
-        const auto [x, y, z] = rtc->at("center").get<std::array<double, 3>>();
-        model_.center = Vec3d{x, y, z};
-      }
-    }
-    readStorage(model_, json_, allowOutside_);
-    each("images", model_.images, [&](const Json& json, const std::string& path) { return readImage(json, path); });
-    each("materials", model_.materials,
-         [&](const Json& json, const std::string& path) { return readMaterial(json, path); });
-    each("meshes", model_.meshes, [&](const Json& json, const std::string& path) { return readMesh(json, path); });
-    each("skins", model_.skins, [&](const Json& json, const std::string& path) { return readSkin(json, path); });
-    each("nodes", model_.nodes, [&](const Json& json, const std::string& path) { return readNode(json, path); });
-    each("animations", model_.animations,
-         [&](const Json& json, const std::string& path) { return readAnimation(json, path); });
+    readStorage(model_, file_, allowOutside_);
+    readEach(file_, "images", model_.images, [&](const JsonObject& json) { return readImage(json); });
+    readEach(file_, "materials", model_.materials, [&](const JsonObject& json) { return readMaterial(json); });
+    readEach(file_, "meshes", model_.meshes, [&](const JsonObject& json) { return readMesh(json); });
+    readEach(file_, "skins", model_.skins, [&](const JsonObject& json) { return readSkin(json); });
+    readEach(file_, "nodes", model_.nodes, [&](const JsonObject& json) { return readNode(json); });
+    readEach(file_, "animations", model_.animations, [&](const JsonObject& json) { return readAnimation(json); });
     readScene();
     checkTree();
   }
 
  private:
+  void checkVersionAndExtensions() const {
+    const auto asset = file_.json.find("asset");
+    if (asset == file_.json.end() || !asset->is_object()) model_.fail("is not glTF: 'asset' is missing");
+    const std::string version = asset->value("version", std::string());
+    if (!version.starts_with("2.")) {
+      model_.fail(fmt::format("is glTF {}: only version 2.0 is read, so export it again",
+                              version.empty() ? "of no version" : version));
+    }
+    for (const Json& name : file_.list("extensionsRequired")) {
+      const auto extension = name.get<std::string>();
+      if (isAppearance(extension) || gltfFormat().find(extension) != nullptr) continue;
+      model_.fail(fmt::format("requires the extension {}, which is not supported: export it without this extension",
+                              extension));
+    }
+    for (const Json& name : file_.list("extensionsUsed")) {
+      if (!isAppearance(name.get<std::string>())) model_.leftOut.addKeyword(gltfFormat(), name.get<std::string>());
+    }
+  }
+
+  // Reads an object whose keys are names of attributes. `path`: the object that contains it.
   Attributes readAttributes(const Json& object, const std::string& path) const {
     Attributes attributes;
     for (const auto& [name, value] : object.items()) {
-      attributes[name] = readIndex(value, model_.accessors.size(), path + "." + name);
+      attributes[name] = file_.index(value, model_.accessors.size(), path + "." + name);
     }
     return attributes;
   }
@@ -82,81 +85,77 @@ class ModelReader : JsonReader {
     }
   }
 
-  Image readImage(const Json& json, const std::string& path) const {
-    Image image{.name = json.value("name", std::string()),
-                .view = readOptionalIndex(json, "bufferView", model_.views.size(), path)};
-    if (json.contains("uri")) {
-      image.uri = json["uri"].get<std::string>();
-      if (!image.uri.starts_with("data:")) image.uri = decodeUri(image.uri);
-    }
+  Image readImage(const JsonObject& object) const {
+    Image image{.name = object.json.value("name", std::string()),
+                .uri = object.json.value("uri", std::string()),
+                .view = object.maybeIndex("bufferView", model_.views.size())};
+    if (!image.uri.starts_with("data:")) image.uri = decodeUri(image.uri);
     return image;
   }
 
   // Returns the image of a texture, which may be in an extension; nullopt if the texture names no image.
-  MaybeIndex imageOf(Index texture) const {
-    const Json& json = list("textures")[texture];
-    const std::string path = fmt::format("textures[{}]", texture);
-    if (const MaybeIndex source = readOptionalIndex(json, "source", model_.images.size(), path)) return source;
+  MaybeIndex imageOf(const JsonObject& texture) const {
+    const std::size_t images = model_.images.size();
+    if (const MaybeIndex source = texture.maybeIndex("source", images)) return source;
     for (const char* name : {"EXT_texture_webp", "EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"}) {
-      if (const Json* extension = extensionOf(json, name)) {
-        if (const MaybeIndex source = readOptionalIndex(*extension, "source", model_.images.size(), path))
-          return source;
-      }
+      const auto extension = texture.extension(name);
+      const MaybeIndex source = extension ? extension->maybeIndex("source", images) : std::nullopt;
+      if (source) return source;
     }
     return std::nullopt;
   }
 
   // False if the sampler of a texture clamps or mirrors it.
-  bool repeats(Index texture) const {
+  bool repeats(const JsonObject& texture) const {
     constexpr int kRepeat = 10497;  // of OpenGL, as in glTF
-    const MaybeIndex sampler = readOptionalIndex(list("textures")[texture], "sampler", list("samplers").size(),
-                                                 fmt::format("textures[{}]", texture));
-    if (!sampler) return true;
-    const Json& json = list("samplers")[*sampler];
-    return json.value("wrapS", kRepeat) == kRepeat && json.value("wrapT", kRepeat) == kRepeat;
+    const Json& samplers = file_.list("samplers");
+    const MaybeIndex sampler = texture.maybeIndex("sampler", samplers.size());
+    return !sampler || (samplers[*sampler].value("wrapS", kRepeat) == kRepeat &&
+                        samplers[*sampler].value("wrapT", kRepeat) == kRepeat);
   }
 
   // Returns how a material uses the texture under a key; nullopt if it names no image.
-  std::optional<TextureUse> textureUse(const Json& material, const char* key, const std::string& materialPath) const {
-    const auto json = material.find(key);
-    if (json == material.end()) return std::nullopt;
-    const std::string path = materialPath + "." + key;
-    const Index texture = readIndex(json->at("index"), list("textures").size(), path);
+  std::optional<TextureUse> textureUse(const JsonObject& material, const char* key) const {
+    if (!material.json.contains(key)) return std::nullopt;
+    const JsonObject object{model_, material.json[key], material.pathOf(key)};
+    const Json& textures = file_.list("textures");
+    const Index index = file_.index(object.json.at("index"), textures.size(), object.path);
+    const JsonObject texture{model_, textures[index], fmt::format("textures[{}]", index)};
     const MaybeIndex image = imageOf(texture);
     if (!image) return std::nullopt;
-    const Json* const transform = extensionOf(*json, "KHR_texture_transform");
-    std::uint64_t coordinates = readLength(*json, "texCoord", 0, path);
     TextureUse use{.image = *image, .repeats = repeats(texture)};
-    if (transform != nullptr) {
-      readNumbers(*transform, "offset", path, use.offset);
-      readNumbers(*transform, "scale", path, use.scale);
-      use.rotation = transform->value("rotation", 0.0);
-      coordinates = readLength(*transform, "texCoord", coordinates, path);
+    std::uint64_t coordinates = object.length("texCoord");
+    if (const auto transform = object.extension("KHR_texture_transform")) {
+      transform->numbers("offset", use.offset);
+      transform->numbers("scale", use.scale);
+      use.rotation = transform->json.value("rotation", 0.0);
+      coordinates = transform->length("texCoord", coordinates);
     }
     constexpr std::uint64_t kMostCoordinates = 1000;  // more than any file has
     use.coordinates = static_cast<unsigned>(std::min(coordinates, kMostCoordinates));
     return use;
   }
 
-  Material readMaterial(const Json& json, const std::string& path) const {
+  Material readMaterial(const JsonObject& object) const {
+    const Json& json = object.json;
     Material material{.name = json.value("name", std::string())};
-    if (const Json* specularGlossiness = extensionOf(json, "KHR_materials_pbrSpecularGlossiness")) {
-      readNumbers(*specularGlossiness, "diffuseFactor", path, material.color);
-      material.texture = textureUse(*specularGlossiness, "diffuseTexture", path);
+    if (const auto specularGlossiness = object.extension("KHR_materials_pbrSpecularGlossiness")) {
+      specularGlossiness->numbers("diffuseFactor", material.color);
+      material.texture = textureUse(*specularGlossiness, "diffuseTexture");
       material.metallic = 0;
-      material.roughness = 1 - specularGlossiness->value("glossinessFactor", 1.0);
-    } else if (const Json* metallicRoughness = objectIn(json, "pbrMetallicRoughness")) {
-      readNumbers(*metallicRoughness, "baseColorFactor", path, material.color);
-      material.texture = textureUse(*metallicRoughness, "baseColorTexture", path);
-      material.metallic = metallicRoughness->value("metallicFactor", 1.0);
-      material.roughness = metallicRoughness->value("roughnessFactor", 1.0);
+      material.roughness = 1 - specularGlossiness->json.value("glossinessFactor", 1.0);
+    } else if (const auto metallicRoughness = object.object("pbrMetallicRoughness")) {
+      metallicRoughness->numbers("baseColorFactor", material.color);
+      material.texture = textureUse(*metallicRoughness, "baseColorTexture");
+      material.metallic = metallicRoughness->json.value("metallicFactor", 1.0);
+      material.roughness = metallicRoughness->json.value("roughnessFactor", 1.0);
     }
-    const Json* const transmission = extensionOf(json, "KHR_materials_transmission");
-    if (transmission != nullptr && transmission->value("transmissionFactor", 0.0) > 0) {
+    const auto transmission = object.extension("KHR_materials_transmission");
+    if (transmission && transmission->json.value("transmissionFactor", 0.0) > 0) {
       material.leftOut.add("transmissions of materials (they are solid)");
     }
-    if (!material.texture && std::max({material.color[0], material.color[1], material.color[2]}) == 0 &&
-        json.contains("emissiveTexture")) {
+    const bool isBlack = std::max({material.color[0], material.color[1], material.color[2]}) == 0;
+    if (!material.texture && isBlack && json.contains("emissiveTexture")) {
       material.leftOut.add("emissive images of materials with a black base colour");
     }
     const std::string mode = json.value("alphaMode", std::string("OPAQUE"));
@@ -167,21 +166,21 @@ class ModelReader : JsonReader {
     return material;
   }
 
-  Mesh readMesh(const Json& json, const std::string& path) const {
-    Mesh mesh{.name = json.value("name", std::string())};
-    if (json.contains("weights")) mesh.weights = json["weights"].get<std::vector<double>>();
-    const Json& primitives = json.at("primitives");
-    if (!primitives.is_array()) fail(path + ".primitives is not a list");
+  Mesh readMesh(const JsonObject& object) const {
+    Mesh mesh{.name = object.json.value("name", std::string()),
+              .weights = object.json.value("weights", std::vector<double>())};
+    const Json& primitives = object.json.at("primitives");
+    if (!primitives.is_array()) model_.fail(object.path + ".primitives is not a list");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const std::string primitivePath = fmt::format("{}.primitives[{}]", path, i);
+      const JsonObject primitiveObject{model_, primitives[i], fmt::format("{}.primitives[{}]", object.path, i)};
       constexpr std::uint64_t kPoints = 0, kTriangles = 4, kLastMode = 6;  // those between are of lines
-      const std::uint64_t mode = readLength(primitives[i], "mode", kTriangles, primitivePath);
-      if (mode > kLastMode) fail(primitivePath + " has an unknown mode");
+      const std::uint64_t mode = primitiveObject.length("mode", kTriangles);
+      if (mode > kLastMode) primitiveObject.fail("has an unknown mode");
       if (mode < kTriangles) {
         model_.leftOut.add(mode == kPoints ? "primitives of points" : "primitives of lines");
         continue;
       }
-      Primitive primitive = readPrimitive(primitives[i], primitivePath);
+      Primitive primitive = readPrimitive(primitiveObject);
       primitive.mode = static_cast<Primitive::Mode>(mode);
       countUnread(primitive.attributes, "vertices");
       if (primitive.attributes.contains("POSITION")) {
@@ -193,108 +192,104 @@ class ModelReader : JsonReader {
     return mesh;
   }
 
-  Primitive readPrimitive(const Json& json, const std::string& path) const {
+  // Returns a primitive without its mode; one without positions lacks what else it has, too.
+  Primitive readPrimitive(const JsonObject& object) const {
     Primitive primitive;
-    primitive.material = readOptionalIndex(json, "material", model_.materials.size(), path);
-    if (!json.contains("attributes") || !json["attributes"].is_object()) return primitive;
-    primitive.attributes = readAttributes(json["attributes"], path);
-    primitive.indices = readOptionalIndex(json, "indices", model_.accessors.size(), path);
+    primitive.material = object.maybeIndex("material", model_.materials.size());
+    if (!object.json.contains("attributes") || !object.json["attributes"].is_object()) return primitive;
+    primitive.attributes = readAttributes(object.json["attributes"], object.path);
+    primitive.indices = object.maybeIndex("indices", model_.accessors.size());
     const auto position = primitive.attributes.find("POSITION");
     if (position == primitive.attributes.end()) return primitive;
-    const Accessor& positions = model_.accessors[position->second];
-    if (positions.width != 3) fail(path + " has positions that do not have 3 numbers");
-    if (const Json* draco = extensionOf(json, "KHR_draco_mesh_compression")) {
-      primitive.draco = Primitive::Draco{};
-      primitive.draco->view = readIndex(draco->at("bufferView"), model_.views.size(), path + ".bufferView");
-      for (const auto& [name, id] : draco->at("attributes").items()) {
-        primitive.draco->attributes[name] = static_cast<std::uint32_t>(readIndex(id, UINT32_MAX, path + "." + name));
+    if (model_.accessors[position->second].width != 3) object.fail("has positions that do not have 3 numbers");
+    if (const auto draco = object.extension("KHR_draco_mesh_compression")) {
+      primitive.draco = Primitive::Draco{.view = draco->index("bufferView", model_.views.size())};
+      for (const auto& [name, id] : draco->json.at("attributes").items()) {
+        primitive.draco->attributes[name] =
+            static_cast<std::uint32_t>(draco->index(id, UINT32_MAX, draco->path + "." + name));
       }
-      if (!primitive.draco->attributes.contains("POSITION")) {
-        fail(fmt::format("is not valid glTF: {} has no compressed positions", path));
-      }
+      if (!primitive.draco->attributes.contains("POSITION")) object.failInvalid("has no compressed positions");
     } else if (primitive.indices) {
       const Accessor& indices = model_.accessors[*primitive.indices];
-      if (indices.width != 1) fail(path + " has indices that are not single numbers");
-      if (!indices.view && !indices.sparse && indices.count > 0) fail(path + " has indices without data");
+      if (indices.width != 1) object.fail("has indices that are not single numbers");
+      if (!indices.view && !indices.sparse && indices.count > 0) object.fail("has indices without data");
     }
-    for (const Json& target : listIn(json, "targets", path + ".targets"))
-      primitive.targets.push_back(readAttributes(target, path));
+    for (const Json& target : object.list("targets")) primitive.targets.push_back(readAttributes(target, object.path));
     return primitive;
   }
 
-  Skin readSkin(const Json& json, const std::string& path) const {
+  Skin readSkin(const JsonObject& object) const {
     Skin skin;
-    const std::size_t nodes = list("nodes").size();
-    for (const Json& joint : json.at("joints")) skin.joints.push_back(readIndex(joint, nodes, path + ".joints"));
-    skin.inverseBindMatrices = readOptionalIndex(json, "inverseBindMatrices", model_.accessors.size(), path);
-    if (skin.inverseBindMatrices) {
-      const Accessor& matrices = model_.accessors[*skin.inverseBindMatrices];
-      if (matrices.width != 16 || matrices.count < skin.joints.size()) {
-        fail(fmt::format("is not valid glTF: {} has fewer matrices than joints", path));
-      }
+    const std::size_t nodes = file_.list("nodes").size();
+    for (const Json& joint : object.json.at("joints")) {
+      skin.joints.push_back(object.index(joint, nodes, object.pathOf("joints")));
     }
+    skin.inverseBindMatrices = object.maybeIndex("inverseBindMatrices", model_.accessors.size());
+    if (!skin.inverseBindMatrices) return skin;
+    const Accessor& matrices = model_.accessors[*skin.inverseBindMatrices];
+    if (matrices.width != 16 || matrices.count < skin.joints.size())
+      object.failInvalid("has fewer matrices than joints");
     return skin;
   }
 
-  Node readNode(const Json& json, const std::string& path) const {
-    Node node{.name = json.value("name", std::string())};
-    const std::size_t nodes = list("nodes").size();
-    for (const Json& child : listIn(json, "children", path + ".children")) {
-      node.children.push_back(readIndex(child, nodes, "a child of a node"));
+  Node readNode(const JsonObject& object) const {
+    Node node{.name = object.json.value("name", std::string()),
+              .mesh = object.maybeIndex("mesh", model_.meshes.size()),
+              .skin = object.maybeIndex("skin", model_.skins.size()),
+              .weights = object.json.value("weights", std::vector<double>())};
+    const std::size_t nodes = file_.list("nodes").size();
+    for (const Json& child : object.list("children")) {
+      node.children.push_back(object.index(child, nodes, "a child of a node"));
     }
-    node.mesh = readOptionalIndex(json, "mesh", model_.meshes.size(), path);
-    node.skin = readOptionalIndex(json, "skin", model_.skins.size(), path);
-    if (json.contains("weights")) node.weights = json["weights"].get<std::vector<double>>();
     std::array<double, 16> matrix{};
-    if (readNumbers(json, "matrix", path, matrix)) node.matrix = matrix;
-    readNumbers(json, "translation", path, node.translation);
-    readNumbers(json, "rotation", path, node.rotation);
-    readNumbers(json, "scale", path, node.scale);
-    if (const Json* visibility = extensionOf(json, "KHR_node_visibility"))
-      node.visible = visibility->value("visible", true);
-    if (const Json* instancing = extensionOf(json, "EXT_mesh_gpu_instancing")) {
-      const std::string extensionPath = path + ".EXT_mesh_gpu_instancing";
-      node.instances = readAttributes(instancing->at("attributes"), extensionPath);
+    if (object.numbers("matrix", matrix)) node.matrix = matrix;
+    object.numbers("translation", node.translation);
+    object.numbers("rotation", node.rotation);
+    object.numbers("scale", node.scale);
+    const auto visibility = object.extension("KHR_node_visibility");
+    if (visibility) node.visible = visibility->json.value("visible", true);
+    if (const auto instancing = object.extension("EXT_mesh_gpu_instancing")) {
+      const std::string path = object.pathOf("EXT_mesh_gpu_instancing");
+      node.instances = readAttributes(instancing->json.at("attributes"), path);
       countUnread(*node.instances, "instances");
-      const auto first = node.instances->begin();
       for (const auto& [name, accessor] : *node.instances) {
-        if (model_.accessors[accessor].count != model_.accessors[first->second].count) {
-          fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", extensionPath,
-                           model_.accessors[first->second].count, first->first, model_.accessors[accessor].count,
-                           name));
-        }
+        const auto& [firstName, firstAccessor] = *node.instances->begin();
+        const std::uint64_t count = model_.accessors[accessor].count,
+                            firstCount = model_.accessors[firstAccessor].count;
+        if (count == firstCount) continue;
+        model_.fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", path, firstCount, firstName,
+                                count, name));
       }
     }
     return node;
   }
 
-  Animation readAnimation(const Json& json, const std::string& path) const {
-    Animation animation{.name = json.value("name", std::string())};
-    for (const Json& samplerJson : json.at("samplers")) {
-      Animation::Sampler sampler;
-      sampler.input = readIndex(samplerJson.at("input"), model_.accessors.size(), path + ".input");
-      sampler.output = readIndex(samplerJson.at("output"), model_.accessors.size(), path + ".output");
-      const std::string interpolation = samplerJson.value("interpolation", std::string("LINEAR"));
-      sampler.interpolation = interpolation == "STEP"          ? Animation::Interpolation::Step
-                              : interpolation == "CUBICSPLINE" ? Animation::Interpolation::CubicSpline
-                                                               : Animation::Interpolation::Linear;
-      animation.samplers.push_back(sampler);
+  Animation readAnimation(const JsonObject& object) const {
+    Animation animation{.name = object.json.value("name", std::string())};
+    for (const Json& json : object.json.at("samplers")) {
+      const JsonObject samplerObject{model_, json, object.path};
+      const std::string interpolation = json.value("interpolation", std::string("LINEAR"));
+      animation.samplers.push_back({.input = samplerObject.index("input", model_.accessors.size()),
+                                    .output = samplerObject.index("output", model_.accessors.size()),
+                                    .interpolation = interpolation == "STEP" ? Animation::Interpolation::Step
+                                                     : interpolation == "CUBICSPLINE"
+                                                         ? Animation::Interpolation::CubicSpline
+                                                         : Animation::Interpolation::Linear});
     }
-    for (const Json& channelJson : json.at("channels")) {
+    for (const Json& json : object.json.at("channels")) {
       using Path = Animation::Path;
       static const std::map<std::string, Path> kPaths{{"translation", Path::Translation},
                                                       {"rotation", Path::Rotation},
                                                       {"scale", Path::Scale},
                                                       {"weights", Path::Weights}};
-      Animation::Channel channel;
-      channel.sampler = readIndex(channelJson.at("sampler"), animation.samplers.size(), path + ": a channel's sampler");
-      const Json& target = channelJson.at("target");
+      const Index sampler =
+          object.index(json.at("sampler"), animation.samplers.size(), object.path + ": a channel's sampler");
+      const Json& target = json.at("target");
       const auto property = target.at("path").get<std::string>();
       animation.pointers += property == "pointer" ? 1 : 0;
       if (!kPaths.contains(property) || !target.contains("node")) continue;  // skips channels with other targets
-      channel.path = kPaths.at(property);
-      channel.node = readIndex(target["node"], model_.nodes.size(), path + "'s target");
-      animation.channels.push_back(channel);
+      const Index node = object.index(target["node"], model_.nodes.size(), object.path + "'s target");
+      animation.channels.push_back({.sampler = sampler, .node = node, .path = kPaths.at(property)});
     }
     return animation;
   }
@@ -302,7 +297,7 @@ class ModelReader : JsonReader {
   // Reads the roots of the default scene or, if the file names none, of the first scene. In a file without scenes all
   // nodes are roots that are no children.
   void readScene() {
-    const Json& scenes = list("scenes");
+    const Json& scenes = file_.list("scenes");
     if (scenes.empty()) {
       std::vector<bool> isChild(model_.nodes.size(), false);
       for (const Node& node : model_.nodes) {
@@ -311,11 +306,12 @@ class ModelReader : JsonReader {
       for (Index i = 0; i < model_.nodes.size(); ++i) {
         if (!isChild[i]) model_.roots.push_back(i);
       }
-    } else {
-      const MaybeIndex scene = readOptionalIndex(json_, "scene", scenes.size(), "the file");
-      for (const Json& root : listIn(scenes[scene.value_or(0)], "nodes", "nodes of a scene")) {
-        model_.roots.push_back(readIndex(root, model_.nodes.size(), "a node of the scene"));
-      }
+      return;
+    }
+    Index scene = 0;
+    if (file_.json.contains("scene")) scene = file_.index(file_.json["scene"], scenes.size(), "the file.scene");
+    for (const Json& root : JsonObject{model_, scenes[scene], ""}.list("nodes", "nodes of a scene")) {
+      model_.roots.push_back(file_.index(root, model_.nodes.size(), "a node of the scene"));
     }
   }
 
@@ -327,8 +323,9 @@ class ModelReader : JsonReader {
     while (!pending.empty()) {
       const auto [node, depth] = pending.back();
       pending.pop_back();
-      if (isReached[node]) fail(fmt::format("nodes[{}] has two parents, or is its own ancestor", node));
-      if (depth > kMostLevels) fail(fmt::format("has nodes that are nested more than {} levels deep", kMostLevels));
+      if (isReached[node]) model_.fail(fmt::format("nodes[{}] has two parents, or is its own ancestor", node));
+      if (depth > kMostLevels)
+        model_.fail(fmt::format("has nodes that are nested more than {} levels deep", kMostLevels));
       isReached[node] = true;
       for (const Index child : model_.nodes[node].children) pending.emplace_back(child, depth + 1);
     }
@@ -337,6 +334,8 @@ class ModelReader : JsonReader {
     }
   }
 
+  Model& model_;
+  JsonObject file_;
   bool allowOutside_;
 };
 

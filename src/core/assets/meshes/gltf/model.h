@@ -22,7 +22,7 @@ using MaybeIndex = std::optional<Index>;
 struct Buffer {
   std::string uri;  // a file's name, with escapes decoded, or a data: URI; empty: the GLB's binary chunk
   std::uint64_t length = 0;
-  std::string problem;  // why the buffer cannot be read, reported only if it is used; empty: it can be read
+  std::string problem = {};  // why the buffer cannot be read, reported only if it is used; empty: it can be read
 };
 
 // Location of a view's compressed bytes (EXT_meshopt_compression or KHR_meshopt_compression), and the functions of
@@ -70,7 +70,7 @@ struct Primitive {
   enum class Mode { Triangles = 4, Strip = 5, Fan = 6 };
   struct Draco {
     Index view = 0;
-    std::map<std::string, std::uint32_t> attributes;  // id in the compressed data, by attribute name
+    std::map<std::string, std::uint32_t> attributes = {};  // id in the compressed data, by attribute name
   };
   Mode mode = Mode::Triangles;
   Attributes attributes;

@@ -11,15 +11,6 @@
 namespace scanmill::gltf {
 namespace {
 
-// Returns the transform of a 4 x 4 matrix whose numbers are ordered column by column.
-template <class Number>
-Affine toAffine(const Number* m) {
-  const auto column = [&](std::size_t c) {
-    return Vec3d{static_cast<double>(m[4 * c]), static_cast<double>(m[4 * c + 1]), static_cast<double>(m[4 * c + 2])};
-  };
-  return {{column(0), column(1), column(2)}, column(3)};
-}
-
 // The key frames of a sampler, and a time between two of them.
 class KeyFrames {
  public:
@@ -88,15 +79,6 @@ class KeyFrames {
 };
 
 }  // namespace
-
-std::vector<Vec3d> toPoints(const std::vector<float>& numbers) {
-  std::vector<Vec3d> points;
-  points.reserve(numbers.size() / 3);
-  for (std::size_t i = 0; i + 2 < numbers.size(); i += 3) {
-    points.emplace_back(Vec3f{numbers[i], numbers[i + 1], numbers[i + 2]});
-  }
-  return points;
-}
 
 std::string nameOf(const Model& model, Index animation) {
   const std::string& name = model.animations[animation].name;
@@ -194,90 +176,6 @@ std::vector<PlacedNode> placeNodes(const Model& model) {
     addPending(node.children, placed);
   }
   return placedNodes;
-}
-
-Poser::Poser(const Model& model, const Data& data, const std::vector<PlacedNode>& placed)
-    : model_(model), data_(data), placedNodes_(model.nodes.size(), nullptr) {
-  for (const PlacedNode& node : placed) placedNodes_[node.node] = &node;
-}
-
-std::vector<double> Poser::weightsOf(const PlacedNode& placed) const {
-  const Node& node = model_.nodes[placed.node];
-  std::vector<double> weights = node.weights.empty() ? model_.meshes[*node.mesh].weights : node.weights;
-  if (std::ranges::all_of(weights, [](double weight) { return weight == 0; })) weights.clear();
-  return weights;
-}
-
-bool Poser::isRigid(const PlacedNode& node) const {
-  return !model_.nodes[node.node].skin && weightsOf(node).empty();
-}
-
-void Poser::pose(const PlacedNode& node, const Primitive& primitive, const AttributeNumbers& numbers,
-                 const std::string& what, std::vector<Vec3d>& points) {
-  const std::vector<double> weights = weightsOf(node);
-  for (std::size_t t = 0; t < std::min(primitive.targets.size(), weights.size()); ++t) {
-    const auto target = primitive.targets[t].find("POSITION");
-    if (weights[t] == 0 || target == primitive.targets[t].end()) continue;
-    const std::vector<Vec3d> offsets = toPoints(data_.finiteFloats(target->second, what));
-    if (offsets.size() != points.size()) {
-      model_.fail(fmt::format("is not valid glTF: {} and its morph target have different numbers of vertices", what));
-    }
-    for (std::size_t i = 0; i < points.size(); ++i) points[i] = points[i] + offsets[i] * weights[t];
-  }
-  if (model_.nodes[node.node].skin) skin(node, numbers, what, points);
-}
-
-// Returns for each joint the transform from the mesh's frame to the scene's frame for vertices that follow this joint
-// alone.
-std::vector<Affine> Poser::jointsOf(const Skin& skin, const std::string& what) const {
-  std::vector<float> inverses;
-  if (skin.inverseBindMatrices) inverses = data_.fractions(*skin.inverseBindMatrices, what);
-  std::vector<Affine> joints;
-  for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-    const PlacedNode* const placed = placedNodes_[skin.joints[j]];
-    if (placed == nullptr) {
-      model_.fail(fmt::format("is not valid glTF: a joint of the skin of {} is not a node of the scene", what));
-    }
-    joints.push_back(placed->sceneFromNode * (inverses.empty() ? Affine{} : toAffine(&inverses[16 * j])));
-  }
-  return joints;
-}
-
-// Applies a node's skin: moves each vertex to the weighted mean of the positions that its joints give it. A vertex
-// whose weights are all 0 follows its first joint; a vertex without joints follows the node.
-void Poser::skin(const PlacedNode& node, const AttributeNumbers& numbers, const std::string& what,
-                 std::vector<Vec3d>& points) const {
-  const std::vector<Affine> joints = jointsOf(model_.skins[*model_.nodes[node.node].skin], what);
-  constexpr std::size_t kNoJoint = SIZE_MAX;
-  // By vertex: sums over its joints, and its first joint.
-  std::vector<Vec3d> weightedPoints(points.size());
-  std::vector<double> weightSums(points.size(), 0);
-  std::vector<std::size_t> firstJoints(points.size(), kNoJoint);
-  for (int set = 0;; ++set) {
-    const std::vector<float> jointNumbers = numbers(fmt::format("JOINTS_{}", set));
-    if (jointNumbers.empty()) break;
-    const std::vector<float> weights = numbers(fmt::format("WEIGHTS_{}", set));
-    if (jointNumbers.size() != 4 * points.size() || weights.size() != jointNumbers.size()) {
-      model_.fail(fmt::format("is not valid glTF: {} must have four joints and four weights per vertex", what));
-    }
-    for (std::size_t i = 0; i < jointNumbers.size(); ++i) {
-      const std::size_t vertex = i / 4;
-      const auto joint = static_cast<std::size_t>(jointNumbers[i]);
-      if (firstJoints[vertex] == kNoJoint && joint < joints.size()) firstJoints[vertex] = joint;
-      if (weights[i] == 0) continue;
-      if (joint >= joints.size()) {
-        model_.fail(fmt::format("is not valid glTF: a vertex of {} refers to the joint {}, but its skin has {}", what,
-                                joint, joints.size()));
-      }
-      const auto weight = static_cast<double>(weights[i]);
-      weightedPoints[vertex] = weightedPoints[vertex] + (joints[joint] * points[vertex]) * weight;
-      weightSums[vertex] += weight;
-    }
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Affine& rigid = firstJoints[i] == kNoJoint ? node.sceneFromNode : joints[firstJoints[i]];
-    points[i] = weightSums[i] > 0 ? weightedPoints[i] * (1 / weightSums[i]) : rigid * points[i];
-  }
 }
 
 }  // namespace scanmill::gltf

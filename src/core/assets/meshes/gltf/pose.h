@@ -1,8 +1,7 @@
 #pragma once
 
-// Poses a glTF file at a time of an animation: its nodes, skins and morph targets (glTF 2.0, 3.7.2.2, 3.7.3 and 3.11).
+// Places the nodes of a glTF file, at a time of an animation (glTF 2.0, 3.11).
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -44,38 +43,13 @@ struct PlacedNode {
 // Returns the nodes of the scene in file order, depth first.
 std::vector<PlacedNode> placeNodes(const Model& model);
 
-// Returns points of three numbers each.
-std::vector<Vec3d> toPoints(const std::vector<float>& numbers);
-
-// A function that returns all numbers of a primitive's attribute `name`, vertex by vertex; empty if the primitive lacks
-// the attribute.
-using AttributeNumbers = std::function<std::vector<float>(const std::string& name)>;
-
-// Applies morph targets and skins to the vertices of primitives.
-class Poser {
- public:
-  // The arguments must outlive the object.
-  Poser(const Model& model, const Data& data, const std::vector<PlacedNode>& placed);
-
-  // True if neither a skin nor morph targets change the vertices of a node's mesh.
-  bool isRigid(const PlacedNode& node) const;
-
-  // Poses `points`, the vertices of a primitive of the node's mesh, given in the mesh's frame. The results are in the
-  // scene's frame if the node has a skin, else in the mesh's frame. `what` is the mesh's name in messages. Throws
-  // InputError if joints, weights or targets do not fit the vertices.
-  void pose(const PlacedNode& node, const Primitive& primitive, const AttributeNumbers& numbers,
-            const std::string& what, std::vector<Vec3d>& points);
-
- private:
-  // Returns the weights of a node's morph targets; empty if all are 0.
-  std::vector<double> weightsOf(const PlacedNode& placed) const;
-  std::vector<Affine> jointsOf(const Skin& skin, const std::string& what) const;
-  void skin(const PlacedNode& node, const AttributeNumbers& numbers, const std::string& what,
-            std::vector<Vec3d>& points) const;
-
-  const Model& model_;
-  const Data& data_;
-  std::vector<const PlacedNode*> placedNodes_;  // by node; null for nodes that are not in the scene
-};
+// Returns the transform of a 4 x 4 matrix whose numbers are ordered column by column.
+template <class Number>
+Affine toAffine(const Number* m) {
+  const auto column = [&](std::size_t c) {
+    return Vec3d{static_cast<double>(m[4 * c]), static_cast<double>(m[4 * c + 1]), static_cast<double>(m[4 * c + 2])};
+  };
+  return {{column(0), column(1), column(2)}, column(3)};
+}
 
 }  // namespace scanmill::gltf

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <set>
-#include <utility>
 
 #include "assets/meshes/asset_parts.h"
 #include "assets/meshes/child_process.h"
@@ -30,6 +30,20 @@ namespace {
 constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes
 constexpr std::uint64_t kTrialMemoryPerByte = 256;              // further bytes for every compressed byte
 constexpr unsigned kTrialSeconds = 300;
+
+// A function that returns all numbers of a primitive's attribute `name`, vertex by vertex; empty if the primitive lacks
+// the attribute.
+using AttributeNumbers = std::function<std::vector<float>(const std::string& name)>;
+
+// Returns points of three numbers each.
+std::vector<Vec3d> toPoints(const std::vector<float>& numbers) {
+  std::vector<Vec3d> points;
+  points.reserve(numbers.size() / 3);
+  for (std::size_t i = 0; i + 2 < numbers.size(); i += 3) {
+    points.emplace_back(Vec3f{numbers[i], numbers[i + 1], numbers[i + 2]});
+  }
+  return points;
+}
 
 // Returns the triangles of a list, a strip or a fan of vertices, given by their indices.
 std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& v) {
@@ -52,10 +66,11 @@ class Reader {
     if (options.clip) apply(*options.clip, data_, model_);
     placedNodes_ = placeNodes(model_);
     uses_.resize(model_.meshes.size(), 0);
+    placedByNode_.resize(model_.nodes.size(), nullptr);
     for (const PlacedNode& placed : placedNodes_) {
+      placedByNode_[placed.node] = &placed;
       if (const MaybeIndex mesh = model_.nodes[placed.node].mesh) ++uses_[*mesh];
     }
-    poser_.emplace(model_, data_, placedNodes_);
   }
 
   Asset read(LeftOut& leftOut) {
@@ -78,6 +93,89 @@ class Reader {
   // Returns the transform of posed vertices to the scene's frame. Skinned vertices are already in that frame.
   Affine frameOf(const PlacedNode& placed) const {
     return model_.nodes[placed.node].skin ? Affine{} : placed.sceneFromNode;
+  }
+
+  // Returns the weights of a node's morph targets; empty if all are 0.
+  std::vector<double> targetWeights(const PlacedNode& placed) const {
+    const Node& node = model_.nodes[placed.node];
+    std::vector<double> weights = node.weights.empty() ? model_.meshes[*node.mesh].weights : node.weights;
+    if (std::ranges::all_of(weights, [](double weight) { return weight == 0; })) weights.clear();
+    return weights;
+  }
+
+  // True if neither a skin nor morph targets change the vertices of a node's mesh.
+  bool isRigid(const PlacedNode& placed) const {
+    return !model_.nodes[placed.node].skin && targetWeights(placed).empty();
+  }
+
+  // Moves `points`, the vertices of a primitive of the node's mesh, by the weights of its morph targets. `what` is the
+  // mesh's name in messages, here and below.
+  void applyTargets(const PlacedNode& placed, const Primitive& primitive, const std::string& what,
+                    std::vector<Vec3d>& points) const {
+    const std::vector<double> weights = targetWeights(placed);
+    for (std::size_t t = 0; t < std::min(primitive.targets.size(), weights.size()); ++t) {
+      const auto target = primitive.targets[t].find("POSITION");
+      if (weights[t] == 0 || target == primitive.targets[t].end()) continue;
+      const std::vector<Vec3d> offsets = toPoints(data_.finiteFloats(target->second, what));
+      if (offsets.size() != points.size()) {
+        model_.fail(fmt::format("is not valid glTF: {} and its morph target have different numbers of vertices", what));
+      }
+      for (std::size_t i = 0; i < points.size(); ++i) points[i] = points[i] + offsets[i] * weights[t];
+    }
+  }
+
+  // Returns for each joint the transform from the mesh's frame to the scene's frame for vertices that follow this joint
+  // alone.
+  std::vector<Affine> jointsOf(const Skin& skin, const std::string& what) const {
+    std::vector<float> inverses;
+    if (skin.inverseBindMatrices) inverses = data_.fractions(*skin.inverseBindMatrices, what);
+    std::vector<Affine> joints;
+    for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+      const PlacedNode* const placed = placedByNode_[skin.joints[j]];
+      if (placed == nullptr) {
+        model_.fail(fmt::format("is not valid glTF: a joint of the skin of {} is not a node of the scene", what));
+      }
+      joints.push_back(placed->sceneFromNode * (inverses.empty() ? Affine{} : toAffine(&inverses[16 * j])));
+    }
+    return joints;
+  }
+
+  // Applies the node's skin to the points of a primitive, which it moves from the mesh's frame to the scene's: each to
+  // the weighted mean of the positions that its joints give it. A vertex whose weights are all 0 follows its first
+  // joint; a vertex without joints follows the node.
+  void applySkin(const PlacedNode& placed, const AttributeNumbers& numbers, const std::string& what,
+                 std::vector<Vec3d>& points) const {
+    const std::vector<Affine> joints = jointsOf(model_.skins[*model_.nodes[placed.node].skin], what);
+    constexpr std::size_t kNoJoint = SIZE_MAX;
+    // By vertex: sums over its joints, and its first joint.
+    std::vector<Vec3d> weightedPoints(points.size());
+    std::vector<double> weightSums(points.size(), 0);
+    std::vector<std::size_t> firstJoints(points.size(), kNoJoint);
+    for (int set = 0;; ++set) {
+      const std::vector<float> jointNumbers = numbers(fmt::format("JOINTS_{}", set));
+      if (jointNumbers.empty()) break;
+      const std::vector<float> weights = numbers(fmt::format("WEIGHTS_{}", set));
+      if (jointNumbers.size() != 4 * points.size() || weights.size() != jointNumbers.size()) {
+        model_.fail(fmt::format("is not valid glTF: {} must have four joints and four weights per vertex", what));
+      }
+      for (std::size_t i = 0; i < jointNumbers.size(); ++i) {
+        const std::size_t vertex = i / 4;
+        const auto joint = static_cast<std::size_t>(jointNumbers[i]);
+        if (firstJoints[vertex] == kNoJoint && joint < joints.size()) firstJoints[vertex] = joint;
+        if (weights[i] == 0) continue;
+        if (joint >= joints.size()) {
+          model_.fail(fmt::format("is not valid glTF: a vertex of {} refers to the joint {}, but its skin has {}", what,
+                                  joint, joints.size()));
+        }
+        const auto weight = static_cast<double>(weights[i]);
+        weightedPoints[vertex] = weightedPoints[vertex] + (joints[joint] * points[vertex]) * weight;
+        weightSums[vertex] += weight;
+      }
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Affine& rigid = firstJoints[i] == kNoJoint ? placed.sceneFromNode : joints[firstJoints[i]];
+      points[i] = weightSums[i] > 0 ? weightedPoints[i] * (1 / weightSums[i]) : rigid * points[i];
+    }
   }
 
   // Throws InputError if the file would take too much memory: a small file may place its meshes any number of times.
@@ -162,7 +260,7 @@ class Reader {
   // once.
   std::shared_ptr<const Geometry> sharedGeometry(const Primitive& primitive, const PlacedNode& placed,
                                                  const std::optional<TextureUse>& texture) {
-    const bool isShared = poser_->isRigid(placed) && uses_[*model_.nodes[placed.node].mesh] > 1;
+    const bool isShared = isRigid(placed) && uses_[*model_.nodes[placed.node].mesh] > 1;
     if (!isShared) return std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
     std::shared_ptr<const Geometry>& shared = sharedGeometry_[&primitive];
     if (shared == nullptr) shared = std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
@@ -195,7 +293,8 @@ class Reader {
     const AttributeNumbers numbers = [&](const std::string& name) { return numbersOf(name, primitive, draco, what); };
     Geometry geometry;
     geometry.points = toPoints(numbers("POSITION"));
-    if (!poser_->isRigid(placed)) poser_->pose(placed, primitive, numbers, what, geometry.points);
+    applyTargets(placed, primitive, what, geometry.points);
+    if (model_.nodes[placed.node].skin) applySkin(placed, numbers, what, geometry.points);
     readUvs(numbers, texture, geometry);
     std::vector<std::uint32_t> indices(geometry.points.size());
     std::iota(indices.begin(), indices.end(), 0u);
@@ -325,7 +424,7 @@ class Reader {
   Affine assetFromFile_;
   const AssetOptions& options_;
   std::vector<PlacedNode> placedNodes_;
-  std::optional<Poser> poser_;
+  std::vector<const PlacedNode*> placedByNode_;  // null for nodes that are not in the scene
   std::vector<ReadMaterial> materials_;
   std::vector<std::size_t> uses_;  // number of times that a mesh is placed, by mesh
   std::map<const Primitive*, std::shared_ptr<const Geometry>> sharedGeometry_;

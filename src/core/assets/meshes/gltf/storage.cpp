@@ -1,6 +1,5 @@
 #include <meshoptimizer.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "assets/meshes/gltf/json_reader.h"
@@ -53,85 +52,98 @@ std::string glbOfTile(const std::string& tile, Container& container) {
 
 constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
 
-class StorageReader : JsonReader {
+class StorageReader {
  public:
-  StorageReader(Model& model, const Json& json, bool allowOutside)
-      : JsonReader(model, json), allowOutside_(allowOutside) {}
+  StorageReader(Model& model, bool allowOutside) : model_(model), allowOutside_(allowOutside) {}
 
-  void read() {
-    each("buffers", model_.buffers, [&](const Json& json, const std::string& path) { return readBuffer(json, path); });
-    each("bufferViews", model_.views, [&](const Json& json, const std::string& path) { return readView(json, path); });
-    each("accessors", model_.accessors,
-         [&](const Json& json, const std::string& path) { return readAccessor(json, path); });
-  }
-
- private:
-  Buffer readBuffer(const Json& json, const std::string& path) const {
-    Buffer buffer;
-    buffer.length = readLength(json, "byteLength", 0, path);
+  Buffer readBuffer(const JsonObject& object) const {
+    Buffer buffer{.uri = object.json.value("uri", std::string()), .length = object.length("byteLength")};
     std::uint64_t available = model_.bin.size();
     std::string source = "the GLB's binary chunk";
-    if (json.contains("uri")) {
-      buffer.uri = json["uri"].get<std::string>();
-      if (buffer.uri.starts_with("data:")) {
-        const std::size_t comma = buffer.uri.find(',');
-        if (comma == std::string::npos || buffer.uri.find(";base64") > comma) fail(path + " is not base64 data");
-        std::size_t end = buffer.uri.size();
-        while (end > comma + 1 && buffer.uri[end - 1] == '=') --end;
-        available = (end - comma - 1) * 3 / 4;
-        source = "its data";
-      } else {
-        buffer.uri = decodeUri(buffer.uri);
-        const std::filesystem::path filePath = model_.file.parent_path() / buffer.uri;
-        std::error_code error;
-        if (!allowOutside_ && leadsOutside(buffer.uri) && std::filesystem::exists(filePath, error))
-          model_.fail(refusalOf(buffer.uri));
-        if (!std::filesystem::is_regular_file(filePath, error)) {
-          buffer.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", buffer.uri);
-          return buffer;
-        }
-        available = std::filesystem::file_size(filePath, error);
-        source = "'" + buffer.uri + "'";
+    if (buffer.uri.starts_with("data:")) {
+      const std::size_t comma = buffer.uri.find(',');
+      if (comma == std::string::npos || buffer.uri.find(";base64") > comma) object.fail("is not base64 data");
+      std::size_t end = buffer.uri.size();
+      while (end > comma + 1 && buffer.uri[end - 1] == '=') --end;
+      available = (end - comma - 1) * 3 / 4;
+      source = "its data";
+    } else if (object.json.contains("uri")) {
+      buffer.uri = decodeUri(buffer.uri);
+      const std::filesystem::path path = model_.file.parent_path() / buffer.uri;
+      std::error_code error;
+      if (!allowOutside_ && leadsOutside(buffer.uri) && std::filesystem::exists(path, error)) {
+        model_.fail(refusalOf(buffer.uri));
       }
+      if (!std::filesystem::is_regular_file(path, error)) {
+        buffer.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", buffer.uri);
+        return buffer;
+      }
+      available = std::filesystem::file_size(path, error);
+      source = "'" + buffer.uri + "'";
     }
     if (buffer.length > available) {
-      buffer.problem =
-          fmt::format("{} has {} bytes, but {} has {}: is it truncated?", path, buffer.length, source, available);
+      buffer.problem = fmt::format("{} has {} bytes, but {} has {}: is it truncated?", object.path, buffer.length,
+                                   source, available);
     }
     return buffer;
   }
 
-  View readView(const Json& json, const std::string& path) const {
+  View readView(const JsonObject& object) const {
     View view;
-    readPart(json, path, view);
-    if (view.stride > kMostStride) fail(path + " has a byteStride over 252");
+    readRange(object, view);
+    if (view.stride > kMostStride) object.fail("has a byteStride over 252");
     for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-      if (const Json* extension = extensionOf(json, name)) {
-        view.compressed = readMeshopt(*extension, fmt::format("{}.{}", path, name));
-        if (view.compressed->count * view.compressed->stride != view.length) {
-          fail(fmt::format("is not valid glTF: {} has a length that differs from its {} elements of {} bytes", path,
-                           view.compressed->count, view.compressed->stride));
-        }
+      const auto extension = object.extension(name);
+      if (!extension) continue;
+      const Meshopt meshopt = readMeshopt({model_, extension->json, object.pathOf(name)});
+      if (meshopt.count * meshopt.stride != view.length) {
+        object.failInvalid(
+            fmt::format("has a length that differs from its {} elements of {} bytes", meshopt.count, meshopt.stride));
       }
+      view.compressed = meshopt;
     }
     return view;
   }
 
-  // Reads which part of a buffer a View or a Meshopt describes.
-  void readPart(const Json& json, const std::string& path, auto& part) const {
-    part.buffer = readIndex(json.at("buffer"), model_.buffers.size(), path + ".buffer");
-    part.offset = readLength(json, "byteOffset", 0, path);
-    part.length = readLength(json, "byteLength", 0, path);
-    part.stride = readLength(json, "byteStride", 0, path);
-    if (part.offset + part.length > model_.buffers[part.buffer].length) fail(path + " reaches beyond its buffer");
+  Accessor readAccessor(const JsonObject& object) const {
+    static const std::map<std::string, std::size_t> kWidths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                                                            {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
+    Accessor accessor;
+    accessor.component = readComponent(object);
+    const auto width = kWidths.find(object.json.value("type", std::string()));
+    if (width == kWidths.end()) object.fail("has an unknown type");
+    accessor.width = width->second;
+    accessor.count = object.length("count");
+    accessor.offset = object.length("byteOffset");
+    accessor.normalized = object.json.value("normalized", false);
+    if (accessor.count > kMaxCount) object.fail("has a count that is too large");
+    accessor.view = object.maybeIndex("bufferView", model_.views.size());
+    if (accessor.view) {
+      const std::uint64_t size = accessor.component.size * accessor.width, stride = model_.views[*accessor.view].stride;
+      requireInside(object, *accessor.view, accessor.offset, accessor.count, size, stride > 0 ? stride : size);
+    }
+    if (object.json.contains("sparse")) {
+      accessor.sparse = readSparse({model_, object.json["sparse"], object.pathOf("sparse")}, accessor);
+    }
+    return accessor;
   }
 
-  Meshopt readMeshopt(const Json& json, const std::string& path) const {
+ private:
+  // Reads which bytes of a buffer a View or a Meshopt describes.
+  void readRange(const JsonObject& object, auto& range) const {
+    range.buffer = object.index("buffer", model_.buffers.size());
+    range.offset = object.length("byteOffset");
+    range.length = object.length("byteLength");
+    range.stride = object.length("byteStride");
+    if (range.offset + range.length > model_.buffers[range.buffer].length) object.fail("reaches beyond its buffer");
+  }
+
+  Meshopt readMeshopt(const JsonObject& object) const {
     Meshopt meshopt;
-    readPart(json, path, meshopt);
-    meshopt.count = readLength(json, "count", 0, path);
-    const std::string mode = json.value("mode", std::string());
-    const std::string filter = json.value("filter", std::string("NONE"));
+    readRange(object, meshopt);
+    meshopt.count = object.length("count");
+    const std::string mode = object.json.value("mode", std::string());
+    const std::string filter = object.json.value("filter", std::string("NONE"));
     static const std::map<std::string, decltype(Meshopt::decode)> kModes{{"ATTRIBUTES", meshopt_decodeVertexBuffer},
                                                                          {"TRIANGLES", meshopt_decodeIndexBuffer},
                                                                          {"INDICES", meshopt_decodeIndexSequence}};
@@ -141,8 +153,8 @@ class StorageReader : JsonReader {
                                                                            {"EXPONENTIAL", meshopt_decodeFilterExp}};
     if (!kModes.contains(mode) || !kFilters.contains(filter)) {
       meshopt.problem = fmt::format(
-          "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression", path,
-          mode, filter);
+          "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression",
+          object.path, mode, filter);
       return meshopt;
     }
     meshopt.decode = kModes.at(mode);
@@ -157,77 +169,53 @@ class StorageReader : JsonReader {
                                                            : true;
     const bool filterFits = filter == "NONE" || (hasAttributes && filterStrideFits);
     if (!strideFits || !filterFits || meshopt.count > kMaxCount || (mode == "TRIANGLES" && meshopt.count % 3 != 0)) {
-      fail(fmt::format("is not valid glTF: {} has {} elements of {} bytes in the mode {}", path, meshopt.count,
-                       meshopt.stride, mode));
+      object.failInvalid(fmt::format("has {} elements of {} bytes in the mode {}", meshopt.count, stride, mode));
     }
     return meshopt;
   }
 
-  Component readComponent(const Json& object, const std::string& path) const {
+  static Component readComponent(const JsonObject& object) {
     static const std::map<std::uint64_t, Component> kComponents{{5120, {'I', 1}}, {5121, {'U', 1}}, {5122, {'I', 2}},
                                                                 {5123, {'U', 2}}, {5125, {'U', 4}}, {5126, {'F', 4}}};
-    const auto value = object.find("componentType");
-    const bool isNumber = value != object.end() && value->is_number_unsigned();
+    const auto value = object.json.find("componentType");
+    const bool isNumber = value != object.json.end() && value->is_number_unsigned();
     const auto component = kComponents.find(isNumber ? value->get<std::uint64_t>() : 0);
-    if (component == kComponents.end()) fail(path + " has an unknown type");
+    if (component == kComponents.end()) object.fail("has an unknown type");
     return component->second;
   }
 
-  Accessor readAccessor(const Json& json, const std::string& path) const {
-    static const std::map<std::string, std::size_t> kWidths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
-                                                            {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
-    Accessor accessor;
-    accessor.component = readComponent(json, path);
-    const auto width = kWidths.find(json.value("type", std::string()));
-    if (width == kWidths.end()) fail(path + " has an unknown type");
-    accessor.width = width->second;
-    accessor.count = readLength(json, "count", 0, path);
-    accessor.offset = readLength(json, "byteOffset", 0, path);
-    accessor.normalized = json.value("normalized", false);
-    if (accessor.count > kMaxCount) fail(path + " has a count that is too large");
-    accessor.view = readOptionalIndex(json, "bufferView", model_.views.size(), path);
-    const std::uint64_t size = accessor.component.size * accessor.width;
-    const std::uint64_t stride = accessor.view ? model_.views[*accessor.view].stride : 0;
-    if (accessor.view)
-      requireInside(*accessor.view, accessor.offset, accessor.count, size, stride > 0 ? stride : size, path);
-    if (const auto sparse = json.find("sparse"); sparse != json.end())
-      accessor.sparse = sparseOf(*sparse, accessor, path + ".sparse");
-    return accessor;
-  }
-
   // Throws unless `count` elements of `size` bytes, which begin `stride` bytes apart, lie in the view.
-  void requireInside(Index view, std::uint64_t offset, std::uint64_t count, std::uint64_t size, std::uint64_t stride,
-                     const std::string& path) const {
-    const View& v = model_.views[view];
-    if (stride < size) fail(path + " has elements that overlap");
-    if (offset > v.length) fail(path + " begins beyond its bufferView");
-    if (count > 0 && offset + (count - 1) * stride + size > v.length) {
-      fail(path + " reaches beyond its bufferView: is the file truncated?");
+  void requireInside(const JsonObject& object, Index view, std::uint64_t offset, std::uint64_t count,
+                     std::uint64_t size, std::uint64_t stride) const {
+    const std::uint64_t length = model_.views[view].length;
+    if (stride < size) object.fail("has elements that overlap");
+    if (offset > length) object.fail("begins beyond its bufferView");
+    if (count > 0 && offset + (count - 1) * stride + size > length) {
+      object.fail("reaches beyond its bufferView: is the file truncated?");
     }
   }
 
-  Accessor::Sparse sparseOf(const Json& json, const Accessor& accessor, const std::string& path) const {
-    Accessor::Sparse sparse;
-    sparse.count = readLength(json, "count", 0, path);
-    if (sparse.count > accessor.count)
-      fail(fmt::format("is not valid glTF: {} has more elements than its accessor", path));
-    const Json& indices = json.at("indices");
-    const Json& values = json.at("values");
-    sparse.indices = readComponent(indices, path + ".indices");
+  Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) const {
+    const JsonObject indices{model_, object.json.at("indices"), object.pathOf("indices")};
+    const JsonObject values{model_, object.json.at("values"), object.pathOf("values")};
+    const Accessor::Sparse sparse{.count = object.length("count"),
+                                  .indicesView = indices.index("bufferView", model_.views.size()),
+                                  .valuesView = values.index("bufferView", model_.views.size()),
+                                  .indicesOffset = indices.length("byteOffset"),
+                                  .valuesOffset = values.length("byteOffset"),
+                                  .indices = readComponent(indices)};
+    if (sparse.count > accessor.count) object.failInvalid("has more elements than its accessor");
     if (sparse.indices.kind != 'U') {
-      fail(fmt::format("is not valid glTF: {}.indices are not unsigned whole numbers", path));
+      model_.fail(fmt::format("is not valid glTF: {} are not unsigned whole numbers", indices.path));
     }
-    sparse.indicesView = readIndex(indices.at("bufferView"), model_.views.size(), path + ".indices.bufferView");
-    sparse.indicesOffset = readLength(indices, "byteOffset", 0, path + ".indices");
-    sparse.valuesView = readIndex(values.at("bufferView"), model_.views.size(), path + ".values.bufferView");
-    sparse.valuesOffset = readLength(values, "byteOffset", 0, path + ".values");
     const std::uint64_t size = accessor.component.size * accessor.width;
-    requireInside(sparse.indicesView, sparse.indicesOffset, sparse.count, sparse.indices.size, sparse.indices.size,
-                  path + ".indices");
-    requireInside(sparse.valuesView, sparse.valuesOffset, sparse.count, size, size, path + ".values");
+    requireInside(indices, sparse.indicesView, sparse.indicesOffset, sparse.count, sparse.indices.size,
+                  sparse.indices.size);
+    requireInside(values, sparse.valuesView, sparse.valuesOffset, sparse.count, size, size);
     return sparse;
   }
 
+  const Model& model_;
   bool allowOutside_;
 };
 
@@ -271,8 +259,11 @@ Container readContainer(const std::filesystem::path& file, const std::filesystem
   return container;
 }
 
-void readStorage(Model& model, const Json& json, bool allowOutside) {
-  StorageReader(model, json, allowOutside).read();
+void readStorage(Model& model, const JsonObject& file, bool allowOutside) {
+  const StorageReader reader(model, allowOutside);
+  readEach(file, "buffers", model.buffers, [&](const JsonObject& object) { return reader.readBuffer(object); });
+  readEach(file, "bufferViews", model.views, [&](const JsonObject& object) { return reader.readView(object); });
+  readEach(file, "accessors", model.accessors, [&](const JsonObject& object) { return reader.readAccessor(object); });
 }
 
 }  // namespace scanmill::gltf
