@@ -43,29 +43,27 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Reads glTF. Its specification states the unit, metres, and the up axis, y, unless the options do.
-Asset readGltf(const std::filesystem::path& file, const AssetOptions& options) {
-  const char up = options.up.value_or('y');
-  Asset asset = gltf::readAsset(file, file, {assetFromFile(up, options.metresPerUnit), {}}, options);
+// Reads the glTF file `glb`, which messages call `name`. Its unit is the metre; `up`: its axis, unless the options
+// state one.
+Asset readGltf(const std::filesystem::path& glb, const std::filesystem::path& name, char up,
+               const AssetOptions& options) {
+  up = options.up.value_or(up);
+  Asset asset = gltf::readAsset(glb, name, {assetFromFile(up, options.metresPerUnit), {}}, options);
   asset.up = up;
   asset.upDeclared = true;
   asset.statedUnit = 1;
   return asset;
 }
 
-// Reads a file that Blender converts to a GLB in metres, in which z is up.
+// Reads a file that Blender converts to a GLB, in which z is up.
 Asset readByBlender(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   if (kind != ".blend" && options.up) {
     throw InputError({file.string()},
                      "is turned upright by Blender: leave out `up`, and turn the object where it is placed");
   }
-  const char up = options.up.value_or('z');
   const FilesRead temporary;  // keeps the exported temporary file out of the list of files read
-  Asset asset =
-      gltf::readAsset(BlenderExport(file).glb(), file, {assetFromFile(up, options.metresPerUnit), {}}, options);
-  asset.up = up;
-  asset.upDeclared = true;
-  asset.statedUnit = kind == ".abc" ? 0 : 1;  // Alembic states no unit
+  Asset asset = readGltf(BlenderExport(file).glb(), file, 'z', options);
+  if (kind == ".abc") asset.statedUnit = 0;  // Alembic states no unit
   return asset;
 }
 
@@ -104,7 +102,7 @@ Asset readByKind(const std::filesystem::path& file, const std::string& kind, con
   Asset asset = reader == AssetReader::World     ? readWorld(file, kind, options)
                 : reader == AssetReader::Mesh    ? readImported(file, kind, options)
                 : reader == AssetReader::Blender ? readByBlender(file, kind, options)
-                                                 : readGltf(file, options);
+                                                 : readGltf(file, file, 'y', options);
   if (asset.parts.empty() && asset.instanced.empty()) {
     throw InputError({file.string()}, fmt::format("has no triangle{}",
                                                   asset.dropped.outOfRange > 0

@@ -1,8 +1,6 @@
 #pragma once
 
-// Reads 3D files: point clouds (LAS, PLY, PCD), height rasters (GeoTIFF), glTF/GLB, OBJ, PLY, STL, COLLADA, AC3D,
-// .blend and what Blender imports (FBX, Alembic, X3D, USD) if it is installed, and world descriptions (SDF, URDF, 3D
-// Tiles) with all files that they name.
+// Reads 3D files of all kinds that `scanmill list inputs` lists, with all files that they name.
 
 #include <filesystem>
 

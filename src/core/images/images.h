@@ -1,9 +1,8 @@
 #pragma once
 
-// Reads and writes images: PNG by libpng, JPEG by libjpeg, all other kinds by OpenImageIO. Most scenes have only PNG
-// and JPEG, and OpenImageIO brings hundreds of shared libraries. Its module (images/images_interface.h) is therefore
-// loaded at its first use, from any thread. If it cannot be loaded, functions that need it throw an Error that says how
-// to install it.
+// Reads and writes images: PNG by libpng, JPEG by libjpeg, all other kinds by OpenImageIO, which brings hundreds of
+// shared libraries. Its module (images/images_interface.h) is therefore loaded at its first use, from any thread. If it
+// cannot be loaded, functions that need it throw an Error that says how to install it.
 
 #include <cstdint>
 #include <filesystem>
@@ -27,12 +26,10 @@ struct DecodedImage {
   std::vector<std::uint8_t> rgba;  // width * height * 4
 };
 
-// Decodes PNG, JPEG, WebP, TGA, SGI, BMP, TIFF, EXR and all other kinds that OpenImageIO reads. `name` names the image
-// in messages; its ending tells the kind if the bytes do not show it. An image of more than 4096 pixels in a row or
-// column is reduced to at most 4096: each pixel becomes the mean of a square of pixels. On a wall of 40 m a pixel is
-// then 1 cm wide, about as wide as a beam. Warns of what imageFormat() says to be left out. Throws an InputError that
-// starts with the name if the bytes are not an image, are damaged or are too few for the size in the header, if the
-// image is wider or higher than 16384 pixels, or if it needs too much memory.
+// Decodes an image of a kind in imageFormat(). `name` names the image in messages; its ending tells the kind if the
+// bytes do not show it. An image of more than 4096 pixels in a row or column is reduced to at most 4096 by means of
+// squares: on a wall of 40 m a pixel is then 1 cm wide, about as wide as a beam. Warns of what is left out. Throws an
+// InputError that starts with the name if the bytes are no image or are damaged, or if the image is too large.
 DecodedImage decodeImage(std::string_view bytes, const std::string& name);
 
 // Reads and decodes a file as decodeImage() does. Throws InputError also if the file does not exist.

@@ -53,13 +53,14 @@ std::vector<std::string> commandLine(const std::string& job, const std::filesyst
 
 // Returns changes to the environment, by which Blender loads no start-up scripts or add-ons of the user and writes its
 // own files only into `folder`.
-std::map<std::string, std::string> environmentIn(const std::filesystem::path& folder) {
-  std::map<std::string, std::string> environment;
-  for (const char* name : {"BLENDER_USER_RESOURCES", "BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS",
-                           "BLENDER_USER_DATAFILES", "TMPDIR", "TMP", "TEMP"}) {
-    environment[name] = folder.string();
-  }
-  return environment;
+std::map<std::string, std::string> environmentIn(const std::string& folder) {
+  return {{"BLENDER_USER_RESOURCES", folder},
+          {"BLENDER_USER_CONFIG", folder},
+          {"BLENDER_USER_SCRIPTS", folder},
+          {"BLENDER_USER_DATAFILES", folder},
+          {"TMPDIR", folder},
+          {"TMP", folder},
+          {"TEMP", folder}};
 }
 
 }  // namespace
@@ -81,7 +82,7 @@ std::filesystem::path blenderProgram() {
 
 BlenderJob::BlenderJob(const std::string& job, const std::filesystem::path& folder,
                        const std::vector<std::string>& arguments)
-    : patience_(patience()), process_(commandLine(job, folder, arguments), environmentIn(folder)) {}
+    : patience_(patience()), process_(commandLine(job, folder, arguments), environmentIn(folder.string())) {}
 
 void BlenderJob::fail(const std::string& problem) const {
   const std::string lines = process_.lastLines();

@@ -49,11 +49,9 @@ class BlenderJob {
 // Returns what is read from files that Blender opens or imports, and what is left out.
 const FormatSupport& blenderFormat();
 
-// A GLB of what a file shows: of a .blend, the active scene at its saved frame, with all objects that are visible both
-// in the viewport and in renders; their surfaces and instances as renders evaluate them, and materials with base colour
-// textures. Names stay the same, but Blender adds .001 to a name that occurs twice. Coordinates are in metres by the
-// file's unit, z up by its axes. The GLB names missing images by their paths. Warns of what is left out. No script,
-// driver expression or handler of the file is run. The GLB is in a temporary folder, which the destructor removes.
+// A GLB of what a file shows, as blenderFormat() says. Names stay the same, but Blender adds .001 to a name that occurs
+// twice. Coordinates are in metres by the file's unit, z up by its axes. The GLB names missing images by their paths.
+// Warns of what is left out. The GLB is in a temporary folder, which the destructor removes.
 class BlenderExport {
  public:
   // Throws an InputError that names the file if it is damaged or of another kind, was saved by a newer Blender, or

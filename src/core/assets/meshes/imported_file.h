@@ -65,8 +65,7 @@ ImportedFile readPlyMesh(const std::filesystem::path& file, const AssetOptions& 
 ImportedFile readStlMesh(const std::filesystem::path& file, const AssetOptions& options);
 
 // Reads a file of any of these kinds as readAsset() does, but also accepts a file without triangles. `kind` is its
-// extension in lower case. The assimp library is made for trusted files. Therefore it runs in a child process, which
-// may crash or exceed its time or memory without harm to this process.
+// extension in lower case. The assimp library, which is made for trusted files, runs in a child process.
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
 
 // Returns the looks of the imported file's materials, in its order. Warns of missing and broken textures. Throws

@@ -36,12 +36,10 @@ inline constexpr const char* kPointIntensity = "intensity";
 inline constexpr const char* kPointColor = "color";
 
 // Reads a file for which isCloud() is true (formats/cloud_file.h). Each point becomes a square with the area of its
-// surfel's disc: two triangles, which every method can trace. The points with the same label and instance
-// form a part. The part's material and AssetPart::ownClass are the label's name (AssetOptions::points), or else its
-// number; the part's node is "instance 7" if the points have instances. Unless AssetOptions::points has names, labels
-// of LAS have the names of its specification ("ground", "building", "high vegetation"), and points labelled as noise
-// are dropped. The reflectance comes from the points' intensities, else from their colours. Throws an InputError that
-// names the file.
+// surfel's disc: two triangles, which every method can trace. The points with the same label and instance form a part.
+// Its material and AssetPart::ownClass are the label's name (AssetOptions::points; without names there, those of the LAS
+// specification, and noise is dropped) or number; its node is "instance 7" if the points have instances. The
+// reflectance comes from the points' intensities, else from their colours. Throws an InputError that names the file.
 Asset readCloudAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 // Reads band 1 of a raster as heights in metres. Each square of four samples becomes two triangles, split along the

@@ -31,12 +31,10 @@ Asset readWorld(const std::filesystem::path& file, std::string_view suffix, cons
 // Returns what the reader of 3D Tiles reads and leaves out.
 const FormatSupport& tilesetFormat();
 
-// Reads 3D Tiles 1.0 and 1.1 (OGC 22-025r4): the finest tiles that a tileset.json names, and coarser tiles whose
-// refinement is ADD, with transforms, relative centres and nested tilesets. Contents can be glTF, GLB and b3dm; other
-// contents are left out, with a warning. If the tileset is on the earth, the asset's origin is the middle of the root
-// tile, or if this is not on the earth's surface, of the first tile whose middle is, with x east, y north and z up. A
-// node's name begins with the content's path relative to the tileset and a slash. Throws an InputError that names the
-// file.
+// Reads 3D Tiles 1.0 and 1.1 (OGC 22-025r4), as tilesetFormat() says. If the tileset is on the earth, the asset's
+// origin is the middle of the root tile, or if this is not on the earth's surface, of the first tile whose middle is,
+// with x east, y north and z up. A node's name begins with the content's path relative to the tileset and a slash.
+// Throws an InputError that names the file.
 Asset readTileset(const std::filesystem::path& file, const AssetOptions& options);
 
 // Thrown for a file that another file names and that is missing.
@@ -94,14 +92,14 @@ struct WorldFile {
 // Returns what the reader of SDF reads and leaves out.
 const FormatSupport& sdfFormat();
 
-// Reads the Simulation Description Format, versions 1.3 to 1.12 (sdformat.org/spec): .sdf and .world. sdfFormat() says
-// what is read. COLLADA's up_axis is ignored, as in Gazebo. Throws InputError with the file and its line.
+// Reads the Simulation Description Format, versions 1.3 to 1.12 (sdformat.org/spec), as sdfFormat() says. Throws
+// InputError with the file and its line.
 WorldFile readSdf(const std::filesystem::path& file);
 
 // Returns what the reader of URDF reads and leaves out.
 const FormatSupport& urdfFormat();
 
-// Reads the Unified Robot Description Format (wiki.ros.org/urdf/XML): visuals of links, with all joints at zero.
+// Reads the Unified Robot Description Format (wiki.ros.org/urdf/XML), as urdfFormat() says.
 WorldFile readUrdf(const std::filesystem::path& file);
 
 }  // namespace scanmill

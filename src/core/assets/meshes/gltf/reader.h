@@ -1,9 +1,7 @@
 #pragma once
 
-// Reads glTF 2.0 (.gltf, .glb, .b3dm) with the extensions that affect what beams hit: KHR_mesh_quantization,
-// EXT_meshopt_compression, KHR_meshopt_compression, KHR_draco_mesh_compression, EXT_mesh_gpu_instancing,
-// KHR_node_visibility, KHR_texture_transform and CESIUM_RTC. Skins and morph targets are in the file's pose, or in that
-// at the time AssetOptions::clip.
+// Reads glTF 2.0 (.gltf, .glb, .b3dm) with the extensions in gltfFormat(). Skins and morph targets are in the file's
+// pose, or in that at the time AssetOptions::clip.
 
 #include <filesystem>
 #include <string>

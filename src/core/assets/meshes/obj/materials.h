@@ -10,9 +10,8 @@
 //   Pr F, Pm F                       roughness, metallic
 //   map_Kd, map_d [options] FILE     image of the base colour, or of the opacity; the name may contain spaces
 //
-// Options -s and -o scale and shift the texture coordinates, those of map_Kd if a material has both images. Keys of the
-// ambient, specular, emissive and reflected light, of bumps and of illumination are not read, since they do not say how
-// a surface reflects in the near infrared.
+// Options -s and -o scale and shift the texture coordinates, those of map_Kd if a material has both images. Other keys
+// do not say how a surface reflects in the near infrared.
 
 #include <filesystem>
 #include <map>
