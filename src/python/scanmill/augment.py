@@ -153,15 +153,14 @@ class RingErrors:
         ring = np.asarray(sample["ring"], np.int64)
         # One row for each ring, so that a ring's errors do not depend on which rings have points.
         errors = rng.normal(size=(int(ring.max(initial=0)) + 1, 2)) * [self.range_sigma, self.elevation_sigma]
-        farther, higher = errors[ring].T
+        range_error, elevation_error = errors[ring].T
         x, y, z = xyz.astype(np.float64).T
-        flat = np.hypot(x, y)
-        distance = np.hypot(flat, z)
-        longer = np.maximum(distance + farther, 0)
-        elevation = np.arctan2(z, flat) + higher
+        horizontal = np.hypot(x, y)
+        new_range = np.maximum(np.hypot(horizontal, z) + range_error, 0)
+        elevation = np.arctan2(z, horizontal) + elevation_error
         # For a point on the axis, any azimuth is right.
-        out = longer * np.cos(elevation) / np.where(flat > 0, flat, 1)
-        with_errors = np.column_stack([x * out, y * out, longer * np.sin(elevation)])
+        factor = new_range * np.cos(elevation) / np.where(horizontal > 0, horizontal, 1)
+        with_errors = np.column_stack([x * factor, y * factor, new_range * np.sin(elevation)])
         return {**sample, "xyz": with_errors.astype(xyz.dtype)}
 
 
@@ -202,10 +201,10 @@ class JitterIntensity:
     def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
         require_arrays(sample, "JitterIntensity", "intensity")
         intensity = sample["intensity"]
-        most = np.iinfo(intensity.dtype).max if intensity.dtype.kind in "iu" else None
-        full = float(self.full_scale or most or 1)
+        largest = np.iinfo(intensity.dtype).max if intensity.dtype.kind in "iu" else None
+        full_scale = float(self.full_scale or largest or 1)
         gain, gamma = np.exp([rng.uniform(*np.log(limits)) for limits in (self.gain, self.gamma)])
-        changed = gain * full * (np.maximum(intensity.astype(np.float64), 0) / full) ** gamma
-        if most is not None:
-            changed = np.rint(np.minimum(changed, most))
+        changed = gain * full_scale * (np.maximum(intensity.astype(np.float64), 0) / full_scale) ** gamma
+        if largest is not None:
+            changed = np.rint(np.minimum(changed, largest))
         return {**sample, "intensity": changed.astype(intensity.dtype)}

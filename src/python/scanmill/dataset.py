@@ -255,9 +255,9 @@ class Sample:
         """Returns whether the sample has a scan of a sensor (None: the dataset's first sensor). It has none if the sensor
         turns more slowly than frames follow each other. Raises InputError for an unknown sensor."""
         name = self._sensor_or_first(sensor).lower()
-        if any(own.lower() in (name, "") for own in self.sensors):
+        if any(s.lower() in (name, "") for s in self.sensors):  # "": a file outside of datasets
             return True
-        if any(other.lower() == name for other in self.dataset.sensors):
+        if any(s.lower() == name for s in self.dataset.sensors):
             return False
         raise InputError(f"the sample '{self.key}' has no sensor '{name}'{advice(name, self.sensors)}")
 
@@ -265,7 +265,7 @@ class Sample:
         """Returns how many revolutions of a sensor (None: the dataset's first sensor) the sample has: several if others
         turn more slowly. Raises InputError if it has none."""
         name = self._required_sensor(sensor)
-        return 1 + max(r for other, _, r in self.dataset.store.scans(self._number) if other.lower() == name.lower())
+        return 1 + max(r for s, _, r in self.dataset.store.scans(self._number) if s.lower() == name.lower())
 
     @property
     def poses(self) -> dict[str, NDArray[np.float64]]:
@@ -282,11 +282,11 @@ class Sample:
         Raises InputError if there is no such scan, see has_scan(), or column, and if the scan's bytes are damaged: if they are
         not those that the manifest states the digest of or, without a manifest, if they cannot be decoded.
         """
-        wanted = None if columns is None else names_in("columns", columns)
+        column_names = None if columns is None else names_in("columns", columns)
         if not isinstance(revolution, int) or not 0 <= revolution < 256:
             raise InputError(f"revolution must be a whole number from 0 to 255, not {revolution!r}")
         sensor = self._required_sensor(sensor)
-        arrays = self.dataset.store.read(self._number, sensor, wanted, revolution)
+        arrays = self.dataset.store.read(self._number, sensor, column_names, revolution)
         scans = self.dataset.store.scans(self._number)
         name, method, _ = next((s for s in scans if s[0] == sensor), scans[0])
         record = self._record_of(name, method, revolution)
@@ -313,11 +313,11 @@ class Sample:
         """Returns the objects within the range of a sensor (None: the dataset's first sensor), with their boxes at its
         first revolution. Returns None if the dataset has no object lists (`output.objects`). Raises InputError if the
         sample has no scan of the sensor."""
-        listed = self.object_list()
-        if listed is None:
+        objects = self.object_list()
+        if objects is None:
             return None
         name = self._required_sensor(sensor)
-        return Objects(listed, name, self.poses[name][0])
+        return Objects(objects, name, self.poses[name][0])
 
     def voxels(self, sensor: str | None = None) -> dict[str, NDArray[Any]] | None:
         """Returns the labelled voxels around a sensor (None: the dataset's first sensor), in the frame of its points: `label`
@@ -356,8 +356,8 @@ class Sample:
 
     def _record_of(self, sensor: str, method: str, revolution: int) -> dict[str, Any] | None:
         scans = [] if self.record is None else self.record["scans"]
-        wanted = (sensor, method, revolution)
-        return next((s for s in scans if (s["sensor"], s["method"], s.get("revolution", 0)) == wanted), None)
+        key = (sensor, method, revolution)
+        return next((s for s in scans if (s["sensor"], s["method"], s.get("revolution", 0)) == key), None)
 
 
 def _sensor_name(sensor: str | None) -> str:

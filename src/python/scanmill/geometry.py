@@ -88,7 +88,7 @@ def require_rigid(matrices: NDArray[np.float64]) -> None:
     rotations = matrices[:, :3, :3]
     finite = np.isfinite(matrices).all(axis=(1, 2))
     skew = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-    for good, why in (
+    for is_pose, message in (
         (finite, "a pose must be a matrix of 4 x 4 finite numbers"),
         (
             (skew <= ROTATION_TOLERANCE) & (np.linalg.det(np.where(finite[:, None, None], rotations, 0)) > 0),
@@ -99,9 +99,9 @@ def require_rigid(matrices: NDArray[np.float64]) -> None:
             "the last row of a pose must be 0, 0, 0, 1: translations are the last column",
         ),
     ):
-        if not good.all():
-            error = InputError(why)
-            error.row = int(np.argmin(good))  # type: ignore[attr-defined]
+        if not is_pose.all():
+            error = InputError(message)
+            error.row = int(np.argmin(is_pose))  # type: ignore[attr-defined]
             raise error
 
 
@@ -130,11 +130,11 @@ def _matrix_of_map(pose: Mapping[str, Any]) -> NDArray[np.float64]:
     matrix = np.eye(4)
     for key, (i, j) in TURNS.items():
         (angle,) = np.deg2rad(_numbers({key: [pose[key]]} if key in pose else {}, key, [0.0]))
-        turn = np.eye(4)
-        turn[i, i] = turn[j, j] = np.cos(angle)
-        turn[j, i] = np.sin(angle)
-        turn[i, j] = -turn[j, i]
-        matrix = matrix @ turn
+        rotation = np.eye(4)
+        rotation[i, i] = rotation[j, j] = np.cos(angle)
+        rotation[j, i] = np.sin(angle)
+        rotation[i, j] = -rotation[j, i]
+        matrix = matrix @ rotation
     matrix[:3, 3] = position
     return matrix
 

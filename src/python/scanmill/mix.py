@@ -78,8 +78,8 @@ class LaserMix:
 
     def __call__(self, sample: Sample, other: Sample, rng: np.random.Generator) -> Sample:
         count, start = int(rng.choice(self.areas)), int(rng.integers(2))
-        both = np.concatenate([_elevation(dense_xyz(one)) for one in (sample, other)])
-        low, high = self.elevation or ((both.min(), both.max()) if len(both) else (0, 0))
+        elevations = np.concatenate([_elevation(dense_xyz(sample)), _elevation(dense_xyz(other))])
+        low, high = self.elevation or ((elevations.min(), elevations.max()) if len(elevations) else (0, 0))
         edges = np.linspace(low, high, count + 1)[1:-1]
         return _exchanged(sample, other, lambda xyz: (np.digitize(_elevation(xyz), edges) + start) % 2 == 1)
 
@@ -166,9 +166,9 @@ class PasteInstances:
         by_beam = self.hide and "ring" in sample and "column" in sample and sample.get("sensor") == other.get("sensor")
         if by_beam:
             pasted = _part(pasted, _visible(pasted, _part(sample, ~inside.any(axis=0), ALL)), ALL)
-        seen = _counts(pasted) >= self.min_points
-        pasted = _part(pasted, np.isin(pasted["instance"], pasted["box_instance"][seen]), seen)
-        remaining = ~inside[seen].any(axis=0)
+        visible = _counts(pasted) >= self.min_points  # by pasted box
+        pasted = _part(pasted, np.isin(pasted["instance"], pasted["box_instance"][visible]), visible)
+        remaining = ~inside[visible].any(axis=0)
         if by_beam:
             remaining &= ~np.isin(_beams(sample), _beams(pasted))
         return _joined(_part(sample, remaining, ALL), pasted)
@@ -176,7 +176,7 @@ class PasteInstances:
 
 def _ids(classes: Sequence[int]) -> list[int]:
     """Returns the list. Raises InputError unless it holds class ids."""
-    if isinstance(classes, str) or not all(isinstance(one, (int, np.integer)) and 0 <= one < 65536 for one in classes):
+    if isinstance(classes, str) or not all(isinstance(c, (int, np.integer)) and 0 <= c < 65536 for c in classes):
         raise InputError(f"classes must be a list of ids, such as [ontology.id_of('car')], not {classes!r}")
     return list(classes)
 
@@ -191,13 +191,13 @@ def _azimuth(xyz: NDArray[Any]) -> NDArray[Any]:
 
 def _require_alike(sample: Sample, other: Sample) -> None:
     """Raises InputError, which names the columns, if the samples differ in their columns or the types of these."""
-    kinds, others = (
-        {name: (values.dtype, values.shape[1:]) for name, values in one.items() if isinstance(values, np.ndarray)}
-        for one in (sample, other)
+    types, other_types = (
+        {name: (values.dtype, values.shape[1:]) for name, values in s.items() if isinstance(values, np.ndarray)}
+        for s in (sample, other)
     )
-    unlike = sorted(name for name in kinds.keys() | others.keys() if kinds.get(name) != others.get(name))
-    if unlike:
-        raise InputError(f"samples can be mixed only if they have the same columns; these differ: {', '.join(unlike)}")
+    different = sorted(name for name in types.keys() | other_types.keys() if types.get(name) != other_types.get(name))
+    if different:
+        raise InputError(f"samples can be mixed only if they have the same columns; these differ: {', '.join(different)}")
 
 
 def _part(sample: Sample, points: Rows, boxes: Rows) -> Sample:
@@ -209,13 +209,14 @@ def _part(sample: Sample, points: Rows, boxes: Rows) -> Sample:
     }
 
 
-def _exchanged(sample: Sample, other: Sample, taken: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> Sample:
-    """Returns the sample with everything replaced at positions (n, 3) for which taken() is true, by the other one's."""
+def _exchanged(sample: Sample, other: Sample, in_other: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> Sample:
+    """Returns the points and boxes of the other sample at positions (n, 3) for which in_other() is true, and those of
+    the sample elsewhere."""
     _require_alike(sample, other)
     parts = []
-    for one, wanted in ((sample, False), (other, True)):
-        boxes = taken(one["boxes"]) == wanted if "boxes" in one else ALL
-        parts.append(_part(one, taken(dense_xyz(one)) == wanted, boxes))
+    for source, is_other in ((sample, False), (other, True)):
+        boxes = in_other(source["boxes"]) == is_other if "boxes" in source else ALL
+        parts.append(_part(source, in_other(dense_xyz(source)) == is_other, boxes))
     return _joined(*parts)
 
 
@@ -236,16 +237,16 @@ def _joined(sample: Sample, other: Sample) -> Sample:
 
 def _renumbered(other: Sample, sample: Sample) -> Sample:
     """Returns the other sample with unused ids in place of the instance ids that both samples use; 0 is no id."""
-    used, ids = (
-        np.unique(np.concatenate([np.empty(0, np.int64), *(one[name].astype(np.int64) for name in IDS if name in one)]))
-        for one in (sample, other)
+    used, ids = (  # of the sample and of the other one, ascending
+        np.unique(np.concatenate([np.empty(0, np.int64), *(s[name].astype(np.int64) for name in IDS if name in s)]))
+        for s in (sample, other)
     )
     shared = np.isin(ids, used) & (ids > 0)
     unused = np.setdiff1d(np.arange(1, len(used) + len(ids) + 1), np.union1d(used, ids))
-    renamed = ids.copy()
-    renamed[shared] = unused[: np.count_nonzero(shared)]
-    new = {n: renamed[np.searchsorted(ids, other[n])].astype(other[n].dtype) for n in IDS if n in other}
-    return {**other, **new}
+    new_ids = ids.copy()
+    new_ids[shared] = unused[: np.count_nonzero(shared)]
+    columns = {n: new_ids[np.searchsorted(ids, other[n])].astype(other[n].dtype) for n in IDS if n in other}
+    return {**other, **columns}
 
 
 def _counts(sample: Sample) -> NDArray[np.int64]:
@@ -261,10 +262,10 @@ def _beams(sample: Sample) -> NDArray[np.int64]:
 def _visible(sample: Sample, hiding: Sample) -> NDArray[np.bool_]:
     """Returns which points (N,) have no nearer or equally near point of the other sample in their beam."""
     beams, beam_of_point = np.unique(_beams(sample), return_inverse=True)
-    same = np.isin(_beams(hiding), beams)
-    nearest = np.full(len(beams), np.inf)
-    ranges = np.linalg.norm(hiding["xyz"][same], axis=1)
-    np.minimum.at(nearest, np.searchsorted(beams, _beams(hiding)[same]), ranges)
+    in_same_beams = np.isin(_beams(hiding), beams)
+    nearest = np.full(len(beams), np.inf)  # m, range of the nearest hiding point by beam
+    ranges = np.linalg.norm(hiding["xyz"][in_same_beams], axis=1)
+    np.minimum.at(nearest, np.searchsorted(beams, _beams(hiding)[in_same_beams]), ranges)
     return np.linalg.norm(sample["xyz"], axis=1) < nearest[beam_of_point]
 
 
@@ -275,9 +276,9 @@ def _overlap(boxes: NDArray[Any], others: NDArray[Any]) -> NDArray[np.bool_]:
     x, y = (b - a)[..., 0], (b - a)[..., 1]
     c, s = np.abs(np.cos(b[..., 6] - a[..., 6])), np.abs(np.sin(b[..., 6] - a[..., 6]))
     apart = np.zeros(x.shape, bool)
-    for one, two in ((a, b), (b, a)):
-        along = np.abs(x * np.cos(one[..., 6]) + y * np.sin(one[..., 6]))
-        across = np.abs(y * np.cos(one[..., 6]) - x * np.sin(one[..., 6]))
-        apart |= along > (one[..., 3] + two[..., 3] * c + two[..., 4] * s) / 2
-        apart |= across > (one[..., 4] + two[..., 3] * s + two[..., 4] * c) / 2
+    for p, q in ((a, b), (b, a)):  # tests the axes of p; columns 3, 4 and 6 are length, width and yaw
+        along = np.abs(x * np.cos(p[..., 6]) + y * np.sin(p[..., 6]))
+        across = np.abs(y * np.cos(p[..., 6]) - x * np.sin(p[..., 6]))
+        apart |= along > (p[..., 3] + q[..., 3] * c + q[..., 4] * s) / 2
+        apart |= across > (p[..., 4] + q[..., 3] * s + q[..., 4] * c) / 2
     return ~apart

@@ -114,9 +114,11 @@ def beam_projection(
     if ring.size and (ring.max() >= rings or column.max() >= columns):
         raise InputError(f"ring {ring.max()} or column {column.max()} is not in an image of {rings} x {columns}")
     if stagger is not None:
-        known = len(stagger.shifts)
-        if ring.size and ring.max() >= known:
-            raise InputError(f"the points have a ring {ring.max()}, but azimuth offsets are known for {known} rings")
+        rings_with_shift = len(stagger.shifts)
+        if ring.size and ring.max() >= rings_with_shift:
+            raise InputError(
+                f"the points have a ring {ring.max()}, but azimuth offsets are known for {rings_with_shift} rings"
+            )
         column = (column + stagger.shifts[ring]) % stagger.columns
         columns = max(columns, stagger.columns)
     pixel = ring * columns + column
@@ -133,13 +135,13 @@ def _stagger_of(points: Points, destagger: bool | Stagger) -> Stagger | None:
         return Stagger(np.asarray(destagger[0], np.int64), int(destagger[1]))
     if not destagger:
         return None
-    known = points.stagger if isinstance(points, Scan) else points.get("stagger")
-    if known is None:
+    stagger = points.stagger if isinstance(points, Scan) else points.get("stagger")
+    if stagger is None:
         raise InputError(
             "the azimuth offsets of the sensor are unknown (no manifest): give destagger=False for columns as the "
             "sensor fires them, or destagger=dataset.stagger(sensor)"
         )
-    return known
+    return stagger
 
 
 def spherical_projection(points: Points, rings: int, columns: int, elevation: tuple[float, float]) -> Projection:
@@ -155,9 +157,9 @@ def spherical_projection(points: Points, rings: int, columns: int, elevation: tu
         raise InputError("spherical_projection() needs rows, columns, and a lowest elevation below the highest")
     xyz = _dense_arrays(points)["xyz"].astype(np.float64)
     distance = np.linalg.norm(xyz, axis=1)
-    up = np.arctan2(xyz[:, 2], np.hypot(xyz[:, 0], xyz[:, 1]))
-    row = np.floor((high - up) / (high - low) * rings)
-    row[up == low] = rings - 1
+    point_elevation = np.arctan2(xyz[:, 2], np.hypot(xyz[:, 0], xyz[:, 1]))
+    row = np.floor((high - point_elevation) / (high - low) * rings)
+    row[point_elevation == low] = rings - 1
     column = np.floor((0.5 - np.arctan2(xyz[:, 1], xyz[:, 0]) / (2 * np.pi)) * columns) % columns
     inside = (row >= 0) & (row < rings) & (distance > 0)
     pixel = np.where(inside, row * columns + column, -1).astype(np.int64)

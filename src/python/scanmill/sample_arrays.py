@@ -59,10 +59,10 @@ def rotation_about_z(angle: float) -> NDArray[np.float64]:
 
 
 def _turned(angles: NDArray[Any], rotation: NDArray[np.float64]) -> NDArray[Any]:
-    """Returns the angles (rad, from x towards y) after a rotation or reflection of their directions, in the given
-    type."""
-    given = np.asarray(angles, np.float64)
-    x, y = rotation[:2, :2] @ np.stack([np.cos(given), np.sin(given)])
+    """Returns the angles (rad, from x towards y) after a rotation or reflection of their directions, in the type of
+    `angles`."""
+    radians = np.asarray(angles, np.float64)
+    x, y = rotation[:2, :2] @ np.stack([np.cos(radians), np.sin(radians)])
     return np.arctan2(y, x).astype(angles.dtype)
 
 

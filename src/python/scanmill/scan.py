@@ -175,11 +175,11 @@ class Scan:
         height, width = self.xyz.shape[:2]
         rings = self.rings or height
         row, column = np.indices((height, width))
-        places = {"ring": (row % rings).astype(np.int32), "column": column.astype(np.int32)}
+        beams = {"ring": (row % rings).astype(np.int32), "column": column.astype(np.int32)}
         if height > rings:
-            places["return"] = (row // rings + 1).astype(np.uint8)
-        hit = np.isfinite(self.xyz[..., 0])
-        return self._with({name: values[hit] for name, values in {**self._arrays, **places}.items()})
+            beams["return"] = (row // rings + 1).astype(np.uint8)
+        is_hit = np.isfinite(self.xyz[..., 0])
+        return self._with({name: values[is_hit] for name, values in {**self._arrays, **beams}.items()})
 
     def select(self, which: ArrayLike) -> Scan:
         """Returns the points of a dense scan that a mask (N,) or indices select. Raises InputError for an organised
@@ -204,21 +204,21 @@ class Scan:
         if self.column_starts is None:
             raise InputError("a moving sensor's points cannot be placed: the columns' firing times are unknown")
         starts = np.asarray(self.column_starts, np.float64)
-        all_columns = starts[-1] - starts[0]
-        if not all_columns > 0:
+        duration = starts[-1] - starts[0]  # s, from the first to the last column
+        if not duration > 0:
             return transformed(self.poses[0], self.xyz)
-        shares = (starts - starts[0]) / all_columns
+        fractions = (starts - starts[0]) / duration  # of the motion, by column
         if len(self.poses) == len(starts) > 2 and (self.organised or "column" in self):
             column = np.arange(self.xyz.shape[1]) if self.organised else self["column"]
             return transformed(self.poses[column], self.xyz)
         if self.organised or "column" in self:
-            matrices = between(self.poses[0], self.poses[-1], shares)
+            matrices = between(self.poses[0], self.poses[-1], fractions)
             column = np.arange(self.xyz.shape[1]) if self.organised else np.minimum(self["column"], len(starts) - 1)
             return transformed(matrices[column], self.xyz)
         if "time" not in self:
             raise InputError("the sensor moves: placing its points in the world needs the column `column` or `time`")
-        progress = (self["time"].astype(np.float64) - starts[0]) / all_columns
-        return transformed(between(self.poses[0], self.poses[-1], progress), self.xyz)
+        fractions = (self["time"].astype(np.float64) - starts[0]) / duration
+        return transformed(between(self.poses[0], self.poses[-1], fractions), self.xyz)
 
     def _with(self, arrays: Mapping[str, NDArray[Any]]) -> Scan:
         other = Scan.__new__(Scan)

@@ -30,10 +30,10 @@ def share(sizes: Sequence[int], readers: int, reader: int) -> list[tuple[int, in
     low, high = total * reader // readers, total * (reader + 1) // readers
     parts = []
     start = 0
-    for place, size in enumerate(sizes):
+    for index, size in enumerate(sizes):
         first, last = max(low, start), min(high, start + size)
         if first < last:
-            parts.append((place, first - start, last - start))
+            parts.append((index, first - start, last - start))
         start += size
     return parts
 
@@ -69,8 +69,8 @@ class Shards:
         """Returns the keys of a shard's samples, in the shard's order. Raises InputError if the shard cannot be
         read."""
         if shard not in self._keys:
-            own, file = self.dataset(shard), self.files[shard]
-            self._keys[shard] = own.keys if own.path == file else [key for key in _keys_in(file) if key in own]
+            dataset, file = self.dataset(shard), self.files[shard]
+            self._keys[shard] = dataset.keys if dataset.path == file else [k for k in _keys_in(file) if k in dataset]
         return self._keys[shard]
 
     def sample(self, shard: int, key: str) -> Sample:
@@ -81,13 +81,12 @@ class Shards:
         file = self.files[shard]
         if file not in self._datasets:
             folder = os.path.dirname(os.path.dirname(file))
-            known = [other for other in self._datasets.values() if other.path == folder]
-            if not known and os.path.exists(os.path.join(folder, "manifest.json")):
-                known = [Dataset(Store(folder))]
-            if known and file in _files_of(known[0], None):
-                self._datasets[file] = known[0]
-            else:
-                self._datasets[file] = Dataset(Store(file))
+            dataset = next((d for d in self._datasets.values() if d.path == folder), None)
+            if dataset is None and os.path.exists(os.path.join(folder, "manifest.json")):
+                dataset = Dataset(Store(folder))
+            if dataset is None or file not in _files_of(dataset, None):
+                dataset = Dataset(Store(file))
+            self._datasets[file] = dataset
         return self._datasets[file]
 
 
@@ -119,30 +118,30 @@ class Reading:
                 yield from ((shard, key) for key in self.shards.keys(shard))
             return
         sizes = [len(self.shards.keys(shard)) for shard in order]
-        for place, first, last in share(sizes, self.readers, self.reader):
-            yield from ((order[place], key) for key in self.shards.keys(order[place])[first:last])
+        for index, first, last in share(sizes, self.readers, self.reader):
+            yield from ((order[index], key) for key in self.shards.keys(order[index])[first:last])
 
 
 def _shuffled(items: Iterator[Any], size: int, rng: np.random.Generator) -> Iterator[Any]:
     """Yields the items in random order: each is taken at random from a buffer of `size` items."""
-    waiting: list[Any] = []
+    buffer: list[Any] = []
     for item in items:
-        waiting.append(item)
-        if len(waiting) < size:
+        buffer.append(item)
+        if len(buffer) < size:
             continue
-        drawn = int(rng.integers(len(waiting)))
-        waiting[drawn], waiting[-1] = waiting[-1], waiting[drawn]
-        yield waiting.pop()
-    for drawn in rng.permutation(len(waiting)):
-        yield waiting[drawn]
+        index = int(rng.integers(len(buffer)))
+        buffer[index], buffer[-1] = buffer[-1], buffer[index]
+        yield buffer.pop()
+    for index in rng.permutation(len(buffer)):
+        yield buffer[index]
 
 
 class _Bytes(io.FileIO):
     """A file that allocates memory only for bytes that it has, whatever the headers in it state."""
 
     def read(self, size: int | None = -1) -> bytes:
-        left = max(os.fstat(self.fileno()).st_size - self.tell(), 0)
-        return super().read(left if size is None or size < 0 else min(size, left))
+        remaining = max(os.fstat(self.fileno()).st_size - self.tell(), 0)
+        return super().read(remaining if size is None or size < 0 else min(size, remaining))
 
 
 def _keys_in(file: str) -> list[str]:

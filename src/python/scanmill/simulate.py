@@ -53,12 +53,12 @@ def sensor(
     sensor. `mount` is the pose on the vehicle: a map with position (m), yaw_deg and so on. `overrides` replace keys of
     the preset: sensor("vlp_16", columns=450). Wrong keys are reported by the first scan.
     """
-    described: dict[str, Any] = dict(preset) if isinstance(preset, Mapping) else {"preset": os.fspath(preset)}
+    description: dict[str, Any] = dict(preset) if isinstance(preset, Mapping) else {"preset": os.fspath(preset)}
     if name is not None:
-        described["name"] = name
+        description["name"] = name
     if mount is not None:
-        described["mount"] = dict(mount)
-    return {**described, **overrides}
+        description["mount"] = dict(mount)
+    return {**description, **overrides}
 
 
 @dataclass
@@ -203,18 +203,18 @@ class Scene:
             raise InputError(f"time must be a finite number, not {time!r}")
         if not hasattr(frame, "__index__") or not 0 <= operator.index(frame) < 2**32:
             raise InputError(f"frame must be a whole number of at least 0, not {frame!r}")
-        placed = _places(poses, velocities)
+        placements = _placements(poses, velocities)
         pipeline = self._pipeline(sensors, method, effects, columns, seed, organised)
         simulator = self._simulator(pipeline, placeable=poses is not None)
-        described = simulator.sensors
-        ways = [
-            _poses_of(pose, pose_times, columns_of, duration) for _, (_, columns_of), _, duration in described
+        vehicle_poses = [  # by sensor
+            _poses_of(pose, pose_times, sensor_columns, duration)
+            for _, (_, sensor_columns), _, duration in simulator.sensors
         ]
-        moving = any(len(way) > 1 for way in ways) or bool(velocities)
-        given = simulator.scan(ways, time, frame, *placed, moving)
+        moving = any(len(rows) > 1 for rows in vehicle_poses) or bool(velocities)
+        arrays_of_sensors = simulator.scan(vehicle_poses, time, frame, *placements, moving)
         scans = [
             self._scan_of(name, size, Stagger(*stagger), duration, arrays, method, time)
-            for (name, size, stagger, duration), arrays in zip(described, given)
+            for (name, size, stagger, duration), arrays in zip(simulator.sensors, arrays_of_sensors)
         ]
         for scan in scans:
             _require_columns(scan, columns)
@@ -226,13 +226,14 @@ class Scene:
         return Ontology(json.loads(self._any_simulator().classes))
 
     def _any_simulator(self) -> Simulator:
+        """Returns the simulator that was used last, or loads the scene."""
         with self._lock:
-            ready = next(reversed(self._simulators.values()), None)
-        if ready is not None:
-            return ready
-        # Loading needs a sensor; one with a single beam is the cheapest.
-        few = {"columns": 1, "rate_hz": 10, "elevation_deg": [0], "range_m": [1, 100]}
-        return self._simulator(self._pipeline([few], "ray_tracing", None, None, 1, False))
+            latest = next(reversed(self._simulators.values()), None)
+        if latest is not None:
+            return latest
+        # Loading needs a sensor; a single beam is the cheapest.
+        beam = {"columns": 1, "rate_hz": 10, "elevation_deg": [0], "range_m": [1, 100]}
+        return self._simulator(self._pipeline([beam], "ray_tracing", None, None, 1, False))
 
     def __repr__(self) -> str:
         added = f", {len(self._parts)} added parts" if self._parts else ""
@@ -280,6 +281,7 @@ class Scene:
             raise InputError(f"a description may contain only texts, finite numbers, lists and maps: {e}") from None
 
     def _simulator(self, pipeline: str, placeable: bool = False) -> Simulator:
+        """Returns the simulator of a pipeline, which becomes the one that was used last; loads it if it is not cached."""
         key = f"{pipeline} placeable" if placeable else pipeline
         # Other threads wait while a simulator is loaded, so that none is loaded twice.
         with self._lock:
@@ -293,8 +295,8 @@ class Scene:
                 except InputError as e:
                     self._forget(str(e))
                     # Users do not know the pipeline's text, so its name, lines and columns are removed from the message.
-                    ours = re.escape(os.path.join(self.folder, "simulation.yaml")) + r"(:\d+)*"
-                    raise InputError(re.sub(ours, "scan()", str(e))) from None
+                    location = re.escape(os.path.join(self.folder, "simulation.yaml")) + r"(:\d+)*"
+                    raise InputError(re.sub(location, "scan()", str(e))) from None
             self._simulators.move_to_end(key)
             return self._simulators[key]
 
@@ -348,28 +350,28 @@ def _require_columns(scan: Scan, columns: Sequence[str] | None) -> None:
     for name in columns or []:
         if name in scan:
             continue
-        why = ": give it effects, such as ['intensity']" if name == "intensity" else advice(name, scan.names)
-        raise InputError(f"the scan has no column '{name}'{why}")
+        hint = ": give it effects, such as ['intensity']" if name == "intensity" else advice(name, scan.names)
+        raise InputError(f"the scan has no column '{name}'{hint}")
 
 
-def _places(
+def _placements(
     poses: Mapping[str, Optional[Pose]] | None, velocities: Mapping[str, ArrayLike] | None
 ) -> tuple[list[str], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
     """Returns the names of the objects that are placed, their poses (n, 4, 4), their velocities (n, 6), and whether
     they are left out (n,)."""
-    for key, own in (("poses", poses), ("velocities", velocities)):
-        if own is not None and not isinstance(own, Mapping):
-            raise InputError(f"{key} must be a map from names of objects, not {type(own).__name__}")
-        for name in own or {}:
+    for key, argument in (("poses", poses), ("velocities", velocities)):
+        if argument is not None and not isinstance(argument, Mapping):
+            raise InputError(f"{key} must be a map from names of objects, not {type(argument).__name__}")
+        for name in argument or {}:
             if not isinstance(name, str):
                 raise InputError(f"{key}: the name of an object must be a text, not {name!r}")
     names = list(poses or {})
-    given = list((poses or {}).values())
-    hidden = np.array([pose is None for pose in given], bool)
+    object_poses = list((poses or {}).values())
+    hidden = np.array([pose is None for pose in object_poses], bool)
     matrices = np.broadcast_to(np.eye(4), (len(names), 4, 4)).copy()
-    for row, pose in enumerate(given):
+    for row, pose in enumerate(object_poses):
         if isinstance(pose, np.ndarray) and pose.shape == (4, 4):
-            matrices[row] = pose  # all at once below, which is faster
+            matrices[row] = pose  # is checked with all others below, which is faster
         elif pose is not None:
             try:
                 matrices[row] = pose_matrix(pose)
@@ -381,13 +383,13 @@ def _places(
         raise InputError(f"poses: '{names[e.row]}': {e}") from None  # type: ignore[attr-defined]
     speeds = np.zeros((len(names), 6))
     rows = {name: row for row, name in enumerate(names)}
-    for name, own in (velocities or {}).items():
+    for name, velocity in (velocities or {}).items():
         if name not in rows:
             raise InputError(f"velocities: '{name}' is not in `poses`{advice(name, names)}")
         if hidden[rows[name]]:
             raise InputError(f"velocities: '{name}' is left out of the scan: its pose is None")
         try:
-            speed = np.asarray(own, np.float64)
+            speed = np.asarray(velocity, np.float64)
         except (TypeError, ValueError):
             speed = np.empty(0)
         if speed.shape not in ((3,), (6,)) or not np.isfinite(speed).all():
@@ -405,8 +407,7 @@ def _poses_of(
         if times is not None:
             raise InputError("pose_times: there is only one pose")
         return _rows(pose_matrix(pose)[np.newaxis])  # type: ignore[arg-type]
-    given = pose if isinstance(pose, np.ndarray) else [pose_matrix(one) for one in pose]
-    matrices = np.array(given, np.float64)
+    matrices = np.array(pose if isinstance(pose, np.ndarray) else [pose_matrix(p) for p in pose], np.float64)
     if matrices.shape[1:] != (4, 4):
         raise InputError(f"pose must be (4, 4) or (n, 4, 4), not {matrices.shape}")
     require_rigid(matrices)
@@ -425,13 +426,13 @@ def _poses_of(
             f"pose_times must cover the revolution, 0 to {duration:.6g} s after `time`, not {seconds[0]:.6g} to "
             f"{seconds[-1]:.6g} s"
         )
-    at = np.arange(columns) * (duration / columns)
-    before = np.clip(np.searchsorted(seconds, at, side="right") - 1, 0, len(seconds) - 2)
+    column_times = np.arange(columns) * (duration / columns)
+    earlier = np.clip(np.searchsorted(seconds, column_times, side="right") - 1, 0, len(seconds) - 2)
     rows = np.empty((columns, 7))
-    for k in np.unique(before):
-        own = before == k
-        share = (at[own] - seconds[k]) / (seconds[k + 1] - seconds[k])
-        rows[own] = _rows(between(matrices[k], matrices[k + 1], share))
+    for k in np.unique(earlier):  # interpolates between the poses k and k + 1
+        between_them = earlier == k
+        fraction = (column_times[between_them] - seconds[k]) / (seconds[k + 1] - seconds[k])
+        rows[between_them] = _rows(between(matrices[k], matrices[k + 1], fraction))
     return rows
 
 
@@ -443,4 +444,5 @@ def _are_several(pose: Any) -> bool:
 
 
 def _rows(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns the poses (n, 4, 4) as rows (n, 7) of a quaternion w, x, y, z and a translation."""
     return np.concatenate([quaternion_of(matrices), matrices[:, :3, 3]], axis=1)

@@ -64,10 +64,10 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
         dataset = source if isinstance(source, Dataset) else open_dataset(source)
         self.dataset = dataset if split is None else dataset.split(split)
         self.reader = SampleReader(**reading)
-        held = [i for i, sample in enumerate(self.dataset) if sample.has_scan(self.reader.sensor)]
-        if len(held) < len(self.dataset):
-            _warn_of_skipped(len(self.dataset) - len(held), self.dataset.path)
-            self.dataset = self.dataset.select(held)
+        with_scan = [i for i, sample in enumerate(self.dataset) if sample.has_scan(self.reader.sensor)]
+        if len(with_scan) < len(self.dataset):
+            _warn_of_skipped(len(self.dataset) - len(with_scan), self.dataset.path)
+            self.dataset = self.dataset.select(with_scan)
         self._epoch = _Epoch()
 
     def set_epoch(self, epoch: int) -> None:
@@ -220,12 +220,12 @@ class CollateRangeImages:
         self.destagger = destagger
 
     def __call__(self, samples: Sequence[dict[str, Any]]) -> Batch:
-        whole = ("key", "sensor", "world_from_sensor")
-        rest = [{k: v for k, v in sample.items() if k in whole or k.startswith("box")} for sample in samples]
-        batch = collate_padded(rest)
-        where: dict[str, Any] = {"rings": self.rings, "columns": self.columns, "destagger": self.destagger}
-        projections = [beam_projection(sample, **where) for sample in samples]
-        images = [range_image(sample, channels=self.channels, **where) for sample in samples]
+        kept = ("key", "sensor", "world_from_sensor")
+        without_points = [{k: v for k, v in sample.items() if k in kept or k.startswith("box")} for sample in samples]
+        batch = collate_padded(without_points)
+        layout: dict[str, Any] = {"rings": self.rings, "columns": self.columns, "destagger": self.destagger}
+        projections = [beam_projection(sample, **layout) for sample in samples]
+        images = [range_image(sample, channels=self.channels, **layout) for sample in samples]
         batch["image"] = tensor(np.stack(images))
         batch["index"] = tensor(np.stack([p.index for p in projections]))
         batch["mask"] = batch["index"] >= 0
