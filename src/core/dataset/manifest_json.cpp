@@ -25,6 +25,7 @@ namespace {
 
 constexpr std::string_view kNoDigest = "0000000000000000000000000000000000000000000000000000000000000000";
 
+// Returns what the frames, indices and times of the manifest and the scans mean, for people who read the manifest.
 OrderedJson framesJson(const Manifest& manifest) {
   return {
       {"sensor", "right-handed; x forward, y left, z up"},

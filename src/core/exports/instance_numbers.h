@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -22,8 +23,13 @@ namespace scanmill {
 // processed: ExportLayout::checkSample() adds them. Safe to use from several threads.
 class InstanceNumbers {
  public:
-  // A group and an instance id of the dataset. Each group is numbered from 1, in the order of the ids.
-  using Instance = std::pair<std::uint16_t, std::uint32_t>;
+  // Each group is numbered from 1, in the order of the ids.
+  struct Instance {
+    std::uint16_t group = 0;
+    std::uint32_t id = 0;  // instance id of the dataset
+    auto operator<=>(const Instance&) const = default;
+  };
+  using Numbers = std::map<Instance, std::uint16_t>;
   // Returns the instances that a scan of a sample has.
   using InstancesOf = std::function<std::set<Instance>(const ExportPlan& plan, const Scan& scan)>;
 
@@ -52,9 +58,9 @@ class InstanceNumbers {
   }
 
   // Returns the numbers of a sequence's instances. All of its samples must have been added.
-  std::map<Instance, std::uint16_t> numbersOf(std::size_t sequence) {
+  Numbers numbersOf(std::size_t sequence) {
     const std::scoped_lock lock(mutex_);
-    std::map<Instance, std::uint16_t> numbers;
+    Numbers numbers;
     for (const auto& [group, ids] : idsOfSequence_[sequence]) {
       std::uint16_t number = 0;
       for (const std::uint32_t id : ids) numbers[{group, id}] = ++number;

@@ -57,8 +57,8 @@ constexpr std::size_t kMostInstances = 999;  // largest number of instances of a
 constexpr std::size_t kMostClasses = 65;     // largest number of classes: the label 64 * 1000 + 999 fits 16 bits
 constexpr float kFullIntensity = 255;
 
-// A class of the target and an instance id of the dataset. Both are needed, because the parts of an object may have
-// different classes.
+// The group is a class of the target. It is needed beside the id, because the parts of an object may have different
+// classes.
 using Instance = InstanceNumbers::Instance;
 
 // Returns the class of a point, and its instance id if things of the class are counted; 0: no instance.
@@ -70,7 +70,7 @@ Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point)
 std::set<Instance> instancesOf(const ExportPlan& plan, const Scan& scan) {
   std::set<Instance> instances;
   for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
-    if (const Instance instance = instanceOf(plan, scan, i); instance.second != 0) instances.insert(instance);
+    if (const Instance instance = instanceOf(plan, scan, i); instance.id != 0) instances.insert(instance);
   }
   return instances;
 }
@@ -141,7 +141,7 @@ class NuScenes : public ExportLayout {
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
     const ExportSample sample = read(sequence, frame);
-    std::map<Instance, std::uint16_t> numbers = numbers_.numbersOf(sequence);
+    const InstanceNumbers::Numbers numbers = numbers_.numbersOf(sequence);
     for (const ExportScan& scan : sample.scans) {
       folder.write(pointsFile(plan, sequence, *sample.record, scan.sensorNumber, *scan.record), pointsOf(scan));
       if (scan.record->revolution == 0 && hasColumn(plan, "label"))
@@ -192,16 +192,15 @@ class NuScenes : public ExportLayout {
   // Writes the class and, if the dataset has instances, the panoptic label of each point. `numbers`: the new numbers of
   // the instances.
   static void writeLabels(const ExportPlan& plan, const SampleRecord& sample, const ExportScan& exported,
-                          std::map<Instance, std::uint16_t>& numbers, const ExportFolder& folder) {
+                          const InstanceNumbers::Numbers& numbers, const ExportFolder& folder) {
     const Scan& scan = exported.scan;
-    std::string classes;
-    std::string panoptic;
+    std::string classes, panoptic;  // contents of the files
     for (std::size_t i = 0; i < scan.size(); ++i) {
       if (!isFinite(scan.position[i])) continue;
       const Instance instance = instanceOf(plan, scan, i);
-      putNumber(static_cast<std::uint8_t>(instance.first), classes);
-      const auto number = static_cast<std::uint16_t>(instance.second == 0 ? 0 : numbers[instance]);
-      putNumber(static_cast<std::uint16_t>(instance.first * kClassStep + number), panoptic);
+      putNumber(static_cast<std::uint8_t>(instance.group), classes);
+      const std::uint16_t number = instance.id == 0 ? std::uint16_t{0} : numbers.at(instance);
+      putNumber(static_cast<std::uint16_t>(instance.group * kClassStep + number), panoptic);
     }
     folder.write(labelFile(plan, sample, exported.sensorNumber, NuScenesLabels::Lidarseg), classes);
     if (!isPanoptic(plan)) return;

@@ -78,10 +78,9 @@ std::filesystem::path sequenceFolder(std::size_t number) {
 
 // Returns the instances that a scan has, all in one group.
 std::set<InstanceNumbers::Instance> instanceIdsOf(const ExportPlan&, const Scan& scan) {
-  const std::set<std::uint32_t> ids(scan[kInstance].begin(), scan[kInstance].end());
   std::set<InstanceNumbers::Instance> instances;
-  for (const std::uint32_t id : ids) {
-    if (id != 0) instances.insert({0, id});
+  for (const std::uint32_t id : std::set(scan[kInstance].begin(), scan[kInstance].end())) {
+    if (id != 0) instances.insert(InstanceNumbers::Instance{.group = 0, .id = id});
   }
   return instances;
 }
@@ -174,14 +173,15 @@ class SemanticKitti : public ExportLayout {
         if (object.moves) movingInstances.insert(object.id);
       }
     }
-    const std::map<InstanceNumbers::Instance, std::uint16_t> numbers = newNumbers(sample.sequence);
+    const InstanceNumbers::Numbers numbers = newNumbers(sample.sequence);
     std::string bytes;
     for (const std::size_t i : order) {
       const std::uint32_t instance = scan[kInstance].empty() ? 0 : scan[kInstance][i];
       const std::uint16_t semantic = scan[kLabel][i];
       const std::uint32_t label =
           movingInstances.contains(instance) ? plan.classes.movingTargetId(semantic) : plan.classes.targetId(semantic);
-      const std::uint32_t number = numbers.empty() || instance == 0 ? instance : numbers.at({0, instance});
+      const std::uint32_t number =
+          numbers.empty() || instance == 0 ? instance : numbers.at({.group = 0, .id = instance});
       putNumber(label | number << 16, bytes);
     }
     return bytes;
@@ -236,9 +236,9 @@ class SemanticKitti : public ExportLayout {
   }
 
   // Returns the new numbers of a sequence's instances; empty if all of their ids fit into labels.
-  std::map<InstanceNumbers::Instance, std::uint16_t> newNumbers(std::size_t sequence) const {
-    std::map<InstanceNumbers::Instance, std::uint16_t> numbers = numbers_.numbersOf(sequence);
-    if (numbers.empty() || numbers.rbegin()->first.second <= kMostInstanceId) return {};
+  InstanceNumbers::Numbers newNumbers(std::size_t sequence) const {
+    InstanceNumbers::Numbers numbers = numbers_.numbersOf(sequence);
+    if (numbers.empty() || numbers.rbegin()->first.id <= kMostInstanceId) return {};  // the last has the largest id
     return numbers;
   }
 
