@@ -233,15 +233,15 @@ class DepthCameraMethod : public DepthCamera {
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     requireRenderer();
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
-    std::uint64_t unseen = 0;
+    std::uint64_t beamsInNoImage = 0;
     StageClock clock(kStages);
     for (const PassStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
       const std::shared_ptr<const StepView> view = viewOf(shot, step);
       renderStep(shot, *view, step.worldFromRig, passes(channels), clock, [&](PixelSource& source) {
-        unseen += samplePixels(source, step.worldFromRig, view->beams, sampleOptions(*shot.beams), hits);
+        beamsInNoImage += samplePixels(source, step.worldFromRig, view->beams, sampleOptions(*shot.beams), hits);
       });
     }
-    return account(clock, shot, unseen);
+    return account(clock, shot, beamsInNoImage);
   }
 
   PassChoice passes(Channels channels) const override { return passesFor(channels, options_.sample); }
@@ -266,12 +266,12 @@ class DepthCameraMethod : public DepthCamera {
     const std::shared_ptr<const StepView> view = viewOf(shot, step);
     ImageSource images(step.images);
     StageClock clock(kStages);
-    std::uint64_t unseen = 0;
+    std::uint64_t beamsInNoImage = 0;
     {
       const StageTimer timer(clock, "sample");
-      unseen = samplePixels(images, step.worldFromRig, view->beams, sampleOptions(*shot.beams), hits);
+      beamsInNoImage = samplePixels(images, step.worldFromRig, view->beams, sampleOptions(*shot.beams), hits);
     }
-    return account(clock, shot, unseen);
+    return account(clock, shot, beamsInNoImage);
   }
 
   std::vector<ModelledItem> modelled() const override {
@@ -386,15 +386,15 @@ class DepthCameraMethod : public DepthCamera {
     clock.add("sample", useTimer.seconds() - timedSource.seconds());
   }
 
-  // Returns the account of a shot. `unseen`: number of the shot's beams that are in no image.
-  TraceAccount account(const StageClock& clock, const Shot& shot, std::uint64_t unseen) const {
+  // Returns the account of a shot. `beamsInNoImage`: number of the shot's beams that are in no image.
+  TraceAccount account(const StageClock& clock, const Shot& shot, std::uint64_t beamsInNoImage) const {
     TraceAccount account{clock.seconds(), {}};
-    if (unseen == 0) return account;
+    if (beamsInNoImage == 0) return account;
     account.warn({.sensor = shot.sensorName,
                   .kind = 0,
-                  .count = unseen,
-                  .text = fmt::format("{} of {} beams of '{}' are outside all images{} and count as misses: {}", unseen,
-                                      shot.beams->size(), shot.sensorName,
+                  .count = beamsInNoImage,
+                  .text = fmt::format("{} of {} beams of '{}' are outside all images{} and count as misses: {}",
+                                      beamsInNoImage, shot.beams->size(), shot.sensorName,
                                       makeRenderer_ ? " of layout " + options_.layoutName : "",
                                       makeRenderer_ ? "take `layout: auto`" : "draw images that cover them")});
     return account;

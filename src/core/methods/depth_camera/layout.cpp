@@ -64,6 +64,7 @@ struct Window {
 
   explicit Window(const Quat& sensorFromCamera) : axes(toMatrix(sensorFromCamera)) {}
 
+  // Extends the window to the projection of a direction.
   void add(const Vec3d& direction) {
     const double depth = dot(axes.z, direction);
     if (!(depth > kSmallestDepth)) {

@@ -78,9 +78,7 @@ class Sampler {
         rigFromWorld_(transposed(toMatrix(worldFromRig.rotation))),
         rounds_(originsDiffer() ? kRounds : 1) {
     if (choice_.surfaceParameters) {
-      hits.roughness.resize(hits.size());
-      hits.metallic.resize(hits.size());
-      hits.retroreflectance.resize(hits.size());
+      for (auto* column : {&hits.roughness, &hits.metallic, &hits.retroreflectance}) column->resize(hits.size());
     }
   }
 
@@ -98,7 +96,7 @@ class Sampler {
         batch = nextRound(batch);
       }
     }
-    return unseen_;
+    return beamsInNoImage_;
   }
 
  private:
@@ -143,15 +141,15 @@ class Sampler {
   void findFirstPixels(Batch& batch) {
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
-      std::uint64_t unseen = 0;
+      std::uint64_t beamsInNoImage = 0;
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
         load(batch, first, count, block);
         project(views_, block.dx, block.dy, block.dz, count, Projected::Directions, batch.at(first));
         if (rounds_ > 1) usePixelsOfGuess(batch, first, block);
-        for (std::size_t i = first; i < first + count; ++i) unseen += batch.view[i] == kNoView ? 1 : 0;
+        for (std::size_t i = first; i < first + count; ++i) beamsInNoImage += batch.view[i] == kNoView ? 1 : 0;
       }
-      unseen_ += unseen;
+      beamsInNoImage_ += beamsInNoImage;
     });
   }
 
@@ -314,11 +312,11 @@ class Sampler {
   PassChoice choice_;
   std::vector<CameraView> views_;
   Mat3 rigFromWorld_;
-  std::vector<PixelAddress> addresses_;   // of the batch's pixels
-  PassPlanes planes_;                     // values of the batch's pixels
-  int rounds_;                            // 1 if all beams start in all cameras
-  std::vector<std::uint8_t> needsRound_;  // by beam of the batch: 1 if its next pixel differs
-  std::atomic<std::uint64_t> unseen_{0};  // number of beams that are in no image
+  std::vector<PixelAddress> addresses_;           // of the batch's pixels
+  PassPlanes planes_;                             // values of the batch's pixels
+  int rounds_;                                    // 1 if all beams start in all cameras
+  std::vector<std::uint8_t> needsRound_;          // by beam of the batch: 1 if its next pixel differs
+  std::atomic<std::uint64_t> beamsInNoImage_{0};  // number of beams that are in no image
 };
 
 }  // namespace

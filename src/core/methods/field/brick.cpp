@@ -132,18 +132,18 @@ void BrickMaker::appendLists(std::uint32_t* triangleOrList, std::vector<std::uin
 void BrickMaker::makeSparse(const BrickFrame& frame) {
   facets_.resize(triangles_.size());
   centreDistance2_.resize(triangles_.size());
-  Lanes least;
-  least.fill(INFINITY);
+  Lanes nearest2;  // by block: squared distance of the triangle nearest to its centre
+  nearest2.fill(INFINITY);
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const Facet<float> facet = rounded(facetAt(world_.baked, triangles_[t], frame));
     const Points& p = brick::kBlockCentres;
     Lanes& distance2 = centreDistance2_[t];
     for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
-    for (int i = 0; i < kLanes; ++i) least[i] = std::min(least[i], distance2[i]);
+    for (int i = 0; i < kLanes; ++i) nearest2[i] = std::min(nearest2[i], distance2[i]);
     facets_[t] = facet;
   }
   for (int block = 0; block < kBlock; ++block) {
-    blockDistance_[block] = std::min(std::sqrt(least[block]), brick::gatheredRadius(block));
+    blockDistance_[block] = std::min(std::sqrt(nearest2[block]), brick::gatheredRadius(block));
     if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) continue;
     // Candidates are the triangles that may be the nearest to some corner of the block (up to kExactLimit), and the
     // triangles that some corner of the block may list.
@@ -164,18 +164,19 @@ void BrickMaker::makeSparse(const BrickFrame& frame) {
 void BrickMaker::fillBlock(const BrickFrame& frame, int block) {
   if (candidates_.empty()) return;
   const Points& p = brick::kBlockCorners[block];
-  alignas(64) Lanes least;
+  // By lane: the candidate nearest to the corner, and its squared distance.
   alignas(64) std::array<std::uint32_t, kLanes> nearest{};
-  least.fill(INFINITY);
+  alignas(64) Lanes nearest2;
+  nearest2.fill(INFINITY);
   if (lists_) listedBy_.assign((candidates_.size() + 31) / 32, {});
   for (std::uint32_t c = 0; c < candidates_.size(); ++c) {
     const Facet<float> facet = candidates_[c];
     alignas(64) Lanes distance2;
     for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
     for (int i = 0; i < kLanes; ++i) {
-      const bool less = distance2[i] < least[i];  // of equally near triangles, the first candidate is used
-      nearest[i] = less ? c : nearest[i];
-      least[i] = less ? distance2[i] : least[i];
+      const bool isNearer = distance2[i] < nearest2[i];  // of equally near triangles, the first candidate is used
+      nearest[i] = isNearer ? c : nearest[i];
+      nearest2[i] = isNearer ? distance2[i] : nearest2[i];
     }
     if (!lists_) continue;
     float least2 = INFINITY;  // squared distance of the candidate from the nearest corner
@@ -188,7 +189,7 @@ void BrickMaker::fillBlock(const BrickFrame& frame, int block) {
   }
   for (int i = 0; i < kBlock; ++i) {
     const std::uint32_t corner = brick::cornerIndex(block, i);
-    distance2_[corner] = least[i];
+    distance2_[corner] = nearest2[i];
     nearest_[corner] = candidateTriangles_[nearest[i]];
   }
   if (lists_) listBlock(block);

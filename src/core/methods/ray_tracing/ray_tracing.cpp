@@ -105,11 +105,11 @@ class RayTracing : public Method {
   std::vector<ModelledItem> modelled() const override {
     const bool instanced =
         std::ranges::any_of(scene_.instances, [&](const Instance& i) { return worlds_.instanced(i.mesh); });
+    const std::string meshes = simplified_ ? fmt::format("simplified meshes, {} of {} placed triangles",
+                                                         scene_.placedTriangles(), original_.placedTriangles())
+                                           : "exact triangles";
     return {
-        {"geometry", fmt::format("{}, one hit per ray, watertight",
-                                 simplified_ ? fmt::format("simplified meshes, {} of {} placed triangles",
-                                                           scene_.placedTriangles(), original_.placedTriangles())
-                                             : std::string("exact triangles"))},
+        {"geometry", meshes + ", one hit per ray, watertight"},
         {"instancing",
          instanced ? "placed objects share meshes" : "since the scene is small enough for a copy of each mesh",
          !instanced},
