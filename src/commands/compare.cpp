@@ -91,10 +91,9 @@ int runCompare(const std::vector<std::string>& arguments) {
   }
   setOptions.sensor = parsed.text("sensor");
   setOptions.stop = &stopSignal();
-  const bool quiet = parsed.has("quiet");
   prepareReportFolder(folder, kComparisonFile, parsed.has("overwrite"));
 
-  Progress progress("compare", 2 * setOptions.scans, "scans", "points", quiet);
+  Progress progress("compare", 2 * setOptions.scans, "scans", "points", parsed.has("quiet"));
   ScanSet real = readScanSet(sets[0], setOptions, progress);
   progress.setTotal(real.scans + setOptions.scans);
   ScanSet simulated = readScanSet(sets[1], setOptions, progress);
@@ -114,7 +113,7 @@ int runCompare(const std::vector<std::string>& arguments) {
   if (comparison.features.empty()) {
     warn("the sets have no patches of the same class or shape at similar ranges, so their patches are not compared");
   }
-  if (!quiet) printComparison(comparison);
+  if (!parsed.has("quiet")) printComparison(comparison);
   printText("compared {} points of {} with {} of {}: open {}\n", grouped(comparison.real.points), comparison.real.name,
             grouped(comparison.simulated.points), comparison.simulated.name, (folder / kPageFile).string());
   return 0;

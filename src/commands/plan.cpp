@@ -188,7 +188,7 @@ void printSequences(const Pipeline& pipeline) {
 
 // Returns the numbers of shards in all and per split, such as "6 shards: train 4, val 1, test 1".
 std::string shardsOfSplits(const Plan& plan) {
-  std::vector<std::pair<std::string, std::size_t>> splits;
+  std::vector<std::pair<std::string, std::size_t>> splits;  // numbers of shards; the jobs are sorted by split
   const std::vector<ShardJob> jobs = shardJobs(plan);
   for (const ShardJob& job : jobs) {
     if (splits.empty() || splits.back().first != job.split) splits.emplace_back(job.split, 0);

@@ -175,7 +175,8 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
 
 }  // namespace
 
-// Describes the manifest. A writer leaves the samples out.
+// Describes the manifest. A writer leaves the samples out. The order matters to a reader: `modelled` needs the version,
+// `samples` the ontology, the sensors and the shards.
 static void describe(RecordKeys& keys, Manifest& m) {
   int version = Manifest::kSchemaVersion;
   keys("schema_version", version);

@@ -90,7 +90,7 @@ std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
 // Returns the bytes of the points, in LIDAR_TOP's frame: x to the right, y forward, z up.
 std::string pointsOf(const ExportScan& exported) {
   const Scan& scan = exported.scan;
-  const std::vector<std::uint16_t> rings = ringsFromBelow(exported.sensor->beams);
+  const std::vector<std::uint16_t> numbersFromBelow = ringsFromBelow(exported.sensor->beams);
   std::string bytes;
   bytes.reserve(scan.size() * 5 * sizeof(float));
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -100,8 +100,8 @@ std::string pointsOf(const ExportScan& exported) {
     const float intensity = unit > 0 ? std::round(std::min(unit, 1.0f) * kFullIntensity) : 0;
     std::size_t ring = 0;
     if (!scan[kRing].empty() || scan.organised) {
-      ring = !scan[kRing].empty() ? scan[kRing][i] : i / scan.columns % scan.rings;
-      if (ring < rings.size()) ring = rings[ring];
+      ring = !scan[kRing].empty() ? scan[kRing][i] : keyOf(scan, i).ring;
+      if (ring < numbersFromBelow.size()) ring = numbersFromBelow[ring];
     }
     for (const float value : {-p.y, p.x, p.z, intensity, static_cast<float>(ring)}) putNumber(value, bytes);
   }
