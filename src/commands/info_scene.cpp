@@ -98,19 +98,20 @@ std::vector<CountedColor> joinedColors(const std::map<Rgb, std::uint64_t>& count
 
 // Prints the colours of triangles that rules of a scene can match, by material and texture.
 void printColors(const Asset& asset) {
-  std::map<std::pair<std::string, std::string>, std::map<Rgb, std::uint64_t>> byMaterial;
-  const auto count = [&](const AssetPart& part) {
+  using MaterialAndTexture = std::pair<std::string, std::string>;
+  std::map<MaterialAndTexture, std::map<Rgb, std::uint64_t>> trianglesByColor;
+  const auto countTriangles = [&](const AssetPart& part) {
     const PartTraits traits(part, {}, false);
-    auto& counts = byMaterial[{part.material, part.texture}];
+    auto& counts = trianglesByColor[{part.material, part.texture}];
     for (std::size_t t = 0; t < part.triangles.size(); ++t) ++counts[traits.at(t).color];
   };
-  std::ranges::for_each(asset.parts, count);
-  for (const InstancedParts& instanced : asset.instanced) std::ranges::for_each(instanced.parts, count);
+  std::ranges::for_each(asset.parts, countTriangles);
+  for (const InstancedParts& instanced : asset.instanced) std::ranges::for_each(instanced.parts, countTriangles);
   Rows rows{{"material", "texture", "color", "triangles"}};
-  for (const auto& [names, counts] : byMaterial) {
+  for (const auto& [names, counts] : trianglesByColor) {
+    const auto& [material, texture] = names;
     for (const auto& [c, triangles] : joinedColors(counts)) {
-      rows.push_back(
-          {names.first, names.second, fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]), grouped(triangles)});
+      rows.push_back({material, texture, fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]), grouped(triangles)});
     }
   }
   printText("\n{}", formatTable(rows));

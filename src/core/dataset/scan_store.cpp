@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "base/append_new.h"
@@ -30,23 +31,22 @@ namespace {
 // which takes 40 bytes.
 constexpr std::size_t kMostFilledBeams = std::size_t{1} << 23;
 
-// Returns the manifest that lists the shard, from the shard's folder or the folder above it; null if neither has such a
-// manifest. Sets `folderOfManifest`.
-std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& folderOfManifest) {
+// Returns the manifest that lists the shard, from the shard's folder or the folder above it, and its folder; null if
+// neither folder has such a manifest.
+std::pair<std::shared_ptr<const Manifest>, fs::path> manifestOf(const fs::path& shard) {
   const fs::path file = fs::absolute(shard).lexically_normal();
   for (const fs::path& folder : {file.parent_path(), file.parent_path().parent_path()}) {
     if (!fs::exists(folder / kManifestName)) continue;
     try {
       auto manifest = std::make_shared<const Manifest>(readManifest(folder));
       const std::string relative = file.lexically_relative(folder).generic_string();
-      if (std::ranges::find(manifest->shards, relative, &ShardRecord::file) == manifest->shards.end()) continue;
-      folderOfManifest = folder;
-      return manifest;
+      const auto listed = std::ranges::find(manifest->shards, relative, &ShardRecord::file);
+      if (listed != manifest->shards.end()) return {std::move(manifest), folder};
     } catch (const InputError& e) {
       warn(fmt::format("classes are shown without names: {}", e.what()));
     }
   }
-  return nullptr;
+  return {};
 }
 
 // Returns true if a member with this name contains the scan, a ScanRecord or a StoredScan.
@@ -132,7 +132,7 @@ void ScanStore::openDataset() {
 
 void ScanStore::openShard() {
   shards_.push_back({path_, std::make_unique<const ShardIndex>(path_)});
-  manifest_ = manifestOf(path_, folder_);
+  std::tie(manifest_, folder_) = manifestOf(path_);
   for (const ShardMember& member : shards_.front().index->members()) {
     const MemberName name = partsOfMember(member.name);
     if (formatBySuffix(name.suffix) == nullptr) continue;

@@ -88,7 +88,7 @@ class Export {
     const std::vector<std::string> warnings = layout_->finish(
         plan_, [this](std::size_t s, std::size_t f) { return store_.objects(plan_.sequences[s].samples[f]); }, folder_);
     summary_.warnings.insert(summary_.warnings.end(), warnings.begin(), warnings.end());
-    folder_.write(kRecord, record());
+    folder_.write(kRecord, description());
     std::error_code ignored;
     fs::remove(folder_.path() / kUnfinished, ignored);
     syncFolder(folder_.path());
@@ -197,7 +197,7 @@ class Export {
   }
 
   // Returns the description of this export.
-  std::string record() const {
+  std::string description() const {
     OrderedJson json{{"program", {{"name", "scanmill"}, {"version", kVersion}}},
                      {"layout", options_.layout->name},
                      {"dataset", plan_.manifest.name},
@@ -243,7 +243,7 @@ class Export {
   // export if the program is stopped.
   void startFolder() {
     lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.prepareFile(kLock));
-    folder_.write(kUnfinished, record());
+    folder_.write(kUnfinished, description());
     if (options_.overwrite) fs::remove(folder_.path() / kRecord);
     std::vector<fs::path> obsolete;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path())) {
