@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::size_t kMaxPathLength = 64;
 
-// Returns the keys of a dotted path.
 std::vector<std::string> split(std::string_view path) {
   std::vector<std::string> parts;
   for (;;) {
@@ -46,7 +45,6 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
                                             part, parent, list.items.size() - 1));
 }
 
-// Sets the folder of the value and of all values within it.
 void setFolder(Value& value, const std::string& folder) {
   value.folder = folder;
   for (Value& item : value.items) setFolder(item, folder);

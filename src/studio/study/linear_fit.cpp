@@ -12,7 +12,6 @@ double innerProduct(const std::vector<double>& a, const std::vector<double>& b) 
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
-// Adds factor * added to the sum, entry by entry.
 void addMultiple(double factor, const std::vector<double>& added, std::vector<double>& sum) {
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor * added[i];
 }

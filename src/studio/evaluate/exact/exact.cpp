@@ -190,7 +190,6 @@ auto coplanarRank(const World& world, const CandidateHit& hit) {
   return std::tuple(id, hasAlpha, hit.placed, hit.triangle);
 }
 
-// Returns the absolute cosine of the angle between the beam's direction and the triangle's normal.
 double incidenceCosine(const World& world, const CandidateHit& hit, const Vec3d& direction) {
   const PlacedBlock& placed = world.placed[hit.placed];
   return std::abs(dot(normalized(placed.normalFromMesh * placed.block->triangles[hit.triangle].normal), direction));

@@ -166,7 +166,6 @@ class DatasetPage {
     }
   }
 
-  // Returns a row of a table of objects with its views by visibility.
   static Json visibilityRow(const std::string& name, const VisibilityCounts& views) {
     Json row{{"name", name}, {"views", std::accumulate(views.begin(), views.end(), std::uint64_t{0})}};
     for (const std::uint64_t count : views) row["visibility"].push_back({{"part", count}});

@@ -10,7 +10,7 @@
 
 #include "dataset/manifest.h"
 #include "report/dataset/dataset_summary.h"
-#include "report/dataset/scan_counts.h"
+#include "report/dataset/scan_reading.h"
 #include "viewer/image.h"
 
 namespace scanmill {

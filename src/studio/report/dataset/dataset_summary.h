@@ -11,7 +11,6 @@
 
 #include "charts/chart.h"
 #include "dataset/manifest.h"
-#include "report/dataset/scan_counts.h"
 #include "report/dataset/scan_reading.h"
 #include "viewer/image.h"
 

@@ -1,4 +1,3 @@
-#include "report/dataset/scan_counts.h"
 
 #include <algorithm>
 #include <bit>
@@ -77,7 +76,6 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
 
 namespace {
 
-// Returns the index in kVisibilitySteps.
 std::size_t visibilityStep(const ObjectView& view) {
   if (view.points == 0) return 0;
   const double visibility = view.visibility().value_or(0);

@@ -6,10 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
 #include "base/parallel.h"
+#include "config/version.h"
+#include "dataset/json_text.h"
 #include "evaluate/spread.h"
 #include "exports/class_map.h"
 
@@ -24,7 +27,6 @@ constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<double, 5> kRangeBands{5, 10, 20, 40, 80};
 constexpr std::size_t kRangeBandCount = kRangeBands.size() + 1;
 
-// Returns the index of the band that contains a range (m).
 std::size_t rangeBand(float range) {
   return static_cast<std::size_t>(std::ranges::upper_bound(kRangeBands, range) - kRangeBands.begin());
 }
@@ -66,7 +68,6 @@ struct SeparationSum {
   double strength = 0, area = 0;  // sums of |ROC area - 0.5| and of ROC area - 0.5, both times the weight
   std::vector<float> real, simulated;
 
-  // Adds the values of both sets in one stratum.
   void add(const std::vector<float>& realValues, const std::vector<float>& simulatedValues) {
     const auto stratumWeight = static_cast<double>(std::min(realValues.size(), simulatedValues.size()));
     const double aboveHalf = rocArea(realValues, simulatedValues) - 0.5;
@@ -268,6 +269,51 @@ std::vector<SeparationSums> separateFeatures(SetComparison& result, const Groups
   return sums;
 }
 
+// Returns an array with the JSON of each item of a list.
+OrderedJson arrayOf(const auto& list, const auto& jsonOf) {
+  OrderedJson array = OrderedJson::array();
+  for (const auto& item : list) array.push_back(jsonOf(item));
+  return array;
+}
+
+OrderedJson setJson(const ScanSet& set) {
+  return {{"name", set.name},
+          {"scans", set.scans},
+          {"scans_stored", set.stored},
+          {"points", set.points},
+          {"rows", set.rows},
+          {"knows_rings", set.knowsRings},
+          {"knows_misses", set.knowsMisses},
+          {"labelled", set.labelled}};
+}
+
+OrderedJson separationJson(const Separation& s) {
+  const ComparedFigure& feature = kPatchFeatures[s.feature];
+  return {{"feature", feature.name},
+          {"strength", s.strength},
+          {"area", s.area},
+          {"unit", feature.unit},
+          {"real_value", s.realValue * feature.factor},
+          {"simulated_value", s.simulatedValue * feature.factor},
+          {"real_patches", s.real},
+          {"simulated_patches", s.simulated}};
+}
+
+OrderedJson changeJson(const KeyChange& change) {
+  return {{"effect", change.effect},
+          {"key", change.key},
+          {"figure", change.figure},
+          {"now", change.currentValue},
+          {"try", change.suggestedValue}};
+}
+
+// Returns the bands; `suffix`: appended to the keys of the values.
+OrderedJson bandsJson(const std::vector<BandComparison>& bands, const std::string& suffix = "") {
+  return arrayOf(bands, [&](const BandComparison& band) -> OrderedJson {
+    return {{"band", band.name}, {"real" + suffix, band.real}, {"simulated" + suffix, band.simulated}};
+  });
+}
+
 }  // namespace
 
 SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
@@ -295,6 +341,49 @@ SetComparison compareSets(ScanSet realSet, ScanSet simulatedSet) {
   result.real.patches = {};
   result.simulated.patches = {};
   return result;
+}
+
+// Values of figures and features have the units stated beside them. Shares of points and areas under ROC curves are
+// from 0 to 1. Unknown values are NaN, which the library writes as null.
+std::string comparisonJson(const SetComparison& comparison, const std::string& date) {
+  OrderedJson figures = OrderedJson::array();
+  for (std::size_t i = 0; i < kSetFigureCount; ++i) {
+    const ComparedFigure& figure = kSetFigures[i];
+    figures.push_back({{"figure", figure.name},
+                       {"unit", figure.unit},
+                       {"real", comparison.real.figures[i] * figure.factor},
+                       {"simulated", comparison.simulated.figures[i] * figure.factor},
+                       {"keys", figure.keys}});
+  }
+  const OrderedJson json{{"program_version", kVersion},
+                         {"date", date},
+                         {"real", setJson(comparison.real)},
+                         {"simulated", setJson(comparison.simulated)},
+                         {"grouped_by", comparison.byClass ? "class" : "shape"},
+                         {"warnings", comparison.warnings},
+                         {"unknown_classes", comparison.unknownClasses},
+                         {"figures", std::move(figures)},
+                         {"features", arrayOf(comparison.features,
+                                              [&](const Separation& s) {
+                                                OrderedJson feature = separationJson(s);
+                                                feature["strength_within_real"] = comparison.withinReal[s.feature];
+                                                feature["keys"] = kPatchFeatures[s.feature].keys;
+                                                return feature;
+                                              })},
+                         {"advice", arrayOf(comparison.advice, changeJson)},
+                         {"set", comparison.assignment},
+                         {"unadvised", comparison.unadvised},
+                         {"groups", arrayOf(comparison.groups,
+                                            [](const GroupComparison& group) -> OrderedJson {
+                                              return {{"name", group.name},
+                                                      {"real_share", group.realShare},
+                                                      {"simulated_share", group.simulatedShare},
+                                                      {"features", arrayOf(group.features, separationJson)}};
+                                            })},
+                         {"ranges", bandsJson(comparison.ranges, "_share")},
+                         {"intensity_by_range", bandsJson(comparison.intensityByRange)},
+                         {"intensity_by_incidence", bandsJson(comparison.intensityByIncidence)}};
+  return layOut(json) + "\n";
 }
 
 }  // namespace scanmill

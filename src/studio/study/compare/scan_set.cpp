@@ -256,7 +256,6 @@ double spreadOverRows(const Patches& patches, const std::vector<float>& values) 
   return std::sqrt(std::max(0.0, deviation * deviation - errorVariances / static_cast<double>(medians.size())));
 }
 
-// Returns the figure of the set that has this name in kSetFigures.
 double& figureNamed(ScanSet& set, std::string_view name) {
   const auto found = std::ranges::find(kSetFigures, name, &ComparedFigure::name);
   if (found == kSetFigures.end()) throw Error(fmt::format("no figure '{}'", name));

@@ -46,7 +46,6 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
   return levels;
 }
 
-// Returns the index of the level that `repeatability.reference` names.
 std::size_t readReference(const Value& value, const std::vector<NoiseLevel>& levels) {
   const std::string name = readText(value, "repeatability.reference");
   std::vector<std::string> names;

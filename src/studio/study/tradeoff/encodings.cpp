@@ -9,7 +9,6 @@ namespace scanmill {
 
 namespace {
 
-// Returns the shortest time (s) of several calls of work().
 double shortestSeconds(int repeats, const auto& work) {
   double shortest = secondsOf(work);
   for (int i = 1; i < repeats; ++i) shortest = std::min(shortest, secondsOf(work));

@@ -84,7 +84,6 @@ struct NearestReturn {
   float intensity = 0;  // 0 if the scan has no intensities
 };
 
-// Returns the nearest return of each beam; nothing for beams without a return.
 std::vector<std::optional<NearestReturn>> nearestReturns(const Scan& scan) {
   std::vector<std::optional<NearestReturn>> ofBeams(std::size_t{scan.rings} * scan.columns);
   for (std::size_t i = 0; i < scan.size(); ++i) {

@@ -49,7 +49,6 @@ std::vector<StudyEncoding> readEncodings(const Value& list) {
   return encodings;
 }
 
-// Returns the index of the sequence that `tradeoff.sequence` names.
 std::size_t readSequence(const Value& value, const Pipeline& pipeline) {
   const std::string key = readText(value, "tradeoff.sequence");
   std::vector<std::string> keys;

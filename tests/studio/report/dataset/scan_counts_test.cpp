@@ -1,4 +1,3 @@
-#include "report/dataset/scan_counts.h"
 
 #include <set>
 
