@@ -9,6 +9,10 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <initializer_list>
+
+#include "base/vec.h"
+
 namespace scanmill {
 
 // A query passes the address of its context to its filter functions. A struct with more data for a filter has the
@@ -27,6 +31,46 @@ inline EmbreeContext newEmbreeContext() {
   rtcInitIntersectContext(&context);
 #endif
   return context;
+}
+
+// Returns a query for hits at distances from `near` to `far` (m) along a ray. `time`: 0 to 1, for moving instances.
+inline RTCRayHit newRay(const Vec3d& origin, const Vec3d& direction, float near, float far, float time = 0) {
+  RTCRayHit query;
+  query.ray = {.org_x = static_cast<float>(origin.x),
+               .org_y = static_cast<float>(origin.y),
+               .org_z = static_cast<float>(origin.z),
+               .tnear = near,
+               .dir_x = static_cast<float>(direction.x),
+               .dir_y = static_cast<float>(direction.y),
+               .dir_z = static_cast<float>(direction.z),
+               .time = time,
+               .tfar = far,
+               .mask = ~0u,
+               .id = 0,
+               .flags = 0};
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return query;
+}
+
+// Adds an instance of the scene `mesh` to a scene. `sceneFromMesh`: one transform or, if the instance moves, those at
+// the times 0 and 1 of rays.
+inline void attachInstance(RTCDevice device, RTCScene scene, RTCScene mesh, std::initializer_list<Affine> sceneFromMesh,
+                           unsigned id) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, mesh);
+  rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(sceneFromMesh.size()));
+  for (unsigned step = 0; const Affine& a : sceneFromMesh) {
+    float columns[12];
+    int k = 0;
+    for (const Vec3d& column : {a.linear.x, a.linear.y, a.linear.z, a.translation}) {
+      for (const double value : {column.x, column.y, column.z}) columns[k++] = static_cast<float>(value);
+    }
+    rtcSetGeometryTransform(geometry, step++, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  }
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene, geometry, id);
+  rtcReleaseGeometry(geometry);
 }
 
 // Finds the nearest hit of a ray. Hits that the filter function of a geometry rejects do not count.

@@ -121,33 +121,16 @@ struct SurfaceHeights::Hierarchy {
     const Mesh& mesh = scene.meshes[instance.mesh];
     if (bounds.empty()) anchor = worldFromMesh.translation;
     bounds.add(boxAround(worldFromMesh, mesh.bounds()));
-    const Vec3d translation = worldFromMesh.translation - anchor;
-    std::array<float, 12> columns{};
-    std::size_t k = 0;
-    for (const Vec3d& column : {worldFromMesh.linear.x, worldFromMesh.linear.y, worldFromMesh.linear.z, translation}) {
-      for (const double value : {column.x, column.y, column.z}) columns[k++] = static_cast<float>(value);
-    }
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, sceneOf(mesh, instance.mesh));
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(all, geometry, index);
-    rtcReleaseGeometry(geometry);
+    const Affine anchorFromMesh{worldFromMesh.linear, worldFromMesh.translation - anchor};
+    attachInstance(device, all, sceneOf(mesh, instance.mesh), {anchorFromMesh}, index);
   }
 
   // Returns the triangles that the vertical line at a point (m, world frame) crosses, sorted.
   std::vector<Facet> crossedAt(double x, double y) const {
     std::vector<Facet> facets;
     Crossings crossings{.embree = newEmbreeContext(), .facets = &facets};
-    RTCRayHit ray{};
-    ray.ray.org_x = static_cast<float>(x - anchor.x);
-    ray.ray.org_y = static_cast<float>(y - anchor.y);
-    ray.ray.org_z = static_cast<float>(bounds.high.z + kMargin - anchor.z);
-    ray.ray.dir_z = -1;
-    ray.ray.tfar = static_cast<float>(bounds.high.z - bounds.low.z + 2 * kMargin);
-    ray.ray.mask = UINT32_MAX;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit ray = newRay(Vec3d{x, y, bounds.high.z + kMargin} - anchor, {0, 0, -1}, 0,
+                           static_cast<float>(bounds.high.z - bounds.low.z + 2 * kMargin));
     intersectOne(all, crossings.embree, ray);
     std::ranges::sort(facets);
     facets.erase(std::ranges::unique(facets).begin(), facets.end());  // Embree may call the filter twice for a hit

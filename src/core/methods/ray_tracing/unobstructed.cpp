@@ -111,18 +111,7 @@ std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
 // starts at `origin` (m, relative to the world's origin). `firedAt`: see HitTriangle::firedAt.
 bool hitsThing(ThingContext& context, const Vec3d& origin, const Vec3d& direction, double near, double far,
                float firedAt) {
-  RTCRay ray{.org_x = static_cast<float>(origin.x),
-             .org_y = static_cast<float>(origin.y),
-             .org_z = static_cast<float>(origin.z),
-             .tnear = static_cast<float>(near),
-             .dir_x = static_cast<float>(direction.x),
-             .dir_y = static_cast<float>(direction.y),
-             .dir_z = static_cast<float>(direction.z),
-             .time = firedAt,
-             .tfar = static_cast<float>(far),
-             .mask = ~0u,
-             .id = 0,
-             .flags = 0};
+  RTCRay ray = newRay(origin, direction, static_cast<float>(near), static_cast<float>(far), firedAt).ray;
   occludeOne(context.world->embree.get(), context.embree, ray);
   return ray.tfar < 0;
 }

@@ -43,25 +43,6 @@ void bake(World& world, const std::vector<bool>& instanced) {
   fillBlock(block, scene, sources);
 }
 
-void setTransform(RTCGeometry geometry, unsigned step, const Affine& a) {
-  const std::array<float, 12> columns{float(a.linear.x.x),    float(a.linear.x.y),    float(a.linear.x.z),
-                                      float(a.linear.y.x),    float(a.linear.y.y),    float(a.linear.y.z),
-                                      float(a.linear.z.x),    float(a.linear.z.y),    float(a.linear.z.z),
-                                      float(a.translation.x), float(a.translation.y), float(a.translation.z)};
-  rtcSetGeometryTransform(geometry, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
-}
-
-void attachInstance(RTCDevice device, RTCScene scene, RTCScene shared, const PlacedBlock& placed, unsigned id) {
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-  rtcSetGeometryInstancedScene(geometry, shared);
-  if (placed.moves) rtcSetGeometryTimeStepCount(geometry, 2);
-  setTransform(geometry, 0, placed.originFromMesh);
-  if (placed.moves) setTransform(geometry, 1, placed.atEnd);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(scene, geometry, id);
-  rtcReleaseGeometry(geometry);
-}
-
 // Returns the distance of a box from the origin (m).
 double distanceFromOrigin(const Box& box) {
   const auto gap = [](double low, double high) { return std::max({low, -high, 0.0}); };
@@ -146,9 +127,14 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
   shared.build(parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const SharedMeshes::Part& part = shared.part(parts[i]);
-    world->placed[i].block = part.block.get();
-    attachInstance(device, world->embree.get(), part.hierarchy.get(), world->placed[i],
-                   World::kFirstPlaced + static_cast<unsigned>(i));
+    PlacedBlock& placed = world->placed[i];
+    placed.block = part.block.get();
+    const unsigned id = World::kFirstPlaced + static_cast<unsigned>(i);
+    if (placed.moves) {
+      attachInstance(device, world->embree.get(), part.hierarchy.get(), {placed.originFromMesh, placed.atEnd}, id);
+    } else {
+      attachInstance(device, world->embree.get(), part.hierarchy.get(), {placed.originFromMesh}, id);
+    }
   }
   isolated([&] { rtcCommitScene(world->embree.get()); });
   checkEmbree(device, "build the scene");

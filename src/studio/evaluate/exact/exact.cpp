@@ -215,27 +215,14 @@ CandidateHit reportedHit(const World& world, const std::vector<CandidateHit>& fo
 
 // Returns a component of a ray's direction for Embree. Tiny components become 0, as in ray tracing, since Embree 3.13
 // misses hits of rays with components below 1e-18.
-float embreeComponent(double component) {
-  return static_cast<float>(std::abs(component) < kAlongAnAxis ? 0.0 : component);
+double embreeComponent(double component) {
+  return std::abs(component) < kAlongAnAxis ? 0.0 : component;
 }
 
 // Fills ExactContext::found with the hits of a beam. `context`: its other members must be set.
 void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& context) {
-  RTCRayHit ray;
-  ray.ray = {.org_x = static_cast<float>(origin.x),
-             .org_y = static_cast<float>(origin.y),
-             .org_z = static_cast<float>(origin.z),
-             .tnear = 0,
-             .dir_x = embreeComponent(direction.x),
-             .dir_y = embreeComponent(direction.y),
-             .dir_z = embreeComponent(direction.z),
-             .time = 0,
-             .tfar = roundUp(context.far),
-             .mask = ~0u,
-             .id = 0,
-             .flags = 0};
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  const Vec3d rayDirection{embreeComponent(direction.x), embreeComponent(direction.y), embreeComponent(direction.z)};
+  RTCRayHit ray = newRay(origin, rayDirection, 0, roundUp(context.far));
   intersectOne(context.world->world.embree.get(), context.embree, ray);
 }
 
