@@ -86,8 +86,7 @@ class BlockMaker {
  private:
   bool hasParapet() const { return b_.floors > 0 && b_.parapet && b_.rise <= 0; }
 
-  // Returns the first corner of the wall of at least 2 m whose middle is nearest to the entrance: an element of the
-  // outline.
+  // Returns the first corner of the wall whose middle is nearest to the entrance, as an element of the outline.
   const Point2* nearestWall() const {
     const Point2* nearest = b_.outline.data();
     double leastDistance = 1e18;

@@ -93,8 +93,7 @@ class HouseMaker {
     return {{u - half, u + half}, {floorZ + m_.sill, floorZ + m_.sill + m_.windowHeight}, Opening::Window};
   }
 
-  // Returns the openings of the front wall: the door, windows or shop windows beside it, and balconies' doors above it.
-  // Adds the balconies.
+  // Adds balconies and returns the front wall's openings: door, windows or shop windows beside it, balconies' doors.
   std::vector<Opening> frontOpenings() {
     std::vector<Opening> openings;
     const double pitch = h_.width / h_.columns;
@@ -219,8 +218,7 @@ class HouseMaker {
     s_.frame = outer;
   }
 
-  // Adds up to three skylights to the front slope of a gable roof. `eaves`: height of the eaves; `overhang`: from the
-  // wall to the eaves (m).
+  // Adds up to three skylights to the front slope of a gable roof. `overhang`: m from the wall to the eaves.
   void skylights(double width, double depth, double eaves, double overhang) {
     const int count = draw_.below(4);
     const double angle = std::atan(slope_);

@@ -44,8 +44,7 @@ struct HouseMeasures {
 void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const FacadeLook& look,
                      const HouseMeasures& measures);
 
-// The lofted body of a car, van, bus or cab. All lengths are in metres; x is measured forward from the middle of the
-// vehicle.
+// The lofted body of a car, van, bus or cab. Lengths are in metres; x is forward, from the middle of the vehicle.
 struct BodyForm {
   const char* className = "car";
   double length = 4.3, width = 1.78;

@@ -217,8 +217,7 @@ class Details {
     return aboveFloor > m_.sill && aboveFloor < m_.sill + m_.windowHeight;
   }
 
-  // Adds the name board to a shop's front, and often an awning (a slanted cloth on a frame) and a sign that protrudes
-  // from the wall.
+  // Adds the name board to a shop's front, and often an awning (a slanted cloth on a frame) and a protruding sign.
   void awning() {
     const SurfaceIndex cloth = s_.surface("building", "cloth");
     const double z = m_.base + 2.55;

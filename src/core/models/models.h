@@ -1,8 +1,8 @@
 #pragma once
 
 // Tools that build the objects of procedural scenes: random numbers, a mesh under construction, and one function per
-// kind of object. Frame of an object: metres, x forward, z up, ground at z = 0. Outside this folder only town/ and
-// tests include this header.
+// kind of object. Frame of an object: metres, x forward, z up, ground at z = 0. Only town/ and tests include this
+// header.
 
 #include <algorithm>
 #include <array>
@@ -80,8 +80,7 @@ constexpr double lerp(double a, double b, double t) {
 constexpr Point2 lerp(const Point2& a, const Point2& b, double t) {
   return {lerp(a.x, b.x, t), lerp(a.y, b.y, t)};
 }
-// Returns the corners of a regular polygon about the origin, counter-clockwise. `firstAngle`: rad, direction of the
-// first corner.
+// Returns the corners of a regular polygon about the origin, counter-clockwise from the angle `firstAngle` (rad).
 std::vector<Point2> regularPolygon(int corners, double radius, double firstAngle = 0);
 // Returns the corners of a rectangle at the height z about the z axis, or about x = `middleX` (m).
 std::vector<Vec3d> levelRectangle(double z, double halfX, double halfY, double middleX = 0);
@@ -131,8 +130,8 @@ class Shape {
   // tube() appends a straight pipe from a to b, rod() one with the same radius at both ends.
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
   void rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments = 8);
-  // Appends the surface that a profile of (radius, z) describes when it turns about the z axis. The surface faces to
-  // the right of the profile's direction: outwards where the profile goes upwards. `closed` joins the last point to the
+  // Appends the surface that a profile of (radius, z) describes when it rotates about the z axis. It faces to the right
+  // of the profile's direction: outwards where the profile goes upwards. `closed` joins the profile's last point to the
   // first.
   void revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
                bool closed = false);
@@ -144,10 +143,12 @@ class Shape {
              double thickness);
   // Appends quads between rows of points; all rows have the same number of points. `wrap` joins the last point of a row
   // to its first; `surfaceAt` returns the surface of a quad. A quad with two equal corners becomes a triangle. Seen
-  // from outside, the corners of a quad go counter-clockwise, and its first side leads from a point to the next point
-  // of the same row.
+  // from outside, a quad is counter-clockwise and its first side leads from a point to the next point of the same row.
   void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
             const std::function<SurfaceIndex(int row, int column)>& surfaceAt);
+  void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap, SurfaceIndex surface) {
+    grid(rows, wrap, [&](int, int) { return surface; });
+  }
 
   // Adds the mesh to the scene and returns the model.
   [[nodiscard]] Model finish();

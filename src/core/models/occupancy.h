@@ -59,8 +59,7 @@ inline std::uint64_t cellKeyAt(const Point2& p, double side) {
   return cellKey(cellOf(p.x, side), cellOf(p.y, side));
 }
 
-// Calls visit(key) for all cells with sides of `side` metres that the rectangle from `low` to `high`, enlarged by
-// `reach` (m), may overlap.
+// Calls visit(key) for all cells of `side` metres that the rectangle, enlarged by `reach` metres, may overlap.
 template <class Visit>
 void forCells(const Point2& low, const Point2& high, double reach, double side, const Visit& visit) {
   for (std::int64_t row = cellOf(low.y - reach, side); row <= cellOf(high.y + reach, side); ++row) {
@@ -75,8 +74,7 @@ class CellIndex {
  public:
   explicit CellIndex(double side) : side_(side) {}  // m, side of a cell
 
-  // Adds an index to the cell of a point, or to all cells that the rectangle from `low` to `high`, enlarged by `reach`
-  // (m), may overlap.
+  // Adds an index to the cell of a point, or to all cells that a rectangle, enlarged by `reach` metres, may overlap.
   void add(const Point2& p, std::uint32_t index) { cells_[cellKeyAt(p, side_)].push_back(index); }
   void add(const Point2& low, const Point2& high, double reach, std::uint32_t index) {
     forCells(low, high, reach, side_, [&](std::uint64_t key) { cells_[key].push_back(index); });

@@ -136,7 +136,7 @@ void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const s
     for (const Point2& p : regularPolygon(segments, radii[i])) ring.push_back(points[i] + u * p.x + v * p.y);
   }
   rows.emplace_back(segments, points.back());
-  grid(rows, true, [&](int, int) { return surface; });
+  grid(rows, true, surface);
 }
 
 void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, double radius, int segments) {
@@ -159,7 +159,7 @@ void Shape::revolve(SurfaceIndex surface, const Affine& pose, const std::vector<
     for (const Point2& p : regularPolygon(segments, radius)) ring.push_back(pose * Vec3d{p.x, p.y, z});
   }
   if (closed) rows.push_back(rows.front());
-  grid(rows, true, [&](int, int) { return surface; });
+  grid(rows, true, surface);
 }
 
 void Shape::torus(SurfaceIndex surface, const Affine& pose, double radius, double thickness, int segments,

@@ -52,8 +52,7 @@ Vec3d crossways(const Vec3d& normal, Draw& draw) {
   return normalized(cross(normal, draw.direction()));
 }
 
-// Appends leaves in the outer part of an ellipsoid. `flatness`: ratio of its height to its width; `leafLength`: mean
-// (m).
+// Appends leaves in the outer part of an ellipsoid. `flatness`: its height divided by its width; lengths in m.
 void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, double flatness,
                        int leaves, double leafLength) {
   for (int k = 0; k < leaves; ++k) {
@@ -168,8 +167,7 @@ std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxi
   return clusters;
 }
 
-// Appends a broadleaf: trunk, and for each cluster a branch, twigs and leaves. `height`, `radius`: of tree and crown
-// (m).
+// Appends a broadleaf: trunk, and for each cluster a branch, twigs and leaves. `radius`: of the crown (m).
 void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,
                      const Raggedness& ragged) {
   const double base = habit.crownBase * height / habit.height;

@@ -1,7 +1,6 @@
 #pragma once
 
-// The character of a town: the keys of a scene file, and the properties that the seed selects within the limits of
-// these keys.
+// The character of a town: the keys of a scene file, and the properties that the seed selects within their limits.
 
 #include <cstdint>
 #include <filesystem>
@@ -36,8 +35,7 @@ struct Parameters {
 
 Parameters readParameters(Fields& fields);
 
-// Traits of a kind of place, which the key `district` or the seed selects. A new kind is a row and a column of the
-// tables in character.cpp.
+// Traits of a kind of place, which the key or the seed selects. A new kind is a row and a column in character.cpp.
 struct DistrictTraits {
   std::string_view name;    // value of the key
   bool country = false;     // outside of towns, with few lamps, without crossings and shelters
@@ -46,8 +44,7 @@ struct DistrictTraits {
   bool terraced = false;    // houses stand wall to wall at the pavement, with shops; the ground around them is paved
   bool cobbled = false;     // roads are paved with stones
   bool commercial = false;  // halls with flat roofs, large parking lots, fences of wire
-  // Every method can trace the place: the road is straight, the ground is flat and the grass is mown, there are no
-  // wires, and nothing moves.
+  // Every method can trace the place: a straight road, flat ground, mown grass, no wires, and nothing moves.
   bool plain = false;
 };
 

@@ -23,8 +23,7 @@ const Model& anyClutter(Placer& placer, Clutter what, Draw& draw) {
                       [&] { return models::makeClutter(placer.builder, placer.layout.seed, what, form); });
 }
 
-// Returns a random distance along the main road (m) such that no other road joins in the following `length` metres;
-// nullopt if no attempt finds one.
+// Returns a random distance along the main road (m) before `length` metres without junctions; nullopt if none is found.
 std::optional<double> drawFreeStretch(const Layout& l, Draw& draw, double length) {
   constexpr double kFromEnds = 25;  // m from the ends of the built-up part
   const Road& road = l.mainRoad();
@@ -54,8 +53,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
                            .marked = marked});
 }
 
-// True if the heights of four points around the point differ by less than kLargest, so that a wide, flat object can be
-// placed there.
+// True if the heights of four points around the point differ by less than kLargest: a wide object can stand there.
 bool isLevel(const Layout& l, const Point2& p) {
   constexpr double kAround = 1.2, kLargest = 0.35;  // m
   std::vector<double> heights;

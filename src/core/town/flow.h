@@ -8,8 +8,7 @@
 
 namespace scanmill::town {
 
-// The part of a route that uses a lane. Several routes can share a lane: the distance d along the route is the distance
-// d + shift along the lane (m).
+// The part of a route that uses a lane, which routes can share: d m along the route are d + shift m along the lane.
 struct Leg {
   std::uint32_t lane = 0;
   double from = 0, to = 0;  // m along the route, ends of this part
@@ -62,8 +61,7 @@ struct DriverModel {
 };
 
 // Returns speeds (m/s) at 0, kLimitStep, ... m along a route. They are at most `fastest`, and keep the lateral
-// acceleration in bends and the braking before bends comfortable. `curvature` has the route's curvature at the same
-// places (1/m).
+// acceleration in bends and the braking before bends comfortable. `curvature`: of the route (1/m), at the same places.
 std::vector<double> inBends(const std::vector<double>& curvature, double fastest);
 
 // Returns for each driver the distances along the route (m) at the times 0, interval, ... up to `duration` (s), after a

@@ -36,14 +36,11 @@ Nearest nearestOn(const Line& line, const Point2& p);
 
 // Returns points on the line about `step` apart, including both ends.
 [[nodiscard]] Line evenLine(const Line& line, double step);
-// Returns the line's points and points between them about `step` apart. Points within 2 cm of the point before are left
-// out.
+// Returns the line's points, except points within 2 cm of the point before, and points between them about `step` apart.
 [[nodiscard]] Line denseLine(const Line& line, double step);
-// Returns points on the line about `step` apart, with rounded corners: each point is averaged with its neighbours. The
-// ends do not move.
+// Returns points on the line about `step` apart, averaged with their neighbours to round the corners; the ends stay.
 [[nodiscard]] Line smoothLine(const Line& line, double step);
-// Returns the parts of a line in the square about the origin with sides of 2 * half: each run of successive points in
-// the square.
+// Returns each run of successive points of a line in the square about the origin with sides of 2 * half.
 std::vector<Line> runsWithin(const Line& line, double half);
 
 // True if the point is inside by the even-odd rule over all rings.

@@ -1,6 +1,5 @@
-// Builds the ground of a town as one closed surface: a tiling that is fine near the roads, cut along the edges of
-// carriageway, curb, verge, sidewalk and the plots' patches, with a height at each corner and vertical walls at the
-// curbs.
+// Builds the ground of a town as one closed surface: a tiling that is fine near the roads, cut along the edges of road,
+// curb, verge, sidewalk and patches, with a height at each corner and vertical walls at the curbs.
 
 #include <algorithm>
 #include <cmath>

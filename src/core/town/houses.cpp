@@ -15,7 +15,7 @@ using models::Fencing;
 using models::Kind;
 using models::Shape;
 
-constexpr int kForms = 4;           // number of forms of each kind of panel
+constexpr int kPanelForms = 4;      // number of forms of each kind of panel
 constexpr double kPanel = 2;        // m, length of a boundary's panel before it is scaled
 constexpr double kSunk = 0.05;      // m that panels reach below the ground
 constexpr double kPlinthDepth = 3;  // m, depth to which plinths extend below the door, to close gaps on slopes
@@ -99,7 +99,7 @@ class Boundaries {
   }
 
   const Model& panel(Fencing kind, int form) {
-    return placer_.model(Kind::Boundary, static_cast<int>(kind) * kForms + form, [&] {
+    return placer_.model(Kind::Boundary, static_cast<int>(kind) * kPanelForms + form, [&] {
       return kind == Fencing::Hedge ? models::makeHedgerow(placer_.builder, placer_.layout.seed, form)
                                     : models::makeFencePanel(placer_.builder, placer_.layout.seed, kind, form);
     });
@@ -145,7 +145,7 @@ void placeBoundaries(Placer& placer) {
   for (const Plot& plot : l.plots) {
     Draw draw(l.seed, Kind::PlotBoundary, plot.number);
     const Road& road = l.roads()[plot.road];
-    const int form = draw.below(kForms);
+    const int form = draw.below(kPanelForms);
     const bool fenced = plot.fencing != Fencing::None;
     const auto point = [&](double along, double depth) {
       return besideRoad(road, along, plot.side * (road.section.half + road.section.fenced() + depth)).at;

@@ -62,8 +62,7 @@ LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double 
   return result;
 }
 
-// Chooses the first side road to come from and the last one to turn into, among those that are long enough and may be
-// driven in this direction.
+// Chooses the first side road to come from and the last to enter, of those that are long enough and driven so.
 EgoRoads egoRoads(const Layout& l) {
   constexpr double kLeastMain = 30;   // m, least length of the main road between two turns, or before the only turn
   constexpr double kLeastLanes = 20;  // m, least length of a side road's lanes

@@ -39,8 +39,7 @@ struct LanePoints {
 // `out` metres to the right of the centre line.
 LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double leastLateral);
 
-// Distances along a side road (m) at which its lanes begin (the same for all side roads) and end, and at which vehicles
-// that leave the side road stop.
+// Distances along a side road (m) at which its lanes begin and end, and at which vehicles that leave it stop.
 inline double laneStart(const Layout& l) {
   return l.mainRoad().section.half + 7;
 }

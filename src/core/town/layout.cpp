@@ -201,8 +201,7 @@ double Layout::grainOf(GroundKind kind, const Beside& beside, double edge, const
          (kind == GroundKind::Sidewalk ? 0.1 : 1);
 }
 
-// Roads are smooth; all other ground is a sum of hills, pavement and the unevenness of the land, which fade out at the
-// borders between kinds of ground.
+// Roads are smooth; all other ground is a sum of terms, each of which fades out at the borders of its kinds of ground.
 double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) const {
   const double edge = beside.nearRoad ? beside.edge : kFarFromRoads;
   if (kind == GroundKind::Road || kind == GroundKind::Parking) return carriagewayHeight(-edge, p);

@@ -28,8 +28,7 @@ class Areas {
   void add(MapArea area);
   const std::vector<MapArea>& list() const { return areas_; }
 
-  // landAt() returns the kind of the smallest area at a point, indexAt() its index in list(); nullopt if no area
-  // contains the point.
+  // Return the kind and the index in list() of the smallest area at a point; nullopt if no area contains the point.
   std::optional<Land> landAt(const Point2& p) const;
   std::optional<std::uint32_t> indexAt(const Point2& p) const;
   // Returns the distance (m) to the nearest water, parking lot or square: negative inside of it, at most kReach.
@@ -48,8 +47,7 @@ enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway
 struct TurnedRectangle : models::Footprint {
   explicit TurnedRectangle(const models::Footprint& f) : Footprint(f), cosine(std::cos(yaw)), sine(std::sin(yaw)) {}
 
-  // Returns the distance of a point from the rectangle (m, negative inside): the larger of the distances along its two
-  // axes.
+  // Returns how far a point is outside of the rectangle (m, negative inside): the larger distance along its two axes.
   double outside(const Point2& p) const {
     const double dx = p.x - center.x;
     const double dy = p.y - center.y;
@@ -139,8 +137,7 @@ class Layout {
   Parameters parameters;
   std::uint64_t seed;
   Character character;
-  // Description of the town: the district, the season, and with a map the main road and the latitude and longitude of
-  // the frame's origin.
+  // Description of the town: district and season, and with a map the main road and the origin's latitude and longitude.
   std::string about;
   std::vector<Plot> plots;
   std::vector<models::House> houses;  // the height of a house's pose is the height of the ground at the door
@@ -171,8 +168,7 @@ class Layout {
   void addGroundInFront(const models::House& house, double yaw, double width, double outer, Draw& draw);
   bool addDriveway(const models::House& house, double yaw, double outer, Draw& draw);
   models::Fencing drawFencing(Draw& draw, double setback) const;
-  // Adds a strip of ground from the point `inner` at a house towards the road. `yaw` is the yaw of the house, `half` is
-  // half of the strip's width (m).
+  // Adds a strip of ground from a point at a house with this yaw towards the road. `half`: half of its width (m).
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
   // Sets the water level of each area that is water: the level is below the lowest point of the area's shore.
   void findWaterLevels();

@@ -31,9 +31,9 @@ Road ringRoad(const Point2& center, double radius, double start, CrossSection se
   return ring;
 }
 
-// Returns points of a random line, kRoadStep apart, from `from` on. `heading`: at its start (rad). It varies along the
-// line as a smooth random field, by less than a right angle, so that the line never crosses itself. `bend`: amplitude
-// of this field (rad).
+// Returns points of a random line, kRoadStep apart, from `from` on. Its heading (rad) begins with `heading` and varies
+// along the line as a random field of the amplitude `bend`, by less than a right angle, so that it never crosses
+// itself.
 std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, double heading, double bend,
                              double length) {
   constexpr double kBends = 90;    // m, size of bends
@@ -113,8 +113,7 @@ void Layout::drawLand() {
   }
 }
 
-// True if no road but the one with the number `exceptRoad` is within about `reach` metres of a point: tests 16 points
-// of a circle.
+// True if no road but `exceptRoad` (its number) is at 16 points of a circle of `reach` metres about a point.
 bool Layout::isClear(const Point2& p, double reach, std::uint32_t exceptRoad) const {
   for (std::uint32_t k = 0; k < 16; ++k) {
     const Beside b = besideAt(polar(p, reach, kPi * k / 8));
@@ -123,8 +122,7 @@ bool Layout::isClear(const Point2& p, double reach, std::uint32_t exceptRoad) co
   return true;
 }
 
-// Adds a roundabout at the end of a random side road, as in many suburbs: a ring with an island, and up to three roads
-// that leave the ring.
+// Adds a roundabout at the end of a random side road: a ring with an island, and up to three roads that leave it.
 void Layout::drawRoundabout() {
   constexpr double kRingFromEdge = 70, kRoadFromEdge = 30;  // m, least distances from the edge of the ground
   Draw draw(seed, Kind::Roundabout);
@@ -170,8 +168,7 @@ void Layout::drawRoads() {
   drawSideRoads();
 }
 
-// Adds the side roads, which begin at the main road; some continue on its other side. Two side roads at the same side
-// are far enough apart for plots.
+// Adds the side roads, which begin at the main road, far enough apart for plots; some continue on its other side.
 void Layout::drawSideRoads() {
   constexpr double kApart = 45, kApartOpposite = 14;  // m, least distances between two side roads
   struct Junction {

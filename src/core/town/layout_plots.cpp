@@ -118,8 +118,7 @@ void Layout::addPlots(const Road& road, int side, double from, double to) {
     plotHouse.hasDriveway = !plotHouse.attached && draw.chance(0.6) && plotHouse.gap > kDriveway - kTight;
     plot.built = buildOn(plot, road, plotHouse, draw);
     start = plot.to;
-    // Leaves out a plot without a house if it is in an area (park, wood, parking lot, water ...). Elsewhere such a plot
-    // becomes a garden.
+    // Plots without a house become gardens, but are left out in areas (park, wood, parking lot, water ...).
     const double middle = (plot.from + plot.to) / 2;
     if (!plot.built && areas.landAt(inPlot(plot, middle, kIntoPlot).at)) continue;
     plots.push_back(plot);
@@ -151,8 +150,7 @@ Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot
   return result;
 }
 
-// Builds a house on its plot, with the ground in front of it, driveway and garage. Returns false if no house is wanted
-// or there is no room.
+// Builds a house on its plot, with driveway and garage. Returns false if no house is wanted or there is no room.
 bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHouse, Draw& draw) {
   House house = plotHouse.house;
   // The ends of the plot's front, from left to right as seen from the road.
@@ -171,8 +169,7 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   occupied_.add({center, body.halfX - (plotHouse.attached ? kOverlap : 0), body.halfY, yaw});
   house.forecourt = plot.setback;
   house.ivy = draw.chance(0.2 * parameters.greenery);
-  // Sets the house's frame: the front wall is in the plane y = 0 and faces -y; x points to the right as seen from the
-  // road.
+  // In the house's frame, the front wall is in y = 0 and faces -y; x points to the right as seen from the road.
   const Point2 corner = body.at(-body.halfX, -body.halfY);
   house.pose = models::at({corner.x, corner.y, 0}, yaw);
   addGroundInFront(house, yaw, plotHouse.width, road.section.outer(), draw);
@@ -181,8 +178,7 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   return true;
 }
 
-// Adds a paved forecourt or a path from the house to the road. `width`: m, of the house's ground. `outer`: m from the
-// plot to the carriageway.
+// Adds a paved forecourt or a path to the road. `width`: of the house's ground; `outer`: from plot to carriageway (m).
 void Layout::addGroundInFront(const House& house, double yaw, double width, double outer, Draw& draw) {
   constexpr double kUnder = 0.4;   // m that a forecourt reaches under the house
   constexpr double kParkable = 7;  // m, least depth of a forecourt on which cars park

@@ -16,8 +16,7 @@ namespace scanmill::town {
 namespace {
 
 // The plane that touches the WGS 84 ellipsoid at a point (degrees). Coordinates are metres from that point: x east, y
-// north (south if mirrored). Conversion uses earth-centred coordinates; 25 km from the point, distances in the plane
-// are 0.1 m too short.
+// north (south if mirrored). By earth-centred coordinates; 25 km away, distances in the plane are 0.1 m too short.
 class TangentPlane {
  public:
   TangentPlane(const OsmNode& origin, bool mirrored)
@@ -34,9 +33,8 @@ class TangentPlane {
   }
   bool mirrored() const { return north_ < 0; }
 
-  // Returns the latitude and longitude (degrees) of a point in the plane: the inverse of operator(). Solves by Newton's
-  // method with an approximate derivative: anywhere in the plane, a metre to the north or east is about the same number
-  // of degrees.
+  // Returns the latitude and longitude (degrees) of a point in the plane: the inverse of operator(), by Newton's method
+  // with an approximate derivative: everywhere, a metre to the north or east is about the same number of degrees.
   OsmNode degreesAt(const Point2& p) const {
     constexpr double kDegree = 111300;  // m, length of a degree of latitude
     constexpr int kIterations = 12;

@@ -1,8 +1,8 @@
 #pragma once
 
-// A place on an OpenStreetMap extract, with buildings by the scheme "Simple 3D Buildings". A town can be laid out from
-// it instead of at random. Frame: metres, x east, y north, in the plane that touches the WGS 84 ellipsoid in the middle
-// of the extract's roads.
+// A place on an OpenStreetMap extract, with buildings by the scheme "Simple 3D Buildings", from which a town can be
+// laid out. Frame: metres, x east, y north, in the plane that touches the WGS 84 ellipsoid in the middle of the
+// extract's roads.
 
 #include <array>
 #include <cstdint>
@@ -55,8 +55,7 @@ struct MapBuilding {
   std::optional<double> top;         // m, top of the roof above the ground
   std::optional<int> floors;         // number of floors above the ground
   std::optional<models::Roof> roof;  // a house's roof; not set: the map gives no shape, or a shape that houses lack
-  // Ends of the ridge of a pitched roof over a building that is no house; equal ends are the top of a pyramid. Not set:
-  // such a building has a flat roof.
+  // Ends of the ridge of a pitched roof of a building that is no house; equal: of a pyramid. Not set: the roof is flat.
   std::optional<std::array<Point2, 2>> ridge;
   double rise = 0;          // m, height of the roof
   bool riseMapped = false;  // true: the map gives the height of the roof; false: `rise` is a usual height
@@ -146,8 +145,7 @@ MapPlace cutOut(const Map& map, const Parameters& parameters, std::uint64_t seed
 // Joins roads that meet end to end. At crossings, joins the roads that continue straight ahead.
 [[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
 
-// These functions interpret tags of OpenStreetMap. They return nullopt if the tags do not belong to such an object, or
-// do not give the property.
+// These functions interpret tags of OpenStreetMap. They return nullopt if the tags do not give the property.
 std::optional<RoadClass> roadClassOf(const OsmTags& tags);
 std::optional<Land> landOf(const OsmTags& tags);
 std::optional<models::Fencing> fencingOf(const std::string& barrier);
@@ -165,8 +163,7 @@ bool isAbsent(const OsmTags& tags);
 bool hasSurface(const OsmTags& tags, std::initializer_list<std::string_view> values);
 // True if an element with the key highway is an area, unless its outline is not closed.
 bool isHighwayArea(const OsmTags& tags);
-// True for roofs without walls, which are left out, since they would get walls. A part of a building that hangs has no
-// walls on the ground.
+// True for roofs without walls, which are left out, since they would get walls; not for parts of buildings that hang.
 bool isOpenRoof(const OsmTags& tags);
 // True if the map gives the look or the state of a building.
 bool hasLook(const OsmTags& tags);

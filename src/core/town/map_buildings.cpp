@@ -65,8 +65,7 @@ RoofDirection roofDirection(const OsmTags& tags, const models::Footprint& about,
 }
 
 // Sets the ridge and the height of a pitched roof, and the kind of roof if a house has this kind. `about`: the
-// rectangle about the building; `slope`: height per length (m/m). Outlines with points on straight walls become
-// rectangles.
+// rectangle about the building; `slope`: m/m. Outlines with points on straight walls become rectangles.
 void setPitchedRoof(MapBuilding& b, const models::Footprint& about, RoofShape shape, RoofDirection direction,
                     double slope) {
   constexpr double kSquare = 0.1;  // largest difference of the half sides of a square, as a part of the smaller one
@@ -200,8 +199,7 @@ Polygon polygonOf(const Ring& ring, const Point2& origin) {
   return polygon;
 }
 
-// Adds the regions of the outline that no part covers as further parts. Does nothing, and returns false, if the parts
-// cover nearly all of it.
+// Adds the regions of the outline that no part covers as further parts; returns false if parts cover nearly all of it.
 bool addUncoveredRegions(MapBuilding& b) {
   constexpr double kCovered = 0.9;    // parts that cover this share of an outline stand for all of it
   constexpr double kLeastRegion = 1;  // m^2
@@ -340,8 +338,7 @@ void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> par
     building.parts.push_back(std::move(part));
   }
   buildings.insert(buildings.end(), std::make_move_iterator(unowned.begin()), std::make_move_iterator(unowned.end()));
-  // Sets the top of a hanging building that lacks one, and counts how the building differs from the map. Returns true
-  // if it has no height.
+  // Sets a missing top of a hanging building, and counts its difference from the map. True if it has no height.
   const auto countAndTestHeight = [&](MapBuilding& b) {
     if (b.base > 0 && !b.top) b.top = b.base + kStorey;
     const bool flat = b.base > 0 && *b.top < b.base + 0.05;

@@ -20,8 +20,7 @@ using models::Kind;
 constexpr double kLeastLength = 100;  // m, least length of a main road
 constexpr double kAroundLand = 30;    // m that areas of land may extend beyond the square of the roads
 
-// Throws the InputError of a map without a road that could be the main road. `longest`: m, length of the longest road
-// that the parameters allow.
+// Throws the InputError of a map without a main road. `longest`: m, length of the longest road that may be one.
 [[noreturn]] void refuse(const Map& map, const Parameters& parameters, double longest, const Location& where) {
   std::vector<std::string> names;
   for (const MapRoad& road : map.roads) {
@@ -199,8 +198,7 @@ class Cutter {
     }
   }
 
-  // Adds the parts of a piece in the square, with the properties of `piece` and points of `line`. `joined`: true if the
-  // piece begins at the main road.
+  // Adds the parts of `line` in the square, with the properties of `piece`. `joined`: it begins at the main road.
   void addPiece(const MapRoad& piece, const std::vector<Point2>& line, bool joined) {
     const std::vector<Point2> smooth = piece.ring ? evenLine(line, kRoadStep) : smoothLine(line, kRoadStep);
     bool first = true;
@@ -213,8 +211,7 @@ class Cutter {
     }
   }
 
-  // Makes a road that begins at the main road one of its side roads, unless their angle is flat: no vehicle turns
-  // there.
+  // Makes a road that begins at the main road one of its side roads, unless the angle is too flat for vehicles to turn.
   void joinMain(MapRoad& road) const {
     constexpr std::size_t kAhead = 6;   // points from the junction to where the angle is measured
     constexpr double kLeastSine = 0.5;  // of the angle between the roads

@@ -33,8 +33,7 @@ double turnAt(const MapRoad& road, std::size_t i) {
   return std::abs(wrapped(std::atan2(c.y - b.y, c.x - b.x) - std::atan2(b.y - a.y, b.x - a.x)));
 }
 
-// Cuts roads into pieces: at nodes that several roads (or one road several times) have, and where a road turns back on
-// itself.
+// Cuts roads into pieces: at nodes that roads have more than once, and where a road turns back on itself.
 std::vector<Piece> cutIntoPieces(const std::vector<MapRoad>& roads) {
   std::map<std::int64_t, int> uses;  // by node
   for (const MapRoad& road : roads) {

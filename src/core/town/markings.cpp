@@ -51,8 +51,7 @@ bool isJoint(const Layout& l, const Road& road, const Point2& middle) {
   return l.besideAt(middle).edge < -road.section.half - kInside;
 }
 
-// Paints a dash of a line `lateral` metres to the left of the road's middle, in pieces that follow the ground. `start`:
-// m along the road.
+// Paints a dash of a line in pieces that follow the ground. `start`: m along the road, `lateral`: m to the left of it.
 void paintDash(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double start, double length,
                double lateral, int pieces) {
   for (int k = 0; k < pieces; ++k) {
@@ -119,7 +118,7 @@ void addRepair(Shape& s, models::SurfaceIndex asphalt, const Layout& l, const Ro
       row.push_back(l.onGround(spot.at, kAboveRoad));
     }
   }
-  s.grid(grid, false, [&](int, int) { return asphalt; });
+  s.grid(grid, false, asphalt);
 }
 
 }  // namespace
@@ -148,8 +147,7 @@ void placeMarkings(Placer& placer) {
   if (painted > 0) placer.putShape(s);
 }
 
-// Places manhole covers, and rectangles of newer asphalt where roads were repaired. A road's random stream draws all of
-// its manholes first.
+// Places manhole covers and then, with the same random stream, rectangles of newer asphalt where a road was repaired.
 void placeCovers(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "manholes and repairs");

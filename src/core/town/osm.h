@@ -1,7 +1,6 @@
 #pragma once
 
-// The part of an OpenStreetMap extract that a town needs, the values of its tags, and the module that reads it with
-// libosmium.
+// The part of an OpenStreetMap extract that a town needs, its tags, and the module that reads it with libosmium.
 
 #include <cstdint>
 #include <initializer_list>
@@ -84,8 +83,7 @@ class OsmModule {
                                     "libexpat1 and liblz4-1)"};
 
   virtual ~OsmModule() = default;
-  // Reads a file, which has nodes, ways and relations in this order, each by their ids. Throws std::exception with what
-  // is wrong.
+  // Reads a file: nodes, ways and relations in this order, each by their ids. Throws std::exception with the fault.
   virtual OsmExtract read(const std::string& file) const = 0;
 };
 

@@ -18,9 +18,8 @@ constexpr double kBay = 6;            // m, length of a parking bay along the cu
 constexpr double kParkingLane = 1.5;  // m, least width of a lane in which cars park
 
 // Returns how far beyond the edge of the carriageway (m, negative: on it) the middle of a parked car stands: in the
-// middle of a parking lane, or half on the sidewalk if both the lane and a part of the sidewalk stay free, or else, on
-// roads that the ego vehicle does not use, at the curb. nullopt: there is no space. `half`: half of the car's width
-// (m).
+// middle of a parking lane, or half on the sidewalk if both the lane and a part of the sidewalk stay free, or else,
+// unless the ego vehicle uses the road, at the curb. nullopt: there is no space. `half`: half of the car's width (m).
 std::optional<double> parkedBeyondEdge(const Road& road, double half, bool egoDrives) {
   constexpr double kBesideLane = 1.6;  // m between the middle of a lane and parked cars: lorries pass
   constexpr double kWalk = 0.7;        // m, width of the sidewalk that stays free
@@ -66,8 +65,7 @@ std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool e
   return bay;
 }
 
-// Places cars side by side on wide forecourts, with gaps; a driveway has room for one car. The patch's y axis points to
-// the house.
+// Places cars side by side on wide forecourts, one car on a driveway. The patch's y axis points to the house.
 void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
   constexpr double kBeside = 2.7;  // m between the middles of neighbours
   const TurnedRectangle& ground = patch.rectangle;

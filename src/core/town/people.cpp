@@ -46,17 +46,16 @@ std::optional<PavementPosition> drawPosition(const Placer& placer, Draw& draw) {
 constexpr double kLongestFree = 110;  // m, largest free length that is looked for
 
 // Returns how far (m) a pedestrian or cyclist can go from a position before an object, another road or the end of the
-// road is in the way; at most kLongestFree. `half`: half of the width that must be free (m), of which 0.2 m may be over
-// a road.
+// road; at most kLongestFree. `half`: half of the width that must be free (m), of which 0.2 m may be over a road.
 double freeLength(const Placer& placer, PavementPosition position, double half) {
   constexpr double kNearEnd = 20;      // m from the ends of the main road, where traffic comes out of the ground
-  constexpr double kEndOfRoad = 4;     // m
+  constexpr double kFromRoadEnd = 4;     // m
   constexpr double kFarthestOut = 12;  // m from a road's edge; farther out the position is beyond a bend
   const std::vector<Point2>& line = placer.layout.mainRoad().line;
   const double start = position.along;
   for (const double done : models::steps(0, kLongestFree, 0.5)) {
     position.along = start + position.direction * done;
-    if (position.along < kEndOfRoad || position.along > position.road->length() - kEndOfRoad) return done;
+    if (position.along < kFromRoadEnd || position.along > position.road->length() - kFromRoadEnd) return done;
     const Spot spot = position.spot();
     if (std::min(distance(spot.at, line.front()), distance(spot.at, line.back())) < kNearEnd) return done;
     const double edge = placer.layout.besideAt(spot.at).edge;
@@ -93,8 +92,7 @@ std::vector<Vec3d> walkingPath(const Placer& placer, const PavementPosition& sta
   return points;
 }
 
-// Places a pedestrian who walks along a road, to and fro until everything stands still. Returns false if the free
-// length is too short.
+// Places a pedestrian who walks to and fro along a road. Returns false if the free length is too short.
 bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const std::string& name) {
   constexpr double kLeast = 12;           // m, least free length
   constexpr double kHalfWidth = 0.4;      // m, half of the width of the free ground

@@ -33,13 +33,11 @@ class Placer {
   void put(const Model& m, const Spot& s, const std::string& name, double sink = 0);
   // Places the model if the spot is free. Otherwise returns false.
   bool tryPut(const Model& m, const Spot& s, const std::string& name);
-  // Places a model on wheels, which tilts with the ground, if the spot is free and not in noParking. Otherwise returns
-  // false.
+  // Places a model on wheels, tilted with the ground, if the spot is free and not in noParking; else returns false.
   bool tryPark(const Model& m, const Spot& s, const std::string& name);
   // Places a model on wheels even if the spot is not free.
   void park(const Model& m, const Spot& s, const std::string& name);
-  // Places a model that moves. In a plain town it stands where it is when the drive begins, or is left out if it is
-  // below the ground then.
+  // Places a model that moves. In a plain town it stands still, or is left out if it begins below the ground.
   void putMoving(std::uint32_t mesh, const std::string& name, const std::shared_ptr<const Movement>& movement,
                  const std::shared_ptr<const Animation>& animation = nullptr);
   // Adds a mesh whose points are in the town's frame.
@@ -109,8 +107,7 @@ const Model& anyCar(Placer& placer, Draw& draw);
 const Model& anyTruck(Placer& placer, Draw& draw);
 const Model& busOf(Placer& placer);
 
-// Appends paint on a road: a quad that extends along the road's line and across it (m along the line, and m to its
-// left).
+// Appends paint on a road: a quad with extents along the road's line (m) and across it (m to the left of the line).
 void paintBar(models::Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road,
               const models::Span& along, const models::Span& lateral);
 

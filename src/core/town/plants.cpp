@@ -97,9 +97,8 @@ void placePits(Placer& placer, const std::vector<Spot>& pits) {
   placer.putShape(s);
 }
 
-// Plants trees along a road: in the verge if it is wide enough, in pits near the curb of wide sidewalks, else in the
-// gardens behind the pavement. `avenue`: fraction of the positions that have a tree. Appends the spots in pits to
-// `pits`.
+// Plants trees along a road: in a wide verge, in pits near the curb of wide sidewalks, else in the gardens behind the
+// pavement. `avenue`: fraction of the positions that have a tree. Appends the spots in pits to `pits`.
 void plantAlong(Placer& placer, const Road& road, double avenue, std::vector<Spot>& pits) {
   constexpr double kWideVerge = 1.2, kWideSidewalk = 2.8;  // m
   const Layout& l = placer.layout;
@@ -205,8 +204,7 @@ void placeMapTrees(Placer& placer) {
   }
 }
 
-// Plants trees along the roads, in parks and in gardens, in this order. If the map has trees, none are added along the
-// roads and in parks.
+// Plants trees along the roads, in parks and in gardens, in this order; only in gardens if the map has trees.
 void placeTrees(Placer& placer) {
   const Layout& l = placer.layout;
   placer.numbers["tree"] = static_cast<int>(l.trees.size());  // their names follow those of the map's trees

@@ -13,8 +13,7 @@ std::uint64_t mixed(std::uint64_t v) {
   return v ^ (v >> 31);
 }
 
-// Returns the dot product of two vectors: the gradient at a corner of the lattice, one of sixteen unit vectors, and the
-// offset (dx, dy) from that corner.
+// Returns the dot product of an offset (dx, dy) from a corner of the lattice and the gradient there, a unit vector.
 double sloped(std::uint64_t lattice, std::int64_t ix, std::int64_t iy, double dx, double dy) {
   // The sines and cosines of 22.5 and 45 degrees.
   constexpr double kSin = 0.38268343236508977, kCos = 0.92387953251128674, kHalf = 0.70710678118654752;

@@ -1,7 +1,6 @@
 #pragma once
 
-// Smooth random fields over the plane, for the unevenness of the ground and for other properties that vary with
-// position.
+// Smooth random fields over the plane, for the unevenness of the ground and for other properties of a town.
 
 #include <cstdint>
 

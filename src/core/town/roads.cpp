@@ -152,8 +152,7 @@ Beside RoadNetwork::at(const Point2& p) const {
     const CrossSection& section = roads_[n.road].section;
     const double distance = std::sqrt(n.squaredDistance);
     const double lateral = n.left ? distance : -distance;
-    // A road that ends at a joint must not widen the other roads on their far side. Therefore the distance to its edge
-    // grows steeply beyond its end.
+    // Beyond a road's end the distance to its edge grows steeply: it must not widen the other roads of the joint.
     constexpr double kSteepness = 3;
     const double edge = distance - section.half + (severalRoads ? kSteepness * n.beyondEnd * corner / kRounding : 0);
     if (!beside.nearRoad) {
@@ -171,8 +170,7 @@ Beside RoadNetwork::at(const Point2& p) const {
       beside.lateral = lateral;
     }
   }
-  // The island inside a roundabout, at the left of the ring's line, has no pavements, although the roads that join the
-  // ring may have pavements.
+  // The island inside a roundabout, at the left of its line, has no pavements, unlike the roads that join it.
   if (beside.nearRoad && roads_[beside.road].ring && beside.lateral > 0) beside.section = roads_[beside.road].section;
   return beside;
 }

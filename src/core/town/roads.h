@@ -1,7 +1,6 @@
 #pragma once
 
-// The roads of a town: centre lines with cross sections, and the position of points relative to the roads. Coordinates
-// are in the town's frame (m).
+// The roads of a town: centre lines with cross sections, and positions relative to them, in the town's frame (m).
 
 #include <algorithm>
 #include <cstdint>
@@ -15,8 +14,7 @@ namespace scanmill::town {
 
 using models::Point2;
 
-// The cross section of a road (m). On both sides the carriageway is followed, outwards, by curb stone, verge (grass),
-// sidewalk and plots.
+// The cross section of a road (m). On both sides, from the middle: carriageway, curb stone, verge (grass), sidewalk.
 struct CrossSection {
   double half = 3.5;      // half of the width of the carriageway, with its parking lanes
   double parking = 0;     // width of the parking lane at each edge, part of `half`; 0: none
@@ -54,8 +52,7 @@ struct Road {
 
   double length() const { return at.back(); }
   bool oneWay() const { return !along || !against; }
-  // Returns the distance between the middle of the rightmost lane and the centre line (m). A one-way road is a single
-  // lane.
+  // Returns the distance between the rightmost lane's middle and the centre line (m). One-way roads have a single lane.
   double laneMiddle() const { return oneWay() ? 0 : section.median + (section.lanes - 0.5) * section.laneWidth(); }
   Point2 point(double distance) const;
   // Returns the direction of the line (unit length) at a distance along it (m).
@@ -64,12 +61,10 @@ struct Road {
 
 constexpr double kRoadStep = 2;  // m between the points of a road's line
 
-// Returns the place at a distance `along` the road's line and `lateral` metres to the left of the line; its yaw is the
-// direction of the line.
+// Returns the spot at a distance along a road and `lateral` metres to its left; its yaw is the line's direction.
 models::Spot besideRoad(const Road& road, double along, double lateral);
 
-// The position of a point relative to the nearest road: beside that road or on it. The other members are not set unless
-// `nearRoad` is true.
+// The position of a point relative to the nearest road. If `nearRoad` is false, the other members are not set.
 struct Beside {
   bool nearRoad = false;  // true: a road's centre line is within RoadNetwork::kReach
   double edge = 1e9;      // m beyond the edge of the carriageway, negative on it; corners at joints are rounded
@@ -87,8 +82,7 @@ class RoadNetwork {
   static constexpr double kReach = 48;  // m, largest distance from which at() finds a road's centre line
 
   void add(Road road);
-  // Adds a joint, a point where roads meet. Corners are rounded only near joints; elsewhere roads that touch are
-  // independent.
+  // Adds a joint, where roads meet. Corners are rounded only near joints; elsewhere roads that touch are independent.
   void addJoint(const Point2& joint);
   const std::vector<Road>& roads() const { return roads_; }
 

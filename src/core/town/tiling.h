@@ -20,9 +20,8 @@ struct Tiling {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// Covers the square from -half to half by a quadtree, whose leaves are divided into triangles around their centres. A
-// square with the side `size` and the centre (x, y) is divided while divided(x, y, size) is true and `size` is above
-// `smallest` (m).
+// Covers the square from -half to half by a quadtree, whose leaves become triangles around their centres. A square with
+// this size and centre (x, y) is divided while divided() is true and the size is above `smallest` (m).
 Tiling makeTiling(double half, double smallest, const std::function<bool(double x, double y, double size)>& divided);
 
 // Divides triangles along the line on which a field is zero. `field` has the field (m) at each point of the tiling; it

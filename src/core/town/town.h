@@ -1,7 +1,6 @@
 #pragma once
 
-// The procedural town, a scene that needs no download. It depends only on its keys and the seed; every seed gives
-// another town.
+// The procedural town, a scene that needs no download. It depends only on its keys and the seed.
 
 #include <cstdint>
 
@@ -11,10 +10,9 @@
 
 namespace scanmill {
 
-// Adds a town. In the town's frame the main road passes the origin along +x, where the ground is near z = 0. `place` is
-// the town's pose in the world. `fields` are the keys of `town:` in a scene file; finish() is called here. The
-// reflectances of its materials are those of `builder`: call drawReflectances() first. Throws InputError with the place
-// in the file.
+// Adds a town. In its frame the main road passes the origin along +x, where the ground is near z = 0; `place` is its
+// pose in the world. `fields`: the keys of `town:`, whose finish() is called here. Call builder.drawReflectances()
+// first: the materials have the builder's reflectances. Throws InputError with the place in the file.
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& place);
 
 // Returns two routes of the ego vehicle through a town with these keys and this seed, in the town's frame: one

@@ -1,5 +1,4 @@
-// Places vehicles and cyclists that drive on the lanes by the model of flow.h. The right-hand lane of the main road is
-// free for the ego vehicle.
+// Places vehicles and cyclists that drive by the model of flow.h, but not on the ego vehicle's lane of the main road.
 
 #include <fmt/format.h>
 
@@ -99,8 +98,7 @@ class Traffic {
   static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
   static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
 
-  // Adds a route without legs and stop lines, `out` metres to the right of the middle of the rightmost lane. Returns
-  // its index.
+  // Adds a route without legs and stops, `out` m to the right of the rightmost lane's middle. Returns its index.
   std::uint32_t addRoute(const LanePath& lanePath, double out = 0) {
     lanePaths_.push_back(lanePath);
     paths_.push_back(vehiclePath(l_, lanePath, out, 0, placer_.worldFromTown));
@@ -114,8 +112,7 @@ class Traffic {
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
 
-  // Returns where an object first blocks the lane on the way from one position of a road to another (m along the road);
-  // nullopt if the lane is free.
+  // Returns where an object first blocks the lane between two positions (m along the road); nullopt if it is free.
   std::optional<double> firstObstacle(std::uint32_t r, double from, double to) const {
     const double direction = to >= from ? 1 : -1;
     const double lateral = road(r).oneWay() ? 0 : std::max(road(r).laneMiddle(), 0.9 + kMiddle);
@@ -127,8 +124,7 @@ class Traffic {
     return std::nullopt;
   }
 
-  // Adds the route through the town: the complete main road, driven against its line. It has stop lines at obstacles
-  // and at traffic lights.
+  // Adds the route through the town: all of the main road, against its line. Stops are at obstacles and lights.
   void addThrough() {
     constexpr double kBeforeObstacle = 2;  // m
     constexpr double kNextObstacle = 26;  // m behind the beginning of an obstacle, where the search for the next begins
@@ -144,8 +140,7 @@ class Traffic {
     addLights(route, &Placer::Light::stopAgainstLine);
   }
 
-  // Adds the stop lines of the main road's lights to a route. `position`: the member that has the position of the line
-  // for the direction of this route.
+  // Adds stop lines at the main road's lights. `position`: the member with the position for the route's direction.
   void addLights(std::uint32_t route, double Placer::Light::*position) {
     for (const Placer::Light& light : placer_.lights) {
       routes_[route].stops.push_back({.at = paths_[route].distanceAt(0, light.*position),
@@ -192,8 +187,7 @@ class Traffic {
     addSideVehicles(r, inRoute, outRoute, end - start);
   }
 
-  // Adds the route from the main road into a side road. On the main road it shares the lane of the route through the
-  // town and its stop lines.
+  // Adds the route from the main road into a side road. It shares the lane and the stops of the route through the town.
   void addTurnInto(const Road& side) {
     constexpr double kSeenBefore =
         4;  // m before the side road's lane, where vehicles on this lane see those that turn in
@@ -304,8 +298,7 @@ class Traffic {
     }
   }
 
-  // Adds the vehicles of a passing lane, `out` metres to the right of the rightmost lane. They drive faster than those
-  // of the rightmost lane.
+  // Adds the vehicles of a passing lane, `out` m to the right of the rightmost lane; they drive faster than there.
   void addPassingVehicles(Draw& draw, std::uint32_t route, double out) {
     const double per100m = l_.character.traffic;
     const double end = routes_[route].length - kBeyond;
