@@ -110,8 +110,9 @@ class Reference {
     return transform(other, {&east, 1}, {&north, 1}) ? std::hypot(east * otherUnit - x, north * otherUnit - y) : 0;
   }
 
-  // True if the horizontal systems are the same. Removes the vertical systems of both references.
+  // True if the horizontal systems are the same, or if one is invalid. Removes the vertical systems of both references.
   bool isSameAs(const Reference& other) const {
+    if (!isValid_ || !other.isValid_) return true;
     OSRStripVertical(handle_);
     OSRStripVertical(other.handle_);
     return OSRIsSame(handle_, other.handle_) != 0;
@@ -382,9 +383,7 @@ class Gdal final : public RastersModule {
     return system;
   }
   bool same(const std::string& reference, const std::string& other) const override {
-    const Reference a(reference);
-    const Reference b(other);
-    return !a.isValid() || !b.isValid() || a.isSameAs(b);
+    return Reference(reference).isSameAs(Reference(other));
   }
   double shift(const std::string& reference, const std::string& other, double x, double y) const override {
     const double distance = Reference(reference).shift(Reference(other), x, y);

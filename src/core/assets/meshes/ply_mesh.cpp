@@ -148,8 +148,10 @@ class PlyMeshReader {
           lists_[role].push_back(body_.number(property));
         }
       }
-      if (isVertex) addVertex();
       if (element.name == "face") addFace();
+      if (!isVertex) continue;
+      vertices_.push_back({value(Role::X), value(Role::Y), value(Role::Z)});
+      if (hasUvs_) uvs_.push_back({static_cast<float>(value(Role::U)), static_cast<float>(value(Role::V))});
     }
   }
 
@@ -175,11 +177,6 @@ class PlyMeshReader {
 
   double value(Role role) const { return values_[static_cast<std::size_t>(role)]; }
   const std::vector<double>& list(Role role) const { return lists_[static_cast<std::size_t>(role)]; }
-
-  void addVertex() {
-    vertices_.push_back({value(Role::X), value(Role::Y), value(Role::Z)});
-    if (hasUvs_) uvs_.push_back({static_cast<float>(value(Role::U)), static_cast<float>(value(Role::V))});
-  }
 
   // Returns the number as an index; kNone if it is not from 0 to below `count`.
   static std::uint32_t indexOf(double number, std::size_t count) {

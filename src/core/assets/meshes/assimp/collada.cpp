@@ -77,7 +77,7 @@ class Collada {
     for (const pugi::xpath_node& scene : root_.select_nodes("//visual_scene")) nodes += nodesIn(scene.node());
     constexpr double kMostInInteger = 1e18;
     chargeCopies(static_cast<std::uint64_t>(std::min(nodes, kMostInInteger)), {});
-    addDefaultMaterial();
+    readMaterials();
     std::ostringstream text;
     document_.save(text, "", pugi::format_raw, pugi::encoding_utf8);
     facts_.text = std::move(text).str();
@@ -182,9 +182,9 @@ class Collada {
     return count;
   }
 
-  // Reads the materials, and adds kDefaultMaterial before them: the importer gives surfaces without a material the
-  // first one that it finds.
-  void addDefaultMaterial() {
+  // Reads the materials. If there are any, the importer gives surfaces without a material the first one that it finds:
+  // kDefaultMaterial is added before them.
+  void readMaterials() {
     std::map<std::string, pugi::xml_node> effects;
     for (const pugi::xml_node& effect : root_.child("library_effects").children("effect")) {
       effects[effect.attribute("id").value()] = effect;
@@ -195,21 +195,26 @@ class Collada {
       if (effect != effects.end()) materials[material.attribute("id").value()] = materialOf(effect->second);
     }
     if (!materials.empty()) {
-      pugi::xml_node effect = root_.child("library_effects").prepend_child("effect");
-      effect.append_attribute("id") = "!";
-      effect.append_child("profile_COMMON").append_child("technique").append_child("lambert");
-      pugi::xml_node material = root_.child("library_materials").prepend_child("material");
-      material.append_attribute("id") = "!";
-      material.append_attribute("name") = kDefaultMaterial;
-      material.append_child("instance_effect").append_attribute("url") = "#!";
-      materials["!"].colored = true;
-      for (const pugi::xpath_node& bound : root_.select_nodes("//bind_material/technique_common")) {
-        pugi::xml_node instance = bound.node().prepend_child("instance_material");
-        instance.append_attribute("symbol") = "!";
-        instance.append_attribute("target") = "#!";
-      }
+      addDefaultMaterial();
+      materials["!"].colored = true;  // sorts before all other ids
     }
     for (const auto& [id, material] : materials) facts_.materials.push_back(material);
+  }
+
+  // Adds kDefaultMaterial with the id "!", and binds it wherever materials are bound.
+  void addDefaultMaterial() {
+    pugi::xml_node effect = root_.child("library_effects").prepend_child("effect");
+    effect.append_attribute("id") = "!";
+    effect.append_child("profile_COMMON").append_child("technique").append_child("lambert");
+    pugi::xml_node material = root_.child("library_materials").prepend_child("material");
+    material.append_attribute("id") = "!";
+    material.append_attribute("name") = kDefaultMaterial;
+    material.append_child("instance_effect").append_attribute("url") = "#!";
+    for (const pugi::xpath_node& binding : root_.select_nodes("//bind_material/technique_common")) {
+      pugi::xml_node instance = binding.node().prepend_child("instance_material");
+      instance.append_attribute("symbol") = "!";
+      instance.append_attribute("target") = "#!";
+    }
   }
 
   std::string bytes_;

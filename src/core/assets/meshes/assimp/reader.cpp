@@ -30,13 +30,6 @@ Affine toAffine(const aiMatrix4x4& m) {
   return {{{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}}, {m.a4, m.b4, m.c4}};
 }
 
-// Returns an entry of the metadata of a scene or a node.
-template <class T>
-T metadataOf(const auto& owner, const char* key, T fallback) {
-  T value{};
-  return owner.mMetaData != nullptr && owner.mMetaData->Get(key, value) ? value : fallback;
-}
-
 std::string textOf(const aiMaterial& material, const char* key, unsigned type, unsigned i) {
   aiString value;
   return material.Get(key, type, i, value) == aiReturn_SUCCESS ? std::string(value.C_Str()) : std::string();
@@ -161,8 +154,9 @@ class Importer {
     if (scene_ == nullptr) failReading(reason(importer_.GetErrorString()));
     if (scene_->mRootNode == nullptr) failReading("it has no nodes");
     // The importer also recognises other kinds by their content.
-    const std::string format = metadataOf(*scene_, AI_METADATA_SOURCE_FORMAT, aiString()).C_Str();
-    if (format != (isCollada_ ? "Collada Importer" : "AC3D Importer")) failReading("it is of another kind");
+    aiString format;
+    if (scene_->mMetaData != nullptr) scene_->mMetaData->Get(AI_METADATA_SOURCE_FORMAT, format);
+    if (format != aiString(isCollada_ ? "Collada Importer" : "AC3D Importer")) failReading("it is of another kind");
   }
 
   [[noreturn]] void failReading(const std::string& reason) const {

@@ -111,7 +111,7 @@ class ObjReader {
 
   void readVertex() {
     const auto& words = statements_.words();
-    const std::size_t count = words.size();
+    const std::size_t count = words.size();  // position; weight; colour without and with alpha
     if (count != 3 && count != 4 && count != 6 && count != 7 && count != 8) {
       statements_.fail(
           fmt::format("has {} numbers: give x y z, and then a weight, a colour or both if you like", count));
