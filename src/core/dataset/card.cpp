@@ -186,6 +186,13 @@ constexpr const char* kCroissantContext = R"({
   "transform": "cr:transform"
 })";
 
+// Members of the shards whose names have the same suffix.
+struct FileSet {
+  std::string id;
+  std::string suffix;
+  const char* mediaType;
+};
+
 // Returns the files of the dataset, and the members of its shards as sets of files.
 OrderedJson croissantFiles(const Manifest& manifest) {
   OrderedJson files = OrderedJson::array(), shards = OrderedJson::array();
@@ -200,24 +207,24 @@ OrderedJson croissantFiles(const Manifest& manifest) {
                      {"encodingFormat", "application/x-tar"},
                      {"sha256", shard.sha256}});
   }
-  const auto addMembers = [&](const std::string& id, const std::string& pattern, const char* type) {
-    files.push_back({{"@type", "cr:FileSet"},
-                     {"@id", id},
-                     {"name", id},
-                     {"containedIn", shards},
-                     {"encodingFormat", type},
-                     {"includes", pattern}});
-  };
-  addMembers("samples-json", "*.json", "application/json");
-  files.back()["excludes"] = "*.*.json";  // further members of samples, such as their lists of objects
-  const auto addOptional = [&](const char* id, std::string_view suffix, const char* type) {
-    if (hasMembers(manifest, suffix)) addMembers(id, fmt::format("*.{}", suffix), type);
-  };
-  addOptional("objects-json", kObjectsSuffix, "application/json");
-  addOptional("reasons-png", kReasonsSuffix, "image/png");
-  addOptional("voxels-npz", kVoxelsSuffix, "application/zip");
+  std::vector<FileSet> sets{{.id = "samples-json", .suffix = "json", .mediaType = "application/json"}};
+  for (const FileSet& optional : {FileSet{"objects-json", std::string(kObjectsSuffix), "application/json"},
+                                  FileSet{"reasons-png", std::string(kReasonsSuffix), "image/png"},
+                                  FileSet{"voxels-npz", std::string(kVoxelsSuffix), "application/zip"}}) {
+    if (hasMembers(manifest, optional.suffix)) sets.push_back(optional);
+  }
   for (const FormatRecord& format : manifest.formats) {
-    addMembers("scans-" + format.name, "*." + format.suffix, "application/octet-stream");
+    sets.push_back({"scans-" + format.name, format.suffix, "application/octet-stream"});
+  }
+  for (const FileSet& set : sets) {
+    files.push_back({{"@type", "cr:FileSet"},
+                     {"@id", set.id},
+                     {"name", set.id},
+                     {"containedIn", shards},
+                     {"encodingFormat", set.mediaType},
+                     {"includes", "*." + set.suffix}});
+    // Further members of samples, such as their lists of objects, also end in .json.
+    if (set.id == "samples-json") files.back()["excludes"] = "*.*.json";
   }
   return files;
 }
