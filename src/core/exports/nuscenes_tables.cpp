@@ -473,18 +473,19 @@ class Tables {
     return kFirstOther + others_++;
   }
 
-  // Returns the token of the sample_data of a sensor's revolution before (`step` -1) or after (1) the revolution `r` of
-  // a frame; empty if there is none.
-  std::string neighbour(std::size_t s, std::size_t f, std::size_t sensor, std::size_t r, int step) const {
-    constexpr std::string_view table = "sample_data";
-    const SampleRecord& sample = sampleAt(s, f);
-    if (step < 0 && r > 0) return scanToken(table, sample, sensor, r - 1);
-    if (step > 0 && r + 1 < revolutionsOf(plan_, sample, sensor).size()) {
-      return scanToken(table, sample, sensor, r + 1);
-    }
-    if (step < 0 ? f == 0 : f + 1 == plan_.sequences[s].samples.size()) return {};
-    const SampleRecord& other = sampleAt(s, step < 0 ? f - 1 : f + 1);
-    return scanToken(table, other, sensor, step < 0 ? revolutionsOf(plan_, other, sensor).size() - 1 : 0);
+  // Return the token of the sample_data of a sensor's revolution before or after the revolution `r` of a frame; empty
+  // if there is none in the sequence.
+  std::string tokenBefore(std::size_t s, std::size_t f, std::size_t sensor, std::size_t r) const {
+    if (r > 0) return scanToken("sample_data", sampleAt(s, f), sensor, r - 1);
+    if (f == 0) return {};
+    const SampleRecord& previous = sampleAt(s, f - 1);
+    return scanToken("sample_data", previous, sensor, revolutionsOf(plan_, previous, sensor).size() - 1);
+  }
+  std::string tokenAfter(std::size_t s, std::size_t f, std::size_t sensor, std::size_t r) const {
+    const bool isLast = r + 1 == revolutionsOf(plan_, sampleAt(s, f), sensor).size();
+    if (!isLast) return scanToken("sample_data", sampleAt(s, f), sensor, r + 1);
+    if (f + 1 == plan_.sequences[s].samples.size()) return {};
+    return scanToken("sample_data", sampleAt(s, f + 1), sensor, 0);
   }
 
   std::string scanToken(std::string_view table, const SampleRecord& sample, std::size_t sensor, std::size_t r) const {
@@ -515,8 +516,8 @@ class Tables {
                           {"height", 0},
                           {"width", 0},
                           {"filename", pointsFile(plan_, s, sample, sensor, scan).generic_string()},
-                          {"prev", neighbour(s, f, sensor, r, -1)},
-                          {"next", neighbour(s, f, sensor, r, 1)}});
+                          {"prev", tokenBefore(s, f, sensor, r)},
+                          {"next", tokenAfter(s, f, sensor, r)}});
     }
     // The devkit finds the labels of the first scan by the token of this scan, so the row of the labels has the token.
     const std::string keyFrame = scanToken("sample_data", sample, sensor, 0);
