@@ -76,10 +76,6 @@ const std::string& ComputeDevice::name() const {
   return context_->name;
 }
 
-std::string ComputeDevice::nameAndPlace() const {
-  return name() + (software() ? ", on the processor" : "");
-}
-
 bool ComputeDevice::software() const {
   return context_->backend->software();
 }

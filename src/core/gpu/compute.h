@@ -45,9 +45,8 @@ class ComputeDevice {
   // besides the device's.
   explicit ComputeDevice(ComputeErrorWords words, const ComputeLimits& most = {});
 
-  const std::string& name() const;   // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string nameAndPlace() const;  // name(); for software rasterisers followed by ", on the processor"
-  bool software() const;             // true: a software rasteriser that runs on the CPU
+  const std::string& name() const;  // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
+  bool software() const;            // true: a software rasteriser that runs on the CPU
   const ComputeLimits& limits() const;
   // Calls `work`, which makes several calls of this device, its buffers and programs, on the thread that makes all
   // calls of OpenGL. This saves waiting for that thread at each call.

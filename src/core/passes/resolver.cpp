@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 
@@ -87,11 +88,8 @@ Resolver::Resolver(const Scene& scene) : scene_(scene) {
     for (const Surface& s : mesh.surfaces) surfaces_.push_back({s.object, s.semantic, s.material});
     parallelFor(mesh.triangles.size(), kResolverGrain, [&](std::size_t first, std::size_t end) {
       for (std::size_t t = first; t < end; ++t) {
-        const Triangle& corners = mesh.triangles[t];
-        const Vec3d a(mesh.positions[corners[0]]);
-        const Vec3d ab = Vec3d(mesh.positions[corners[1]]) - a;
-        const Vec3d ac = Vec3d(mesh.positions[corners[2]]) - a;
-        faces_[firstFaces[m] + t] = {normalized(cross(ab, ac)), firstSurface + mesh.surfaceOf[t]};
+        const auto [a, b, c] = cornersOf(mesh, static_cast<std::uint32_t>(t));
+        faces_[firstFaces[m] + t] = {normalized(cross(b - a, c - a)), firstSurface + mesh.surfaceOf[t]};
       }
     });
   }
@@ -202,15 +200,14 @@ float Resolver::texturedReflectance(const VisibleTriangle& visible, const Compac
                                     const Vec3d& sight) const {
   const Instance& instance = scene_.instances[visible.instance - 1];
   const Mesh& mesh = scene_.meshes[instance.mesh];
-  const Triangle& corners = mesh.triangles[visible.triangle];
   const Affine eyeFromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - eye};
-  const auto corner = [&](int i) { return eyeFromMesh * Vec3d(mesh.positions[corners[i]]); };
-  const Vec3d a = corner(0);
-  const Vec3d ab = corner(1) - a;
-  const Vec3d ac = corner(2) - a;
+  const auto [a, b, c] = cornersOf(eyeFromMesh, mesh, visible.triangle);
+  const Vec3d ab = b - a;
+  const Vec3d ac = c - a;
   const Vec3d normal = cross(ab, ac);
   const Vec3d point = sight * (dot(normal, a) / dot(normal, sight)) - a;  // relative to corner a, as ab and ac
-  return material.texturedAt(textureCoordinates(mesh.uvs, corners, barycentric(ab, ac, point)));
+  return material.texturedAt(
+      textureCoordinates(mesh.uvs, mesh.triangles[visible.triangle], barycentric(ab, ac, point)));
 }
 
 }  // namespace scanmill

@@ -32,11 +32,16 @@ void keepTriangles(Mesh& mesh, const Keep& keep) {
   mesh.surfaceOf.resize(kept);
 }
 
-// Returns the corners of a triangle of an instance's mesh in the world's frame (m).
-inline std::array<Vec3d, 3> cornersOf(const Instance& instance, const Mesh& mesh, std::uint32_t triangle) {
+// Returns the corners of a triangle in the mesh's frame (m).
+inline std::array<Vec3d, 3> cornersOf(const Mesh& mesh, std::uint32_t triangle) {
   const auto [a, b, c] = mesh.triangles[triangle];
-  const auto corner = [&](std::uint32_t vertex) { return instance.worldFromMesh * Vec3d(mesh.positions[vertex]); };
-  return {corner(a), corner(b), corner(c)};
+  return {Vec3d(mesh.positions[a]), Vec3d(mesh.positions[b]), Vec3d(mesh.positions[c])};
+}
+
+// Returns the corners of a triangle in another frame, to which `fromMesh` transforms the mesh.
+inline std::array<Vec3d, 3> cornersOf(const Affine& fromMesh, const Mesh& mesh, std::uint32_t triangle) {
+  const auto [a, b, c] = cornersOf(mesh, triangle);
+  return {fromMesh * a, fromMesh * b, fromMesh * c};
 }
 
 // Maps two random numbers from 0 to 1 to a point of a triangle, uniformly by area (Turk, "Generating random points in
@@ -59,7 +64,7 @@ void forEachTriangleOf(const Scene& scene, const std::vector<std::uint16_t>& cla
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
       if (std::ranges::find(classes, semantic) == classes.end()) continue;
-      visit(i, t, cornersOf(instance, mesh, t));
+      visit(i, t, cornersOf(instance.worldFromMesh, mesh, t));
     }
   }
 }

@@ -37,7 +37,7 @@ class GlMarcher {
   // its results) and "read_back" of `clock`. Throws Error, for instance if the beams or the hits do not fit into the
   // device's buffers.
   void march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay>& unresolved, StageClock& clock);
-  std::string device() const { return device_.nameAndPlace(); }
+  std::string device() const { return device_.name() + (device_.software() ? ", on the processor" : ""); }
 
  private:
   // The work on the particles of one shot, from launch to hits.

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "scene/embree.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 
@@ -59,10 +60,8 @@ void fillPlanes(TriangleBlock& block, const std::vector<BlockSource>& sources) {
       const auto next = std::ranges::upper_bound(sources, block.corners[t][0], {}, &BlockSource::firstVertex);
       const BlockSource& source = *std::prev(next);
       BlockTriangle& triangle = block.triangles[t];
-      const Triangle& corners = source.mesh->triangles[triangle.primitive];
-      const auto corner = [&](int i) { return source.blockFromMesh * Vec3d(source.mesh->positions[corners[i]]); };
-      const Vec3d a = corner(0);
-      triangle.normal = normalized(cross(corner(1) - a, corner(2) - a));
+      const auto [a, b, c] = cornersOf(source.blockFromMesh, *source.mesh, triangle.primitive);
+      triangle.normal = normalized(cross(b - a, c - a));
       triangle.offset = dot(triangle.normal, a);
     }
   });

@@ -23,6 +23,7 @@
 #include "passes/resolver.h"
 #include "passes/vtk/vtk_geometry.h"
 #include "passes/vtk/vtk_interface.h"
+#include "scene/triangles.h"
 
 namespace scanmill {
 
@@ -157,10 +158,7 @@ class DrawnView {
     const Mesh& mesh = scene_.meshes[scene_.instances[frame.instance].mesh];
     const std::uint32_t triangle = chunk.batch->original[chunk.firstTriangle + (number - firstNumbers_[index])];
 
-    const Triangle& corners = mesh.triangles[triangle];
-    const Vec3d a(mesh.positions[corners[0]]);
-    const Vec3d b(mesh.positions[corners[1]]);
-    const Vec3d c(mesh.positions[corners[2]]);
+    const auto [a, b, c] = cornersOf(mesh, triangle);
     const Vec3d normal = cross(b - a, c - a);
     const Vec3d ray = camera_.ray(pixel % camera_.width + 0.5, pixel / camera_.width + 0.5);
     const double depth = dot(normal, a - frame.cameraInMesh) / dot(normal, frame.meshFromCamera * ray);

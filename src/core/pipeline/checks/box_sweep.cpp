@@ -114,7 +114,7 @@ std::optional<BoxContact> sweepBoxes(
     if (!isNear) continue;
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      const std::array<Vec3d, 3> corners = cornersOf(instance, mesh, t);
+      const std::array<Vec3d, 3> corners = cornersOf(instance.worldFromMesh, mesh, t);
       Box triangleBounds;
       for (const Vec3d& corner : corners) triangleBounds.add(corner);
       const Surface& surface = mesh.surfaces[mesh.surfaceOf[t]];
