@@ -118,7 +118,7 @@ Plan planOf(const Arguments& parsed, const std::vector<std::string>& sweepOverri
   std::vector<std::string> overrides = pipelineOverrides(parsed);
   overrides.insert(overrides.end(), sweepOverrides.begin(), sweepOverrides.end());
   return makePlan(readPipeline(parsed.pipeline(), overrides, recordingOf(parsed)),
-                  parsed.has("keep-hits") ? recordedChannels() : Channels{});
+                  parsed.has("keep-hits") ? channelsThat(&ChannelRow::recorded) : Channels{});
 }
 
 // Reads the options about the folders and their contents; shardsOption() reads the others.

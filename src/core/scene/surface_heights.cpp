@@ -17,13 +17,6 @@ constexpr double kMargin = 1;  // m; rays start this far above and end this far 
 // Triangles whose normals are within about this angle (rad) of horizontal are vertical and have no height.
 constexpr double kVertical = 1e-6;
 
-// Returns the area of the triangle as seen from above (m^2); negative if it faces down.
-double areaFromAbove(const std::array<Vec3d, 3>& corners) {
-  const Vec3d ab = corners[1] - corners[0];
-  const Vec3d ac = corners[2] - corners[0];
-  return (ab.x * ac.y - ac.x * ab.y) / 2;
-}
-
 // The context of a query that collects every triangle that a ray crosses.
 struct Crossings {
   EmbreeContext embree;
@@ -178,16 +171,16 @@ SurfaceHeights::Area SurfaceHeights::area(const std::vector<std::uint16_t>& clas
     area.facets_.push_back(facet);
     area.sums_.push_back(area.squareMetres() + squareMetres);
   };
-  forEachTriangleOf(
-      scene_, classes, addedInstances_,
-      [&](std::uint32_t instance, std::uint32_t triangle, const std::array<Vec3d, 3>& corners) {
-        const bool mirrored = determinant(scene_.instances[instance].worldFromMesh.linear) < 0;
-        const double squareMetres = areaFromAbove(corners) * (mirrored ? -1 : 1);
-        if (std::fabs(squareMetres) < kVertical * length(cross(corners[1] - corners[0], corners[2] - corners[0])))
-          return;
-        add(facingUp, {instance, triangle}, squareMetres);
-        add(allFacets, {instance, triangle}, std::fabs(squareMetres));
-      });
+  forEachTriangleOf(scene_, classes, addedInstances_,
+                    [&](std::uint32_t instance, std::uint32_t triangle, const std::array<Vec3d, 3>& corners) {
+                      const bool mirrored = determinant(scene_.instances[instance].worldFromMesh.linear) < 0;
+                      const Vec3d normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
+                      const double squareMetres =
+                          normal.z / 2 * (mirrored ? -1 : 1);  // as seen from above; negative: it faces down
+                      if (std::fabs(squareMetres) < kVertical * length(normal)) return;
+                      add(facingUp, {instance, triangle}, squareMetres);
+                      add(allFacets, {instance, triangle}, std::fabs(squareMetres));
+                    });
   Area& area = facingUp.facets_.empty() ? allFacets : facingUp;
   area.scene_ = &scene_;
   return std::move(area);

@@ -17,12 +17,6 @@
 namespace scanmill {
 namespace {
 
-// Returns the direction in which the object faces (rad about z, from its x axis).
-std::optional<double> readFacing(Fields& object) {
-  constexpr std::pair<const char*, double> kDirections[]{{"x", 0}, {"y", kPi / 2}, {"-x", kPi}, {"-y", -kPi / 2}};
-  return object.has("facing") ? std::optional(namedChoice(object, "facing", kDirections, 0.0).second) : std::nullopt;
-}
-
 constexpr double kFarthest = 1e9;  // m, largest coordinate; UTM coordinates reach 1e7 m
 constexpr double kLeastScale = 1e-9;
 constexpr double kLargestScale = 1e9;
@@ -142,8 +136,9 @@ std::vector<std::shared_ptr<const Movement>> ObjectPlacer::movementsOf(const Val
 }
 
 Copies ObjectPlacer::read(Fields& object) {
-  Copies copies{readPlacement(object), Arrangement(object, builder_.ontology()), object.text("thing", ""), {}, nullptr,
-                readFacing(object)};
+  constexpr std::pair<const char*, double> kDirections[]{{"x", 0}, {"y", kPi / 2}, {"-x", kPi}, {"-y", -kPi / 2}};
+  Copies copies{readPlacement(object), Arrangement(object, builder_.ontology()), object.text("thing", "")};
+  if (object.has("facing")) copies.facing = namedChoice(object, "facing", kDirections, 0.0).second;
   const Value* const moving = object.find("moving");
   if (moving == nullptr) return copies;
   if (copies.arrangement.needsSurfaces()) {

@@ -144,9 +144,9 @@ struct Copies {
   std::string thing;  // the n-th copies of all objects with the same `thing` are one thing; if empty, each copy is a
                       // thing
   // Each copy is placed once for each of these movements; empty: it is placed once and stands still.
-  std::vector<std::shared_ptr<const Movement>> movements;
-  std::shared_ptr<const Animation> animation;  // null: the object keeps its mesh
-  std::optional<double> facing = {};           // rad, direction in which the object faces, see Instance::facing
+  std::vector<std::shared_ptr<const Movement>> movements = {};
+  std::shared_ptr<const Animation> animation = nullptr;  // null: the object keeps its mesh
+  std::optional<double> facing = {};  // rad, direction in which the object faces, see Instance::facing
 };
 
 // The sets of meshes of an object; each copy gets one of the sets at random.

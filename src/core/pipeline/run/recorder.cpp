@@ -19,10 +19,6 @@
 #include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
-Channels recordedChannels() {
-  return channelsThat(&ChannelRow::recorded);
-}
-
 void Recorder::open(const std::filesystem::path& folder, bool overwrite) {
   if (!folder.empty()) writer_.emplace(folder, overwrite);
 }
@@ -51,10 +47,6 @@ void Recorder::writeHits(const Shot& shot, const Hits& hits) {
     scanmill::writeHits(file, hits);
   }
   writer_->add({shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, file.filename().string(), {}});
-}
-
-RecordedShot Recorder::beginPasses(const Shot& shot) {
-  return {shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, "", {}};
 }
 
 void Recorder::writeStep(const PassStep& step, RecordedShot& record) {
@@ -140,7 +132,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
       }
       double pixels = 0;
       for (const Shot& shot : source.frame(s, frame).shots) {
-        RecordedShot record = Recorder::beginPasses(shot);
+        RecordedShot record{shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, "", {}};
         account += method->depthCamera()->draw(shot, options.passes, [&](PassStep&& step) {
           for (const PassImage& image : step.images) pixels += static_cast<double>(image.camera.pixels());
           summary.images += step.images.size();

@@ -20,10 +20,6 @@
 
 namespace scanmill {
 
-// Returns the channels that a recording of hits stores in addition to the channels that this run's scans need: all that
-// effects and columns of later runs may read.
-Channels recordedChannels();
-
 class Recorder {
  public:
   Recorder(const Plan& plan, RecordingKind kind) : plan_(plan), kind_(kind) {}
@@ -38,9 +34,7 @@ class Recorder {
   // nothing.
   void enter(std::size_t sequence, const Scene& scene, const Method& method);
   void writeHits(const Shot& shot, const Hits& hits);
-  // Starts the record of a shot's passes. writeStep() writes the images of one step and adds them to the record;
-  // writePasses() writes the record.
-  static RecordedShot beginPasses(const Shot& shot);
+  // writeStep() writes the images of one step and adds them to a shot's record; writePasses() writes the record.
   void writeStep(const PassStep& step, RecordedShot& record);
   void writePasses(const RecordedShot& record);
 

@@ -214,7 +214,8 @@ class PathSearch {
       Node& last = nodes.back();
       if (last.next == last.arcs.size()) {
         ++stepsBack;
-        markDeadEnd(nodes.back());
+        --visits_[coarseSpot(last.end.state)];
+        deadEnds_.insert(fineSpot(last.end.state));
         nodes.pop_back();
         continue;
       }
@@ -249,11 +250,6 @@ class PathSearch {
   }
   static Spot coarseSpot(const State& s) { return spotOf(s, kLookAhead, 8); }  // where the path has been
   static Spot fineSpot(const State& s) { return spotOf(s, 1, 24); }            // where the path cannot go on
-
-  void markDeadEnd(const Node& node) {
-    --visits_[coarseSpot(node.end.state)];
-    deadEnds_.insert(fineSpot(node.end.state));
-  }
 
   // Returns the node at the end of an arc, with the arcs from there. `driven`: length of the path so far (m).
   Node openNode(const End& end, double driven) {

@@ -79,7 +79,7 @@ TEST_F(ForecastTest, SaysTheSizeOfADataset) {
 }
 
 TEST_F(ForecastTest, OfARecordingIsThatOfItsOwnSamples) {
-  generate(makePlan(readPipeline(pipeline_, {}), recordedChannels()),
+  generate(makePlan(readPipeline(pipeline_, {}), channelsThat(&ChannelRow::recorded)),
            {.folder = out("first"), .keepHits = out("hits"), .quiet = true});
   const auto reread = [&](const std::vector<std::string>& more) {
     return readPipeline(pipeline_, more, recordingIn(out("hits")));

@@ -24,7 +24,7 @@ std::vector<std::string> with(std::vector<std::string> overrides, const std::vec
 class RecordedTest : public Yard {
  protected:
   void keep(const std::vector<std::string>& overrides, const std::string& name, const fs::path& hits) const {
-    generate(makePlan(readPipeline(pipeline_, overrides), recordedChannels()),
+    generate(makePlan(readPipeline(pipeline_, overrides), channelsThat(&ChannelRow::recorded)),
              {.folder = out(name), .keepHits = hits, .quiet = true});
   }
 
@@ -156,7 +156,7 @@ TEST_F(RecordedTest, UnresolvedBeamsAreCounted) {
   keep({}, "kept", out("hits"));
   const fs::path image = out("hits") / "yard-s1-drive-000001.top.hits.exr";
   Hits hits;
-  readHits(image, recordedChannels(), hits);
+  readHits(image, channelsThat(&ChannelRow::recorded), hits);
   const std::vector<std::uint32_t> givenUp{0, 17, 300};
   const auto clear = [&](auto& column) {
     for (const std::uint32_t beam : givenUp) {
