@@ -149,7 +149,7 @@ std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) cons
   for (const Facet& facet : hierarchy_->crossedAt(x, y)) {
     const Instance& instance = scene_.instances[facet.instance];
     const Mesh& mesh = scene_.meshes[instance.mesh];
-    const auto [a, b, c] = cornersOf(instance, mesh, facet.triangle);
+    const auto [a, b, c] = cornersOf(instance.worldFromMesh, mesh, facet.triangle);
     const Vec3d normal = cross(b - a, c - a);
     if (!(std::fabs(normal.z) > kVertical * length(normal))) continue;
     const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[facet.triangle]].semantic;
@@ -190,7 +190,7 @@ Vec3d SurfaceHeights::Area::sample(const std::array<double, 3>& u) const {
   const auto sum = std::upper_bound(sums_.begin(), sums_.end() - 1, u[0] * sums_.back());
   const Facet& facet = facets_[static_cast<std::size_t>(sum - sums_.begin())];
   const Instance& instance = scene_->instances[facet.instance];
-  return pointInTriangle(cornersOf(instance, scene_->meshes[instance.mesh], facet.triangle), u[1], u[2]);
+  return pointInTriangle(cornersOf(instance.worldFromMesh, scene_->meshes[instance.mesh], facet.triangle), u[1], u[2]);
 }
 
 SurfaceDistance::SurfaceDistance(const Scene& scene, const std::vector<std::uint16_t>& classes, double reach)
