@@ -6,12 +6,12 @@ import unittest
 from pathlib import Path
 
 CORE = Path(__file__).resolve().parents[2] / "src/core"
-HEADERS = {"Kind": CORE / "models/models.h", "Field": CORE / "town/relief.h"}
+HEADERS = {"Kind": CORE / "models/models.h", "Field": CORE / "town/geometry.h"}
 
 
 def names_of(enum):
     body = re.search(rf"^enum class {enum} .*?\{{(.*?)\}};", HEADERS[enum].read_text(), re.S | re.M).group(1)
-    return {name for name in re.findall(r"^\s*(\w+)", re.sub(r"//.*", "", body), re.M) if name != "Count"}
+    return {name for name in re.findall(r"\b[A-Z]\w*", re.sub(r"//.*", "", body)) if name != "Count"}
 
 
 class Purposes(unittest.TestCase):

@@ -183,8 +183,7 @@ class HouseMaker {
     s_.rod(look_.metal, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 10);
   }
 
-  // Adds a flat slab of a roof. Its corners are counter-clockwise as seen from outside: a and b at the eaves, c and d
-  // at the ridge. The side at the ridge is hidden and left out.
+  // Adds a slab of a roof, without its hidden side at the ridge. Counter-clockwise from outside: eaves a, b; ridge c, d
   void slab(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double thickness) {
     const Vec3d down{0, 0, -thickness};
     s_.quad(look_.tile, a, b, c, d);

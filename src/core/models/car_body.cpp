@@ -118,8 +118,7 @@ class BodyMaker {
     return p;
   }
 
-  // Returns the positions of the cross sections along x, sorted and at least 9 mm apart: dense at the bumpers and the
-  // wheel arches, and one at each end of a window.
+  // Returns the sorted x of the cross sections, at least 9 mm apart: dense at bumpers and wheel arches, and at windows.
   std::vector<double> stations() const {
     const double end = f_.length / 2;
     std::vector<double> xs{-end, -end + 0.06, -end + 0.15, -end + 0.28, end - 0.28, end - 0.15, end - 0.06, end};
@@ -178,8 +177,7 @@ class BodyMaker {
     cap(left.back(), false);
   }
 
-  // Returns how far the bumpers protrude (m) at a height `z` and a distance `y` from the vehicle's middle plane: most
-  // at z = 0.48 m, less towards the sides.
+  // Returns how far the bumpers protrude (m) at a height z and y from the middle: most at 0.48 m, less at the sides.
   double bulgeAt(double y, double z, double width) const {
     const double height = (z - 0.48) / 0.42;
     return f_.bulge * std::max(0.0, 1 - height * height) * (1 - 0.5 * std::pow(std::abs(y) / width, 4.0));

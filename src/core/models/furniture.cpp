@@ -1,5 +1,4 @@
-// Builds street furniture, bus shelters, fences and garden walls, and objects of roadworks, gardens and squares. Posts
-// and bases extend a little below the ground.
+// Street furniture, fences, and objects of roadworks, gardens and squares. Bases extend a little below the ground.
 
 #include <algorithm>
 #include <array>

@@ -38,8 +38,7 @@ class Details {
   double windowMiddle(int column) const { return (column + 0.5) * pitch(); }
   double floorHeight(int floor) const { return m_.base + floor * m_.storey; }
 
-  // Adds floors, a wall along the middle of the house, walls across the house between some columns of windows, and a
-  // piece of furniture for each floor and column.
+  // Adds floors, a wall along the house, walls between some columns of windows, and furniture behind each window.
   void rooms() {
     const auto [inside, boards] = s_.surfaces("building", "plaster", "wood");
     const double x0 = kWall;
@@ -256,8 +255,7 @@ class Details {
     }
   }
 
-  // Adds a garage at the end of the driveway, at the right of the house as seen from the street. Its front is
-  // kGarageFrom behind the house's front.
+  // Adds a garage at the right of the house as seen from the street, kGarageFrom behind the house's front.
   void garage() {
     constexpr double kWallFoot = -1.5;   // m, lower edge of the walls, low enough for sloping ground
     constexpr double kGateHeight = 2.1;  // m

@@ -1,8 +1,7 @@
 #pragma once
 
-// Tools that build the objects of procedural scenes: random numbers, a mesh under construction, and one function per
-// kind of object. Frame of an object: metres, x forward, z up, ground at z = 0. Only town/ and tests include this
-// header.
+// Builds the objects of procedural scenes: random numbers, a mesh under construction, one function per kind of object.
+// Frame of an object: metres, x forward, z up, ground at z = 0. Only town/ and tests include this header.
 
 #include <algorithm>
 #include <array>
@@ -130,9 +129,8 @@ class Shape {
   // tube() appends a straight pipe from a to b, rod() one with the same radius at both ends.
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
   void rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments = 8);
-  // Appends the surface that a profile of (radius, z) describes when it rotates about the z axis. It faces to the right
-  // of the profile's direction: outwards where the profile goes upwards. `closed` joins the profile's last point to the
-  // first.
+  // Appends the surface of a profile of (radius, z) that rotates about the z axis. It faces to the right of the
+  // profile's direction: outwards where the profile goes upwards. `closed` joins the profile's last point to the first.
   void revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
                bool closed = false);
   // `thickness`: m, radius of the ring's cross section, which has `corners` corners.

@@ -1,5 +1,4 @@
-// Builds people from limbs between joints, and standing and grazing animals from pipes. The positions of elbows and
-// knees follow from the positions of hands and feet.
+// Builds people from limbs, whose elbows and knees follow from hands and feet, and standing and grazing animals.
 
 #include <algorithm>
 #include <array>

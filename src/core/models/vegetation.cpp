@@ -75,8 +75,7 @@ double crownProfile(const Habit& habit, double t) {
                 : std::sqrt(std::sin(kPi * (t * 0.86 + 0.1)));
 }
 
-// Appends the twigs inside a cluster of leaves, which become visible when leaves have fallen. `radius`: of the cluster,
-// `twigRadius`: where a twig begins (m).
+// Appends the twigs in a cluster of leaves, visible when leaves have fallen. `twigRadius`: where a twig begins (m).
 void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, int count,
                  double twigRadius) {
   for (int k = 0; k < count; ++k) {
@@ -299,8 +298,7 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
     const Vec3d tip{root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)};
     s.tube(bark, root, tip, 0.02, 0.006, 5);
   }
-  // Adds at most 3500 leaves, denser near the hedge's surface, where the light is. Up to this number, their total area
-  // is 4 times the hedge's area seen from the side.
+  // Adds leaves, denser near the surface, of 4 times the hedge's area seen from the side, but at most 3500.
   const double leafLength = draw.in(0.09, 0.14);
   const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * leafLength * leafLength));
   for (int k = 0; k < std::min(leaves, 3500); ++k) {

@@ -62,8 +62,7 @@ bool isLevel(const Layout& l, const Point2& p) {
   return high - low < kLargest;
 }
 
-// Places roadworks in the lane of the main road that the ego vehicle does not use: an excavator, materials, barriers at
-// both ends, cones beside the lane, and perhaps lights.
+// Places roadworks, with an excavator and cones, in the lane of the main road that the ego vehicle does not use.
 void placeRoadworks(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::Roadworks);

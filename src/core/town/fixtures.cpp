@@ -51,8 +51,7 @@ void placeAlongRoads(const Layout& l, Kind kind, double per100m, const TryPlace&
   }
 }
 
-// Returns the spot `out` metres beyond the road's edge; nullopt if it is closer to another road, or within 0.3 m of a
-// parking lot, a square or water. `along`: m along the road.
+// Returns the spot `out` m beyond the road's edge; nullopt if it is at another road, a parking lot, a square or water.
 std::optional<Spot> beyondEdge(const Layout& l, const Road& road, double along, int side, double out) {
   const Spot spot = besideRoad(road, along, side * (road.section.half + out));
   if (l.besideAt(spot.at).edge <= out - 0.25 || l.areas.outsideHard(spot.at) <= 0.3) return std::nullopt;
@@ -138,8 +137,7 @@ constexpr double kRailPanel = 2;  // m, length of a panel
 
 enum class Faces { Left, Right };  // of the main road's line
 
-// Places a row of panels between two distances along the main road, `lateral` metres to the left of its line.
-// `heightFactor`: factor on the panels' height.
+// Places a row of panels along the main road (m), `lateral` m to its left. `heightFactor`: of the panels.
 void placeRow(Placer& placer, const Model& panel, const models::Span& along, double lateral, Faces faces,
               double heightFactor, const std::string& name) {
   const Road& road = placer.layout.mainRoad();

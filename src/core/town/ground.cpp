@@ -105,8 +105,7 @@ class GroundMaker {
     return static_cast<std::uint32_t>(sections_.size() - 1);
   }
 
-  // Returns the position of a point relative to the nearest road, without its road, `along` and `lateral`: the height
-  // and the kind of the ground do not depend on these.
+  // Returns only those members of a point's position relative to roads on which height and kind of the ground depend.
   Beside beside(std::uint32_t point) {
     makeBesides(point);
     const auto& [edge, section] = besides_[point];
@@ -134,8 +133,7 @@ class GroundMaker {
     return layout_.kindAt(middle, p);
   }
 
-  // Returns the index of the vertex for a point of the tiling and a kind of ground. Kinds on the same level, above or
-  // below the curb, share their vertices.
+  // Returns the vertex of a point. Kinds on the same level, above or below the curb, share their vertices.
   std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
     std::uint32_t& indexPlusOne = (isLow(kind) ? low_ : high_)[point];
     if (indexPlusOne == 0) {

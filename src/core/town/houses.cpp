@@ -41,8 +41,7 @@ class Boundaries {
     for (const Footprint& f : placePanels(kind, form, a, b)) placer_.occupancy.add(f);
   }
 
-  // Places the barriers of a map. The ground is marked as occupied only after the last barrier, because panels overlap
-  // at the corners of a barrier and where barriers meet.
+  // Places the barriers of a map. Only afterwards is the ground occupied, since panels overlap where barriers meet.
   void placeBarriers(const std::vector<MapBarrier>& barriers) {
     std::vector<Footprint> panels;
     std::array<models::Occupancy, kKinds> panelsOfKind;

@@ -34,9 +34,8 @@ struct LanePoints {
   std::size_t firstOnRoad = 0;
 };
 
-// Returns the points of a path. Vehicles keep to the right: they drive `out` metres farther from the road's centre line
-// than the middle of their lane, and at least `leastLateral` metres from the centre line. On one-way roads they drive
-// `out` metres to the right of the centre line.
+// Returns the points of a path. Vehicles keep to the right: `out` m farther from the centre line than the middle of
+// their lane and at least `leastLateral` m from this line; on one-way roads `out` m to the right of the centre line.
 LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double leastLateral);
 
 // Distances along a side road (m) at which its lanes begin and end, and at which vehicles that leave it stop.
@@ -54,8 +53,7 @@ inline double turnStart(const Road& sideRoad) {
   return sideRoad.section.half + 6;
 }
 
-// The side roads from which the ego vehicle comes (`from`) and into which it turns (`into`), both at the right of the
-// main road. No other vehicle drives on these side roads.
+// The side roads at the right from which the ego vehicle comes and into which it turns; without other traffic.
 struct EgoRoads {
   const Road* from = nullptr;  // null: there is no such road
   const Road* into = nullptr;

@@ -158,8 +158,7 @@ double Layout::lowering(const Beside& beside, const Point2& p) const {
   return std::max(factor, kLeast);
 }
 
-// Returns the height (m) of a carriageway or parking lane: the hills with the road's crown, its ruts and its potholes.
-// `inside`: m from the edge of the carriageway.
+// Returns the height (m) of a carriageway `inside` m from its edge: hills with the crown, ruts and potholes.
 double Layout::carriagewayHeight(double inside, const Point2& p) const {
   if (character.plain) return hillsAt(p);
   constexpr double kCamber = 0.02;      // slope across the road, an estimate
@@ -192,8 +191,7 @@ double Layout::bankHeight(const Beside& beside, double edge, double hard, const 
   return flat * character.banks * smooth((edge - beside.section.curb) / kBanks) * field(Field::Banks, p, 45);
 }
 
-// Returns the height (m) of the fine unevenness of a kind of ground: lawns are uneven at the scale of the finest cells,
-// in some places more than in others.
+// Returns the fine unevenness (m) of a kind of ground: that of lawns varies from place to place.
 double Layout::grainOf(GroundKind kind, const Beside& beside, double edge, const Point2& p) const {
   const double rough = character.plain ? 0 : 0.03 + 0.08 * std::max(0.0, field(Field::Roughness, p, 9));
   const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
@@ -225,8 +223,7 @@ double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) 
          smooth(hard / kSoftEdge) * (grainOf(kind, beside, edge, p) + snowOn(beside, p));
 }
 
-// Returns the depth of snow (m). Pavements, driveways and paths are cleared, and the snow slopes down to them. Ploughs
-// leave a bank of snow on verges and shoulders.
+// Returns the depth of snow (m). Paved ground is cleared. Ploughs leave a bank of snow on verges and shoulders.
 double Layout::snowOn(const Beside& beside, const Point2& p) const {
   if (character.snow <= 0) return 0;
   const double cleared = smooth(outsidePatches(p) / 0.5);
@@ -249,8 +246,7 @@ double Layout::snowOn(const Beside& beside, const Point2& p) const {
   return depth * cleared;
 }
 
-// Returns the height (m) to add to the natural height at a point, so that the ground under and beside buildings is
-// level; beyond kPatchReach from all buildings it is 0.
+// Returns the height (m) to add to `natural`, so that the ground is level under and beside buildings; far away 0.
 double Layout::levelling(const Point2& p, double natural) const {
   double weightedSum = 0, sumOfWeights = 0, largestWeight = 0;
   for (const std::uint32_t i : terraceCells_.at(p)) {

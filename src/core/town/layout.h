@@ -14,8 +14,8 @@
 #include "models/models.h"
 #include "models/occupancy.h"
 #include "town/character.h"
+#include "town/geometry.h"
 #include "town/map.h"
-#include "town/relief.h"
 #include "town/roads.h"
 
 namespace scanmill::town {
@@ -172,16 +172,14 @@ class Layout {
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
   // Sets the water level of each area that is water: the level is below the lowest point of the area's shore.
   void findWaterLevels();
-  // The last step of building a layout: finds the levels of water, gives buildings the height of the ground at their
-  // door, and levels the ground around them.
+  // The last step of building a layout: sets water levels and buildings' heights, and levels the ground at buildings.
   void setLevels();
   void takeRoads(const MapPlace& map);
   void takeBuildings(const MapPlace& map);
   void cover(const MapBuilding& building, const models::Footprint& around);
   void arrangePlots();
   double addBarePlots(const Road& road, int side, double from, double to);
-  // True if points of the rectangle are at least `gap` metres from roads and sidewalks: its corners, and points between
-  // them at distances of `step` half sides.
+  // True if points of the rectangle, `step` half sides apart, are at least `gap` m from roads and sidewalks.
   bool isOffRoads(const models::Footprint& f, double gap, double step = 1) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;

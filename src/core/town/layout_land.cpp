@@ -32,8 +32,7 @@ Road ringRoad(const Point2& center, double radius, double start, CrossSection se
 }
 
 // Returns points of a random line, kRoadStep apart, from `from` on. Its heading (rad) begins with `heading` and varies
-// along the line as a random field of the amplitude `bend`, by less than a right angle, so that it never crosses
-// itself.
+// as a random field of the amplitude `bend`, by less than a right angle, so that it never crosses itself.
 std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, double heading, double bend,
                              double length) {
   constexpr double kBends = 90;    // m, size of bends
@@ -49,9 +48,8 @@ std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, doub
 
 }  // namespace
 
-// Adds an area beside a road, kFromSidewalk beyond the sidewalk, with its entrances. `along`: position of its middle
-// along the road; `width` and `depth`: its size along and across the road (m). Returns false, and adds nothing, if a
-// road, a house or another such area is in the way.
+// Adds an area beside a road, kFromSidewalk beyond the sidewalk, with its entrances. `along`: of its middle; `width`
+// and `depth`: along and across the road (m). Returns false if a road, a house or another area is in the way.
 bool Layout::tryAddLand(Land land, const Road& road, int side, double along, double width, double depth) {
   constexpr double kFromSidewalk = 1.5;  // m
   constexpr double kApart = 2;           // m, least distance from houses and other areas

@@ -86,8 +86,7 @@ MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass
   return road;
 }
 
-// Returns the ring of the nodes in the plane, without points on straight walls. Outer rings stay counter-clockwise and
-// inner rings clockwise, even if the plane is mirrored.
+// Returns the ring of the nodes, without points on straight walls; even if mirrored, outer rings are counter-clockwise.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   constexpr double kShortest = 0.25;     // m, least length of a wall
   constexpr double kLeastOffset = 0.05;  // m between a corner and the straight line through its neighbours
@@ -201,8 +200,7 @@ class MapMaker {
     return lines;
   }
 
-  // Adds an area as a building, a part of a building, or land, in this order of preference. Areas with faults, off the
-  // ground or without walls are counted instead.
+  // Adds a building, a part of a building, or land; counts areas with faults, off the ground or without walls instead.
   void addArea(const OsmArea& area) {
     const OsmTags& tags = area.tags;
     if (isAbsent(tags)) return;
@@ -228,8 +226,7 @@ class MapMaker {
     list.back().relation = area.building;
   }
 
-  // Counts an area that is neither a building nor land, unless addWay() has counted it: ways with the keys highway and
-  // barrier that are not areas of a highway.
+  // Counts an area that is neither a building nor land, unless addWay() has counted it as a highway or barrier.
   void leaveOutArea(const OsmTags& tags) {
     const bool countedAsWay = !isHighwayArea(tags) && !tags.element.starts_with("relation") &&
                               (!tags["highway"].empty() || !tags["barrier"].empty());

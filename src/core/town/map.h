@@ -1,8 +1,7 @@
 #pragma once
 
-// A place on an OpenStreetMap extract, with buildings by the scheme "Simple 3D Buildings", from which a town can be
-// laid out. Frame: metres, x east, y north, in the plane that touches the WGS 84 ellipsoid in the middle of the
-// extract's roads.
+// A place on an OpenStreetMap extract, from which a town can be laid out; with "Simple 3D Buildings". Frame: metres, x
+// east, y north, in the plane that touches the WGS 84 ellipsoid in the middle of the extract's roads.
 
 #include <array>
 #include <cstdint>
@@ -131,15 +130,13 @@ const FormatSupport& osmFormat();
 // Returns the latitude and longitude (degrees) of a point in the map's frame.
 OsmNode degreesAt(const Map& map, const Point2& p);
 
-// Reads an extract, and warns of what is left out. Throws an InputError at `where`, with the file's name, if the file
-// cannot be read or has no road for cars.
+// Reads an extract; warns of what is left out. Throws an InputError at `where` if it is unreadable or has no road.
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
 // Builds a map from an extract in memory. `mirrored`: y points south.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
 
-// Returns a square of the map around a random point of the main road. The main road is the road that the parameters
-// name, or else a random road. `reach` is half of the side of the square (m). Throws an InputError at `where` for a
-// name that no road has, or if no road is long enough.
+// Returns a square of the map, with sides of 2 * reach metres, around a random point of the road that the parameters
+// name, or of a random road. Throws an InputError at `where` for an unknown name or if no road is long enough.
 MapPlace cutOut(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where);
 
 // Joins roads that meet end to end. At crossings, joins the roads that continue straight ahead.
@@ -167,8 +164,7 @@ bool isHighwayArea(const OsmTags& tags);
 bool isOpenRoof(const OsmTags& tags);
 // True if the map gives the look or the state of a building.
 bool hasLook(const OsmTags& tags);
-// True if a town has something else beside a road than the map: both sides of its roads are alike, cars stand along
-// them, and they have neither cycleways nor embankments.
+// True if a road has sidewalks, parking, cycleways or embankments that a town's road, alike on both sides, lacks.
 bool differsFromTownRoads(const OsmTags& tags);
 
 // Returns the first tag, such as "highway=street_lamp", that stands for a shape on the ground; empty: no tag does.
@@ -178,8 +174,7 @@ std::string shapeTagOf(const OsmTags& tags);
 MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,
                          TagNumbers& numbers);
 
-// True if the outline covers at least 90 % of the rectangle about it, or 98 % if it has more than four corners, since a
-// corner that is cut out covers little.
+// True if the outline covers 90 % of the rectangle about it, or 98 % if it has more than four corners.
 bool isRectangular(const Polygon& outline, const models::Footprint& about);
 
 // Puts parts into the buildings that contain them, by relations or by place; a part outside of all buildings becomes a

@@ -135,8 +135,7 @@ class Cutter {
                     map_.file.string(), quotedForMessage(main.name), main.length(), parameters_.length));
   }
 
-  // True if the bounding box of a line, relative to origin_, overlaps the square that is cut out of the map. This is
-  // false for most lines of a large map.
+  // True if the bounding box of a line, relative to origin_, overlaps the square: few lines of a large map do.
   bool mayReach(const std::vector<Point2>& line) const {
     const auto [low, high] = extentOf(line);
     return low.x < reach_ && high.x > -reach_ && low.y < reach_ && high.y > -reach_;
@@ -175,8 +174,7 @@ class Cutter {
     place_.mainTo = std::min(main.length() - kEnd, origin + halfLength);
   }
 
-  // Adds the pieces of a road between its nodes on the main road; leaves out pieces away from the square. A piece that
-  // only ends at the main road is reversed.
+  // Adds a road's pieces between its nodes on the main road. A piece that only ends at the main road is reversed.
   void addOtherRoad(const MapRoad& road) {
     const auto isOnMain = [&](std::ptrdiff_t i) {
       return mainNodes_.contains(road.nodes[static_cast<std::size_t>(i)]);

@@ -68,9 +68,8 @@ double headingFrom(const MapRoad& road, int end) {
   return std::atan2(at(i).y - start.y, at(i).x - start.x);
 }
 
-// Returns how poorly two pieces that meet at their ends a and b fit together as one road (lower is better): the change
-// of direction (rad), plus penalties for another name and other classes. nullopt if they cannot be one road. `alone`:
-// true if no other piece ends there.
+// Returns how poorly two pieces that meet at their ends a and b fit together: the change of direction (rad) plus
+// penalties. nullopt: they cannot be one road. `alone`: true if no other piece ends there.
 std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, const End& b, bool alone) {
   constexpr double kSharpestCrossing = 0.8;             // rad, where other roads join or the name changes
   constexpr double kOtherName = 0.5, kClassStep = 0.3;  // penalties, by eye
@@ -83,8 +82,7 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
   const bool sameName = !p.name.empty() && p.name == q.name;
   const bool minor = p.kind >= RoadClass::Service;
   if (minor != (q.kind >= RoadClass::Service) && !sameName) return std::nullopt;
-  // Outside of roundabouts, a road continues around a sharp corner only if its name and class stay the same
-  // and no other road joins it there.
+  // Without another road at a sharp corner, only a road of the same name and class continues around it.
   const bool corner = p.ring || (alone && p.kind == q.kind && p.name == q.name);
   if (turn > (corner ? kSharpest : kSharpestCrossing)) return std::nullopt;
   const int classSteps = std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));

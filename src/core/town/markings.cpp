@@ -16,8 +16,7 @@ constexpr double kMarkingHeight = 0.004;  // m, height of markings and manhole c
 constexpr double kEndOfRoad = 4;          // m at the ends of a road without dashes, covers and repairs
 constexpr double kHalfLine = 0.06;        // m, half of the width of a dashed line
 
-// Paints the line of a sign at `along` (m) across the lane for vehicles that drive against the road's line: solid at
-// stop signs, else dashed. Returns the number of its pieces.
+// Paints the line of a sign (solid: stop) across the lane against the road's line. Returns the number of its pieces.
 std::uint32_t paintStopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
                             TrafficSign sign) {
   const bool solid = sign == TrafficSign::Stop;
@@ -130,8 +129,7 @@ void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road&
          corner(along.low, lateral.high));
 }
 
-// Paints stop lines, dashed lines between lanes, and dashed middle lines on some roads without a central reservation.
-// Some roads outside of towns get dashed edge lines too.
+// Paints stop lines, dashed lines between lanes and in the middle of some roads, and edge lines outside of towns.
 void placeMarkings(Placer& placer) {
   constexpr double kNarrow = 2.6;  // m; narrower lanes are not marked
   const Layout& l = placer.layout;

@@ -101,8 +101,7 @@ std::optional<double> compassOf(std::string_view value);
 class TagNumbers {
  public:
   using Parse = std::optional<double> (*)(std::string_view value);
-  // Returns the value of a tag; nullopt if there is no such tag, or if its value cannot be parsed or is not from
-  // `least` to `most`, which is counted.
+  // Returns a tag's value; nullopt if there is none, or if it is unusable or out of range, which is counted.
   std::optional<double> read(const OsmTags& tags, const char* key, Parse parse, double least, double most);
   // Adds the numbers of unusable values, with an example of each key.
   void report(LeftOut& leftOut) const;

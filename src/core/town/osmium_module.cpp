@@ -135,8 +135,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     addArea(relation, tags, ways);
   }
 
-  // Called by libosmium for each way, after the relations that it completes. Adds it as an area, as a line, as both
-  // (such as a closed road or hedge), or as neither.
+  // Called by libosmium for each way. Adds it as an area, as a line, as both (such as a closed hedge), or as neither.
   void after_way(const osmium::Way& way) {
     const osmium::WayNodeList& nodes = way.nodes();
     if (way.subitems<osmium::TagList>().size() > 1 || way.subitems<osmium::WayNodeList>().size() > 1) {

@@ -49,7 +49,7 @@ constexpr double kLongestFree = 110;  // m, largest free length that is looked f
 // road; at most kLongestFree. `half`: half of the width that must be free (m), of which 0.2 m may be over a road.
 double freeLength(const Placer& placer, PavementPosition position, double half) {
   constexpr double kNearEnd = 20;      // m from the ends of the main road, where traffic comes out of the ground
-  constexpr double kFromRoadEnd = 4;     // m
+  constexpr double kFromRoadEnd = 4;   // m
   constexpr double kFarthestOut = 12;  // m from a road's edge; farther out the position is beyond a bend
   const std::vector<Point2>& line = placer.layout.mainRoad().line;
   const double start = position.along;

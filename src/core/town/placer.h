@@ -45,8 +45,7 @@ class Placer {
     const std::string name = shape.mesh.name;
     builder.place(shape.finish().mesh, worldFromTown, name);
   }
-  // Calls tryPlace(name) with a name such as "car 3", which consists of `prefix` and the next number. The number is
-  // used up if tryPlace() returns true. Returns the same.
+  // Calls tryPlace("PREFIX NUMBER") with the next number, which is used up if it returns true. Returns the same.
   template <class TryPlace>
   bool tryNumbered(const std::string& prefix, const TryPlace& tryPlace) {
     int& number = numbers[prefix];

@@ -228,8 +228,7 @@ void placeWoods(Placer& placer) {
   const Character& c = l.character;
   if (c.woods <= 0) return;
   const std::vector<Model> bushes = placer.forms(4, models::makeUndergrowth, c.foliage);
-  // `density` below exceeds this threshold on about the fraction `woods` of the land: its values are nearly normal,
-  // with mean 0 and a standard deviation of a quarter.
+  // About the fraction `woods` of the land is above: `density` is nearly normal, with mean 0 and deviation 1/4.
   const double threshold = 0.42 * (1 - 2 * c.woods);
   Draw lattice(l.seed, Kind::WoodLattice);
   const double spacing = lattice.in(3.2, 4.6);

@@ -78,8 +78,7 @@ class Quadtree {
     return found->second;
   }
 
-  // Appends the points on the side of a leaf from the point `first` at (ax, ay) to (bx, by), without (bx, by). The
-  // points include the corners of smaller neighbours.
+  // Appends the points on a leaf's side from `first` at (ax, ay) to before (bx, by), with neighbours' corners.
   void addSide(std::uint32_t first, std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by) {
     const std::int64_t mx = (ax + bx) / 2;
     const std::int64_t my = (ay + by) / 2;

@@ -13,8 +13,7 @@ namespace scanmill::town {
 
 using models::Point2;
 
-// Counter-clockwise triangles. Every edge, except on the square's border, belongs to exactly two triangles. Without
-// T-junctions no ray can pass between triangles.
+// Counter-clockwise triangles without T-junctions: edges inside the square belong to exactly two triangles.
 struct Tiling {
   std::vector<Point2> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -24,9 +23,8 @@ struct Tiling {
 // this size and centre (x, y) is divided while divided() is true and the size is above `smallest` (m).
 Tiling makeTiling(double half, double smallest, const std::function<bool(double x, double y, double size)>& divided);
 
-// Divides triangles along the line on which a field is zero. `field` has the field (m) at each point of the tiling; it
-// is linear within each triangle. Afterwards no triangle has corners on both sides of the line. A corner is on the line
-// if the absolute value of its field is below 0.1 mm.
+// Divides triangles along the line on which a field (m; by point, linear within each triangle) is zero, so that none
+// has corners on both sides. A corner is on the line if the absolute value of its field is below 0.1 mm.
 void cutAlong(Tiling& tiling, std::vector<double> field);
 
 }  // namespace scanmill::town

@@ -17,8 +17,7 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed) {
           town::cutOut(map, parameters, seed, town::Layout::reachOf(parameters) - town::Layout::kEdge, where)};
 }
 
-// Transforms a point from the layout's frame to the town's frame. A layout is always for right-hand traffic; for
-// left-hand traffic the town is its mirror image.
+// Transforms a point from the layout's frame, for right-hand traffic, to the town's frame, which may be mirrored.
 Vec3d townFromLayout(const town::Layout& layout, const Vec3d& p) {
   return layout.parameters.keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }

@@ -15,9 +15,8 @@ namespace scanmill {
 // first: the materials have the builder's reflectances. Throws InputError with the place in the file.
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& place);
 
-// Returns two routes of the ego vehicle through a town with these keys and this seed, in the town's frame: one
-// straight through the built-up part, and one from a side road to the main road and into another side road, if there
-// are side roads at the right of the main road.
+// Returns two routes of the ego vehicle through a town, in the town's frame: straight through the built-up part, and
+// from a side road at the right over the main road into another one, as far as there are such side roads.
 SceneLanes townLanes(Fields& fields, std::uint64_t seed);
 
 }  // namespace scanmill

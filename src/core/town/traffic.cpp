@@ -239,8 +239,7 @@ class Traffic {
     return index;
   }
 
-  // Adds the vehicles of a side road at random positions of its two routes, at least 14 m apart; a route may be
-  // missing. `length`: m, of the lanes.
+  // Adds the vehicles of a side road's two routes, each of which may be missing. `length`: m, of the lanes.
   void addSideVehicles(std::uint32_t r, const std::optional<std::uint32_t>& inRoute,
                        const std::optional<std::uint32_t>& outRoute, double length) {
     constexpr double kApart = 14;  // m between the middles of two vehicles
