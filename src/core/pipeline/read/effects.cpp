@@ -104,31 +104,21 @@ Effects inOrder(std::vector<ListedEffect> effects) {
   bool hasIntensity = false;
   bool hasSnr = false;
   const bool usesPower = std::ranges::any_of(effects, [](const ListedEffect& e) { return e->setsIntensity(); });
+  const auto require = [](const ListedEffect& effect, bool condition, const char* message) {
+    if (!condition) throw InputError(effect.where, fmt::format(fmt::runtime(message), effect.entry->name));
+  };
   for (ListedEffect& effect : effects) {
-    if (effect->setsGain() && !usesPower) {
-      throw InputError(effect.where,
-                       fmt::format("the effect '{0}' changes the power, but no effect uses the power: add the "
-                                   "effect `intensity`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
-                                   effect.entry->name));
-    }
-    if (effect->needsIntensity() && !hasIntensity) {
-      throw InputError(effect.where, fmt::format("the effect '{0}' needs the intensity: add the effect `intensity`, or "
-                                                 "leave '{0}' out too (`{0}: none` beside `sensor`)",
-                                                 effect.entry->name));
-    }
-    if (effect->setsIntensity() && hasIntensity) {
-      throw InputError(
-          effect.where,
-          fmt::format(
-              "the effect '{}' sets the intensity, which an earlier effect sets already: leave one of the two out",
-              effect.entry->name));
-    }
-    if (effect->needsSnr() && !hasSnr) {
-      throw InputError(effect.where,
-                       fmt::format("the effect '{0}' needs the signal-to-noise ratio: add `detection: "
-                                   "{{noise: ...}}`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
-                                   effect.entry->name));
-    }
+    require(effect, usesPower || !effect->setsGain(),
+            "the effect '{0}' changes the power, but no effect uses the power: add the effect `intensity`, or leave "
+            "'{0}' out too (`{0}: none` beside `sensor`)");
+    require(effect, hasIntensity || !effect->needsIntensity(),
+            "the effect '{0}' needs the intensity: add the effect `intensity`, or leave '{0}' out too (`{0}: none` "
+            "beside `sensor`)");
+    require(effect, !hasIntensity || !effect->setsIntensity(),
+            "the effect '{}' sets the intensity, which an earlier effect sets already: leave one of the two out");
+    require(effect, hasSnr || !effect->needsSnr(),
+            "the effect '{0}' needs the signal-to-noise ratio: add `detection: {{noise: ...}}`, or leave '{0}' out too "
+            "(`{0}: none` beside `sensor`)");
     hasIntensity = hasIntensity || effect->setsIntensity();
     hasSnr = hasSnr || effect->setsSnr();
     ordered.push_back(std::move(effect));
