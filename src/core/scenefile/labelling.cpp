@@ -235,18 +235,18 @@ std::vector<LabelledPart> divideIntoThings(std::vector<LabelledPart> parts, cons
   std::vector<LabelledPart> divided;
   auto numbers = thingNumbers.begin();  // of the next part of things
   for (LabelledPart& labelled : parts) {
-    std::map<std::uint32_t, std::vector<std::size_t>> trianglesOf;  // by number of the thing
+    std::map<std::uint32_t, std::vector<std::size_t>> trianglesByThing;
     if (labelled.isOfThings()) {
-      for (std::size_t t = 0; t < numbers->size(); ++t) trianglesOf[(*numbers)[t]].push_back(t);
+      for (std::size_t t = 0; t < numbers->size(); ++t) trianglesByThing[(*numbers)[t]].push_back(t);
       ++numbers;
     }
-    if (trianglesOf.size() < 2) {
-      if (!trianglesOf.empty()) labelled.object = trianglesOf.begin()->first;
+    if (trianglesByThing.size() < 2) {
+      if (!trianglesByThing.empty()) labelled.object = trianglesByThing.begin()->first;
       divided.push_back(std::move(labelled));
       continue;
     }
     TriangleCopier copier(labelled.part);
-    for (const auto& [object, triangles] : trianglesOf) {
+    for (const auto& [object, triangles] : trianglesByThing) {
       divided.push_back({copier.copy(triangles), labelled.rules, labelled.semantic, object});
     }
   }
@@ -306,10 +306,10 @@ std::optional<std::uint32_t> addMesh(SceneBuilder& builder, std::vector<Labelled
 
   dropped += clean(mesh);
   if (mesh.triangles.empty()) return std::nullopt;
-  std::vector<std::uint64_t> trianglesOfSurface(mesh.surfaces.size());
-  for (const std::uint16_t surface : mesh.surfaceOf) ++trianglesOfSurface[surface];
+  std::vector<std::uint64_t> trianglesByThingSurface(mesh.surfaces.size());
+  for (const std::uint16_t surface : mesh.surfaceOf) ++trianglesByThingSurface[surface];
   for (std::size_t i = 0; i < parts.size() && !labelling.counted; ++i) {
-    const std::uint64_t triangles = trianglesOfSurface[i];
+    const std::uint64_t triangles = trianglesByThingSurface[i];
     if (parts[i].semantic == nullptr && triangles > 0) builder.addUnlabeled(partNames[i], triangles);
   }
   return builder.addMesh(std::move(mesh));

@@ -1,7 +1,6 @@
-#include "scene/scene.h"
-
 #include "base/path.h"
 #include "scene/placements.h"
+#include "scene/scene.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 

@@ -1,8 +1,8 @@
-#include "scene/triangles.h"
-
 #include <map>
 #include <random>
 #include <vector>
+
+#include "scene/triangles.h"
 
 namespace scanmill {
 namespace {

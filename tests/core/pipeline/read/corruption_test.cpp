@@ -1,5 +1,4 @@
 #include "pipeline/read/effects.h"
-
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {

@@ -1,7 +1,6 @@
-#include "pipeline/run/sample_maker.h"
-
 #include <set>
 
+#include "pipeline/run/sample_maker.h"
 #include "sense/sense.h"
 #include "sensors/footprint.h"
 #include "tests/core/methods/trace.h"
