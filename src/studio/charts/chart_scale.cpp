@@ -1,9 +1,5 @@
 #include "charts/chart_scale.h"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 #include "base/short_text.h"
 
 namespace scanmill {

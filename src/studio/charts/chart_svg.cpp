@@ -3,14 +3,9 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <functional>
 #include <map>
-#include <optional>
 
-#include "charts/chart.h"
 #include "charts/chart_scale.h"
 #include "charts/svg_text.h"
 

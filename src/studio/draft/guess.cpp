@@ -2,12 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <map>
-#include <optional>
-
 #include "assets/meshes/asset_parts.h"
 #include "base/text_scan.h"
 #include "config/text.h"

@@ -1,11 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <exception>
-#include <map>
-#include <utility>
-
 #include "assets/meshes/asset_parts.h"
 #include "assets/surveys/surveys.h"
 #include "base/error.h"

@@ -1,15 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <array>
 #include <cctype>
-#include <functional>
-#include <iterator>
-#include <map>
-#include <set>
 #include <span>
-#include <utility>
 
 #include "base/short_text.h"
 #include "base/terminal.h"

@@ -3,11 +3,8 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <type_traits>
-#include <variant>
 
 #include "base/error.h"
 #include "base/parallel.h"

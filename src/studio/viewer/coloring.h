@@ -16,7 +16,6 @@
 #include "scan/scan.h"
 #include "scene/ontology.h"
 #include "viewer/color_map.h"
-#include "viewer/image.h"
 #include "viewer/view_camera.h"
 
 namespace scanmill {

@@ -1,19 +1,12 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <utility>
-
 #include "base/error.h"
 #include "dataset/names.h"
 #include "dataset/recording.h"
 #include "passes/exr/exr_file.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
-#include "viewer/color_map.h"
-#include "viewer/coloring.h"
 #include "viewer/panels/panel_rects.h"
 #include "viewer/panels/widgets.h"
 #include "viewer/picture.h"

@@ -2,15 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <memory>
-
 #include "methods/method.h"
-#include "viewer/color_map.h"
-#include "viewer/panels/panel_rects.h"
-#include "viewer/panels/widgets.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {

@@ -11,9 +11,7 @@
 #include "scan/scan.h"
 #include "scene/ontology.h"
 #include "viewer/coloring.h"
-#include "viewer/image.h"
 #include "viewer/range_strip.h"
-#include "viewer/view_camera.h"
 
 namespace scanmill {
 

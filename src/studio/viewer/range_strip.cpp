@@ -2,16 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 #include <complex>
-#include <limits>
 #include <numeric>
-#include <optional>
 
 #include "base/error.h"
 #include "base/vec.h"
-#include "viewer/color_map.h"
 #include "viewer/picture.h"
 
 namespace scanmill {

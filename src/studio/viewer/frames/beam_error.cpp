@@ -1,13 +1,5 @@
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <compare>
-#include <cstdint>
-#include <limits>
-#include <span>
-#include <utility>
-
 #include "base/parallel.h"
 #include "sense/returns.h"
 #include "viewer/frames/stored_frames.h"

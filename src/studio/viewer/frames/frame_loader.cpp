@@ -1,8 +1,6 @@
 #include "viewer/frames/frame_loader.h"
 
-#include <algorithm>
 #include <cstdlib>
-#include <utility>
 
 #include "scan/scan.h"
 

@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <set>
-#include <tuple>
 
 #include "base/append_new.h"
 #include "base/error.h"

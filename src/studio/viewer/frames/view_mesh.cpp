@@ -2,16 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <exception>
-#include <functional>
-#include <iterator>
-#include <limits>
-#include <map>
 #include <ranges>
-#include <span>
-#include <utility>
 
 #include "base/parallel.h"
 #include "pipeline/checks/warnings.h"

@@ -3,14 +3,7 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <cstring>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "base/file.h"
 #include "viewer/color_map.h"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "viewer/canvas/canvas.h"
-#include "viewer/image.h"
 
 struct ImGuiContext;
 struct ImGuiIO;

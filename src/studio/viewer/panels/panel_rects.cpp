@@ -1,8 +1,5 @@
 #include "viewer/panels/panel_rects.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <utility>
 
 namespace scanmill {

@@ -3,12 +3,7 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-
 #include "base/short_text.h"
-#include "viewer/color_map.h"
 #include "viewer/panels/panel_rects.h"
 
 namespace scanmill {

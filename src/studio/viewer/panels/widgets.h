@@ -10,9 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "viewer/canvas/canvas.h"
 #include "viewer/coloring.h"
-#include "viewer/image.h"
 #include "viewer/panels/imgui_layer.h"
 
 namespace scanmill {

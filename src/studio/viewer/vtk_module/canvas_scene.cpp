@@ -6,10 +6,7 @@
 #include <vtkShaderProgram.h>
 #include <vtk_glew.h>
 
-#include <algorithm>
-#include <cstddef>
 #include <new>
-#include <stdexcept>
 #include <utility>
 
 namespace scanmill {
@@ -157,9 +154,7 @@ void CanvasScene::drop(ItemId number) {
 void CanvasScene::place(Item& item) {
   for (std::uint32_t k = 0; k < kCanvasViews; ++k) {
     const bool isInView = (item.look().views >> k & 1u) != 0;
-    for (vtkActor* actor : item.actors()) {
-      isInView ? renderers_[k]->AddActor(actor) : renderers_[k]->RemoveActor(actor);
-    }
+    for (vtkActor* actor : item.actors()) isInView ? renderers_[k]->AddActor(actor) : renderers_[k]->RemoveActor(actor);
   }
 }
 

@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "gpu/opengl_module/gl_window.h"
-#include "viewer/canvas/canvas.h"
 #include "viewer/vtk_module/item.h"
 
 namespace scanmill {

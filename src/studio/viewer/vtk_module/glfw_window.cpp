@@ -4,13 +4,8 @@
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <chrono>
-#include <cstdlib>
 #include <deque>
-#include <stdexcept>
-#include <string_view>
 #include <utility>
 
 #include "gpu/device.h"

@@ -6,14 +6,9 @@
 #include <vtkShaderProperty.h>
 #include <vtkTypeInt32Array.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <limits>
 #include <numeric>
-#include <optional>
-#include <span>
-#include <stdexcept>
 #include <utility>
 
 #include "base/random.h"
@@ -188,9 +183,7 @@ void Item::fill(Part& part, const std::vector<std::uint32_t>* elements) {
   const vtkIdType cells = cellSize > 0 ? vertices / cellSize : 0;
   vtkNew<vtkTypeInt32Array> offsets;  // where each cell begins in `connectivity`, and its end
   offsets->SetNumberOfValues(cells + 1);
-  for (vtkIdType cell = 0; cell <= cells; ++cell) {
-    offsets->SetValue(cell, static_cast<std::int32_t>(cell * cellSize));
-  }
+  for (vtkIdType cell = 0; cell <= cells; ++cell) offsets->SetValue(cell, static_cast<std::int32_t>(cell * cellSize));
   vtkNew<vtkCellArray> array;
   array->SetData(offsets, connectivity);
   if (kind_ == ItemKind::Points) part.data->SetVerts(array);

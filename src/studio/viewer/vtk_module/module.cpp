@@ -4,19 +4,12 @@
 #include <fmt/format.h>
 #include <vtkAutoInit.h>
 
-#include <exception>
-#include <functional>
-#include <memory>
 #include <new>
-#include <optional>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "gpu/device.h"
 #include "gpu/opengl_module/egl_context.h"
 #include "gpu/opengl_module/gl_window.h"
-#include "viewer/canvas/canvas.h"
 #include "viewer/vtk_module/canvas_scene.h"
 #include "viewer/vtk_module/glfw_window.h"
 

@@ -8,10 +8,6 @@
 #include <vtkTextureObject.h>
 #include <vtk_glew.h>
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-
 #include "viewer/vtk_module/canvas_scene.h"
 
 namespace scanmill {

@@ -1,7 +1,5 @@
 #include "viewer/window/canvas_items.h"
 
-#include <algorithm>
-
 namespace scanmill {
 
 namespace {

@@ -10,7 +10,6 @@
 
 #include "base/vec.h"
 #include "viewer/canvas/canvas.h"
-#include "viewer/image.h"
 
 namespace scanmill {
 

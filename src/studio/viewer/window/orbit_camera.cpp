@@ -3,11 +3,8 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <array>
 #include <charconv>
 #include <iterator>
-#include <string_view>
 
 #include "base/error.h"
 

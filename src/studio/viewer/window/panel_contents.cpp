@@ -2,13 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/short_text.h"
-#include "viewer/color_map.h"
 #include "viewer/picture.h"
-#include "viewer/window/canvas_items.h"
 
 namespace scanmill {
 

@@ -8,14 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "viewer/panels/imgui_layer.h"
 #include "viewer/panels/panel_rects.h"
 #include "viewer/panels/widgets.h"
 #include "viewer/window/playback.h"
 #include "viewer/window/pointer.h"
-#include "viewer/window/scene_view.h"
-#include "viewer/window/session_context.h"
-#include "viewer/window/shown_clouds.h"
 
 namespace scanmill {
 

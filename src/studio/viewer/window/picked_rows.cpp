@@ -1,8 +1,5 @@
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <optional>
-
 #include "base/short_text.h"
 #include "viewer/window/picking.h"
 

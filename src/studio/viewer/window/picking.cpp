@@ -1,7 +1,5 @@
 #include "viewer/window/picking.h"
 
-#include <algorithm>
-#include <compare>
 #include <mutex>
 
 #include "base/parallel.h"

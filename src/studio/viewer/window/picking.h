@@ -11,9 +11,7 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "viewer/frames/frame_source.h"
 #include "viewer/frames/view_mesh.h"
-#include "viewer/view_camera.h"
 #include "viewer/window/session_context.h"
 
 namespace scanmill {

@@ -1,7 +1,5 @@
 #include "viewer/window/playback.h"
 
-#include <algorithm>
-
 namespace scanmill {
 
 Playback::Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader,

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "viewer/frames/frame_loader.h"
-#include "viewer/frames/frame_source.h"
 
 namespace scanmill {
 

@@ -1,10 +1,5 @@
 #include "viewer/window/pointer.h"
 
-#include <algorithm>
-
-#include "viewer/color_map.h"
-#include "viewer/window/picking.h"
-
 namespace scanmill {
 
 namespace {

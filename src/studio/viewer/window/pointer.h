@@ -9,10 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "viewer/window/canvas_items.h"
 #include "viewer/window/scene_view.h"
-#include "viewer/window/session_context.h"
-#include "viewer/window/shown_clouds.h"
 
 namespace scanmill {
 

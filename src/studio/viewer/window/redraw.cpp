@@ -1,7 +1,5 @@
 #include "viewer/window/redraw.h"
 
-#include <algorithm>
-
 #include "base/stage_clock.h"
 
 namespace scanmill {

@@ -1,8 +1,5 @@
 #include "viewer/window/scene_view.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace scanmill {
 
 namespace {

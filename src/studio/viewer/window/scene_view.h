@@ -14,12 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "viewer/coloring.h"
-#include "viewer/frames/view_mesh.h"
 #include "viewer/window/canvas_items.h"
-#include "viewer/window/orbit_camera.h"
 #include "viewer/window/picking.h"
-#include "viewer/window/session_context.h"
 #include "viewer/window/shown_clouds.h"
 
 namespace scanmill {

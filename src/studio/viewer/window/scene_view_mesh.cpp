@@ -2,18 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cstdint>
-#include <functional>
-
 #include "base/short_text.h"
 #include "config/resources.h"
 #include "config/text.h"
 #include "exports/class_map.h"
-#include "viewer/color_map.h"
-#include "viewer/window/picking.h"
 #include "viewer/window/scene_view.h"
-#include "viewer/window/session_context.h"
 
 namespace scanmill {
 

@@ -2,9 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <limits>
-
 #include "base/append_new.h"
 #include "base/error.h"
 

@@ -9,12 +9,6 @@
 #include <vector>
 
 #include "viewer/window/panel_contents.h"
-#include "viewer/window/playback.h"
-#include "viewer/window/pointer.h"
-#include "viewer/window/scene_view.h"
-#include "viewer/window/session_context.h"
-#include "viewer/window/shown_clouds.h"
-#include "viewer/window/view_options.h"
 
 namespace scanmill {
 

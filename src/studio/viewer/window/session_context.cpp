@@ -2,14 +2,10 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <charconv>
-#include <functional>
-#include <map>
 
 #include "base/error.h"
 #include "scene/thing_boxes.h"
-#include "viewer/color_map.h"
 
 namespace scanmill {
 

@@ -14,7 +14,6 @@
 #include "base/vec.h"
 #include "scan/scan.h"
 #include "scene/ontology.h"
-#include "viewer/canvas/canvas.h"
 #include "viewer/frames/frame_source.h"
 #include "viewer/window/redraw.h"
 #include "viewer/window/view_options.h"

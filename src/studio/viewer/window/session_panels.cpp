@@ -4,14 +4,8 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
-#include <algorithm>
-#include <array>
-
 #include "base/short_text.h"
-#include "viewer/color_map.h"
-#include "viewer/coloring.h"
 #include "viewer/picture.h"
-#include "viewer/window/picking.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {

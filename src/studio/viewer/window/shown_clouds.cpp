@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-
 #include "viewer/panels/imgui_layer.h"
 #include "viewer/picture.h"
 #include "viewer/window/canvas_items.h"

@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "viewer/coloring.h"
 #include "viewer/range_strip.h"
 #include "viewer/window/session_context.h"
 

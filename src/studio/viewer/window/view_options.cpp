@@ -3,10 +3,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
-#include "viewer/coloring.h"
-
 namespace scanmill {
 
 namespace {
