@@ -453,8 +453,8 @@ std::vector<Vec3d> readWaypoints(const Value& value, Climbs climbs) {
                                                last + 1, kSteepest));
     }
     if (last < 2) continue;
-    const Vec3d before = normalized(points[last - 1] - points[last - 2]);
-    if (dot(before, normalized(chord)) < std::cos(radians(kSharpest))) {
+    const Vec3d previousChord = points[last - 1] - points[last - 2];
+    if (dot(normalized(previousChord), normalized(chord)) < std::cos(radians(kSharpest))) {
       throw InputError(
           value.items[last - 1].where,
           fmt::format("the path goes straight back at waypoint {}; add waypoints that make the turn", last));

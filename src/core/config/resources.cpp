@@ -38,11 +38,11 @@ FileKind kindIn(const fs::path& subfolder) {
 }
 
 // Returns false if the YAML file is known to be of another kind.
-bool mayBe(FileKind kind, const fs::path& file) {
-  if (kind == FileKind::Unknown) return true;
+bool mayBe(FileKind expected, const fs::path& file) {
+  if (expected == FileKind::Unknown) return true;
   try {
-    const FileKind found = fileKind(readYaml(file));
-    return found == FileKind::Unknown || found == kind;
+    const FileKind kind = fileKind(readYaml(file));
+    return kind == FileKind::Unknown || kind == expected;
   } catch (const InputError&) {
     return true;  // a file with an error, or one that needs an environment variable
   }

@@ -166,7 +166,7 @@ class BeamErrorSum::Impl {
  private:
   // The beams of an object instance, and those of them whose tested hit is on it.
   struct InstanceBeams {
-    std::uint64_t beams = 0, found = 0;
+    std::uint64_t beams = 0, beamsFound = 0;
   };
 
   // Returns the outcome of beam `i` without intensity and distances to nearest points.
@@ -197,7 +197,7 @@ class BeamErrorSum::Impl {
     if (exact.instance[i] >= instances_.size())
       throw Error("the hits belong to another scene, which has more instances");
     ++instances_[exact.instance[i]].beams;
-    instances_[exact.instance[i]].found += beam.sameInstance ? 1 : 0;
+    instances_[exact.instance[i]].beamsFound += beam.sameInstance ? 1 : 0;
   }
 
   // Returns the instances by size, in bands up to the last with instances. `edges`: of the bands. `side`: the measure.
@@ -210,9 +210,9 @@ class BeamErrorSum::Impl {
       if (instances_[id].beams == 0) continue;
       SizeRecall& group = groups[bandOf(edges, sizes_[id].*side)];
       ++group.instances;
-      group.instancesFound += instances_[id].found > 0 ? 1 : 0;
+      group.instancesFound += instances_[id].beamsFound > 0 ? 1 : 0;
       group.beams += instances_[id].beams;
-      group.beamsFound += instances_[id].found;
+      group.beamsFound += instances_[id].beamsFound;
     }
     while (!groups.empty() && groups.back().instances == 0) groups.pop_back();
     return groups;

@@ -180,11 +180,11 @@ std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, doub
 std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options) {
   const ExactTracer tracer(scene);
   const std::unique_ptr<Method> rays = makeReference(scene);
-  std::vector<TrueShot> all;
-  all.reserve(shots.size());
+  std::vector<TrueShot> traced;
+  traced.reserve(shots.size());
   for (Shot& shot : shots) {
     checkStop(options);
-    TrueShot& truth = all.emplace_back();
+    TrueShot& truth = traced.emplace_back();
     truth.shot = std::move(shot);
     tracer.trace(truth.shot, kErrorChannels | options.channels, truth.truth);
     // A method that samples as finely as the sensor may miss an edge by the angle between neighbouring columns. Tables
@@ -193,7 +193,7 @@ std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, con
     truth.edges = edgeBeams(*rays, truth.shot, std::min(beams.field / std::max(beams.columns, 1u), radians(1)));
     if (options.intensity) truth.intensity = options.intensity(truth.shot, truth.truth.hits);
   }
-  return all;
+  return traced;
 }
 
 bool anyHit(std::span<const TrueShot> shots) {

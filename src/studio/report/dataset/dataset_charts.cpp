@@ -8,7 +8,7 @@
 #include "base/short_text.h"
 #include "charts/chart.h"
 #include "evaluate/spread.h"
-#include "report/dataset/dataset_summary.h"
+#include "report/dataset/dataset_report.h"
 #include "report/page/page.h"
 #include "study/figure_text.h"
 

@@ -10,7 +10,6 @@
 #include "base/hash.h"
 #include "dataset/card.h"
 #include "report/dataset/dataset_report.h"
-#include "report/dataset/dataset_summary.h"
 #include "report/dataset/scan_view.h"
 #include "report/page/page.h"
 #include "scan/columns.h"

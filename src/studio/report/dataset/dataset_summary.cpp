@@ -1,5 +1,3 @@
-#include "report/dataset/dataset_summary.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 
 #include "base/append_new.h"
 #include "dataset/names.h"
+#include "report/dataset/dataset_report.h"
 #include "viewer/color_map.h"
 
 namespace scanmill {
@@ -46,7 +45,6 @@ class SummaryMaker {
     sum_.steps = steps;
     for (const SemanticClass& c : manifest.ontology.classes) addClass(c.id, c.name, c.thing, true);
     for (const SensorRecord& s : manifest.sensors) entryNamed(sum_.sensors, s.name).ranges.assign(steps.count, 0);
-    for (const SequenceRecord& s : manifest.sequences) recordOf_[s.name] = &s;
   }
 
   // Adds the figures that the manifest has for all scans.
@@ -125,10 +123,11 @@ class SummaryMaker {
     if (isNew) {
       SequenceSummary& sequence = sum_.sequences.emplace_back();
       sequence.name = name;
-      if (const auto record = recordOf_.find(name); record != recordOf_.end()) {
-        sequence.scene = record->second->scene;
-        sequence.seed = std::to_string(record->second->seed);
-        sequence.trajectory = record->second->trajectory;
+      const auto record = std::ranges::find(manifest_.sequences, name, &SequenceRecord::name);
+      if (record != manifest_.sequences.end()) {
+        sequence.scene = record->scene;
+        sequence.seed = std::to_string(record->seed);
+        sequence.trajectory = record->trajectory;
       }
     }
     return sum_.sequences[index->second];
@@ -229,7 +228,6 @@ class SummaryMaker {
   const Manifest& manifest_;
   DatasetSummary sum_;
   std::map<std::uint16_t, std::size_t> classAt_;
-  std::map<std::string, const SequenceRecord*> recordOf_;  // by name of the sequence
   std::map<std::string, std::size_t> sequenceAt_;
   std::map<std::string, std::vector<std::uint64_t>> pointsOfSensor_;
   std::map<std::uint16_t, std::vector<std::uint64_t>> viewPoints_;

@@ -83,7 +83,7 @@ class Warnings {
   void classes() {
     const auto absent = classesWhere([](const ClassSummary& c) { return c.id != 0 && c.points == 0; });
     if (!absent.empty()) {
-      const auto inOntology = classesWhere([](const ClassSummary& c) { return c.id != 0 && c.known; });
+      const auto inOntology = classesWhere([](const ClassSummary& c) { return c.id != 0 && c.inOntology; });
       add(fmt::format("No points of {} of the ontology's {} classes: {}.", absent.size(), inOntology.size(),
                       fmt::join(alikeLines(absent), ", ")));
       list_.back().note = true;  // is only a note, since few scenes contain all classes
@@ -92,7 +92,7 @@ class Warnings {
       return c.id != 0 && c.points > 0 && shareOf(c.points, sum_.points) < kFewClassPoints;
     });
     if (!rare.empty()) add(fmt::format("Fewer than 1 in 10,000 points each: {}.", fmt::join(alikeLines(rare), ", ")));
-    const auto unknown = classesWhere([](const ClassSummary& c) { return !c.known; });
+    const auto unknown = classesWhere([](const ClassSummary& c) { return !c.inOntology; });
     if (!unknown.empty())
       add(fmt::format("The ontology does not have these classes: {}.", fmt::join(alikeLines(unknown), ", ")));
     for (const ClassSummary& c : sum_.classes) {
@@ -108,8 +108,8 @@ class Warnings {
     std::uint64_t beams = 0;
     for (const SensorSummary& sensor : sum_.sensors) {
       for (const auto& [reason, count] : sensor.beamsPerReason) {
-        const auto of = static_cast<Reason>(reason);
-        beams += of == Reason::FalsePositive || of == Reason::Weather ? count : 0;
+        const bool isFromWeather = reason == static_cast<std::uint8_t>(Reason::Weather);
+        beams += isFromWeather || reason == static_cast<std::uint8_t>(Reason::FalsePositive) ? count : 0;
       }
     }
     return beams;

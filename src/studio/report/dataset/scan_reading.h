@@ -1,6 +1,7 @@
 #pragma once
 
-// Reads selected scans of a dataset, even if some shards are missing or damaged.
+// Reads selected scans of a dataset, even if some shards are missing or damaged, and counts their contents. All counts
+// are integers, so that sums do not depend on the order of addition.
 
 #include <algorithm>
 #include <array>

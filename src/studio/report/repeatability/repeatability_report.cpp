@@ -168,6 +168,18 @@ Chart withinChart(const Repeatability& result, const RepeatedView& view) {
   return chart;
 }
 
+// Returns a chart that compares all methods for the views with the name `view`.
+Chart methodsChart(const Repeatability& result, const std::string& view) {
+  Chart chart = fitnessAxes("methods", fmt::format("{}: methods", view),
+                            fmt::format("After ICP; noise {} on both scans.", result.levels[result.reference]));
+  for (const RepeatedView& ofMethod : result.views) {
+    if (ofMethod.name != view) continue;
+    addLine(chart, result, ofMethod, result.reference, &LevelFitness::registered,
+            line(result.methods[ofMethod.method], ofMethod.method));
+  }
+  return chart;
+}
+
 }  // namespace
 
 std::string repeatabilityReport(const Repeatability& result, const std::string& date) {
@@ -202,7 +214,7 @@ std::string repeatabilityReport(const Repeatability& result, const std::string& 
       pose.update({{"view", view.name}, {"sensor", view.sensor}});
       page["of_methods"][view.method]["places"].push_back(pose);
     }
-    if (view.method == 0) page["method_charts"].push_back(chartValues(repeatabilityMethods(result, view.name)));
+    if (view.method == 0) page["method_charts"].push_back(chartValues(methodsChart(result, view.name)));
   }
   // A single noise level cannot be compared with others.
   if (result.levels.size() < 2) page["views"] = Json::array();
@@ -218,17 +230,6 @@ std::vector<Chart> repeatabilityCharts(const Repeatability& result, std::size_t 
 
 std::vector<Chart> repeatabilityViewCharts(const Repeatability& result, const RepeatedView& view) {
   return {levelsChart(result, view), withinChart(result, view)};
-}
-
-Chart repeatabilityMethods(const Repeatability& result, const std::string& view) {
-  Chart chart = fitnessAxes("methods", fmt::format("{}: methods", view),
-                            fmt::format("After ICP; noise {} on both scans.", result.levels[result.reference]));
-  for (const RepeatedView& ofMethod : result.views) {
-    if (ofMethod.name != view) continue;
-    addLine(chart, result, ofMethod, result.reference, &LevelFitness::registered,
-            line(result.methods[ofMethod.method], ofMethod.method));
-  }
-  return chart;
 }
 
 }  // namespace scanmill

@@ -18,8 +18,6 @@ std::vector<Chart> repeatabilityCharts(const Repeatability& result, std::size_t 
 // Returns charts of one view: the fitness between the reference noise level and each level (Figure 11 of the paper),
 // and between scans of the same level.
 std::vector<Chart> repeatabilityViewCharts(const Repeatability& result, const RepeatedView& view);
-// Returns a chart that compares all methods for the views with the name `view`.
-Chart repeatabilityMethods(const Repeatability& result, const std::string& view);
 
 // Returns the HTML page index.html, which needs no other file. `date`: when the study was run.
 std::string repeatabilityReport(const Repeatability& result, const std::string& date);

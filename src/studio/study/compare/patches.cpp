@@ -108,7 +108,7 @@ class PatchMeter {
     return static_cast<std::size_t>((dr + kPatchRowReach) * kWide + dc + kPatchReach);
   }
   // Returns the pixel that is `dr` rows below and `dc` columns beside the patch's middle.
-  std::uint32_t at(int dr, int dc) const { return window_[indexOf(dr, dc)]; }
+  std::uint32_t pixelAt(int dr, int dc) const { return window_[indexOf(dr, dc)]; }
 
   // Fits a plane to the window's points on the surface; sets the patch's kind, incidence, thickness and steepness.
   void addShape(const Vec3d& middle, Patches& out) {
@@ -136,7 +136,7 @@ class PatchMeter {
 
   // Returns the range of the beam `dc` columns beside the patch's middle (m); NaN if it has no return.
   double rangeAt(int dc) const {
-    const std::uint32_t pixel = at(0, dc);
+    const std::uint32_t pixel = pixelAt(0, dc);
     return hasReturn(pixel) ? static_cast<double>(grid_.range[pixel]) : std::numeric_limits<double>::quiet_NaN();
   }
   // True if the ranges of the beams from `first` to `last`, in columns from the patch's middle, are known and have no
@@ -203,7 +203,7 @@ class PatchMeter {
     for (const int dr : {-1, 1}) {
       const std::size_t before = points_.size();
       for (int dc = -kPatchReach; dc <= kPatchReach; ++dc) {
-        if (onSurface(at(dr, dc))) points_.push_back(pointAt(at(dr, dc)));
+        if (onSurface(pixelAt(dr, dc))) points_.push_back(pointAt(pixelAt(dr, dc)));
       }
       if (points_.size() - before < kFewestInRing) return;
     }
@@ -212,8 +212,8 @@ class PatchMeter {
     double sum = 0;
     std::size_t count = 0;
     for (int dc = -kReach; dc <= kReach; ++dc) {
-      if (!onSurface(at(0, dc))) continue;
-      sum += dot(plane.normal, pointAt(at(0, dc)) - plane.middle);
+      if (!onSurface(pixelAt(0, dc))) continue;
+      sum += dot(plane.normal, pointAt(pixelAt(0, dc)) - plane.middle);
       ++count;
     }
     if (count < kFewestMeasured) return;
@@ -231,8 +231,8 @@ class PatchMeter {
     double sum = 0;
     int count = 0;
     for (const int dc : columns) {
-      if (!onSurface(at(dr, dc))) continue;
-      sum += static_cast<double>(scan_[kIntensity][grid_.point[at(dr, dc)]]);
+      if (!onSurface(pixelAt(dr, dc))) continue;
+      sum += static_cast<double>(scan_[kIntensity][grid_.point[pixelAt(dr, dc)]]);
       ++count;
     }
     if (count < 4 || !(sum > 0)) return {};
@@ -264,10 +264,12 @@ class PatchMeter {
     int single = 0;
     constexpr int kAround = kPatchReach - 1;
     for (int dc = -kAround; dc <= kAround; ++dc) {
-      if (at(0, dc) == RangeGrid::kNone || hasReturn(at(0, dc)) || !hasReturn(at(0, dc - 1)) ||
-          !hasReturn(at(0, dc + 1)))
+      if (pixelAt(0, dc) == RangeGrid::kNone || hasReturn(pixelAt(0, dc)) || !hasReturn(pixelAt(0, dc - 1)) ||
+          !hasReturn(pixelAt(0, dc + 1)))
         continue;
-      single += std::fabs(grid_.range[at(0, dc - 1)] - grid_.range[at(0, dc + 1)]) < static_cast<float>(kJump) ? 1 : 0;
+      single += std::fabs(grid_.range[pixelAt(0, dc - 1)] - grid_.range[pixelAt(0, dc + 1)]) < static_cast<float>(kJump)
+                    ? 1
+                    : 0;
     }
     set(Feature::SingleMissing, single / (2.0 * kAround + 1), out);
   }
