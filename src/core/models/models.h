@@ -100,11 +100,9 @@ Affine sideView(const Vec3d& origin);
 struct Model {
   std::uint32_t mesh = 0;
   Box bounds;
+  double length() const { return bounds.high.x - bounds.low.x; }
+  double width() const { return bounds.high.y - bounds.low.y; }
 };
-
-inline double widthOf(const Model& model) {
-  return model.bounds.high.y - model.bounds.low.y;  // m
-}
 
 // A mesh under construction. `frame` transforms everything that is appended. Lengths are in metres.
 class Shape {

@@ -21,9 +21,9 @@ bool overlapOnAxes(const Footprint& a, const Footprint& b) {
 
 Footprint footprint(const Model& model, const Spot& spot, double margin) {
   const Vec3d center = model.bounds.center() * spot.scale;
-  const Vec3d size = model.bounds.high - model.bounds.low;
-  const Footprint aboutOrigin{spot.at, size.x / 2 * spot.scale + margin, size.y / 2 * spot.scale + margin, spot.yaw};
-  return {aboutOrigin.at(center.x, center.y), aboutOrigin.halfX, aboutOrigin.halfY, spot.yaw};
+  const double halfX = model.length() / 2 * spot.scale + margin;
+  const double halfY = model.width() / 2 * spot.scale + margin;
+  return {Footprint{spot.at, halfX, halfY, spot.yaw}.at(center.x, center.y), halfX, halfY, spot.yaw};
 }
 
 Affine poseOf(const Spot& spot, double z) {

@@ -18,6 +18,8 @@ struct Footprint {
   double halfX = 0, halfY = 0;
   double yaw = 0;
 
+  // Returns the square about a point with sides of 2 * `half` metres.
+  static Footprint square(const Point2& center, double half, double yaw = 0) { return {center, half, half, yaw}; }
   // Returns the point at a distance of `u` and `v` metres from the centre along the rectangle's x and y axes.
   Point2 at(double u, double v) const {
     const double c = std::cos(yaw);
@@ -25,11 +27,6 @@ struct Footprint {
     return {center.x + u * c - v * s, center.y + u * s + v * c};
   }
 };
-
-// Returns the square about a point with sides of 2 * `half` metres.
-inline Footprint squareAbout(const Point2& center, double half, double yaw = 0) {
-  return {center, half, half, yaw};
-}
 
 // The pose and size of an object on the ground.
 struct Spot {

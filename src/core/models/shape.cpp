@@ -210,10 +210,8 @@ void Shape::grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
 }
 
 Model Shape::finish() {
-  Model model;
-  model.bounds = mesh.bounds();
-  model.mesh = builder_.addMesh(std::move(mesh));
-  return model;
+  const Box bounds = mesh.bounds();
+  return {builder_.addMesh(std::move(mesh)), bounds};
 }
 
 }  // namespace scanmill::models

@@ -64,23 +64,16 @@ BodyForm carForm(CarForm kind, Draw& draw) {
   std::ranges::sort(f.profile, {}, &Point2::x);
   const double front = lerp(windTop, windBase, 0.55);  // x: front end of the side windows
   const double middle = windTop - 0.75;                // x: the pillar between the front and the rear doors
-  switch (kind) {
-    case CarForm::Delivery:
-      f.sideWindows = {{windTop - 0.35, front}};
-      f.rearWindow = {};
-      break;
-    case CarForm::Pickup:
-      f.sideWindows = {{roofEnd + 0.1, windTop - 0.5}, {windTop - 0.42, front}};
-      f.bed = {-end + 0.12, rearBase - 0.1};
-      break;
-    case CarForm::Wagon:
-    case CarForm::Van:
-    case CarForm::Suv:
-      f.sideWindows = {{roofEnd + 0.15, middle - 0.95}, {middle - 0.86, middle - 0.04}, {middle + 0.05, front}};
-      break;
-    default:
-      f.sideWindows = {{lerp(rearBase, roofEnd, 0.65), middle - 0.04}, {middle + 0.05, front}};
-      break;
+  if (kind == CarForm::Delivery) {
+    f.sideWindows = {{windTop - 0.35, front}};
+    f.rearWindow = {};
+  } else if (kind == CarForm::Pickup) {
+    f.sideWindows = {{roofEnd + 0.1, windTop - 0.5}, {windTop - 0.42, front}};
+    f.bed = {-end + 0.12, rearBase - 0.1};
+  } else if (kind == CarForm::Wagon || kind == CarForm::Van || kind == CarForm::Suv) {
+    f.sideWindows = {{roofEnd + 0.15, middle - 0.95}, {middle - 0.86, middle - 0.04}, {middle + 0.05, front}};
+  } else {
+    f.sideWindows = {{lerp(rearBase, roofEnd, 0.65), middle - 0.04}, {middle + 0.05, front}};
   }
   const double halfWheelbase = f.length * 0.5 * 0.6;
   f.axles = {-halfWheelbase * draw.in(0.98, 1.03), halfWheelbase * draw.in(1.03, 1.07)};

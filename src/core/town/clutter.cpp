@@ -57,7 +57,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
 bool isLevel(const Layout& l, const Point2& p) {
   constexpr double kAround = 1.2, kLargest = 0.35;  // m
   std::vector<double> heights;
-  for (const Point2& corner : cornersOf(models::squareAbout(p, kAround))) heights.push_back(l.heightAt(corner));
+  for (const Point2& corner : cornersOf(Footprint::square(p, kAround))) heights.push_back(l.heightAt(corner));
   const auto [low, high] = std::ranges::minmax(heights);
   return high - low < kLargest;
 }

@@ -72,8 +72,8 @@ void placeLamps(Placer& placer, const std::vector<Model>& lamps) {
       std::optional<Spot> spot = beyondEdge(l, s.road, at, side, s.road.section.curb + 0.45);
       if (!spot) continue;
       spot->yaw += -side * kPi / 2;
-      if (!placer.isFree(models::squareAbout(spot->at, kHalfPost + Placer::kGap, spot->yaw))) continue;
-      placer.occupancy.add(models::squareAbout(spot->at, kHalfPost, spot->yaw));
+      if (!placer.isFree(Footprint::square(spot->at, kHalfPost + Placer::kGap, spot->yaw))) continue;
+      placer.occupancy.add(Footprint::square(spot->at, kHalfPost, spot->yaw));
       placer.put(lamp, *spot, fmt::format("lamp {}.{}", s.road.number + 1, ++number));
     }
   }
@@ -201,8 +201,8 @@ std::vector<PlacedPole> placePoles(Placer& placer, Draw& draw, const UtilityPole
       const Spot spot = besideRoad(road, along, side * (road.section.half + out));
       const Beside b = l.besideAt(spot.at);
       if (!b.nearRoad || b.edge < out - 0.25 || l.areas.outsideHard(spot.at) < 0.3) continue;
-      if (!placer.isFree(models::squareAbout(spot.at, 0.35, spot.yaw))) continue;
-      placer.occupancy.add(models::squareAbout(spot.at, 0.25, spot.yaw));
+      if (!placer.isFree(Footprint::square(spot.at, 0.35, spot.yaw))) continue;
+      placer.occupancy.add(Footprint::square(spot.at, 0.25, spot.yaw));
       placer.put(pole.model, spot, fmt::format("utility pole {}", poles.size() + 1));
       poles.push_back({models::at(l.onGround(spot.at), spot.yaw), along});
       break;

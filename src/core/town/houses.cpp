@@ -20,14 +20,6 @@ constexpr double kPanel = 2;        // m, length of a boundary's panel before it
 constexpr double kSunk = 0.05;      // m that panels reach below the ground
 constexpr double kPlinthDepth = 3;  // m, depth to which plinths extend below the door, to close gaps on slopes
 
-// Builds the plinth of a house, in the house's frame.
-Model makePlinth(SceneBuilder& builder, const models::House& house) {
-  Shape s(builder, "plinth");
-  s.box(s.surface("building", "concrete"), {house.width / 2, house.depth / 2, -kPlinthDepth / 2},
-        {house.width - 0.04, house.depth - 0.04, kPlinthDepth});
-  return s.finish();
-}
-
 // Places rows of fence panels, walls and hedges.
 class Boundaries {
  public:
@@ -64,7 +56,7 @@ class Boundaries {
   }
 
   // Returns half of a panel's thickness (m).
-  double halfThickness(Fencing kind, int form) { return models::widthOf(panel(kind, form)) / 2; }
+  double halfThickness(Fencing kind, int form) { return panel(kind, form).width() / 2; }
 
  private:
   // Places panels from a to b, each at the height of the ground at its middle, and returns their rectangles. Leaves out
@@ -77,7 +69,7 @@ class Boundaries {
     const double width = length / count;
     const double yaw = std::atan2(b.y - a.y, b.x - a.x);
     const Model& m = panel(kind, form);
-    const double half = models::widthOf(m) / 2;
+    const double half = m.width() / 2;
     const double heightFactor = height ? (*height + kSunk) / m.bounds.high.z : 1;
     std::vector<Footprint> placed;
     for (int k = 0; k < count; ++k) {
@@ -126,7 +118,10 @@ void placeHouses(Placer& placer) {
     const Affine pose = placer.worldFromTown * house.pose;
     const std::string name = fmt::format("house {}", ++number);
     put(models::makeHouse(placer.builder, placer.layout.seed, house), pose, name, house.relation);
-    put(makePlinth(placer.builder, house), pose, name + " plinth", house.relation);
+    Shape plinth(placer.builder, "plinth");
+    plinth.box(plinth.surface("building", "concrete"), {house.width / 2, house.depth / 2, -kPlinthDepth / 2},
+               {house.width - 0.04, house.depth - 0.04, kPlinthDepth});
+    put(plinth.finish(), pose, name + " plinth", house.relation);
   }
   for (const PlacedBlock& b : placer.layout.blocks) {
     const Affine pose = placer.worldFromTown * models::at({b.about.center.x, b.about.center.y, b.height});

@@ -62,7 +62,11 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed)
   drawRoundabout();
   drawPotholes();
   drawLand();
-  drawPlots();
+  for (const Road& road : roads()) {
+    for (const int side : {-1, 1}) {
+      addPlots(road, side, road.main ? mainFrom : 12, road.main ? mainTo : road.length() - 4);
+    }
+  }
   setLevels();
 }
 

@@ -154,7 +154,6 @@ class Layout {
  private:
   void drawRoads();
   void drawSideRoads();
-  void drawPlots();
   void drawPotholes();
   void drawRoundabout();
   bool isClear(const Point2& p, double reach, std::uint32_t exceptRoad) const;

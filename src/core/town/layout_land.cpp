@@ -216,7 +216,7 @@ void Layout::drawPotholes() {
     }
   }
   for (std::uint32_t i = 0; i < potholes.size(); ++i) {
-    addToCells(models::squareAbout(potholes[i].center, potholes[i].radius), i, potholeCells_);
+    addToCells(Footprint::square(potholes[i].center, potholes[i].radius), i, potholeCells_);
   }
 }
 

@@ -375,7 +375,7 @@ void Layout::cover(const MapBuilding& building, const Footprint& around) {
     for (const double u : models::steps(-around.halfX + kCell / 2, around.halfX + kCell / 2, kCell)) {
       const Point2 p = around.at(u, v);
       if (isInside(rings, p) || distanceToRings(rings, p) < kCell) {
-        covers.push_back(models::squareAbout(p, kCell / 2, around.yaw));
+        covers.push_back(Footprint::square(p, kCell / 2, around.yaw));
       }
     }
   }

@@ -20,14 +20,6 @@ constexpr double kBeforeDoor = 0.6;  // m from a door to the point in front of i
 
 }  // namespace
 
-void Layout::drawPlots() {
-  for (const Road& road : roads()) {
-    for (const int side : {-1, 1}) {
-      addPlots(road, side, road.main ? mainFrom : 12, road.main ? mainTo : road.length() - 4);
-    }
-  }
-}
-
 void Layout::setLevels() {
   constexpr double kAround = 0.5;  // m of level ground around a building
   findWaterLevels();

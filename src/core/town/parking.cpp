@@ -50,7 +50,7 @@ std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool e
     Draw draw(l.seed, Kind::ParkedCar, bay++);
     if (!draw.chance(usual ? parked : 0.15 * parked)) continue;
     const Model& car = anyCar(placer, draw);
-    const std::optional<double> out = parkedBeyondEdge(road, widthOf(car) / 2, egoDrives);
+    const std::optional<double> out = parkedBeyondEdge(road, car.width() / 2, egoDrives);
     if (!out || (*out > 0 && !usual)) continue;
     const bool narrowsLane = *out <= 0 && !hasLane;
     if (narrowsLane && usual && !draw.chance(0.15)) continue;
@@ -75,7 +75,7 @@ void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
   for (const double u : models::steps(first, wide ? ground.halfX - 1 : 1, kBeside)) {
     if (!draw.chance(wide ? 0.65 + 0.3 * parked : 0.85 + 0.15 * parked)) continue;
     const Model& car = anyCar(placer, draw);
-    if (widthOf(car) > 2 * ground.halfX + 0.2) continue;
+    if (car.width() > 2 * ground.halfX + 0.2) continue;
     const double v = ground.halfY - 3 - draw.in(0, 1);
     const double forwards = draw.chance(0.6) ? 0 : kPi;
     const Spot spot{.at = ground.at(u, v), .yaw = ground.yaw + kPi / 2 + forwards + draw.in(-0.03, 0.03)};
@@ -189,7 +189,7 @@ bool tryStand(Placer& placer, const Model& vehicle, const Road& road, double alo
 // roads, at the left edge of the main road, if an attempt finds a free position.
 void placeAtEdge(Placer& placer, Draw& draw, const Model& vehicle, const std::string& name) {
   const Layout& l = placer.layout;
-  const double half = widthOf(vehicle) / 2;
+  const double half = vehicle.width() / 2;
   for (int attempt = 0; attempt < 2 * Placer::kTries; ++attempt) {
     const int sideRoads = static_cast<int>(l.roads().size()) - 1;
     const Road& road = l.roads()[sideRoads > 0 ? static_cast<std::size_t>(1 + draw.below(sideRoads)) : 0];

@@ -60,7 +60,7 @@ double freeLength(const Placer& placer, PavementPosition position, double half) 
     if (std::min(distance(spot.at, line.front()), distance(spot.at, line.back())) < kNearEnd) return done;
     const double edge = placer.layout.besideAt(spot.at).edge;
     if (edge < half - 0.2 || edge > kFarthestOut) return done;
-    if (!placer.occupancy.isFree(models::squareAbout(spot.at, half, spot.yaw))) return done;
+    if (!placer.occupancy.isFree(Footprint::square(spot.at, half, spot.yaw))) return done;
   }
   return kLongestFree;
 }

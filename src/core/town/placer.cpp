@@ -28,8 +28,8 @@ bool Placer::tryPark(const Model& m, const Spot& s, const std::string& name) {
 // The model stands on four points of the ground: at about its axles, and at about its wheels' tracks.
 void Placer::park(const Model& m, const Spot& s, const std::string& name) {
   occupancy.add(footprint(m, s, 0));
-  const double halfX = 0.3 * (m.bounds.high.x - m.bounds.low.x);
-  const double halfY = 0.4 * (m.bounds.high.y - m.bounds.low.y);
+  const double halfX = 0.3 * m.length();
+  const double halfY = 0.4 * m.width();
   const Footprint wheels{s.at, halfX, halfY, s.yaw};
   const auto ground = [&](double u, double v) { return layout.onGround(wheels.at(u, v)); };
   const Vec3d x = normalized(ground(halfX, 0) - ground(-halfX, 0));

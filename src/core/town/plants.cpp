@@ -61,8 +61,8 @@ bool plant(Placer& placer, Draw& draw, Spot spot, Trees kind, double largestCrow
   if (largestCrown > 0) spot.scale = std::min(spot.scale, largestCrown / tree.crownRadius);
   if (mapped.crown) spot.scale = *mapped.crown / 2 / tree.crownRadius;
   const bool sizeMapped = mapped.height || mapped.crown;
-  if ((spot.scale < 0.5 && !sizeMapped) || !placer.isFree(models::squareAbout(spot.at, kHalfFree))) return false;
-  placer.occupancy.add(models::squareAbout(spot.at, kHalfTrunk));
+  if ((spot.scale < 0.5 && !sizeMapped) || !placer.isFree(Footprint::square(spot.at, kHalfFree))) return false;
+  placer.occupancy.add(Footprint::square(spot.at, kHalfTrunk));
   Affine pose = models::poseOf(spot, placer.layout.heightAt(spot.at) - kTrunkBelow);
   if (heightScale > 0) pose.linear.z = {0, 0, heightScale};
   placer.builder.place(tree.model.mesh, placer.worldFromTown * pose, name);
@@ -90,7 +90,7 @@ void placePits(Placer& placer, const std::vector<Spot>& pits) {
   models::Shape s(placer.builder, "tree pits");
   const models::SurfaceIndex soil = s.surface("terrain", "soil");
   for (const Spot& pit : pits) {
-    const Polygon corners = cornersOf(models::squareAbout(pit.at, kHalf, pit.yaw));
+    const Polygon corners = cornersOf(Footprint::square(pit.at, kHalf, pit.yaw));
     const auto corner = [&](std::size_t k) { return placer.layout.onGround(corners[k], kAbove); };
     s.quad(soil, corner(0), corner(1), corner(2), corner(3));
   }
@@ -249,8 +249,8 @@ void placeWoods(Placer& placer) {
       if (land ? *land != Land::Wood : density < threshold) continue;
       if (draw.chance(0.55)) {
         const Model& bush = draw.itemOf(bushes);
-        if (placer.isFree(models::squareAbout(spot.at, 1.1))) {
-          placer.occupancy.add(models::squareAbout(spot.at, 0.8));
+        if (placer.isFree(Footprint::square(spot.at, 1.1))) {
+          placer.occupancy.add(Footprint::square(spot.at, 0.8));
           placer.put(bush, spot, fmt::format("undergrowth {}", cell), 0.05);
         }
       }
@@ -282,8 +282,8 @@ void placeBushes(Placer& placer) {
       spot.scale = draw.in(0.6, 1.5);
       if (!onLawn(l, spot.at, 0.4 * spot.scale)) continue;
       const Model& bush = draw.itemOf(forms);
-      if (!placer.isFree(models::squareAbout(spot.at, 0.7 * spot.scale))) continue;
-      placer.occupancy.add(models::squareAbout(spot.at, 0.5 * spot.scale));
+      if (!placer.isFree(Footprint::square(spot.at, 0.7 * spot.scale))) continue;
+      placer.occupancy.add(Footprint::square(spot.at, 0.5 * spot.scale));
       placer.put(bush, spot, fmt::format("bush {}", ++number), 0.03);
     }
   }
@@ -315,7 +315,7 @@ void placeGrass(Placer& placer) {
         const Beside b = l.besideAt(spot.at);
         const GroundKind kind = l.kindAt(b, spot.at);
         if (kind != GroundKind::Verge && kind != GroundKind::Shoulder && kind != GroundKind::Lawn) continue;
-        if (!placer.isFree(models::squareAbout(spot.at, 0.1))) continue;
+        if (!placer.isFree(Footprint::square(spot.at, 0.1))) continue;
         spot.yaw = draw.in(0, 2 * kPi);
         spot.scale = draw.in(0.6, 1.4);
         placer.put(draw.itemOf(tufts), spot, fmt::format("tuft {}", ++number));

@@ -77,7 +77,7 @@ class Traffic {
     for (std::size_t i = 0; i < drivers_.size(); ++i) {
       const Participant& p = participants_[i];
       const VehiclePath driven =
-          vehiclePath(l_, lanePaths_[drivers_[i].route], p.out, models::widthOf(p.vehicle) / 2, placer_.worldFromTown);
+          vehiclePath(l_, lanePaths_[drivers_[i].route], p.out, p.vehicle.width() / 2, placer_.worldFromTown);
       const auto movement = std::make_shared<const Movement>(driven.path, travelled[i], kInterval);
       placer_.putMoving(p.vehicle.mesh, p.name, movement);
       if (p.rider) placer_.putMoving(p.rider->mesh, "rider of " + p.name, movement);
@@ -358,8 +358,7 @@ class Traffic {
       return !s.hasLight() && along > s.at - kBeforeLine && along < s.at + kBehindLine;
     });
     if (nearLine) return;
-    const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
-    drivers_.push_back({route, along, length, speed, startTime});
+    drivers_.push_back({route, along, vehicle.length(), speed, startTime});
     participants_.push_back({vehicle, rider, out, fmt::format("{} {}", namePrefix, ++numbers_[namePrefix])});
   }
 
