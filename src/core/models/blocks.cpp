@@ -129,8 +129,7 @@ class BlockMaker {
     });
   }
 
-  // Returns the openings of a wall of this width: of a shed only the door, otherwise a row of windows in each storey,
-  // with the door in the middle of the lowest row. Narrow walls have none.
+  // Returns the openings of a wall: a row of windows in each storey, with the door in the lowest; of a shed the door.
   std::vector<Opening> openings(double width, bool door) {
     std::vector<Opening> openings;
     if (b_.floors == 0) {

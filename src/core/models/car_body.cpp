@@ -81,8 +81,7 @@ class BodyMaker {
     return z;
   }
 
-  // Returns the left half of the cross section at x: kPoints points from the middle of the floor over the side to the
-  // middle of the roof. The shares of widths and heights are by eye.
+  // Returns the left half of a cross section: kPoints points from mid-floor over the side to mid-roof; shares by eye.
   std::vector<Vec3d> section(double x) const {
     const double half = halfWidth(x);
     const double low = sill(x);

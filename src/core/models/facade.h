@@ -39,8 +39,7 @@ struct HouseMeasures {
   double windowWidth = 1.2, windowHeight = 1.4;
 };
 
-// Adds details to the plane facade of a house: rooms behind the glass, bands and corner stones, bays, porches, ivy,
-// awnings, a garage. All coordinates are in the house's frame (see House).
+// Adds rooms behind the glass, bands, corner stones, bays, porches, ivy, awnings and a garage, in the house's frame.
 void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const FacadeLook& look,
                      const HouseMeasures& measures);
 

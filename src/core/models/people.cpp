@@ -29,8 +29,7 @@ struct Clothes {
   double girth = 1;  // factor on the width of the trunk and the limbs
 };
 
-// Returns the middle joint (elbow or knee) of a limb from a to b, by the law of cosines. `upper` and `lower` are the
-// lengths of its two parts (m); the joint is on the side of `outwards`.
+// Returns the elbow or knee of a limb from a to b, on the side of `outwards`. `upper`, `lower`: lengths of parts (m).
 Vec3d middleJoint(const Vec3d& a, const Vec3d& b, double upper, double lower, const Vec3d& outwards) {
   const double reach = std::min(length(b - a), (upper + lower) * 0.999);
   const Vec3d axis = normalized(b - a);
@@ -169,8 +168,7 @@ void mirror(Pose& p) {
 }
 
 // Returns the pose at a phase (rad) of a walking cycle: the left foot touches the ground in front of the body at 0 and
-// leaves the ground behind the body at pi. `reach`: how far the feet swing forwards and backwards, `swing`: how far the
-// hands do, `lean`: how far the shoulders are in front of the hips (m).
+// leaves it at pi. `reach`, `swing`: of feet and hands to each side; `lean`: of the shoulders forwards (m).
 Pose striding(double phase, double reach, double swing, double lean) {
   Pose p;
   p.hips.z = 0.89 + 0.02 * std::pow(std::sin(phase), 2);

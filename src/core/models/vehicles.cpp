@@ -1,5 +1,4 @@
-// Cars, vans, trucks and buses: proportions of the bodies, and the parts attached to them. Trailers, caravans, tractors
-// and excavators, whose hitches are in front. x is forward; sizes (m) are by eye.
+// Cars, vans, trucks, buses, trailers, caravans, tractors and excavators. x is forward; sizes (m) are by eye.
 
 #include <algorithm>
 #include <array>

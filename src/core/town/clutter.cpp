@@ -145,8 +145,7 @@ void placeSignals(Placer& placer, const Model& light) {
   }
 }
 
-// Tries to place an object of a garden at a random position along a plot, `depth` metres from its edge at the road.
-// Returns false if it would be on a road, on uneven ground or on another object.
+// Tries to place an object at a random position along a plot, `depth` m from its front; false if it does not fit.
 bool tryPutInPlot(Placer& placer, const Plot& plot, Draw& draw, Clutter clutter, double depth, int& attempts) {
   const Layout& l = placer.layout;
   Spot spot = l.inPlot(plot, draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2)), depth);

@@ -55,8 +55,7 @@ double areaOf(const Polygon& ring);  // m^2; negative if the ring is clockwise
 models::Footprint rectangleAbout(const Polygon& ring);
 Polygon cornersOf(const models::Footprint& f);
 // Returns the part of a polygon in the square about the origin with sides of 2 * half, by Sutherland and Hodgman,
-// "Reentrant polygon clipping", Communications of the ACM 17 (1974). If clipping separates the polygon into parts, the
-// parts stay connected along the square's sides.
+// "Reentrant polygon clipping", Communications of the ACM 17 (1974). Separated parts stay connected along the sides.
 [[nodiscard]] Polygon clipped(Polygon ring, double half);
 
 // The purpose of a random field. Each value is used in one place of the code. The towns of a seed depend on the values:

@@ -162,8 +162,7 @@ class GroundMaker {
     addWalls(isLowTriangle);
   }
 
-  // Adds the curb's vertical wall at each edge between a low and a high triangle. Such an edge has vertices at both
-  // heights, and leads in opposite directions around the two triangles.
+  // Adds curbs' walls at edges between low and high triangles: these have vertices at both heights, in opposite order.
   void addWalls(const std::vector<bool>& isLowTriangle) {
     const SurfaceIndex curb = surfaces_[static_cast<std::size_t>(GroundKind::Curb)];
     const auto forEdgesAtBothHeights = [&](bool low, const auto& visit) {

@@ -104,8 +104,7 @@ class Boundaries {
 
 }  // namespace
 
-// Places houses with their plinths, and blocks. The buildings of one relation of a map are one object instance, whose
-// name differs from town to town of a scene.
+// Places houses with plinths, and blocks. The buildings of one relation of a map are one object instance of this town.
 void placeHouses(Placer& placer) {
   const std::size_t instancesBefore = placer.builder.soFar().instances.size();
   const auto put = [&](const Model& m, const Affine& pose, const std::string& name, std::int64_t relation) {
@@ -130,8 +129,7 @@ void placeHouses(Placer& placer) {
   }
 }
 
-// Places the barriers of the map. Then places the fence, wall or hedge of each plot along the road, and at some plots
-// with gardens also one at their end along the road and one behind them.
+// Places the barriers of the map, then fences, walls and hedges along the road and, at some plots, around gardens.
 void placeBoundaries(Placer& placer) {
   const Layout& l = placer.layout;
   Boundaries boundaries(placer);

@@ -11,9 +11,8 @@ namespace {
 
 constexpr double kPointDistance = 6;  // m between the points of a path
 
-// Returns points that continue a path beyond the end of a road: down, in a half circle, and back far below the ground,
-// where vehicles are hidden before they arrive or after they have left.
-// `beforeEnd`: the point before the road's end; `reach`: m of hidden path; 0: none.
+// Returns `reach` m of points that continue a path beyond a road's end: down, in a half circle, and back far below the
+// ground, where vehicles are hidden before they arrive or after they have left.
 std::vector<Vec3d> hiddenPath(const Vec3d& end, const Vec3d& beforeEnd, double reach) {
   std::vector<Vec3d> points;
   if (reach <= 0) return points;

@@ -139,8 +139,7 @@ GroundKind Layout::landAt(const Point2& p) const {
   return land == Land::Paved ? GroundKind::Paved : GroundKind::Lawn;
 }
 
-// Returns the height (m) of the land's hills. The sizes (m) of the three fields and their shares of the amplitude are
-// estimates; like all fields of this file they determine the bytes of a town.
+// Returns the height (m) of the land's hills, by three fields whose sizes (m) and shares are estimates.
 double Layout::hillsAt(const Point2& p) const {
   return character.hills *
          (field(Field::Hills, p, 260) + 0.25 * field(Field::Slopes, p, 110) + 0.11 * field(Field::Knolls, p, 45));

@@ -17,8 +17,7 @@ Point2 polar(const Point2& from, double distance, double angle) {
   return {from.x + distance * std::cos(angle), from.y + distance * std::sin(angle)};
 }
 
-// Returns a roundabout, whose line begins at the angle `start` (rad) as seen from its centre and goes
-// counter-clockwise. `section`: of the roads that join it, from which its width differs.
+// Returns a roundabout, counter-clockwise from the angle `start` (rad). `section`: of the roads that join it.
 Road ringRoad(const Point2& center, double radius, double start, CrossSection section) {
   section.parking = section.sidewalk = 0;
   section.half = 3;

@@ -26,9 +26,8 @@ Parameters inDistrict(Parameters parameters, const std::string& district) {
   return parameters;
 }
 
-// Returns the cross section of a road on the map. If the map gives no width: the usual width of the class; for
-// residential roads a random one near that of the town's random roads. One-way roads are narrower. Service roads,
-// tracks and roundabouts have neither sidewalks nor parking lanes.
+// Returns the cross section of a road on the map. Widths that the map does not give are usual for the class, or random
+// for residential roads. Service roads, tracks and roundabouts have neither sidewalks nor parking lanes.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};  // m, by RoadClass, estimates; 0: residential roads
   constexpr double kRingWidth = 6.5, kOneWayShare = 0.65;   // m; part of the width of a two-way road

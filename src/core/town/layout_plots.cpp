@@ -89,8 +89,7 @@ struct Layout::PlotHouse {
 };
 
 // Adds the plots at one side of a road, between two distances along it (m). The random stream of a plot draws in the
-// order of the calls: the plot, its house, its fence, whether it is built, its driveway; and if the house has room,
-// what is in front of it and its garage.
+// order of the calls: the plot, its house, its fence, whether it is built, its driveway, ground in front, garage.
 void Layout::addPlots(const Road& road, int side, double from, double to) {
   constexpr double kLeastPlot = 8;  // m; a shorter rest at the end of a road gets no plot
   constexpr double kIntoPlot = 6;   // m from the sidewalk to the point whose area decides about a plot

@@ -38,8 +38,7 @@ struct MapRoad {
   std::optional<double> width;  // m, width of the carriageway without parking lanes
   std::optional<bool> sidewalk;
   std::optional<bool> parking;
-  // For side roads of a place's main road: the distance along the main road at which this road begins (m), and whether
-  // this road is at the left of the main road's line.
+  // For side roads of the main road: the distance along the main road at which this road begins (m), and at which side.
   std::optional<double> joins;
   bool joinsLeft = false;
 

@@ -209,8 +209,7 @@ bool addUncoveredRegions(MapBuilding& b) {
   const double totalArea = squareMetres(uncovered);
   for (const MapBuilding& part : b.parts) uncovered -= regionOf(part, origin);
   if (squareMetres(uncovered) <= (1 - kCovered) * totalArea) return false;
-  // Removes strips that are thinner than two seams, such as the one between an outline and a part whose points lie a
-  // centimetre beside it: the region is shrunk by a seam and grown again.
+  // Removes strips thinner than two seams, as between an outline and a part: shrinks the region by a seam and grows it.
   constexpr int kSeam = 80;  // units of kUnit; more than ringOf() and the rounding of degrees move points
   Region withoutStrips = uncovered;
   withoutStrips.resize(-kSeam);

@@ -62,8 +62,7 @@ std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& dra
   return candidates.back();
 }
 
-// Returns the value of the key `district` for a place: it follows from how much of the land beside the main road is
-// built on, and from the mean number of floors. The limits are by eye.
+// Returns the value of `district`, from the share of built land at the main road and the mean floors; limits by eye.
 std::string districtAbout(const MapPlace& place) {
   constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
   const std::vector<Point2>& main = place.roads.front().line;
@@ -141,8 +140,7 @@ class Cutter {
     return low.x < reach_ && high.x > -reach_ && low.y < reach_ && high.y > -reach_;
   }
 
-  // Adds the parts of the main road in the square. The part through the origin comes first and is the town's main road;
-  // if the road leaves the square and comes back, each further part is another road.
+  // Adds the parts of the main road in the square: that through the origin first, which is the town's main road.
   void addMain(const MapRoad& main) {
     std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(relative(main.line), kRoadStep), reach_);
     std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });

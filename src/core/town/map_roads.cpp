@@ -123,8 +123,7 @@ void joinEnds(std::vector<Piece>& pieces) {
   }
 }
 
-// Returns the road of the pieces that continue each other, beginning at the end `start` of a piece, and marks them in
-// `used`. The properties of the road are those of the longest piece.
+// Joins the pieces that continue each other from the end `start`, marks them in `used`, with the longest's properties.
 MapRoad joinPieces(const std::vector<Piece>& pieces, const End& start, std::vector<bool>& used) {
   std::vector<Point2> line;
   std::vector<std::int64_t> nodes;

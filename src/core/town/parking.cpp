@@ -174,8 +174,7 @@ void placeLots(Placer& placer) {
   if (lines > 0) placer.putShape(s);
 }
 
-// Parks a vehicle beside a road, in the direction of driving. `lateral`: m to the left of the road's line. Returns
-// false if the position is at a crossing, on another road or not free.
+// Parks a vehicle `lateral` m to the left of a road's line, unless that is at a crossing, on another road or not free.
 bool tryStand(Placer& placer, const Model& vehicle, const Road& road, double along, double lateral,
               const std::string& name) {
   Spot spot = besideRoad(road, along, lateral);
@@ -185,8 +184,7 @@ bool tryStand(Placer& placer, const Model& vehicle, const Road& road, double alo
   return placer.tryPark(vehicle, spot, name);
 }
 
-// Places a lorry or bus at the edge of a random side road that the ego vehicle does not use or, if there are no side
-// roads, at the left edge of the main road, if an attempt finds a free position.
+// Places a lorry or bus at the edge of a random side road without the ego vehicle, or else left on the main road.
 void placeAtEdge(Placer& placer, Draw& draw, const Model& vehicle, const std::string& name) {
   const Layout& l = placer.layout;
   const double half = vehicle.width() / 2;
@@ -201,8 +199,7 @@ void placeAtEdge(Placer& placer, Draw& draw, const Model& vehicle, const std::st
   }
 }
 
-// Places waiting buses and a delivering lorry at the edges of roads, and trailers, caravans and tractors beside the
-// main road. Each is left out with a probability that follows from the key `vehicles`.
+// Places buses and a lorry at the edges of roads, and trailers, caravans and tractors beside the main road.
 void placeStanding(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.character.motorway) return;

@@ -221,8 +221,7 @@ void placeTrees(Placer& placer) {
   for (const Plot& plot : l.plots) plantGarden(placer, plot);
 }
 
-// Places woods: trees on a jittered lattice where a smooth random field is high, or in the woods of a map. Undergrowth
-// grows between the trees and at the edge, where it forms a wall of leaves.
+// Places woods: trees on a jittered lattice where a random field is high or the map has woods, and undergrowth.
 void placeWoods(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character;

@@ -43,8 +43,7 @@ struct Road {
   bool main = false;
   bool minor = false;  // true: a service road or track, without lamps and without parked or waiting vehicles
   bool ring = false;   // true: a roundabout
-  // For side roads of the main road: the distance along the main road at which this road begins (m), and whether this
-  // road is at the left of the main road's line.
+  // For side roads of the main road: the distance along the main road at which this road begins (m), and at which side.
   std::optional<double> joins{};
   bool joinsLeft = false;
   // `along` is true if vehicles may drive in the direction of the line, `against` if they may drive against it.

@@ -62,8 +62,7 @@ VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, d
   return {std::move(path), std::move(lane)};
 }
 
-// Places the traffic of a town: adds routes, then vehicles on them, simulates, and places the vehicles with their
-// movements. The route through the town, of which vehicles turn off, is the first one.
+// Places the traffic of a town: adds routes (the one through the town first) and vehicles, and simulates them.
 class Traffic {
  public:
   explicit Traffic(Placer& placer) : placer_(placer), l_(placer.layout), main_(road(0)), fastest_(l_.character.speed) {}
