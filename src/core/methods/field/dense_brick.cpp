@@ -98,12 +98,13 @@ bool BrickMaker::makeBlock(const BrickFrame& frame, int block) {
   const Points& centres = brick::kBlockCentres;
   const Vec3f centre{centres.x[block], centres.y[block], centres.z[block]};
   const float reach = brick::gatheredRadius(block);
-  blockDistance_[block] = std::min(std::sqrt(search(frame, centre, reach).distance2), reach);
+  const NearestFacet nearest = search(frame, centre, reach);
+  blockDistance_[block] = std::min(std::sqrt(nearest.distance2), reach);
   if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) return true;
   // The search radius is the largest distance from a corner to the triangle that is nearest to the block's centre: no
   // corner's nearest triangle is farther away. With lists it is at least kListRadius. It is at most kExactLimit.
   const Points& p = brick::kBlockCorners[block];
-  const Facet<float> facet = cache_.of(world_.baked, guess_, frame);
+  const Facet<float> facet = cache_.of(world_.baked, nearest.triangle, frame);
   float farthest2 = lists_ ? brick::kListRadius * brick::kListRadius : 0.0f;
   alignas(64) Lanes distance2;
   for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);

@@ -144,6 +144,7 @@ inline CubeTest cubeTestOf(const std::array<Vec3d, 3>& corners, double halfSide)
       const auto& begin = points[i];
       const auto& end = points[(i + 1) % 3];
       const auto& opposite = points[(i + 2) % 3];
+      // This function is constant along axis k and along the edge.
       const double u = begin[m] - end[m];
       const double v = end[l] - begin[l];
       test.edgeFunctions[k][i] = {static_cast<float>(u), static_cast<float>(v),

@@ -67,6 +67,7 @@ class MaterialTables {
   // Appends to LabelTables::materials and LabelTables::texels.
   explicit MaterialTables(LabelTables& tables) : tables_(tables) {}
 
+  // Appends a material, and its texels unless an earlier material has the same ones.
   void append(const Material& material) {
     const CompactMaterial base = compact(material);
     const bool hasHoles = material.alphaTested && material.texture != nullptr;

@@ -28,13 +28,6 @@ bool contains(const Box& outer, const Box& inner) {
           outer.high.x >= inner.high.x && outer.high.y >= inner.high.y && outer.high.z >= inner.high.z);
 }
 
-// Returns `options`. Throws InputError if they are wrong. Called before anything is built, so that planning finds the
-// error.
-const ParticleOptions& checked(const ParticleOptions& options) {
-  checkField(options, static_cast<double>(memoryLimitBytes()));
-  return options;
-}
-
 // Returns the largest number of pools that may exist, including the pool of the field under construction: one per
 // thread and two more, if they fit into memory.
 std::size_t mostPoolsOf(const ParticleOptions& options) {
@@ -64,7 +57,7 @@ struct FieldStore::Construction {
 };
 
 FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
-    : options_(checked(options)),
+    : options_(options),
       bounds_(scene.bounds()),
       mostPools_(mostPoolsOf(options)),
       worlds_(scene, Instancing::Never, {}) {}

@@ -20,8 +20,7 @@ class FieldStore {
   // field, as long as all fields fit into an eighth of the memory.
   static constexpr std::size_t kFewestFields = 6;
 
-  // The scene must outlive the store. Throws InputError if the field would be too large for this machine: see
-  // checkField() in options.h.
+  // The scene must outlive the store.
   FieldStore(const Scene& scene, const ParticleOptions& options);
 
   // Returns the field around a sensor at `sensor` (m, world frame), which reaches `range` (m) unless the options set

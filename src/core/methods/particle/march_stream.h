@@ -47,7 +47,8 @@ static_assert(kLanes <= 16);
 using LaneFloats = float[kLanes];
 using LaneWords = std::uint32_t[kLanes];
 
-// A set of lanes, one bit per lane, for loops over lanes.
+// A set of lanes, one bit per lane. Loops over its lanes take firstOf(lanes) and remove this lane by `lanes &= lanes -
+// 1`.
 using LaneBits = std::uint32_t;
 
 inline LaneBits bitsOf(Mask mask) {
@@ -413,7 +414,8 @@ class ParticleStream {
     for (int k = 0; k < 3; ++k) {
       q[k] = hn::Add(hn::Load(kFloats, group.origin[k]), hn::Mul(hn::Load(kFloats, group.direction[k]), travelled));
     }
-    // The level is the exponent of the largest coordinate's ratio to the reach of level 0, rounded up.
+    // The level is the binary logarithm of the largest coordinate's ratio to the reach of level 0, rounded up: the
+    // exponent of float32, which is in bits 23 to 30, plus 127. The subtracted 1 is for powers of two.
     const Floats largest = hn::Max(hn::Abs(q[0]), hn::Max(hn::Abs(q[1]), hn::Abs(q[2])));
     const Floats share = hn::Mul(largest, hn::Set(kFloats, 1.0f / field_.shape.reach));
     const Ints exponent = hn::ShiftRight<23>(hn::Sub(hn::BitCast(kInts, share), hn::Set(kInts, 1)));
@@ -426,9 +428,9 @@ class ParticleStream {
       const Floats offset = tables_.at(kFloats, tables_.offset[k], level);
       const Floats u = hn::Max(hn::Add(hn::Mul(q[k], scale), offset), hn::Zero(kFloats));
       const Ints corner = hn::Min(hn::ConvertTo(kInts, u), tables_.at(kInts, tables_.last[k], level));
-      const Words word = hn::BitCast(kWords, corner);
-      brick[k] = hn::ShiftRight<3>(word);
-      hn::Store(hn::And(word, hn::Set(kWords, 7)), kWords, group.voxel[k]);
+      const Words voxel = hn::BitCast(kWords, corner);  // divided by kBrickVoxels = 8: the brick and a remainder
+      brick[k] = hn::ShiftRight<3>(voxel);
+      hn::Store(hn::And(voxel, hn::Set(kWords, kBrickVoxels - 1)), kWords, group.voxel[k]);
       hn::Store(hn::Sub(u, hn::ConvertTo(kFloats, corner)), kFloats, group.inVoxel[k]);
     }
     const Words row = hn::Mul(brick[1], tables_.at(kWords, tables_.row, level));
@@ -541,7 +543,10 @@ class ParticleStream {
   HWY_INLINE static FreeBall freeBallOf(const LaneGroup& group, const Floats (&d)[3]) {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
-    FreeBall ball{hn::BitCast(kFloats, entry), hn::Set(kFloats, kEmptyChordFactor), {}, hn::Not(full), {}, {}, {}};
+    FreeBall ball{};  // as in an empty brick; changed below for the lanes in full bricks
+    ball.radius = hn::BitCast(kFloats, entry);
+    ball.chordFactor = hn::Set(kFloats, kEmptyChordFactor);
+    ball.isolated = hn::Not(full);
     for (int k = 0; k < 3; ++k) {
       const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.voxel[k])), hn::Set(kInts, kHalfBrick));
       ball.r[k] = hn::Add(hn::Load(kFloats, group.inVoxel[k]), hn::ConvertTo(kFloats, middle));

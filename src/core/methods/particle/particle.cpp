@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/stage_clock.h"
 #include "methods/field/march_job.h"
@@ -207,7 +207,9 @@ class ParticleMethod : public Method {
 }  // namespace
 
 std::unique_ptr<Method> makeParticle(const Scene& scene, Fields& options) {
-  return std::make_unique<ParticleMethod>(scene, readParticleOptions(options));
+  ParticleOptions particle = readParticleOptions(options);
+  checkField(particle, static_cast<double>(memoryLimitBytes()));  // now, so that planning finds the error
+  return std::make_unique<ParticleMethod>(scene, std::move(particle));
 }
 
 }  // namespace scanmill

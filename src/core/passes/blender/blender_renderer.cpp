@@ -184,6 +184,7 @@ class BlenderRenderer : public PassRenderer {
     std::size_t object() const { return static_cast<std::size_t>(objectLow + kExactIntegers * objectHigh); }
   };
 
+  // Reads the channels, which Blender names after its layers, such as "ViewLayer.Depth.Z".
   static std::vector<BlenderPixel> readPixels(const ExrReader& reader) {
     std::vector<BlenderPixel> pixels(reader.pixels());
     const auto target = [&](const char* nameEnd, float BlenderPixel::*member) {
