@@ -212,7 +212,7 @@ class BlenderRenderer : public PassRenderer {
     const auto hasDepth = [&](const BlenderPixel& p) { return p.depth >= nearest && p.depth <= farthest; };
     const auto drawnPixels = std::ranges::count_if(pixels, hasDepth);
     if (drawnPixels > kFewestWithoutIds &&
-        std::ranges::none_of(pixels, [](const BlenderPixel& p) { return p.object() > 0; })) {
+        std::ranges::none_of(pixels, [](const BlenderPixel& p) { return p.objectLow > 0 || p.objectHigh > 0; })) {
       throw Error(
           fmt::format("Blender drew {} pixels and wrote no object's number for any: this version of Blender does "
                       "not fill the pass 'ids' as 3.4 to 4.3 do; SCANMILL_BLENDER names another one",
