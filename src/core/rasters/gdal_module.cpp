@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -42,142 +43,128 @@ namespace {
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 constexpr double kUsualMarker = -9999;  // marks missing samples in many files; the default of Esri's text grids
 
-// A coordinate system whose first axis is x (east) and whose second is y (north), as in the raster.
-class Reference {
- public:
-  explicit Reference(const std::string& definition) : handle_(OSRNewSpatialReference(nullptr)) {
-    // Neither opens files nor the network, unlike OSRSetFromUserInput().
-    isValid_ = !definition.empty() &&
-               OGRSpatialReference::FromHandle(handle_)->SetFromUserInput(
-                   definition.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) == OGRERR_NONE;
-    OSRSetAxisMappingStrategy(handle_, OAMS_TRADITIONAL_GIS_ORDER);
-  }
-  explicit Reference(OGRSpatialReferenceH handle) : handle_(handle), isValid_(true) {
-    OSRSetAxisMappingStrategy(handle_, OAMS_TRADITIONAL_GIS_ORDER);
-  }
-  ~Reference() { OSRDestroySpatialReference(handle_); }
-  Reference& operator=(Reference&&) = delete;  // neither copied nor moved
+// Lets the first axis of a coordinate system be x (east) and the second y (north), as in rasters.
+OGRSpatialReference withEastFirst(OGRSpatialReference reference) {
+  reference.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return reference;
+}
 
-  // Replaces the definition by Esri's, in the file `prj`.
-  void readEsri(const std::string& prj) {
-    char** const lines = CSLLoad(prj.c_str());
-    isValid_ = lines != nullptr && OSRImportFromESRI(handle_, lines) == OGRERR_NONE;
-    CSLDestroy(lines);
+// Returns the coordinate system of a definition; an empty one if it is empty or cannot be read.
+OGRSpatialReference referenceOf(const std::string& definition) {
+  OGRSpatialReference reference;
+  // These limitations allow neither files nor the network.
+  const bool isRead =
+      !definition.empty() &&
+      reference.SetFromUserInput(definition.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) ==
+          OGRERR_NONE;
+  return withEastFirst(isRead ? reference : OGRSpatialReference());
+}
+
+// Replaces a coordinate system by Esri's definition in the file `prj`; by an empty one if this cannot be read.
+void readEsri(const std::string& prj, OGRSpatialReference& reference) {
+  char** const lines = CSLLoad(prj.c_str());
+  if (lines == nullptr || reference.importFromESRI(lines) != OGRERR_NONE) reference.Clear();
+  CSLDestroy(lines);
+}
+
+// Returns a system without its vertical part.
+OGRSpatialReference horizontalOf(OGRSpatialReference reference) {
+  reference.StripVertical();
+  return reference;
+}
+
+// Converts points, in place, from one system's coordinates to those of another. Returns false if GDAL cannot.
+bool convertPoints(const OGRSpatialReference& source, const OGRSpatialReference& target, std::span<double> x,
+                   std::span<double> y) {
+  const std::unique_ptr<OGRCoordinateTransformation> transformation(
+      OGRCreateCoordinateTransformation(&source, &target));
+  if (transformation == nullptr) return false;
+  const bool isConverted = OCTTransform(OGRCoordinateTransformation::ToHandle(transformation.get()),
+                                        static_cast<int>(x.size()), x.data(), y.data(), nullptr) != 0;
+  const auto isFinite = [](double coordinate) { return std::isfinite(coordinate); };
+  return isConverted && std::ranges::all_of(x, isFinite) && std::ranges::all_of(y, isFinite);
+}
+
+// Fills the units of a system of longitudes and latitudes, and why its degrees cannot be used.
+void describeDegrees(const OGRSpatialReference& reference, CoordinateSystem& system) {
+  constexpr double kRounding = 1e-9;       // of degrees in definitions
+  constexpr double kLargestMisfit = 0.01;  // of the earth's ellipsoids; the radii of other bodies differ more
+  system.perUnit = degrees(reference.GetAngularUnits());
+  if (std::fabs(system.perUnit - 1) < kRounding) system.perUnit = 1;
+  if (reference.IsDerivedGeographic() != 0) system.foreign = "degrees of a sphere with another pole";
+  if (!(std::fabs(reference.GetSemiMajor() / kEarthRadius - 1) < kLargestMisfit)) {
+    system.foreign = "degrees of another body than the earth";
   }
+}
 
-  bool isValid() const { return isValid_; }
-
-  // Describes the system; its stretch and its UTM zone are those at the point (x, y) in its own coordinates. An invalid
-  // system is described by CoordinateSystem's defaults.
-  CoordinateSystem describedAt(double x, double y) const {
-    CoordinateSystem system;
-    if (!isValid_) return system;
-    char* text = nullptr;
-    if (OSRExportToWkt(handle_, &text) == OGRERR_NONE) system.definition = text;
-    CPLFree(text);
-    system.geographic = OSRIsGeographic(handle_) != 0;
-    system.local = !system.geographic && OSRIsProjected(handle_) == 0 && OSRIsGeocentric(handle_) == 0;
-    system.geographic ? describeDegrees(system) : describeLengths(system);
-    if (OSRIsVertical(handle_) != 0) {
-      char* unitName = nullptr;
-      OGRAxisOrientation heightAxis = OAO_Up;
-      OSRGetAxis(handle_, "VERT_CS", 0, &heightAxis);
-      system.perHeight = OSRGetTargetLinearUnits(handle_, "VERT_CS", &unitName) * (heightAxis == OAO_Down ? -1 : 1);
-      system.heightUnit = unitName == nullptr ? "unit" : unitName;
-    }
-    if (OSRIsProjected(handle_) != 0) measureStretch(system, x, y);
-    CPLErrorReset();
-    return system;
+// Fills the units of a system whose x and y are lengths, and why they cannot be used.
+void describeLengths(const OGRSpatialReference& reference, CoordinateSystem& system) {
+  const char* unitName = nullptr;
+  system.perUnit = reference.GetLinearUnits(&unitName);
+  system.unit = unitName == nullptr ? "unit" : unitName;
+  if (reference.IsGeocentric() != 0) system.foreign = "earth-centred coordinates";
+  OGRAxisOrientation firstAxis = OAO_East, secondAxis = OAO_North;
+  reference.GetAxis("PROJCS", 0, &firstAxis);
+  reference.GetAxis("PROJCS", 1, &secondAxis);
+  const std::pair axes(firstAxis, secondAxis);
+  if (axes == std::pair(OAO_South, OAO_West) || axes == std::pair(OAO_East, OAO_South) ||
+      axes == std::pair(OAO_West, OAO_North)) {
+    system.foreign = "coordinates that mirror the ground, with axes south and west or the like";
   }
+}
 
-  // Converts points, in place, from this system's coordinates to those of `target`. Returns false if GDAL cannot.
-  bool transform(const Reference& target, std::span<double> x, std::span<double> y) const {
-    OGRCoordinateTransformationH transformation = OCTNewCoordinateTransformation(handle_, target.handle_);
-    if (transformation == nullptr) return false;
-    const bool isConverted = OCTTransform(transformation, static_cast<int>(x.size()), x.data(), y.data(), nullptr) != 0;
-    OCTDestroyCoordinateTransformation(transformation);
-    const auto isFinite = [](double coordinate) { return std::isfinite(coordinate); };
-    return isConverted && std::ranges::all_of(x, isFinite) && std::ranges::all_of(y, isFinite);
+// Fills stretch and utm of a projected system at the point (x, y): converts two steps, along x and along y, to
+// longitudes and latitudes, and compares their lengths with those on the ellipsoid. The step that is distorted more
+// counts.
+void measureStretch(const OGRSpatialReference& reference, double x, double y, CoordinateSystem& system) {
+  constexpr double kStep = 100;  // m
+  std::array<double, 3> longitude{x, x + kStep / system.perUnit, x};
+  std::array<double, 3> latitude{y, y, y + kStep / system.perUnit};
+  const std::unique_ptr<OGRSpatialReference> datum(reference.CloneGeogCS());
+  if (datum == nullptr) return;
+  const OGRSpatialReference geographic = withEastFirst(*datum);
+  if (!convertPoints(horizontalOf(reference), geographic, longitude, latitude)) return;
+  const double radiansPerUnit = geographic.GetAngularUnits();
+  const double inverseFlattening = reference.GetInvFlattening();  // 0 for a sphere
+  const double eccentricity2 = inverseFlattening > 1 ? (2 - 1 / inverseFlattening) / inverseFlattening : 0;
+  // Radii of curvature of the ellipsoid (m): across the meridian, and along it.
+  const double w = 1 - eccentricity2 * std::pow(std::sin(latitude[0] * radiansPerUnit), 2);
+  const double radiusAcross = reference.GetSemiMajor() / std::sqrt(w);
+  const double radiusAlong = radiusAcross * (1 - eccentricity2) / w;
+  for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
+    const double dx =
+        (longitude[k] - longitude[0]) * radiansPerUnit * std::cos(latitude[0] * radiansPerUnit) * radiusAcross;
+    const double dy = (latitude[k] - latitude[0]) * radiansPerUnit * radiusAlong;
+    const double stretch = kStep / std::hypot(dx, dy);
+    if (std::fabs(std::log(stretch)) >= std::fabs(std::log(system.stretch))) system.stretch = stretch;
   }
+  // UTM has 60 zones of 6 degrees from longitude -180, with EPSG's codes 326xx in the north and 327xx in the south.
+  const int zone = static_cast<int>(std::floor((degrees(longitude[0] * radiansPerUnit) + 180) / 6)) % 60 + 1;
+  system.utm = (latitude[0] < 0 ? 32700 : 32600) + zone;
+}
 
-  // See shiftBetween(). Removes the vertical systems of both references.
-  double shift(const Reference& other, double x, double y) const {
-    if (!isValid_ || !other.isValid_ || OSRIsProjected(handle_) == 0 || OSRIsProjected(other.handle_) == 0) return 0;
-    OSRStripVertical(handle_);
-    OSRStripVertical(other.handle_);
-    const double unit = OSRGetLinearUnits(handle_, nullptr), otherUnit = OSRGetLinearUnits(other.handle_, nullptr);
-    double east = x / unit, north = y / unit;
-    return transform(other, {&east, 1}, {&north, 1}) ? std::hypot(east * otherUnit - x, north * otherUnit - y) : 0;
+// Describes a system; its stretch and its UTM zone are those at the point (x, y) in its own coordinates. An empty
+// system is described by CoordinateSystem's defaults.
+CoordinateSystem described(const OGRSpatialReference& reference, double x, double y) {
+  CoordinateSystem system;
+  if (reference.IsEmpty()) return system;
+  char* text = nullptr;
+  if (reference.exportToWkt(&text) == OGRERR_NONE) system.definition = text;
+  CPLFree(text);
+  system.geographic = reference.IsGeographic() != 0;
+  system.local = !system.geographic && reference.IsProjected() == 0 && reference.IsGeocentric() == 0;
+  system.geographic ? describeDegrees(reference, system) : describeLengths(reference, system);
+  if (reference.IsVertical() != 0) {
+    const char* unitName = nullptr;
+    OGRAxisOrientation heightAxis = OAO_Up;
+    reference.GetAxis("VERT_CS", 0, &heightAxis);
+    system.perHeight = reference.GetTargetLinearUnits("VERT_CS", &unitName) * (heightAxis == OAO_Down ? -1 : 1);
+    system.heightUnit = unitName == nullptr ? "unit" : unitName;
   }
-
-  // True if the horizontal systems are the same, or if one is invalid. Removes the vertical systems of both references.
-  bool isSameAs(const Reference& other) const {
-    if (!isValid_ || !other.isValid_) return true;
-    OSRStripVertical(handle_);
-    OSRStripVertical(other.handle_);
-    return OSRIsSame(handle_, other.handle_) != 0;
-  }
-
- private:
-  // Fills the units of a system of longitudes and latitudes, and why its degrees cannot be used.
-  void describeDegrees(CoordinateSystem& system) const {
-    constexpr double kRounding = 1e-9;       // of degrees in definitions
-    constexpr double kLargestMisfit = 0.01;  // of the earth's ellipsoids; the radii of other bodies differ more
-    system.perUnit = degrees(OSRGetAngularUnits(handle_, nullptr));
-    if (std::fabs(system.perUnit - 1) < kRounding) system.perUnit = 1;
-    const double earthRadii = OSRGetSemiMajor(handle_, nullptr) / kEarthRadius;
-    if (OSRIsDerivedGeographic(handle_) != 0) system.foreign = "degrees of a sphere with another pole";
-    if (!(std::fabs(earthRadii - 1) < kLargestMisfit)) system.foreign = "degrees of another body than the earth";
-  }
-
-  // Fills the units of a system whose x and y are lengths, and why they cannot be used.
-  void describeLengths(CoordinateSystem& system) const {
-    char* unitName = nullptr;
-    system.perUnit = OSRGetLinearUnits(handle_, &unitName);
-    system.unit = unitName == nullptr ? "unit" : unitName;
-    if (OSRIsGeocentric(handle_) != 0) system.foreign = "earth-centred coordinates";
-    OGRAxisOrientation firstAxis = OAO_East, secondAxis = OAO_North;
-    OSRGetAxis(handle_, "PROJCS", 0, &firstAxis);
-    OSRGetAxis(handle_, "PROJCS", 1, &secondAxis);
-    const std::pair axes(firstAxis, secondAxis);
-    if (axes == std::pair(OAO_South, OAO_West) || axes == std::pair(OAO_East, OAO_South) ||
-        axes == std::pair(OAO_West, OAO_North)) {
-      system.foreign = "coordinates that mirror the ground, with axes south and west or the like";
-    }
-  }
-
-  // Fills stretch and utm of a projected system: converts two steps, along x and along y, to longitudes and latitudes,
-  // and compares their lengths with those on the ellipsoid. The step that is distorted more counts.
-  void measureStretch(CoordinateSystem& system, double x, double y) const {
-    constexpr double kStep = 100;  // m
-    std::array<double, 3> longitude{x, x + kStep / system.perUnit, x};
-    std::array<double, 3> latitude{y, y, y + kStep / system.perUnit};
-    const Reference horizontal(OSRClone(handle_));
-    OSRStripVertical(horizontal.handle_);
-    const Reference geographic(OSRCloneGeogCS(handle_));
-    if (!horizontal.transform(geographic, longitude, latitude)) return;
-    const double radiansPerUnit = OSRGetAngularUnits(geographic.handle_, nullptr);
-    const double inverseFlattening = OSRGetInvFlattening(handle_, nullptr);  // 0 for a sphere
-    const double eccentricity2 = inverseFlattening > 1 ? (2 - 1 / inverseFlattening) / inverseFlattening : 0;
-    // Radii of curvature of the ellipsoid (m): across the meridian, and along it.
-    const double w = 1 - eccentricity2 * std::pow(std::sin(latitude[0] * radiansPerUnit), 2);
-    const double radiusAcross = OSRGetSemiMajor(handle_, nullptr) / std::sqrt(w);
-    const double radiusAlong = radiusAcross * (1 - eccentricity2) / w;
-    for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
-      const double dx =
-          (longitude[k] - longitude[0]) * radiansPerUnit * std::cos(latitude[0] * radiansPerUnit) * radiusAcross;
-      const double dy = (latitude[k] - latitude[0]) * radiansPerUnit * radiusAlong;
-      const double stretch = kStep / std::hypot(dx, dy);
-      if (std::fabs(std::log(stretch)) >= std::fabs(std::log(system.stretch))) system.stretch = stretch;
-    }
-    // UTM has 60 zones of 6 degrees from longitude -180, with EPSG's codes 326xx in the north and 327xx in the south.
-    const int zone = static_cast<int>(std::floor((degrees(longitude[0] * radiansPerUnit) + 180) / 6)) % 60 + 1;
-    system.utm = (latitude[0] < 0 ? 32700 : 32600) + zone;
-  }
-
-  OGRSpatialReferenceH handle_;
-  bool isValid_ = false;
-};
+  if (reference.IsProjected() != 0) measureStretch(reference, x, y, system);
+  CPLErrorReset();
+  return system;
+}
 
 class GdalReader final : public RasterReader {
  public:
@@ -243,15 +230,15 @@ class GdalReader final : public RasterReader {
     for (int i = 0; i < CSLCount(files); ++i) header_.files.emplace_back(files[i]);
     CSLDestroy(files);
     const char* const definition = GDALGetProjectionRef(dataset_);
-    Reference reference(definition == nullptr ? "" : definition);
+    OGRSpatialReference reference = referenceOf(definition == nullptr ? "" : definition);
     for (const char* ending : {".prj", ".PRJ"}) {
       const std::string prj = std::filesystem::path(file).replace_extension(ending).string();
-      if (reference.isValid() || !pathExists(prj)) continue;
-      reference.readEsri(prj);
+      if (!reference.IsEmpty() || !pathExists(prj)) continue;
+      readEsri(prj, reference);
       if (std::ranges::find(header_.files, prj) == header_.files.end()) header_.files.push_back(prj);
     }
     const auto [x, y] = header_.pointAt(header_.width / 2.0, header_.height / 2.0);
-    header_.system = reference.describedAt(x, y);
+    header_.system = described(reference, x, y);
     CPLErrorReset();
   }
 
@@ -363,7 +350,7 @@ class Gdal final : public RastersModule {
     return std::make_unique<GdalReader>(file);
   }
   CoordinateSystem system(const std::string& definition, double x, double y) const override {
-    return Reference(definition).describedAt(x, y);
+    return described(referenceOf(definition), x, y);
   }
   CoordinateSystem system(const GeoKeys& keys, double x, double y) const override {
     const std::string tiff = tiffOf(keys);
@@ -373,7 +360,7 @@ class Gdal final : public RastersModule {
     CoordinateSystem system;
     if (GDALDatasetH const dataset = GDALOpen(name.c_str(), GA_ReadOnly); dataset != nullptr) {
       if (OGRSpatialReferenceH const reference = GDALGetSpatialRef(dataset); reference != nullptr) {
-        system = Reference(OSRClone(reference)).describedAt(x, y);
+        system = described(withEastFirst(*OGRSpatialReference::FromHandle(reference)), x, y);
       }
       GDALClose(dataset);
     }
@@ -383,12 +370,17 @@ class Gdal final : public RastersModule {
     return system;
   }
   bool same(const std::string& reference, const std::string& other) const override {
-    return Reference(reference).isSameAs(Reference(other));
+    const OGRSpatialReference a = referenceOf(reference), b = referenceOf(other), horizontal = horizontalOf(b);
+    return a.IsEmpty() || b.IsEmpty() || horizontalOf(a).IsSame(&horizontal) != 0;
   }
   double shift(const std::string& reference, const std::string& other, double x, double y) const override {
-    const double distance = Reference(reference).shift(Reference(other), x, y);
+    const OGRSpatialReference a = horizontalOf(referenceOf(reference)), b = horizontalOf(referenceOf(other));
+    if (a.IsProjected() == 0 || b.IsProjected() == 0) return 0;
+    const double unit = a.GetLinearUnits(), otherUnit = b.GetLinearUnits();
+    double east = x / unit, north = y / unit;
+    const bool isConverted = convertPoints(a, b, {&east, 1}, {&north, 1});
     CPLErrorReset();
-    return distance;
+    return isConverted ? std::hypot(east * otherUnit - x, north * otherUnit - y) : 0;
   }
 
  private:
