@@ -82,81 +82,41 @@ bool isCutOut(const ImportedFile& imported, std::uint32_t material, const Textur
          areas.gone <= kMostGone * areas.all;
 }
 
-// Reads the materials of one file.
-class MaterialReader {
- public:
-  MaterialReader(const ImportedFile& imported, const std::filesystem::path& file, const AssetOptions& options)
-      : imported_(imported),
-        file_(file),
-        options_(options),
-        images_(file, options.allowOutside, options.textureFolders) {}
-
-  // Returns the look of the material with this index. Adds what is not modelled to `leftOut`.
-  Look read(std::uint32_t index, LeftOut& leftOut) {
-    ImportedMaterial material = imported_.materials[index];
-    for (ImportedMap* const map : {&material.base, &material.opacityMap}) {
-      if (map->name == "(null)") *map = {};  // exporters print a missing name so
-    }
-    const BaseColor color = colorOf(material, index, leftOut);
-    Look look;
-    look.material = look.fileMaterial.name = material.name;
-    look.fileMaterial.source = "base colour of " + file_.filename().string();
-    look.fileMaterial.roughness = material.roughness;
-    look.fileMaterial.metallic = material.metallic;
-    look.texture = material.base.name;
-    look.color = color.factor;
-    setColor(look.fileMaterial, color, file_, options_, images_);
-    if (material.opacity < 1 && !look.fileMaterial.alphaTested && options_.alpha != AlphaUse::Ignore) {
-      leftOut.add("opacities of materials (they are solid)");
-    }
-    return look;
+// Loads the images of a file's material, which has this index, and decides whether their alpha is tested.
+BaseColor colorOf(const ImportedFile& imported, const ImportedMaterial& material, std::uint32_t index,
+                  const AssetOptions& options, ColorImages& images, LeftOut& leftOut) {
+  using enum BaseColor::Source;
+  using Need = ColorImages::Need;
+  const std::string& name = material.base.name;
+  const ImportedMap& map = material.opacityMap;
+  BaseColor color{.source = !name.empty() ? Image : material.stated ? Factor : None, .factor = material.color};
+  bool testsAlpha = options.alpha != AlphaUse::Ignore;
+  if (!name.empty() && (options.textures || testsAlpha)) {
+    color.image = images.load(name, name, options.textures ? Need::AnyImage : Need::ImageWithAlpha);
   }
-
- private:
-  // Loads the images of a material, and decides whether their alpha is tested.
-  BaseColor colorOf(const ImportedMaterial& material, std::uint32_t index, LeftOut& leftOut) {
-    using enum BaseColor::Source;
-    using Need = ColorImages::Need;
-    const std::string& name = material.base.name;
-    BaseColor color{.source = !name.empty() ? Image : material.stated ? Factor : None, .factor = material.color};
-    bool testsAlpha = options_.alpha != AlphaUse::Ignore;
-    if (!name.empty() && (options_.textures || testsAlpha)) {
-      color.image = images_.load(name, name, options_.textures ? Need::AnyImage : Need::ImageWithAlpha);
-    }
-    if (color.image && testsAlpha && !declaresAlpha(material) && !isCutOut(imported_, index, *color.image)) {
-      testsAlpha = false;
-      if (!options_.textures) color.image.reset();
-    }
-    // If there is an image, the factor is ignored: exporters leave arbitrary values in it, often black.
-    if (color.image) color.factor = {1, 1, 1};
-    if (!testsAlpha) return color;
-    color.alphaCutoff = kUsualAlphaCutoff;
-    // If the opacity map is the same file as the base colour, it means that file's alpha, which the image already has,
-    // unless it is inverted.
-    const ImportedMap& map = material.opacityMap;
-    if (!map.name.empty() && (map.name != name || map.inverted)) {
-      if (const auto mask = images_.load(map.name, map.name, Need::AnyImage)) {
-        (color.image ? color.image : color.opacity) = withOpacity(color.image.get(), *mask, map.inverted);
-      }
-    }
-    if (map.name == name && color.image && !color.image->hasAlpha) {
-      leftOut.add("opacity maps that are the image of the colour too, and have no alpha");
-    }
-    return color;
+  // An opacity of 0 would hide the material: it comes from exporters that confuse opacity with transparency.
+  const bool declaresAlpha =
+      options.alpha == AlphaUse::Test || !map.name.empty() || (material.opacity > 0 && material.opacity < 1);
+  if (color.image && testsAlpha && !declaresAlpha && !isCutOut(imported, index, *color.image)) {
+    testsAlpha = false;
+    if (!options.textures) color.image.reset();
   }
-
-  // True if the test of alpha applies without a check by isCutOut(). An opacity of 0 would hide the material: it comes
-  // from exporters that confuse opacity with transparency, and is ignored.
-  bool declaresAlpha(const ImportedMaterial& material) const {
-    return options_.alpha == AlphaUse::Test || !material.opacityMap.name.empty() ||
-           (material.opacity > 0 && material.opacity < 1);
+  // If there is an image, the factor is ignored: exporters leave arbitrary values in it, often black.
+  if (color.image) color.factor = {1, 1, 1};
+  if (!testsAlpha) return color;
+  color.alphaCutoff = kUsualAlphaCutoff;
+  // If the opacity map is the same file as the base colour, it means that file's alpha, which the image already has,
+  // unless it is inverted.
+  if (!map.name.empty() && (map.name != name || map.inverted)) {
+    if (const auto mask = images.load(map.name, map.name, Need::AnyImage)) {
+      (color.image ? color.image : color.opacity) = withOpacity(color.image.get(), *mask, map.inverted);
+    }
   }
-
-  const ImportedFile& imported_;
-  const std::filesystem::path& file_;
-  const AssetOptions& options_;
-  ColorImages images_;
-};
+  if (map.name == name && color.image && !color.image->hasAlpha) {
+    leftOut.add("opacity maps that are the image of the colour too, and have no alpha");
+  }
+  return color;
+}
 
 }  // namespace
 
@@ -243,10 +203,27 @@ std::shared_ptr<const Texture> ColorImages::read(const std::string& name, Need n
 
 std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
                                 const AssetOptions& options, LeftOut& leftOut) {
-  MaterialReader reader(imported, file, options);
-  std::vector<Look> materials;
-  for (std::uint32_t i = 0; i < imported.materials.size(); ++i) materials.push_back(reader.read(i, leftOut));
-  return materials;
+  ColorImages images(file, options.allowOutside, options.textureFolders);
+  std::vector<Look> looks;
+  for (std::uint32_t i = 0; i < imported.materials.size(); ++i) {
+    ImportedMaterial material = imported.materials[i];
+    for (ImportedMap* const map : {&material.base, &material.opacityMap}) {
+      if (map->name == "(null)") *map = {};  // exporters print a missing name so
+    }
+    const BaseColor color = colorOf(imported, material, i, options, images, leftOut);
+    Look& look = looks.emplace_back();
+    look.material = look.fileMaterial.name = material.name;
+    look.fileMaterial.source = "base colour of " + file.filename().string();
+    look.fileMaterial.roughness = material.roughness;
+    look.fileMaterial.metallic = material.metallic;
+    look.texture = material.base.name;
+    look.color = color.factor;
+    setColor(look.fileMaterial, color, file, options, images);
+    if (material.opacity < 1 && !look.fileMaterial.alphaTested && options.alpha != AlphaUse::Ignore) {
+      leftOut.add("opacities of materials (they are solid)");
+    }
+  }
+  return looks;
 }
 
 }  // namespace scanmill
