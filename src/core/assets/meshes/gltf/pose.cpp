@@ -11,72 +11,50 @@
 namespace scanmill::gltf {
 namespace {
 
-// The key frames of a sampler, and a time between two of them.
-class KeyFrames {
- public:
-  // `times` (s): of the key frames, ascending, one at least. `values`: of all key frames; `width`: numbers per value.
-  KeyFrames(const std::vector<float>& times, const std::vector<float>& values, std::size_t width,
-            Animation::Interpolation interpolation, double time)
-      : values_(values), width_(width), interpolation_(interpolation) {
-    const auto firstLater =
-        static_cast<std::size_t>(std::ranges::upper_bound(times, static_cast<float>(time)) - times.begin());
-    before_ = firstLater == 0 ? 0 : firstLater - 1;
-    after_ = std::min(firstLater, times.size() - 1);
-    span_ = static_cast<double>(times[after_]) - static_cast<double>(times[before_]);
-    if (span_ > 0) fraction_ = std::clamp((time - static_cast<double>(times[before_])) / span_, 0.0, 1.0);
-  }
-
-  // Returns the interpolated value. The formula of cubic splines is that of appendix C.5.
-  std::vector<double> value() const {
-    const double t = fraction_, t2 = t * t, t3 = t2 * t;
-    std::vector<double> numbers(width_);
-    for (std::size_t i = 0; i < width_; ++i) {
-      const double start = numberAt(before_, Value, i), end = numberAt(after_, Value, i);
-      if (interpolation_ == Animation::Interpolation::Step || before_ == after_) {
-        numbers[i] = start;
-      } else if (interpolation_ == Animation::Interpolation::CubicSpline) {
-        numbers[i] = (2 * t3 - 3 * t2 + 1) * start + span_ * (t3 - 2 * t2 + t) * numberAt(before_, OutTangent, i) +
-                     (3 * t2 - 2 * t3) * end + span_ * (t3 - t2) * numberAt(after_, InTangent, i);
-      } else {
-        numbers[i] = start + (end - start) * t;
-      }
-    }
-    return numbers;
-  }
-
-  // Returns the interpolated rotation as a unit quaternion (x, y, z, w).
-  std::vector<double> rotation() const {
-    std::vector<double> q = value();
-    if (interpolation_ == Animation::Interpolation::Linear && before_ != after_) {
-      const auto [w, x, y, z] = slerp(quaternion(before_), quaternion(after_), fraction_);
-      q = {x, y, z, w};
-    }
-    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (!(norm > 0)) return {0, 0, 0, 1};
-    for (double& number : q) number /= norm;
-    return q;
-  }
-
- private:
-  enum Part { InTangent, Value, OutTangent };  // of a key frame of a cubic spline; others have only a value
-
-  double numberAt(std::size_t key, Part part, std::size_t i) const {
-    const bool isCubic = interpolation_ == Animation::Interpolation::CubicSpline;
-    return static_cast<double>(values_[isCubic ? (3 * key + part) * width_ + i : key * width_ + i]);
-  }
-
-  Quat quaternion(std::size_t key) const {
-    return {numberAt(key, Value, 3), numberAt(key, Value, 0), numberAt(key, Value, 1), numberAt(key, Value, 2)};
-  }
-
-  const std::vector<float>& values_;
-  std::size_t width_;
-  Animation::Interpolation interpolation_;
+// Returns an animated property at a time (s), as `width` numbers; a rotation as a unit quaternion (x, y, z, w). `times`
+// (s): of the key frames, ascending, one at least. `values`: of all key frames; those of cubic splines are an
+// in-tangent, a value and an out-tangent (appendix C.5).
+std::vector<double> propertyAt(double time, const std::vector<float>& times, const std::vector<float>& values,
+                               std::size_t width, Animation::Interpolation interpolation, Animation::Path path) {
+  using Interpolation = Animation::Interpolation;
+  enum Part { InTangent, Value, OutTangent };
+  const auto numberAt = [&](std::size_t key, Part part, std::size_t i) {
+    const bool isCubic = interpolation == Interpolation::CubicSpline;
+    return static_cast<double>(values[isCubic ? (3 * key + part) * width + i : key * width + i]);
+  };
+  const auto later =
+      static_cast<std::size_t>(std::ranges::upper_bound(times, static_cast<float>(time)) - times.begin());
   // The key frames around the time; the same one before the first or after the last.
-  std::size_t before_ = 0, after_ = 0;
-  double span_ = 0;      // s, between them
-  double fraction_ = 0;  // of the span
-};
+  const std::size_t before = later == 0 ? 0 : later - 1, after = std::min(later, times.size() - 1);
+  const double span = static_cast<double>(times[after]) - static_cast<double>(times[before]);
+  const double t = span > 0 ? std::clamp((time - static_cast<double>(times[before])) / span, 0.0, 1.0) : 0;
+  const double t2 = t * t, t3 = t2 * t;
+  std::vector<double> numbers(width);
+  for (std::size_t i = 0; i < width; ++i) {
+    const double start = numberAt(before, Value, i), end = numberAt(after, Value, i);
+    if (interpolation == Interpolation::Step || before == after) {
+      numbers[i] = start;
+    } else if (interpolation == Interpolation::CubicSpline) {
+      numbers[i] = (2 * t3 - 3 * t2 + 1) * start + span * (t3 - 2 * t2 + t) * numberAt(before, OutTangent, i) +
+                   (3 * t2 - 2 * t3) * end + span * (t3 - t2) * numberAt(after, InTangent, i);
+    } else {
+      numbers[i] = start + (end - start) * t;
+    }
+  }
+  if (path != Animation::Path::Rotation) return numbers;
+  const auto quaternionAt = [&](std::size_t key) {
+    return Quat{numberAt(key, Value, 3), numberAt(key, Value, 0), numberAt(key, Value, 1), numberAt(key, Value, 2)};
+  };
+  if (interpolation == Interpolation::Linear && before != after) {
+    const auto [w, x, y, z] = slerp(quaternionAt(before), quaternionAt(after), t);
+    numbers = {x, y, z, w};
+  }
+  const double norm =
+      std::sqrt(numbers[0] * numbers[0] + numbers[1] * numbers[1] + numbers[2] * numbers[2] + numbers[3] * numbers[3]);
+  if (!(norm > 0)) return {0, 0, 0, 1};
+  for (double& number : numbers) number /= norm;
+  return numbers;
+}
 
 }  // namespace
 
@@ -131,8 +109,7 @@ void apply(const ClipTime& clip, const Data& data, Model& model) {
       model.fail(
           fmt::format("is not valid glTF: a sampler of {} has numbers of times and values that do not match", what));
     }
-    const KeyFrames frames(times, values, width, sampler.interpolation, clip.time);
-    const std::vector<double> value = channel.path == Path::Rotation ? frames.rotation() : frames.value();
+    const std::vector<double> value = propertyAt(clip.time, times, values, width, sampler.interpolation, channel.path);
     if (channel.path == Path::Weights) {
       node.weights = value;
       continue;
