@@ -46,6 +46,7 @@ std::vector<Point2> pointsOf(const Polygon& polygon) {
 
 class BlockMaker {
  public:
+  // Draws the looks and the sizes in a fixed order; the map's height of the walls determines that of the storeys.
   BlockMaker(Shape& shape, std::uint64_t seed, const Block& block)
       : b_(block), draw_(seed, Kind::Block, block.number), s_(shape) {
     constexpr double kLeastStorey = 2.3, kShedHeight = 2.2;  // m

@@ -15,6 +15,7 @@ constexpr double kInRoof = 0.05;     // m that walls extend into hip roofs
 
 class HouseMaker {
  public:
+  // Draws the looks and the sizes in a fixed order, then fits them to the map's height.
   HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
       : h_(house), seed_(seed), draw_(seed, Kind::House, house.number), s_(builder, "house") {
     // The kind of plaster has its own random stream, so that the shapes of houses do not depend on it.

@@ -211,6 +211,9 @@ struct Block {
 
 enum class Fencing { None, Pickets, Bars, Brick, Hedge, Boards, Wire, GuardRail, Barrier, Count };
 
+// The functions make...() below add a mesh to the scene. It depends on the seed and on `form` or `number`, the index of
+// a variant of the object.
+
 // Returns a house of this size with random windows and a random roof.
 House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors);
 Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house);

@@ -104,6 +104,7 @@ struct PropertyDraw {
   bool chance(const OfKinds& probability) const { return draw.chance(interval(probability).low); }
 };
 
+// Returns the cross section of the main road.
 CrossSection drawMainSection(const PropertyDraw& random) {
   CrossSection s;
   s.lanes = random.integer(property::kLanes);

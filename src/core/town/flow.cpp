@@ -121,13 +121,12 @@ class Flow {
       return (phase - std::floor(phase)) * light->period < light->red;
     }
     const auto* const giveWay = std::get_if<GiveWay>(&stop.rule);
-    bool closed = giveWay == nullptr;
-    if (giveWay != nullptr) {
-      forVehiclesOn(giveWay->lane, [&](std::size_t, double position) {
-        closed |= position > giveWay->from && position < giveWay->to;
-      });
-    }
-    return closed;
+    if (giveWay == nullptr) return true;
+    bool occupied = false;
+    forVehiclesOn(giveWay->lane, [&](std::size_t, double position) {
+      occupied |= position > giveWay->from && position < giveWay->to;
+    });
+    return occupied;
   }
 
   const std::vector<Route>& routes_;

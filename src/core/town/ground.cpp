@@ -43,6 +43,7 @@ class GroundMaker {
     set(GroundKind::Paved, "sidewalk", "paving");
   }
 
+  // Makes the tiling, cuts it along the five borders of roads, patches and hard areas, and adds its triangles.
   models::Model make() {
     tile();
     for (const Road& road : layout_.roads()) sections_.push_back(road.section);

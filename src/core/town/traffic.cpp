@@ -67,6 +67,7 @@ class Traffic {
  public:
   explicit Traffic(Placer& placer) : placer_(placer), l_(placer.layout), main_(road(0)), fastest_(l_.character.speed) {}
 
+  // The order counts: later routes copy the stop lines of the first one, and vehicles choose among all routes.
   void place() {
     addThrough();
     addPassing();
