@@ -2,9 +2,6 @@
 
 // The scale of a chart's axis: where values are along it, and which have a label.
 
-#include <string>
-#include <vector>
-
 #include "charts/chart.h"
 
 namespace scanmill {

@@ -2,12 +2,7 @@
 
 // Drafts a scene file from 3D files. Their units, axes, classes and materials are guessed; a person must check them.
 
-#include <cstdint>
-#include <filesystem>
 #include <functional>
-#include <set>
-#include <string>
-#include <vector>
 
 #include "base/vec.h"
 #include "draft/guess.h"

@@ -2,9 +2,6 @@
 
 // Colours for values, instances and classes, and names of classes.
 
-#include <cstdint>
-#include <string>
-
 #include "scene/ontology.h"
 #include "viewer/image.h"
 

@@ -3,11 +3,6 @@
 // Draws scans, and EXR images of render passes and hits, as pictures, without a display. All functions that draw need
 // the device that openOffscreen() needs, and throw Error if there is no such device.
 
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "scan/scan.h"
 #include "scene/ontology.h"
 #include "viewer/coloring.h"

@@ -2,7 +2,6 @@
 
 // The camera for a picture of a scan.
 
-#include <array>
 #include <string_view>
 
 #include "base/vec.h"

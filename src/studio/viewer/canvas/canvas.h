@@ -6,14 +6,9 @@
 // functions of a canvas must be called on the thread that opened it. Only one window can be open at a time. VTK is in a
 // plug-in, which is loaded when the first canvas is opened.
 
-#include <array>
-#include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "base/error.h"
 #include "base/module.h"

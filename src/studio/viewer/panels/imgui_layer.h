@@ -3,9 +3,6 @@
 // Connects Dear ImGui to a canvas: fonts, colours, events and triangles. The function passed to frame() draws the
 // panels.
 
-#include <functional>
-#include <vector>
-
 #include "viewer/canvas/canvas.h"
 
 struct ImGuiContext;

@@ -2,8 +2,6 @@
 
 // Computes the rectangles of panels on a canvas, and the remaining rectangle for the views.
 
-#include <vector>
-
 #include "viewer/canvas/canvas.h"
 
 namespace scanmill {

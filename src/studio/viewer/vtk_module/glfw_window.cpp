@@ -74,29 +74,27 @@ GLFWwindow* createWindow(const std::string& title, int width, int height) {
 
 // Returns the name of a key that types no character; empty for other keys. Without num lock, keys of the number pad
 // have the functions printed below their digits.
-std::string_view nameOf(int key, bool numLock) {
+std::string nameOf(int key, bool numLock) {
   if (!numLock && key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) {
     constexpr std::array<std::string_view, 10> kPad{"", "End",   "Down", "Page_Down", "Left",
                                                     "", "Right", "Home", "Up",        "Page_Up"};
-    return kPad[static_cast<std::size_t>(key - GLFW_KEY_KP_0)];
+    return std::string(kPad[static_cast<std::size_t>(key - GLFW_KEY_KP_0)]);
   }
-  constexpr std::array<std::string_view, 12> kFunction{"F1", "F2", "F3", "F4",  "F5",  "F6",
-                                                       "F7", "F8", "F9", "F10", "F11", "F12"};
-  if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12) return kFunction[static_cast<std::size_t>(key - GLFW_KEY_F1)];
-  constexpr std::pair<int, std::string_view> kOthers[]{{GLFW_KEY_ESCAPE, "Escape"},
-                                                       {GLFW_KEY_ENTER, "Return"},
-                                                       {GLFW_KEY_KP_ENTER, "Return"},
-                                                       {GLFW_KEY_TAB, "Tab"},
-                                                       {GLFW_KEY_BACKSPACE, "BackSpace"},
-                                                       {GLFW_KEY_RIGHT, "Right"},
-                                                       {GLFW_KEY_LEFT, "Left"},
-                                                       {GLFW_KEY_UP, "Up"},
-                                                       {GLFW_KEY_DOWN, "Down"},
-                                                       {GLFW_KEY_PAGE_UP, "Page_Up"},
-                                                       {GLFW_KEY_PAGE_DOWN, "Page_Down"},
-                                                       {GLFW_KEY_HOME, "Home"},
-                                                       {GLFW_KEY_END, "End"}};
-  const auto found = std::ranges::find(kOthers, key, &std::pair<int, std::string_view>::first);
+  if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12) return fmt::format("F{}", key - GLFW_KEY_F1 + 1);
+  constexpr std::pair<int, const char*> kOthers[]{{GLFW_KEY_ESCAPE, "Escape"},
+                                                  {GLFW_KEY_ENTER, "Return"},
+                                                  {GLFW_KEY_KP_ENTER, "Return"},
+                                                  {GLFW_KEY_TAB, "Tab"},
+                                                  {GLFW_KEY_BACKSPACE, "BackSpace"},
+                                                  {GLFW_KEY_RIGHT, "Right"},
+                                                  {GLFW_KEY_LEFT, "Left"},
+                                                  {GLFW_KEY_UP, "Up"},
+                                                  {GLFW_KEY_DOWN, "Down"},
+                                                  {GLFW_KEY_PAGE_UP, "Page_Up"},
+                                                  {GLFW_KEY_PAGE_DOWN, "Page_Down"},
+                                                  {GLFW_KEY_HOME, "Home"},
+                                                  {GLFW_KEY_END, "End"}};
+  const auto found = std::ranges::find(kOthers, key, &std::pair<int, const char*>::first);
   return found == std::end(kOthers) ? "" : found->second;
 }
 
@@ -151,7 +149,7 @@ struct GlfwWindow::State {
   // on the keyboard layout.
   void key(int code, int scan, int mods) {
     setModifiers(mods);
-    std::string name(nameOf(code, (mods & GLFW_MOD_NUM_LOCK) != 0));
+    std::string name = nameOf(code, (mods & GLFW_MOD_NUM_LOCK) != 0);
     const char* const typed = control ? glfwGetKeyName(code, scan) : nullptr;
     if (name.empty() && typed != nullptr) name = typed;
     if (name.empty()) return;

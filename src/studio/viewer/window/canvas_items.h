@@ -2,12 +2,6 @@
 
 // The ids of the viewer's items and images on its canvas.
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "base/vec.h"
 #include "viewer/canvas/canvas.h"
 

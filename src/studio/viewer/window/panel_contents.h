@@ -3,11 +3,6 @@
 // Computes the positions and the contents of panels and labels on top of the views. The session draws them and executes
 // what the user clicks.
 
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "viewer/panels/panel_rects.h"
 #include "viewer/panels/widgets.h"
 #include "viewer/window/playback.h"

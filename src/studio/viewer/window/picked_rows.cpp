@@ -16,11 +16,6 @@ std::optional<PointKey> keyIn(const Scan& scan, std::size_t point) {
   return knowsBeams(scan) ? std::optional(keyOf(scan, point)) : std::nullopt;
 }
 
-std::string valueIn(const NamedTexts& rows, const std::string& name) {
-  const auto found = std::ranges::find(rows, name, &NamedTexts::value_type::first);
-  return found == rows.end() ? "" : found->second;
-}
-
 // Returns the index of the point with this ring, column and return number; nothing if the scan has no such point.
 std::optional<std::size_t> pointWithKey(const Scan& scan, const PointKey& key) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -200,9 +195,10 @@ PickedElement describeTriangle(const ViewMesh& mesh, std::size_t triangle, const
                        .point = triangle};
   addPosition(picked.rows, "world ", worldPosition);
   picked.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, grouped(mesh.size())));
-  for (const char* row : {"object", "class by", "material", "reflectance"}) {
-    if (const std::string value = valueIn(picked.rows, row); !value.empty()) picked.brief.emplace_back(row, value);
-  }
+  constexpr std::array<std::string_view, 4> kBrief{"object", "class by", "material", "reflectance"};
+  std::ranges::copy_if(picked.rows, std::back_inserter(picked.brief), [&](const auto& row) {
+    return std::ranges::find(kBrief, row.first) != kBrief.end() && !row.second.empty();
+  });
   return picked;
 }
 

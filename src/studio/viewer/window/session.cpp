@@ -63,7 +63,7 @@ void ViewSession::settle() {
   if (auto loaded = playback_.waitAndTake(context_.redraw.now())) showFrame(std::move(loaded));
   if (sceneView_.meshOn() && sceneView_.meshWanted) {
     auto loaded = playback_.loader().waitMesh(*sceneView_.meshWanted);
-    if (loaded != sceneView_.mesh) takeMesh(std::move(loaded));
+    if (loaded != sceneView_.mesh) sceneView_.takeMesh(std::move(loaded));
   }
   playback_.clearBusy();
   context_.notices.clear();
@@ -133,7 +133,7 @@ void ViewSession::takeWhatIsLoaded() {
   if (auto loaded = playback_.take(context_.redraw.now())) showFrame(std::move(loaded));
   if (sceneView_.meshOn() && sceneView_.meshWanted) {
     auto loaded = playback_.loader().mesh(*sceneView_.meshWanted);
-    if (loaded && loaded != sceneView_.mesh) takeMesh(std::move(loaded));
+    if (loaded && loaded != sceneView_.mesh) sceneView_.takeMesh(std::move(loaded));
   }
 }
 
@@ -145,7 +145,7 @@ void ViewSession::showFrame(std::shared_ptr<const ViewFrame> loaded) {
   arrange();
   sceneView_.lookAtFirstPoints();
   if (sceneView_.meshOn()) wantMesh();
-  if (sceneView_.meshPlaced != sceneView_.meshSeen()) placeMesh();
+  if (sceneView_.meshPlaced != sceneView_.meshSeen()) sceneView_.placeMesh();
 }
 
 // Updates everything that depends on the frame and the layout.
@@ -162,7 +162,6 @@ void ViewSession::applyFilter() {
   clouds_.applyFilter();
   sceneView_.applyFilter();
   sceneView_.placeBoxes();
-  pointer_.hover.reset();
 }
 
 // Requests the scene of the current frame. If the scene is not known, removes the mesh and reports why.
@@ -173,23 +172,13 @@ void ViewSession::wantMesh() {
   sceneView_.meshProblem.clear();
   if (!choice) {
     sceneView_.meshWanted.reset();
-    if (sceneView_.mesh) takeMesh(nullptr);
+    if (sceneView_.mesh) sceneView_.takeMesh(nullptr);
     sceneView_.meshProblem = context_.source->isScene() ? why : "no mesh: " + why;
     return;
   }
   sceneView_.meshWanted = choice;
   playback_.loader().wantMesh(*choice);
   takeWhatIsLoaded();
-}
-
-void ViewSession::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
-  sceneView_.takeMesh(std::move(loaded));
-  pointer_.hover.reset();
-}
-
-void ViewSession::placeMesh() {
-  sceneView_.placeMesh();
-  pointer_.hover.reset();
 }
 
 std::vector<std::string> ViewSession::problems() const {
@@ -218,6 +207,7 @@ void ViewSession::flush(Detail detail) {
   const double began = context_.redraw.now();
   const Changes& changes = context_.changes;
   if (changes.views || changes.items || changes.panels) refresh();
+  if (changes.items) pointer_.hover.reset();
   if (changes.items && pointer_.pinned && !pointer_.isShown(*pointer_.pinned)) pointer_.pinned.reset();
   // When the picture changes, another point may be under the pointer, even if the pointer rests.
   if (changes.hover || changes.views || changes.items) {

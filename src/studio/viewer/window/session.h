@@ -3,11 +3,6 @@
 // The viewer: its contents, and its response to keys and the pointer. It draws on a canvas and does not depend on a
 // window system, so the same code draws windows and pictures, and tests can send key events without a display.
 
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "viewer/window/panel_contents.h"
 
 namespace scanmill {
@@ -76,8 +71,6 @@ class ViewSession {
   void arrange();
   void applyFilter();
   void wantMesh();
-  void takeMesh(std::shared_ptr<const ViewMesh> loaded);
-  void placeMesh();
   void refresh();  // updates the panels and the views
   void updateHover();
   void flush(Detail detail);

@@ -207,7 +207,6 @@ void ViewSession::toggleLayout(ViewLayout layout) {
   clouds_.activeView.reset();
   if (context_.options.layout == ViewLayout::Split && context_.frame && context_.frame->scans.size() == 1)
     clouds_.activeView = 1;
-  pointer_.hover.reset();
   arrange();
 }
 
@@ -256,7 +255,7 @@ void ViewSession::switchOption(bool ViewOptions::*option) {
   if (option != &ViewOptions::mesh) return;
   sceneView_.meshProblem.clear();
   if (on) wantMesh();
-  placeMesh();
+  sceneView_.placeMesh();
 }
 
 // Closes or ends the first that applies: menus, the help, measuring, the selection, the display of one instance, and
