@@ -17,7 +17,6 @@
 #include "commands/recorded_scans.h"
 #include "commands/table.h"
 #include "config/fields.h"
-#include "config/file_kind.h"
 #include "config/resources.h"
 #include "config/value.h"
 #include "sensors/sensor.h"

@@ -14,7 +14,7 @@
 #include "base/text_scan.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 #include "config/text.h"
 #include "dataset/card.h"
 #include "dataset/names.h"

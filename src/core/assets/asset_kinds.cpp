@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/text_scan.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 #include "config/text.h"
 
 namespace scanmill {

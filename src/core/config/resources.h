@@ -1,11 +1,14 @@
 #pragma once
 
-// The program's own files: pipelines, scenes, labels.
+// The program's own files (pipelines, scenes, labels), and what kind of file a user's file is.
 //
 //   const std::filesystem::path street = namedResource("street", "scenes");  // .../scenes/street.yaml
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+
+#include "config/value.h"
 
 namespace scanmill {
 
@@ -31,5 +34,22 @@ std::string nearestResource(const std::string& name, const std::string& subfolde
 std::string savedPath(const std::filesystem::path& file, const std::filesystem::path& folder);
 // Returns the file that savedPath() names.
 std::filesystem::path fileOfSavedPath(const std::string& saved, const std::filesystem::path& folder);
+
+// Kinds of YAML files, which are recognised by keys that only the kind has, so that a message about a wrong file can
+// say what the file is.
+enum class FileKind { Unknown, Pipeline, Scene, Sensor, Ontology, Materials };
+
+// Returns the kind of a file; `root` is the value of the complete file.
+FileKind fileKind(const Value& root);
+
+// Throws an InputError that says what the file is and where it belongs, if it is of another kind than expected. A file
+// of unknown kind passes.
+void expectKind(const Value& root, FileKind expected);
+
+// True if a file is named like an extract of OpenStreetMap, compressed or not.
+bool isMap(const std::filesystem::path& file);
+
+// Returns the first bytes of a file, at most `count`; none if it cannot be read.
+std::string firstBytes(const std::filesystem::path& file, std::size_t count);
 
 }  // namespace scanmill

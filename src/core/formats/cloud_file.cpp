@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/input_budget.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 #include "config/text.h"
 #include "formats/format.h"
 #include "formats/ply_file.h"

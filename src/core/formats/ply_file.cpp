@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/text_scan.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 #include "formats/text_rows.h"
 
 namespace scanmill {

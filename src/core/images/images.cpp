@@ -14,7 +14,7 @@
 #include "base/file.h"
 #include "base/input_budget.h"
 #include "base/memory.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 #include "config/text.h"
 #include "images/images_interface.h"
 #include "images/srgb.h"

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "config/fields.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 
 namespace scanmill {
 namespace {

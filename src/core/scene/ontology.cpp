@@ -8,7 +8,7 @@
 #include <map>
 
 #include "config/fields.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 
 namespace scanmill {
 namespace {

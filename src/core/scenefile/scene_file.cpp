@@ -11,7 +11,7 @@
 #include "base/input_budget.h"
 #include "base/random.h"
 #include "config/distribution.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 #include "scene/primitives.h"
 #include "scenefile/concepts.h"
 #include "scenefile/file_objects.h"

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "config/fields.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 #include "sensors/beam_patterns.h"
 #include "sensors/calibration.h"
 

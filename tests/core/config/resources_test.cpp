@@ -5,7 +5,6 @@
 #include <cstdlib>
 
 #include "config/fields.h"
-#include "config/file_kind.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -10,7 +10,7 @@
 #include "base/input_budget.h"
 #include "base/random.h"
 #include "config/fields.h"
-#include "config/file_kind.h"
+#include "config/resources.h"
 #include "dataset/split.h"
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"

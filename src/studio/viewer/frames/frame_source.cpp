@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "config/file_kind.h"
 #include "config/resources.h"
 #include "config/value.h"
 #include "dataset/names.h"
