@@ -91,7 +91,7 @@ void findFunctions() {
   glewInit();
   while (glGetError() != GL_NO_ERROR) continue;
   if (!GLEW_VERSION_4_3) throw NoDevice("its functions are not those of OpenGL 4.3");
-  // GLEW_ARB_buffer_storage tells of functions that drivers have without supporting the extension.
+  // GLEW_ARB_buffer_storage is not enough: it is also set if the driver has the functions but not the extension.
   if (!glewGetExtension("GL_ARB_buffer_storage")) throw NoDevice("it lacks ARB_buffer_storage");
 }
 

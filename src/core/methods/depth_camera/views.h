@@ -45,7 +45,7 @@ struct BeamBlock {
   alignas(64) double dx[kBlock], dy[kBlock], dz[kBlock];
 };
 
-// Where the projections of points are stored: u and v (px) in the image with the index `view`.
+// Arrays for the projections of points: u and v (px) in the image with the index `view`.
 struct ImagePositions {
   double* u;
   double* v;

@@ -164,7 +164,7 @@ void BrickMaker::makeSparse(const BrickFrame& frame) {
 void BrickMaker::fillBlock(const BrickFrame& frame, int block) {
   if (candidates_.empty()) return;
   const Points& p = brick::kBlockCorners[block];
-  // By lane: the candidate nearest to the corner, and its squared distance.
+  // The candidate nearest to each lane's corner, and its squared distance.
   alignas(64) std::array<std::uint32_t, kLanes> nearest{};
   alignas(64) Lanes nearest2;
   nearest2.fill(INFINITY);

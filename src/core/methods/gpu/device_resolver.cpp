@@ -104,7 +104,7 @@ class MaterialTables {
   }
 
   LabelTables& tables_;
-  // By the values on which texels depend: index of the first texel.
+  // Index of the first texel; the key has the values on which the texels depend.
   std::map<std::tuple<const Texture*, float, float, float>, std::uint32_t> firstTexels_;
 };
 

@@ -76,8 +76,8 @@ struct LineCourse {
   float dx, dy, dz, high;
 };
 
-// The intersection of a line with a triangle: numerator / denominator is its distance (m) from the
-// point x y z of LineStart.
+// The intersection of a line with a triangle. Its distance (m) from the point x y z of LineStart is numerator /
+// denominator.
 struct LineHit {
   float numerator, denominator;  // denominator > 0: the line hits the triangle
   std::uint32_t triangle;

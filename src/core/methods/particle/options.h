@@ -22,9 +22,7 @@ struct ParticleOptions {
   Location where;             // location of the key voxel_m or, if it is absent, of the map; for messages
 };
 
-// {voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
-//
-// Throws InputError.
+// Reads {voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}. Throws InputError.
 ParticleOptions readParticleOptions(Fields& fields);
 
 // Returns the shape of a field that reaches `range` (m) around a sensor at `sensor` (m, relative to the world's

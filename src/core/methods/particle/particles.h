@@ -58,7 +58,7 @@ struct HitRecords {
 void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t maxSteps,
               const Particles& particles, std::span<const std::uint32_t> indices, HitRecords& records);
 
-// The sections of beams that are inside of the job's box (m along the beams).
+// The section of each lane's beam that is inside of the job's box (m along the beam).
 struct Sections {
   alignas(64) Lane begin, end;
 };
