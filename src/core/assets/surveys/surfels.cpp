@@ -1,10 +1,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <compare>
 #include <cstdint>
-#include <functional>
 #include <nanoflann.hpp>
+#include <tuple>
 
 #include "assets/surveys/surveys.h"
 #include "base/parallel.h"
@@ -118,7 +117,6 @@ std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spa
     std::array<std::int64_t, 3> cube;  // cube of the grid
     double distance;                   // from the cube's centre (cube edges)
     std::size_t index;
-    auto operator<=>(const Point&) const = default;
   };
   std::vector<Point> points(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -127,7 +125,7 @@ std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spa
     points[i] = {
         {std::llround(low.x), std::llround(low.y), std::llround(low.z)}, length(p - low - Vec3d{0.5, 0.5, 0.5}), i};
   }
-  std::ranges::sort(points, std::less<>());
+  std::ranges::sort(points, {}, [](const Point& p) { return std::tie(p.cube, p.distance, p.index); });
   const auto duplicates = std::ranges::unique(points, {}, &Point::cube);  // all but the first of each cube
   points.erase(duplicates.begin(), duplicates.end());
   std::vector<std::size_t> indices;
