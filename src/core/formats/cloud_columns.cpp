@@ -28,11 +28,10 @@ std::vector<typename Key::Value> columnValues(Key key, const std::vector<Stored>
   const bool hasZero = isLabel && std::ranges::find(stored, Stored{}) != stored.end();
   const Value none = hasZero ? std::numeric_limits<Value>::max() : Value{};
   for (const Stored number : stored) {
-    Value value = none;
-    if (!isNone(number)) value = columnValue<Value>(number, key.row.name, values.size(), where);
-    if (!isNone(number) && countFrom1) {
-      value = columnValue<Value>(static_cast<double>(value) + 1, key.row.name, values.size(), where);
-    }
+    const std::size_t point = values.size();
+    Value value = isNone(number) ? none : columnValue<Value>(number, key.row.name, point, where);
+    if (countFrom1 && !isNone(number))
+      value = columnValue<Value>(static_cast<double>(value) + 1, key.row.name, point, where);
     values.push_back(value);
   }
   return values;

@@ -96,18 +96,18 @@ class HeaderCheck {
     }
   }
 
-  // Adds up the bytes per point of the attributes' descriptors: kind, type, components, whether normalised, id.
+  // Checks the attributes' descriptors, and that a point has at most kMostBytesPerPoint bytes.
   void checkAttributes(std::uint8_t method) {
     const std::uint8_t groups = byte();
     std::uint64_t pointBytes = 0;
     for (int group = 0; group < groups; ++group) {
       const std::uint64_t attributes = varint();
       for (std::uint64_t i = 0; i < attributes; ++i) {
-        skip(1);
+        skip(1);  // the kind
         const std::uint8_t type = byte();
         const std::uint8_t components = byte();
-        skip(1);
-        varint();
+        skip(1);   // whether the values are normalised
+        varint();  // the id
         if (type == draco::DT_INVALID || type >= draco::DT_TYPES_COUNT || components == 0) fail("damaged attributes");
         pointBytes += std::uint64_t{components} * draco::DataTypeLength(static_cast<draco::DataType>(type));
         if (pointBytes > kMostBytesPerPoint) fail("too many attributes for a scan");
