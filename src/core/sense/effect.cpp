@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 
-#include "sense/effects/makers.h"
-
 namespace scanmill {
 
 std::span<const EffectEntry> effects() {

@@ -1,7 +1,7 @@
 #pragma once
 
 // An effect turns the returns of an ideal receiver into the returns of a real one: it changes, removes and adds rows of
-// the table of returns. A new effect needs a new file, a line in effects/makers.h and a row in effects().
+// the table of returns. A new effect needs a new file, a maker below and a row in effects().
 //
 //   const Value keys = parseYaml("sigma_m: 0.02", "effects.yaml");
 //   Fields options(keys, "effect range_noise");
@@ -90,6 +90,24 @@ std::uint32_t raysPerBeam(EffectList effects);     // rays per beam; 1: no effec
 const LightPaths* lightPaths(EffectList effects);  // null: rays end at their first hit
 std::uint32_t mostReturns(EffectList effects);     // returns per beam at most
 double intensityFullScale(EffectList effects);     // full scale of the intensity; 0: no effect sets it
+
+// The makers of the effects, each in the effect's file.
+std::unique_ptr<Effect> makeIntensity(Fields& options);
+std::unique_ptr<Effect> makeDropOut(Fields& options);
+std::unique_ptr<Effect> makeRangeNoise(Fields& options);
+std::unique_ptr<Effect> makeShellNoise(Fields& options);
+std::unique_ptr<Effect> makeQuantize(Fields& options);
+std::unique_ptr<Effect> makeAngularJitter(Fields& options);
+std::unique_ptr<Effect> makeSpeckle(Fields& options);
+std::unique_ptr<Effect> makeRingBias(Fields& options);
+std::unique_ptr<Effect> makeFootprintEffect(Fields& options);
+std::unique_ptr<Effect> makeDetection(Fields& options);
+std::unique_ptr<Effect> makeLightPaths(Fields& options);
+std::unique_ptr<Effect> makeReflectanceVariation(Fields& options);
+std::unique_ptr<Effect> makeRelief(Fields& options);
+std::unique_ptr<Effect> makeWeather(Fields& options);
+std::unique_ptr<Effect> makeBlooming(Fields& options);
+std::unique_ptr<Effect> makeRangeWalk(Fields& options);
 
 std::span<const EffectEntry> effects();
 const EffectEntry& requireEffect(std::string_view name, const Location& where);

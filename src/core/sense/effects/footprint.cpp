@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-#include "sense/effects/makers.h"
+#include "sense/effect.h"
 
 namespace scanmill {
 namespace {

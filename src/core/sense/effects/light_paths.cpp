@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-#include "sense/effects/makers.h"
+#include "sense/effect.h"
 
 namespace scanmill {
 namespace {
