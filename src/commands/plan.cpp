@@ -110,7 +110,7 @@ class SceneCheck {
     printUnlabeled(unlabeled_);
   }
 
-  // The items of modelled(), then those of modelledOf() the scenes.
+  // Returns what is modelled or left out in all scenes and then, after run(), in the scenes that were loaded.
   const std::vector<ModelledItem>& modelledItems() const { return modelled_; }
   // Returns the largest memory that the method takes for a scene; 0: it was not measured.
   std::uint64_t mostBytes() const { return mostBytes_; }

@@ -177,16 +177,16 @@ std::string toJson(const Manifest& manifest);
 // Returns the problem with the digest in a manifest's text: the digest is missing or does not match. Empty if it
 // matches.
 [[nodiscard]] std::string digestProblem(std::string text);
-// Throws InputError if the text of the manifest `file` states a digest that it does not have.
+// Throws InputError if the text of the manifest `file` states a digest that differs from the text's own.
 void requireStatedDigest(const std::filesystem::path& file, const std::string& text);
 // Parses a manifest. Throws an InputError that names `file`, the place in the text, and the problem.
 Manifest parseManifest(const std::string& text, const std::string& file);
 // Reads manifest.json in a dataset's folder, and also the files beside the shards if they describe the samples. Throws
 // InputError.
 Manifest readManifest(const std::filesystem::path& folder);
-// Reads it as readManifest() does, but accepts files beside the shards that are missing or damaged: in `undescribed`
-// each has a message, which begins with the file's path, by the index of its shard. The samples of these shards have
-// empty keys.
+// Reads manifest.json like the function above, but accepts missing or damaged files beside the shards: for each,
+// `undescribed` receives a message that begins with the file's path, by the index of its shard. The samples of these
+// shards have empty keys.
 Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_t, std::string>& undescribed);
 
 }  // namespace scanmill

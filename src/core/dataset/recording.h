@@ -48,8 +48,8 @@ struct RecordedShot {
   std::string sensor;
   double time = 0;                    // s since the start of the sequence
   std::vector<Pose> worldFromSensor;  // poses of the sensor, see Shot::worldFromSensor
-  std::string hits;                   // name of the file with the hits; only for RecordingKind::Hits
-  std::vector<RecordedStep> steps;    // steps of the revolution; only for RecordingKind::Passes
+  std::string hits;                   // name of the file with the hits; used only by RecordingKind::Hits
+  std::vector<RecordedStep> steps;    // steps of the revolution; used only by RecordingKind::Passes
 };
 
 struct RecordedSequence {
