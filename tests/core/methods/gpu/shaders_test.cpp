@@ -58,7 +58,7 @@ TEST(Shaders, AreValid) {
 
 TEST(Shaders, FaultsAreFound) {
   std::string text = programs().at("march with lists");
-  const std::size_t at = text.find("uvec4 place");
+  const std::size_t at = text.find("uvec4 origin");
   ASSERT_NE(at, std::string::npos);
   text.replace(at, 5, "float");
   const Validated seen = validate(text);
