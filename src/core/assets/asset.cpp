@@ -15,6 +15,7 @@
 #include "assets/surveys/surveys.h"
 #include "assets/worlds/world_asset.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "base/input_budget.h"
 #include "base/memory.h"
 #include "config/text.h"
@@ -62,7 +63,8 @@ Asset readByBlender(const std::filesystem::path& file, const std::string& kind, 
                      "is turned upright by Blender: leave out `up`, and turn the object where it is placed");
   }
   const FilesRead temporary;  // keeps the exported temporary file out of the list of files read
-  Asset asset = readGltf(BlenderExport(file).glb(), file, 'z', options);
+  const ScratchFolder folder;
+  Asset asset = readGltf(exportByBlender(file, folder.path()), file, 'z', options);
   if (kind == ".abc") asset.statedUnit = 0;  // Alembic states no unit
   return asset;
 }

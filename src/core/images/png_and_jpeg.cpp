@@ -46,16 +46,14 @@ class JumpGuard {
   std::array<char, JMSG_LENGTH_MAX> message_{};
 };
 
-void failPng(png_structp png, png_const_charp message) {
-  static_cast<JumpGuard*>(png_get_error_ptr(png))->fail(message);
-}
-
-void ignoreWarning(png_structp, png_const_charp) {}
-
 class PngReader final : public ImageReader {
  public:
   explicit PngReader(std::string_view bytes) : unread_(bytes) {
-    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &guard_, failPng, ignoreWarning);
+    const auto fail = [](png_structp png, png_const_charp message) {
+      static_cast<JumpGuard*>(png_get_error_ptr(png))->fail(message);
+    };
+    const auto ignoreWarning = [](png_structp, png_const_charp) {};
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &guard_, fail, ignoreWarning);
     info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
     if (info_ == nullptr) throw std::bad_alloc();
     try {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/text_scan.h"
 #include "config/resources.h"
 
@@ -128,10 +129,10 @@ const FormatSupport& blenderFormat() {
   return format;
 }
 
-BlenderExport::BlenderExport(const std::filesystem::path& file) {
+std::filesystem::path exportByBlender(const std::filesystem::path& file, const std::filesystem::path& folder) {
   std::optional<BlenderJob> job;
   try {
-    job.emplace("export", folder_.path(), std::vector<std::string>{std::filesystem::absolute(file).string()});
+    job.emplace("export", folder, std::vector<std::string>{std::filesystem::absolute(file).string()});
   } catch (const Error& e) {  // Blender cannot be started; the file may be sound
     throw Error(fmt::format("{}: {}", file.string(), e.what()));
   }
@@ -140,6 +141,7 @@ BlenderExport::BlenderExport(const std::filesystem::path& file) {
     const auto counts = nlohmann::json::parse(job->answer().text).get<std::map<std::string, std::uint64_t>>();
     for (const auto& [content, count] : counts) leftOut.add(content, count);
     leftOut.warn(file.string());
+    return folder / "scene.glb";
   } catch (const InputError& e) {
     throw InputError({file.string()}, e.what());
   } catch (const Error& e) {

@@ -37,66 +37,59 @@ struct Neighborhood {
   std::vector<float> squaredDistances;  // m^2
 };
 
-class Estimator {
- public:
-  Estimator(const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals, const SurfelOptions& options)
-      : positions_(positions), normals_(normals), options_(options), points_{positions}, tree_(3, points_) {}
+// Finds the `count` points nearest to a position; fewer in a smaller cloud.
+void search(const Tree& tree, const Vec3f& position, std::size_t count, Neighborhood& near) {
+  near.indices.resize(count);
+  near.squaredDistances.resize(count);
+  count = tree.knnSearch(&position.x, count, near.indices.data(), near.squaredDistances.data());
+  near.indices.resize(count);
+  near.squaredDistances.resize(count);
+}
 
-  // Returns the surfel of point i: facing up and as large as allowed if the point is alone. `near` is storage.
-  Surfel surfelOf(std::size_t i, Neighborhood& near) const {
-    const auto count = static_cast<std::size_t>(options_.neighbors) + 1;  // neighbours and the point itself
-    Surfel surfel{{0, 0, 1}, static_cast<float>(options_.radius[1])};
-    std::size_t found = search(i, count, near);
-    if (found < 2) return surfel;
-    const double area = kPi * static_cast<double>(near.squaredDistances[found - 1]) / static_cast<double>(found - 1);
-    surfel.radius =
-        static_cast<float>(std::clamp(options_.cover * std::sqrt(area / kPi), options_.radius[0], options_.radius[1]));
-    if (!normals_.empty() && length(Vec3d(normals_[i])) > 0.5) {
-      surfel.normal = static_cast<Vec3f>(normalized(Vec3d(normals_[i])));
-      return surfel;
-    }
-    for (std::size_t factor = 1;; factor *= 2) {
-      const bool isPlane = fitPlane(near, found, surfel.normal);
-      if (isPlane || factor >= kMostFactor || found < count * factor) return surfel;
-      found = search(i, count * factor * 2, near);
-    }
+// Fits a plane to the points with these indices and sets `normal`. Returns false if they lie on a line.
+bool fitPlane(const std::vector<Vec3f>& positions, const std::vector<std::uint32_t>& indices, Vec3f& normal) {
+  const Vec3d first(positions[indices[0]]);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const std::uint32_t index : indices) {
+    const Vec3d offset = Vec3d(positions[index]) - first;
+    const Eigen::Vector3d p(offset.x, offset.y, offset.z);
+    sum += p;
+    squares += p * p.transpose();
   }
+  const auto count = static_cast<double>(indices.size());
+  const Eigen::Vector3d mean = sum / count;
+  const Eigen::Matrix3d covariance = squares / count - mean * mean.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  const Eigen::Vector3d n = solver.eigenvectors().col(0);
+  if (!n.allFinite() || n.norm() < 0.5) return false;
+  normal = {static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
+  return solver.eigenvalues()[1] > kLineSpread * kLineSpread * solver.eigenvalues()[2];
+}
 
- private:
-  // Fills `near` with the `count` points nearest to point i. Returns their number, which is smaller in a smaller cloud.
-  std::size_t search(std::size_t i, std::size_t count, Neighborhood& near) const {
-    near.indices.resize(count);
-    near.squaredDistances.resize(count);
-    return tree_.knnSearch(&positions_[i].x, count, near.indices.data(), near.squaredDistances.data());
+// Returns the surfel of point i: facing up and as large as allowed if the point is alone. `normal`: of the point, zero
+// if unknown. `near` is storage.
+Surfel surfelOf(const Tree& tree, const std::vector<Vec3f>& positions, std::size_t i, const Vec3d& normal,
+                const SurfelOptions& options, Neighborhood& near) {
+  const auto count = static_cast<std::size_t>(options.neighbors) + 1;  // neighbours and the point itself
+  const auto [leastRadius, greatestRadius] = options.radius;
+  Surfel surfel{{0, 0, 1}, static_cast<float>(greatestRadius)};
+  search(tree, positions[i], count, near);
+  if (near.indices.size() < 2) return surfel;
+  const auto neighbors = static_cast<double>(near.indices.size() - 1);
+  const double area = kPi * static_cast<double>(near.squaredDistances.back()) / neighbors;
+  surfel.radius = static_cast<float>(std::clamp(options.cover * std::sqrt(area / kPi), leastRadius, greatestRadius));
+  if (length(normal) > 0.5) {
+    surfel.normal = static_cast<Vec3f>(normalized(normal));
+    return surfel;
   }
-
-  // Fits a plane to the first `count` points of `near` and sets `normal`. Returns false if the points lie on a line.
-  bool fitPlane(const Neighborhood& near, std::size_t count, Vec3f& normal) const {
-    const Vec3d first(positions_[near.indices[0]]);
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-    for (std::size_t k = 0; k < count; ++k) {
-      const Vec3d offset = Vec3d(positions_[near.indices[k]]) - first;
-      const Eigen::Vector3d p(offset.x, offset.y, offset.z);
-      sum += p;
-      squares += p * p.transpose();
-    }
-    const Eigen::Vector3d mean = sum / static_cast<double>(count);
-    const Eigen::Matrix3d covariance = squares / static_cast<double>(count) - mean * mean.transpose();
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(covariance);
-    const Eigen::Vector3d n = solver.eigenvectors().col(0);
-    if (!n.allFinite() || n.norm() < 0.5) return false;
-    normal = {static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
-    return solver.eigenvalues()[1] > kLineSpread * kLineSpread * solver.eigenvalues()[2];
+  for (std::size_t factor = 1;; factor *= 2) {
+    const bool isPlane = fitPlane(positions, near.indices, surfel.normal);
+    if (isPlane || factor >= kMostFactor || near.indices.size() < count * factor) return surfel;
+    search(tree, positions[i], count * factor * 2, near);
   }
-
-  const std::vector<Vec3f>& positions_;
-  const std::vector<Vec3f>& normals_;
-  const SurfelOptions& options_;
-  Points points_;
-  Tree tree_;
-};
+}
 
 }  // namespace
 
@@ -104,10 +97,13 @@ std::vector<Surfel> surfelsOf(const std::vector<Vec3f>& positions, const std::ve
                               const SurfelOptions& options) {
   std::vector<Surfel> surfels(positions.size());
   if (positions.empty()) return surfels;
-  const Estimator estimator(positions, normals, options);
+  const Points points{positions};
+  const Tree tree(3, points);
   parallelFor(positions.size(), 1024, [&](std::size_t first, std::size_t last) {
     Neighborhood near;
-    for (std::size_t i = first; i < last; ++i) surfels[i] = estimator.surfelOf(i, near);
+    for (std::size_t i = first; i < last; ++i) {
+      surfels[i] = surfelOf(tree, positions, i, normals.empty() ? Vec3d{} : Vec3d(normals[i]), options, near);
+    }
   });
   return surfels;
 }

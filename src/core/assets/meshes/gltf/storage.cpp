@@ -52,172 +52,164 @@ std::string glbOfTile(const std::string& tile, Container& container) {
 
 constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
 
-class StorageReader {
- public:
-  StorageReader(Model& model, bool allowOutside) : model_(model), allowOutside_(allowOutside) {}
+// Reads which bytes of a buffer a View or a Meshopt describes.
+void readRange(const JsonObject& object, auto& range) {
+  range.buffer = object.index("buffer", object.model.buffers.size());
+  range.offset = object.length("byteOffset");
+  range.length = object.length("byteLength");
+  range.stride = object.length("byteStride");
+  if (range.offset + range.length > object.model.buffers[range.buffer].length) object.fail("reaches beyond its buffer");
+}
 
-  Buffer readBuffer(const JsonObject& object) const {
-    Buffer buffer{.uri = object.json.value("uri", std::string()), .length = object.length("byteLength")};
-    std::uint64_t available = model_.bin.size();
-    std::string source = "the GLB's binary chunk";
-    if (buffer.uri.starts_with("data:")) {
-      const std::size_t comma = buffer.uri.find(',');
-      if (comma == std::string::npos || buffer.uri.find(";base64") > comma) object.fail("is not base64 data");
-      std::size_t end = buffer.uri.size();
-      while (end > comma + 1 && buffer.uri[end - 1] == '=') --end;
-      available = (end - comma - 1) * 3 / 4;
-      source = "its data";
-    } else if (object.json.contains("uri")) {
-      buffer.uri = decodeUri(buffer.uri);
-      const std::filesystem::path path = model_.file.parent_path() / buffer.uri;
-      std::error_code error;
-      if (!allowOutside_ && leadsOutside(buffer.uri) && std::filesystem::exists(path, error)) {
-        model_.fail(refusalOf(buffer.uri));
-      }
-      if (!std::filesystem::is_regular_file(path, error)) {
-        buffer.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", buffer.uri);
-        return buffer;
-      }
-      available = std::filesystem::file_size(path, error);
-      source = "'" + buffer.uri + "'";
-    }
-    if (buffer.length > available) {
-      buffer.problem = fmt::format("{} has {} bytes, but {} has {}: is it truncated?", object.path, buffer.length,
-                                   source, available);
-    }
-    return buffer;
-  }
-
-  View readView(const JsonObject& object) const {
-    View view;
-    readRange(object, view);
-    if (view.stride > kMostStride) object.fail("has a byteStride over 252");
-    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-      const auto extension = object.extension(name);
-      if (!extension) continue;
-      const Meshopt meshopt = readMeshopt({model_, extension->json, object.pathOf(name)});
-      if (meshopt.count * meshopt.stride != view.length) {
-        object.failInvalid(
-            fmt::format("has a length that differs from its {} elements of {} bytes", meshopt.count, meshopt.stride));
-      }
-      view.compressed = meshopt;
-    }
-    return view;
-  }
-
-  Accessor readAccessor(const JsonObject& object) const {
-    static const std::map<std::string, std::size_t> kWidths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
-                                                            {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
-    Accessor accessor;
-    accessor.component = readComponent(object);
-    const auto width = kWidths.find(object.json.value("type", std::string()));
-    if (width == kWidths.end()) object.fail("has an unknown type");
-    accessor.width = width->second;
-    accessor.count = object.length("count");
-    accessor.offset = object.length("byteOffset");
-    accessor.normalized = object.json.value("normalized", false);
-    if (accessor.count > kMaxCount) object.fail("has a count that is too large");
-    accessor.view = object.maybeIndex("bufferView", model_.views.size());
-    if (accessor.view) {
-      const std::uint64_t size = accessor.component.size * accessor.width, stride = model_.views[*accessor.view].stride;
-      requireInside(object, *accessor.view, accessor.offset, accessor.count, size, stride > 0 ? stride : size);
-    }
-    if (object.json.contains("sparse")) {
-      accessor.sparse = readSparse({model_, object.json["sparse"], object.pathOf("sparse")}, accessor);
-    }
-    return accessor;
-  }
-
- private:
-  // Reads which bytes of a buffer a View or a Meshopt describes.
-  void readRange(const JsonObject& object, auto& range) const {
-    range.buffer = object.index("buffer", model_.buffers.size());
-    range.offset = object.length("byteOffset");
-    range.length = object.length("byteLength");
-    range.stride = object.length("byteStride");
-    if (range.offset + range.length > model_.buffers[range.buffer].length) object.fail("reaches beyond its buffer");
-  }
-
-  Meshopt readMeshopt(const JsonObject& object) const {
-    Meshopt meshopt;
-    readRange(object, meshopt);
-    meshopt.count = object.length("count");
-    const std::string mode = object.json.value("mode", std::string());
-    const std::string filter = object.json.value("filter", std::string("NONE"));
-    static const std::map<std::string, decltype(Meshopt::decode)> kModes{{"ATTRIBUTES", meshopt_decodeVertexBuffer},
-                                                                         {"TRIANGLES", meshopt_decodeIndexBuffer},
-                                                                         {"INDICES", meshopt_decodeIndexSequence}};
-    static const std::map<std::string, decltype(Meshopt::filter)> kFilters{{"NONE", nullptr},
-                                                                           {"OCTAHEDRAL", meshopt_decodeFilterOct},
-                                                                           {"QUATERNION", meshopt_decodeFilterQuat},
-                                                                           {"EXPONENTIAL", meshopt_decodeFilterExp}};
-    if (!kModes.contains(mode) || !kFilters.contains(filter)) {
-      meshopt.problem = fmt::format(
-          "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression",
-          object.path, mode, filter);
-      return meshopt;
-    }
-    meshopt.decode = kModes.at(mode);
-    meshopt.filter = kFilters.at(filter);
-    // The rules of EXT_meshopt_compression; meshoptimizer does not check them.
-    const std::uint64_t stride = meshopt.stride;
-    const bool hasAttributes = mode == "ATTRIBUTES";
-    const bool strideFits =
-        hasAttributes ? stride % 4 == 0 && stride >= 4 && stride <= 256 : stride == 2 || stride == 4;
-    const bool filterStrideFits = filter == "OCTAHEDRAL"   ? stride == 4 || stride == 8
-                                  : filter == "QUATERNION" ? stride == 8
-                                                           : true;
-    const bool filterFits = filter == "NONE" || (hasAttributes && filterStrideFits);
-    if (!strideFits || !filterFits || meshopt.count > kMaxCount || (mode == "TRIANGLES" && meshopt.count % 3 != 0)) {
-      object.failInvalid(fmt::format("has {} elements of {} bytes in the mode {}", meshopt.count, stride, mode));
-    }
+Meshopt readMeshopt(const JsonObject& object) {
+  Meshopt meshopt;
+  readRange(object, meshopt);
+  meshopt.count = object.length("count");
+  const std::string mode = object.json.value("mode", std::string());
+  const std::string filter = object.json.value("filter", std::string("NONE"));
+  static const std::map<std::string, decltype(Meshopt::decode)> kModes{{"ATTRIBUTES", meshopt_decodeVertexBuffer},
+                                                                       {"TRIANGLES", meshopt_decodeIndexBuffer},
+                                                                       {"INDICES", meshopt_decodeIndexSequence}};
+  static const std::map<std::string, decltype(Meshopt::filter)> kFilters{{"NONE", nullptr},
+                                                                         {"OCTAHEDRAL", meshopt_decodeFilterOct},
+                                                                         {"QUATERNION", meshopt_decodeFilterQuat},
+                                                                         {"EXPONENTIAL", meshopt_decodeFilterExp}};
+  if (!kModes.contains(mode) || !kFilters.contains(filter)) {
+    meshopt.problem = fmt::format(
+        "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression",
+        object.path, mode, filter);
     return meshopt;
   }
-
-  static Component readComponent(const JsonObject& object) {
-    static const std::map<std::uint64_t, Component> kComponents{{5120, {'I', 1}}, {5121, {'U', 1}}, {5122, {'I', 2}},
-                                                                {5123, {'U', 2}}, {5125, {'U', 4}}, {5126, {'F', 4}}};
-    const auto value = object.json.find("componentType");
-    const bool isNumber = value != object.json.end() && value->is_number_unsigned();
-    const auto component = kComponents.find(isNumber ? value->get<std::uint64_t>() : 0);
-    if (component == kComponents.end()) object.fail("has an unknown type");
-    return component->second;
+  meshopt.decode = kModes.at(mode);
+  meshopt.filter = kFilters.at(filter);
+  // The rules of EXT_meshopt_compression; meshoptimizer does not check them.
+  const std::uint64_t stride = meshopt.stride;
+  const bool hasAttributes = mode == "ATTRIBUTES";
+  const bool strideFits = hasAttributes ? stride % 4 == 0 && stride >= 4 && stride <= 256 : stride == 2 || stride == 4;
+  const bool filterStrideFits = filter == "OCTAHEDRAL"   ? stride == 4 || stride == 8
+                                : filter == "QUATERNION" ? stride == 8
+                                                         : true;
+  const bool filterFits = filter == "NONE" || (hasAttributes && filterStrideFits);
+  if (!strideFits || !filterFits || meshopt.count > kMaxCount || (mode == "TRIANGLES" && meshopt.count % 3 != 0)) {
+    object.failInvalid(fmt::format("has {} elements of {} bytes in the mode {}", meshopt.count, stride, mode));
   }
+  return meshopt;
+}
 
-  // Throws unless `count` elements of `size` bytes, which begin `stride` bytes apart, lie in the view.
-  void requireInside(const JsonObject& object, Index view, std::uint64_t offset, std::uint64_t count,
-                     std::uint64_t size, std::uint64_t stride) const {
-    const std::uint64_t length = model_.views[view].length;
-    if (stride < size) object.fail("has elements that overlap");
-    if (offset > length) object.fail("begins beyond its bufferView");
-    if (count > 0 && offset + (count - 1) * stride + size > length) {
-      object.fail("reaches beyond its bufferView: is the file truncated?");
+Component readComponent(const JsonObject& object) {
+  static const std::map<std::uint64_t, Component> kComponents{{5120, {'I', 1}}, {5121, {'U', 1}}, {5122, {'I', 2}},
+                                                              {5123, {'U', 2}}, {5125, {'U', 4}}, {5126, {'F', 4}}};
+  const auto value = object.json.find("componentType");
+  const bool isNumber = value != object.json.end() && value->is_number_unsigned();
+  const auto component = kComponents.find(isNumber ? value->get<std::uint64_t>() : 0);
+  if (component == kComponents.end()) object.fail("has an unknown type");
+  return component->second;
+}
+
+// Throws unless `count` elements of `size` bytes, which begin `stride` bytes apart, lie in the view.
+void requireInside(const JsonObject& object, Index view, std::uint64_t offset, std::uint64_t count, std::uint64_t size,
+                   std::uint64_t stride) {
+  const std::uint64_t length = object.model.views[view].length;
+  if (stride < size) object.fail("has elements that overlap");
+  if (offset > length) object.fail("begins beyond its bufferView");
+  if (count > 0 && offset + (count - 1) * stride + size > length) {
+    object.fail("reaches beyond its bufferView: is the file truncated?");
+  }
+}
+
+Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) {
+  const JsonObject indices{object.model, object.json.at("indices"), object.pathOf("indices")};
+  const JsonObject values{object.model, object.json.at("values"), object.pathOf("values")};
+  const Accessor::Sparse sparse{.count = object.length("count"),
+                                .indicesView = indices.index("bufferView", object.model.views.size()),
+                                .valuesView = values.index("bufferView", object.model.views.size()),
+                                .indicesOffset = indices.length("byteOffset"),
+                                .valuesOffset = values.length("byteOffset"),
+                                .indices = readComponent(indices)};
+  if (sparse.count > accessor.count) object.failInvalid("has more elements than its accessor");
+  if (sparse.indices.kind != 'U') {
+    object.model.fail(fmt::format("is not valid glTF: {} are not unsigned whole numbers", indices.path));
+  }
+  const std::uint64_t size = accessor.component.size * accessor.width;
+  requireInside(indices, sparse.indicesView, sparse.indicesOffset, sparse.count, sparse.indices.size,
+                sparse.indices.size);
+  requireInside(values, sparse.valuesView, sparse.valuesOffset, sparse.count, size, size);
+  return sparse;
+}
+
+// `allowOutside`: see AssetOptions.
+Buffer readBuffer(const JsonObject& object, bool allowOutside) {
+  Buffer buffer{.uri = object.json.value("uri", std::string()), .length = object.length("byteLength")};
+  std::uint64_t available = object.model.bin.size();
+  std::string source = "the GLB's binary chunk";
+  if (buffer.uri.starts_with("data:")) {
+    const std::size_t comma = buffer.uri.find(',');
+    if (comma == std::string::npos || buffer.uri.find(";base64") > comma) object.fail("is not base64 data");
+    std::size_t end = buffer.uri.size();
+    while (end > comma + 1 && buffer.uri[end - 1] == '=') --end;
+    available = (end - comma - 1) * 3 / 4;
+    source = "its data";
+  } else if (object.json.contains("uri")) {
+    buffer.uri = decodeUri(buffer.uri);
+    const std::filesystem::path path = object.model.file.parent_path() / buffer.uri;
+    std::error_code error;
+    if (!allowOutside && leadsOutside(buffer.uri) && std::filesystem::exists(path, error)) {
+      object.model.fail(refusalOf(buffer.uri));
     }
-  }
-
-  Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) const {
-    const JsonObject indices{model_, object.json.at("indices"), object.pathOf("indices")};
-    const JsonObject values{model_, object.json.at("values"), object.pathOf("values")};
-    const Accessor::Sparse sparse{.count = object.length("count"),
-                                  .indicesView = indices.index("bufferView", model_.views.size()),
-                                  .valuesView = values.index("bufferView", model_.views.size()),
-                                  .indicesOffset = indices.length("byteOffset"),
-                                  .valuesOffset = values.length("byteOffset"),
-                                  .indices = readComponent(indices)};
-    if (sparse.count > accessor.count) object.failInvalid("has more elements than its accessor");
-    if (sparse.indices.kind != 'U') {
-      model_.fail(fmt::format("is not valid glTF: {} are not unsigned whole numbers", indices.path));
+    if (!std::filesystem::is_regular_file(path, error)) {
+      buffer.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", buffer.uri);
+      return buffer;
     }
-    const std::uint64_t size = accessor.component.size * accessor.width;
-    requireInside(indices, sparse.indicesView, sparse.indicesOffset, sparse.count, sparse.indices.size,
-                  sparse.indices.size);
-    requireInside(values, sparse.valuesView, sparse.valuesOffset, sparse.count, size, size);
-    return sparse;
+    available = std::filesystem::file_size(path, error);
+    source = "'" + buffer.uri + "'";
   }
+  if (buffer.length > available) {
+    buffer.problem =
+        fmt::format("{} has {} bytes, but {} has {}: is it truncated?", object.path, buffer.length, source, available);
+  }
+  return buffer;
+}
 
-  const Model& model_;
-  bool allowOutside_;
-};
+View readView(const JsonObject& object) {
+  View view;
+  readRange(object, view);
+  if (view.stride > kMostStride) object.fail("has a byteStride over 252");
+  for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+    const auto extension = object.extension(name);
+    if (!extension) continue;
+    const Meshopt meshopt = readMeshopt({object.model, extension->json, object.pathOf(name)});
+    if (meshopt.count * meshopt.stride != view.length) {
+      object.failInvalid(
+          fmt::format("has a length that differs from its {} elements of {} bytes", meshopt.count, meshopt.stride));
+    }
+    view.compressed = meshopt;
+  }
+  return view;
+}
+
+Accessor readAccessor(const JsonObject& object) {
+  static const std::map<std::string, std::size_t> kWidths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                                                          {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
+  Accessor accessor;
+  accessor.component = readComponent(object);
+  const auto width = kWidths.find(object.json.value("type", std::string()));
+  if (width == kWidths.end()) object.fail("has an unknown type");
+  accessor.width = width->second;
+  accessor.count = object.length("count");
+  accessor.offset = object.length("byteOffset");
+  accessor.normalized = object.json.value("normalized", false);
+  if (accessor.count > kMaxCount) object.fail("has a count that is too large");
+  accessor.view = object.maybeIndex("bufferView", object.model.views.size());
+  if (accessor.view) {
+    const std::uint64_t size = accessor.component.size * accessor.width,
+                        stride = object.model.views[*accessor.view].stride;
+    requireInside(object, *accessor.view, accessor.offset, accessor.count, size, stride > 0 ? stride : size);
+  }
+  if (object.json.contains("sparse")) {
+    accessor.sparse = readSparse({object.model, object.json["sparse"], object.pathOf("sparse")}, accessor);
+  }
+  return accessor;
+}
 
 }  // namespace
 
@@ -260,10 +252,9 @@ Container readContainer(const std::filesystem::path& file, const std::filesystem
 }
 
 void readStorage(Model& model, const JsonObject& file, bool allowOutside) {
-  const StorageReader reader(model, allowOutside);
-  readEach(file, "buffers", model.buffers, [&](const JsonObject& object) { return reader.readBuffer(object); });
-  readEach(file, "bufferViews", model.views, [&](const JsonObject& object) { return reader.readView(object); });
-  readEach(file, "accessors", model.accessors, [&](const JsonObject& object) { return reader.readAccessor(object); });
+  readEach(file, "buffers", model.buffers, [&](const JsonObject& object) { return readBuffer(object, allowOutside); });
+  readEach(file, "bufferViews", model.views, readView);
+  readEach(file, "accessors", model.accessors, readAccessor);
 }
 
 }  // namespace scanmill::gltf
