@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <utility>
 
 #include "assets/meshes/base_color.h"
@@ -32,125 +31,91 @@ bool isNumber(std::string_view word) {
   return !word.empty() && word.find_first_not_of("+-.0123456789eE") == std::string_view::npos;
 }
 
-class Library {
- public:
-  Library(std::string_view text, const std::filesystem::path& file, Materials& materials)
-      : statements_(text, file), materials_(materials) {}
+// Returns the last number of a statement, as a float.
+float lastNumber(Statements& statements) {
+  const auto& words = statements.words();
+  if (words.empty()) statements.fail("has no value");
+  return static_cast<float>(statements.number(words.back()));
+}
 
-  void read() {
-    while (statements_.next()) {
-      const std::string_view key = statements_.keyword();
-      if (key == "newmtl") {
-        beginMaterial();
-      } else if (!objFormat().has(FormatElements::Use::Unused, key)) {
-        if (!current_) statements_.fail("stands before the first newmtl");
-        if (!isRepeated_) readKey(key);
-      }
-    }
+void readColor(Statements& statements, ImportedMaterial& material) {
+  const auto& words = statements.words();
+  if (words.size() != 1 && words.size() < 3) statements.fail("give three numbers (red, green, blue)");
+  material.stated = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double value = statements.number(words[words.size() == 1 ? 0 : k]);
+    material.color[k] = fraction(static_cast<float>(value), 1.0f);
   }
+}
 
- private:
-  void beginMaterial() {
-    current_ = materials_.indexOf(std::string(statements_.rest()));
-    isRepeated_ = std::exchange(materials_.list[*current_].defined, true);
-    if (isRepeated_) materials_.leftOut.add("further definitions of materials (the first of a name counts)");
-  }
-
-  ImportedMaterial& material() { return materials_.list[*current_]; }
-
-  // Reads a statement of the current material.
-  void readKey(std::string_view key) {
-    if (key == "Kd") {
-      readColor();
-    } else if (key == "d") {
-      material().opacity = fraction(static_cast<float>(lastNumber()), 1.0f);
-    } else if (key == "Tr") {
-      material().opacity = 1 - fraction(static_cast<float>(lastNumber()), 0.0f);
-    } else if (key == "Pr") {
-      material().roughness = fraction(static_cast<float>(lastNumber()), 1.0f);
-    } else if (key == "Pm") {
-      material().metallic = fraction(static_cast<float>(lastNumber()), 0.0f);
-    } else if (key == "map_Kd" || key == "map_kd") {
-      material().base = readImage(material().base.placement);
-    } else if (key == "map_d" || key == "map_opacity") {
-      material().opacityMap = readImage(material().opacityMap.placement);
-    } else {
-      materials_.leftOut.add(fmt::format("{} of materials", key.substr(0, 40)));
-    }
-  }
-
-  // Returns the last number of the statement.
-  double lastNumber() {
-    const auto& words = statements_.words();
-    if (words.empty()) statements_.fail("has no value");
-    return statements_.number(words.back());
-  }
-
-  void readColor() {
-    const auto& words = statements_.words();
-    if (words.size() != 1 && words.size() < 3) statements_.fail("give three numbers (red, green, blue)");
-    material().stated = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double value = statements_.number(words[words.size() == 1 ? 0 : k]);
-      material().color[k] = fraction(static_cast<float>(value), 1.0f);
-    }
-  }
-
-  struct ImageOption {
-    std::string text;             // the name and the values, as in kDefaults
-    std::vector<double> numbers;  // those of the values that are numbers
-  };
-
-  // Takes the values of an option from `unread`, which begins behind its name. An option may have fewer values than it
-  // can take: its last word, and words that are no numbers, are then the name of the image.
-  ImageOption takeValues(std::string_view name, int mostValues, std::string_view& unread) const {
-    ImageOption option{std::string(name), {}};
-    for (int i = 0; i < mostValues; ++i) {
-      std::string_view textBehind = unread;
-      const std::string_view word = takeWord(textBehind);
-      if (mostValues > 1 && (!isNumber(word) || trimmed(textBehind).empty())) break;
-      if (isNumber(word)) option.numbers.push_back(statements_.number(word));
-      option.text += isNumber(word) ? fmt::format(" {:g}", option.numbers.back()) : fmt::format(" {}", word);
-      unread = trimmed(textBehind);
-    }
-    return option;
-  }
-
-  // Reads options and the name of an image. The options -s and -o change `placement`; others are counted unless they
-  // are as by default.
-  ImportedMap readImage(const UvPlacement& placement) {
-    std::string_view unread = statements_.rest();
-    ImportedMap map;
-    map.placement = placement;
-    while (unread.starts_with('-')) {
-      std::string_view textBehind = unread;
-      const std::string_view name = takeWord(textBehind);
-      const auto row = std::ranges::find_if(
-          kImageOptions, [&](const ImageOptions& options) { return containsWord(options.names, name); });
-      if (row == kImageOptions.end()) break;
-      unread = trimmed(textBehind);
-      const ImageOption option = takeValues(name, row->mostValues, unread);
-      const auto numberOr = [&](std::size_t index, float fallback) {
-        return index < option.numbers.size() ? static_cast<float>(option.numbers[index]) : fallback;
-      };
-      if (name == "-s") {
-        map.placement.scale = {numberOr(0, 1), numberOr(1, 1)};
-      } else if (name == "-o") {
-        map.placement.offset = {numberOr(0, 0), numberOr(1, 0)};
-      } else if (std::ranges::find(kDefaults, option.text) == kDefaults.end()) {
-        materials_.leftOut.add(fmt::format("options of images ({})", name));
-      }
-    }
-    if (unread.empty()) statements_.fail("names no image");
-    map.name = std::string(unread);
-    return map;
-  }
-
-  Statements statements_;
-  Materials& materials_;
-  std::optional<std::size_t> current_;  // index of the material that the statements define
-  bool isRepeated_ = false;             // true: the material was defined before, so that this definition is skipped
+struct ImageOption {
+  std::string text;             // the name and the values, as in kDefaults
+  std::vector<double> numbers;  // those of the values that are numbers
 };
+
+// Takes the values of an option from `unread`, which begins behind its name. An option may have fewer values than it
+// can take: its last word, and words that are no numbers, are then the name of the image.
+ImageOption takeValues(const Statements& statements, std::string_view name, int mostValues, std::string_view& unread) {
+  ImageOption option{std::string(name), {}};
+  for (int i = 0; i < mostValues; ++i) {
+    std::string_view textBehind = unread;
+    const std::string_view word = takeWord(textBehind);
+    if (mostValues > 1 && (!isNumber(word) || trimmed(textBehind).empty())) break;
+    if (isNumber(word)) option.numbers.push_back(statements.number(word));
+    option.text += isNumber(word) ? fmt::format(" {:g}", option.numbers.back()) : fmt::format(" {}", word);
+    unread = trimmed(textBehind);
+  }
+  return option;
+}
+
+// Reads options and the name of an image. The options -s and -o change its placement; others are counted unless they
+// are as by default.
+void readImage(const Statements& statements, ImportedMap& map, LeftOut& leftOut) {
+  std::string_view unread = statements.rest();
+  while (unread.starts_with('-')) {
+    std::string_view textBehind = unread;
+    const std::string_view name = takeWord(textBehind);
+    const auto row = std::ranges::find_if(
+        kImageOptions, [&](const ImageOptions& options) { return containsWord(options.names, name); });
+    if (row == kImageOptions.end()) break;
+    unread = trimmed(textBehind);
+    const ImageOption option = takeValues(statements, name, row->mostValues, unread);
+    const auto numberOr = [&](std::size_t index, float fallback) {
+      return index < option.numbers.size() ? static_cast<float>(option.numbers[index]) : fallback;
+    };
+    if (name == "-s") {
+      map.placement.scale = {numberOr(0, 1), numberOr(1, 1)};
+    } else if (name == "-o") {
+      map.placement.offset = {numberOr(0, 0), numberOr(1, 0)};
+    } else if (std::ranges::find(kDefaults, option.text) == kDefaults.end()) {
+      leftOut.add(fmt::format("options of images ({})", name));
+    }
+  }
+  if (unread.empty()) statements.fail("names no image");
+  map.name = std::string(unread);
+}
+
+// Reads a statement of a material.
+void readKey(Statements& statements, ImportedMaterial& material, LeftOut& leftOut) {
+  const std::string_view key = statements.keyword();
+  if (key == "Kd") {
+    readColor(statements, material);
+  } else if (key == "d") {
+    material.opacity = fraction(lastNumber(statements), 1.0f);
+  } else if (key == "Tr") {
+    material.opacity = 1 - fraction(lastNumber(statements), 0.0f);
+  } else if (key == "Pr") {
+    material.roughness = fraction(lastNumber(statements), 1.0f);
+  } else if (key == "Pm") {
+    material.metallic = fraction(lastNumber(statements), 0.0f);
+  } else if (key == "map_Kd" || key == "map_kd") {
+    readImage(statements, material.base, leftOut);
+  } else if (key == "map_d" || key == "map_opacity") {
+    readImage(statements, material.opacityMap, leftOut);
+  } else {
+    leftOut.add(fmt::format("{} of materials", key.substr(0, 40)));
+  }
+}
 
 }  // namespace
 
@@ -176,7 +141,19 @@ void Materials::check(bool isComplete) {
 
 void readLibrary(const std::filesystem::path& file, Materials& materials) {
   const std::string text = readFile(file);
-  Library(text, file, materials).read();
+  Statements statements(text, file);
+  ObjMaterial* material = nullptr;  // that the statements define
+  bool isRepeated = false;          // true: the material was defined before, so that this definition is skipped
+  while (statements.next()) {
+    if (statements.keyword() == "newmtl") {
+      material = &materials.list[materials.indexOf(std::string(statements.rest()))];
+      isRepeated = std::exchange(material->defined, true);
+      if (isRepeated) materials.leftOut.add("further definitions of materials (the first of a name counts)");
+    } else if (!objFormat().has(FormatElements::Use::Unused, statements.keyword())) {
+      if (material == nullptr) statements.fail("stands before the first newmtl");
+      if (!isRepeated) readKey(statements, *material, materials.leftOut);
+    }
+  }
 }
 
 Statements::Statements(std::string_view text, const std::filesystem::path& file)
