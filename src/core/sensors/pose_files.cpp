@@ -35,6 +35,17 @@ std::array<double, N> numbersOf(std::string_view text, const Location& where, co
   return numbers;
 }
 
+// Returns the rotation scaled to length 1. Throws InputError if the length of `q` is not about 1.
+Quat checkedRotation(const Quat& q, const Location& where) {
+  const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  if (!(std::fabs(norm - 1) < kMostRotationError)) {
+    throw InputError(where, fmt::format("the quaternion has the length {:.3g}, not 1: is the order of its numbers "
+                                        "right?",
+                                        norm));
+  }
+  return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
+}
+
 // Returns the transform whose matrix has the 12 numbers of a text as its first three rows. Throws InputError if the
 // transform is not rigid.
 Affine readRigidTransform(std::string_view text, const Location& where) {
@@ -174,16 +185,6 @@ const FormatSupport& poseFormat() {
       "nuscenes: ego_pose.json, beside scene.json, sample.json and sample_data.json",
       "other columns"};
   return format;
-}
-
-Quat checkedRotation(const Quat& q, const Location& where) {
-  const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  if (!(std::fabs(norm - 1) < kMostRotationError)) {
-    throw InputError(where, fmt::format("the quaternion has the length {:.3g}, not 1: is the order of its numbers "
-                                        "right?",
-                                        norm));
-  }
-  return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
 
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file) {

@@ -56,10 +56,6 @@ RecordedPoses readRecordedPoses(const Value& value);
 struct FormatSupport;
 const FormatSupport& poseFormat();
 
-// Returns the rotation scaled to length 1. Throws InputError if the length of `q` differs from 1 by a hundredth or
-// more.
-Quat checkedRotation(const Quat& q, const Location& where);
-
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
 std::vector<double> readTimes(const std::filesystem::path& file);  // returns the times (s), one per line of the file
 // Returns cameraFromScanner, the row `Tr` of a calib.txt of KITTI's odometry.

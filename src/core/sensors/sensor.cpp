@@ -193,6 +193,16 @@ const std::initializer_list<std::string_view> kSensorKeys = {
     "origin_offset_m", "origin_height_m", "origin_left_m", "origin_up_m", "exit_width_mm",  "turns_while_firing",
     "divergence_mrad", "beam_shape",      "pulse_ns",      "effects"};
 
+// Refuses other keys, and the keys of cones, beside `key`.
+void refuseBeside(Fields& fields, const char* key, std::initializer_list<std::string_view> otherKeys) {
+  const std::string why = fmt::format("has no effect beside `{}`: leave it out", key);
+  fields.refuse(otherKeys, why);
+  fields.refuse({"elevation_deg", "azimuth_offset_deg", "turns_while_firing", "field_deg", "sweep_ms",
+                 "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
+                 "origin_up_m", "pattern", "calibration"},
+                why);
+}
+
 // Sets the members that describe cones (a full circle, zeros for each ring) for patterns whose rings are not on cones.
 void clearCones(BeamTable& table) {
   table.field = 2 * kPi;
@@ -204,10 +214,7 @@ void clearCones(BeamTable& table) {
 // Each of the next four functions reads one kind of beams into a table that has its rings, columns and period. They
 // throw InputError for keys of the other kinds. readListed() reads a file with one line per beam, which `beams` names.
 void readListed(Fields& fields, BeamTable& table) {
-  fields.refuse({"columns", "elevation_deg", "azimuth_offset_deg", "firing_time_us", "turns_while_firing", "field_deg",
-                 "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
-                 "origin_up_m", "pattern", "rosette", "raster", "sweep_ms", "calibration"},
-                "has no effect beside `beams`: leave it out");
+  refuseBeside(fields, "beams", {"columns", "firing_time_us", "rosette", "raster"});
   clearCones(table);
   const Value& where = fields.require("beams");
   const std::filesystem::path file = fields.path("beams");
@@ -227,23 +234,15 @@ void readListed(Fields& fields, BeamTable& table) {
   table.pattern = std::move(listed);
 }
 
-// Refuses the keys of cones beside `rosette` or `raster`.
-void refuseKeysOfCones(Fields& fields, const char* key, const char* otherKey) {
-  fields.refuse({"elevation_deg", "azimuth_offset_deg", "turns_while_firing", "field_deg", "sweep_ms",
-                 "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
-                 "origin_up_m", "pattern", "calibration", otherKey},
-                fmt::format("has no effect beside `{}`: leave it out", key));
-}
-
 void readRosetteBeams(Fields& fields, BeamTable& table) {
-  refuseKeysOfCones(fields, "rosette", "raster");
+  refuseBeside(fields, "rosette", {"raster"});
   clearCones(table);
   table.pattern = readRosette(fields.require("rosette"));
   table.firingOffset = scaledBy(1e-6, readFiringTimes(fields.find("firing_time_us"), table));
 }
 
 void readRasterBeams(Fields& fields, BeamTable& table) {
-  refuseKeysOfCones(fields, "raster", "firing_time_us");
+  refuseBeside(fields, "raster", {"firing_time_us"});
   clearCones(table);
   const RasterScan raster = readRasterScan(fields.require("raster"));
   if (table.columns % raster.lines != 0 || table.columns == raster.lines) {
