@@ -7,7 +7,6 @@
 #include <charconv>
 #include <system_error>
 
-#include "base/error.h"
 #include "base/file.h"
 #include "base/terminal.h"
 #include "config/text.h"

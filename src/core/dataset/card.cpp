@@ -6,14 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <ranges>
-#include <set>
 #include <utility>
 
 #include "base/short_text.h"
 #include "dataset/json_text.h"
-#include "dataset/names.h"
 #include "dataset/objects.h"
 #include "dataset/voxels.h"
 #include "formats/reasons_png.h"

@@ -10,7 +10,6 @@
 #include <exception>
 #include <set>
 #include <thread>
-#include <vector>
 
 #include "base/error.h"
 #include "base/file.h"

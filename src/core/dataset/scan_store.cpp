@@ -15,7 +15,6 @@
 #include "config/text.h"
 #include "dataset/folder_contents.h"
 #include "dataset/names.h"
-#include "dataset/reader.h"
 #include "dataset/recording.h"
 #include "dataset/voxels.h"
 #include "formats/cloud_file.h"

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <exception>
 #include <set>
-#include <string>
-#include <string_view>
 #include <utility>
 
 #include "base/error.h"

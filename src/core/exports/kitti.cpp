@@ -24,7 +24,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/error.h"
 #include "exports/layout.h"
 #include "images/images.h"
 

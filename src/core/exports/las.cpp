@@ -28,7 +28,6 @@
 #include <string_view>
 #include <type_traits>
 
-#include "base/error.h"
 #include "base/vec.h"
 #include "config/version.h"
 #include "dataset/world_positions.h"

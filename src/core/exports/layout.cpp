@@ -1,14 +1,11 @@
 #include "exports/layout.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
 
-#include "base/error.h"
 #include "base/file.h"
 #include "base/own_folder.h"
 #include "config/fields.h"

@@ -25,7 +25,6 @@
 #include <map>
 #include <set>
 
-#include "base/error.h"
 #include "dataset/json_text.h"
 #include "exports/instance_numbers.h"
 #include "exports/layout.h"

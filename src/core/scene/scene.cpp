@@ -1,7 +1,6 @@
 #include "scene/scene.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 

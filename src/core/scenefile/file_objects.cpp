@@ -5,21 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <optional>
-#include <utility>
 
 #include "assets/asset_kinds.h"
 #include "assets/meshes/gltf/reader.h"
 #include "assets/surveys/surveys.h"
 #include "base/error.h"
 #include "base/file.h"
-#include "config/fields.h"
 #include "formats/cloud_file.h"
 #include "rasters/raster.h"
 #include "scene/ontology.h"
 #include "scenefile/concepts.h"
-#include "scenefile/rules.h"
 
 namespace scanmill {
 namespace {

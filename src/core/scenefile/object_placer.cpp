@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <set>
-#include <string_view>
 
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/short_text.h"
-#include "config/fields.h"
-#include "scene/road_path.h"
 
 namespace scanmill {
 namespace {

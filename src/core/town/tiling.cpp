@@ -1,6 +1,5 @@
 #include "town/tiling.h"
 
-#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 

@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <type_traits>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "methods/depth_camera/views.h"
 

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/short_text.h"
-#include "config/fields.h"
 
 namespace scanmill {
 

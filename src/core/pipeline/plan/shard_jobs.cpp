@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <set>
-#include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -19,7 +17,6 @@
 #include "base/random.h"
 #include "config/resources.h"
 #include "config/version.h"
-#include "dataset/manifest.h"
 #include "dataset/names.h"
 #include "dataset/recording.h"
 #include "dataset/shard_writer.h"

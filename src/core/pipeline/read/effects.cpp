@@ -4,14 +4,11 @@
 
 #include <algorithm>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "base/error.h"
 #include "base/random.h"
 #include "config/distribution.h"
-#include "config/fields.h"
 #include "config/resources.h"
 #include "scenefile/scene_file.h"
 

@@ -9,7 +9,6 @@
 #include "base/file.h"
 #include "base/input_budget.h"
 #include "base/random.h"
-#include "config/fields.h"
 #include "config/resources.h"
 #include "dataset/split.h"
 #include "pipeline/read/drawn_sensors.h"

@@ -2,8 +2,6 @@
 
 #include <optional>
 
-#include "pipeline/scenes/shot_source.h"
-
 namespace scanmill {
 
 ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,

@@ -1,7 +1,6 @@
 #include "pipeline/run/sample_maker.h"
 
 #include <algorithm>
-#include <optional>
 #include <string_view>
 
 #include "base/hash.h"

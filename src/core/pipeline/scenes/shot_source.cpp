@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
-#include <utility>
 
 #include "base/parallel.h"
 #include "base/path.h"

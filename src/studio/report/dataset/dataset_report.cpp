@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "base/error.h"
@@ -11,7 +10,6 @@
 #include "dataset/verify.h"
 #include "formats/reasons_png.h"
 #include "pipeline/run/progress.h"
-#include "report/dataset/scan_reading.h"
 #include "report/dataset/scan_view.h"
 #include "study/figure_text.h"
 #include "viewer/picture.h"

@@ -6,9 +6,7 @@
 #include <limits>
 
 #include "base/append_new.h"
-#include "charts/chart.h"
 #include "report/page/page.h"
-#include "study/repeatability/repeatability.h"
 
 namespace scanmill {
 

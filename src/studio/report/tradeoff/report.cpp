@@ -12,7 +12,6 @@
 #include "pipeline/read/pipeline.h"
 #include "report/page/page.h"
 #include "study/figure_text.h"
-#include "study/tradeoff/study.h"
 
 namespace scanmill {
 

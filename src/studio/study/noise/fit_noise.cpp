@@ -7,14 +7,12 @@
 #include <cmath>
 #include <functional>
 #include <sstream>
-#include <vector>
 
 #include "base/error.h"
 #include "base/random.h"
 #include "config/fields.h"
 #include "config/resources.h"
 #include "config/value.h"
-#include "evaluate/spread.h"
 #include "study/linear_fit.h"
 
 namespace scanmill {

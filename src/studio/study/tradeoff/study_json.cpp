@@ -1,6 +1,5 @@
 // Writes tradeoff.json. The function describe() of each struct names its keys.
 
-#include <cmath>
 #include <concepts>
 #include <nlohmann/json.hpp>
 #include <type_traits>

@@ -6,7 +6,6 @@
 #include "base/file.h"
 #include "config/resources.h"
 #include "config/value.h"
-#include "dataset/names.h"
 #include "formats/cloud_file.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "scene/scene.h"

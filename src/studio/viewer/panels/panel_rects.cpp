@@ -1,7 +1,5 @@
 #include "viewer/panels/panel_rects.h"
 
-#include <utility>
-
 namespace scanmill {
 
 namespace {
