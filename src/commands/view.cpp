@@ -299,7 +299,7 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
                        : openOffscreen(size.width, size.height);
   ViewSession session(source, *canvas, view, std::move(loader));
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
-  session.settle();
+  session.drawWhenLoaded();
   session.check();
   for (const std::string& problem : session.problems()) warn(problem);
   for (const std::string& text : session.hints()) warn(text);
@@ -313,7 +313,7 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
     }
   }
   if (outputs.screenshot.empty()) return;
-  session.settle();
+  session.drawWhenLoaded();
   writePicture(outputs.screenshot, session.picture(), source->title());
 }
 

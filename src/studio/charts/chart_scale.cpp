@@ -39,8 +39,9 @@ ChartScale::ChartScale(const ChartAxis& axis, const std::vector<double>& values,
     if (isOnScale(axis.low) && mapped(*axis.low) <= least) low_ = mapped(*axis.low);
     if (isOnScale(axis.high) && mapped(*axis.high) >= greatest) high_ = mapped(*axis.high);
   }
-  if (hasBand_) ticks_.push_back({at(0), axis.zero});
-  for (std::size_t i = 0; i < axis.names.size(); ++i) ticks_.push_back({at(static_cast<double>(i)), axis.names[i]});
+  if (hasBand_) ticks_.push_back({positionOf(0), axis.zero});
+  for (std::size_t i = 0; i < axis.names.size(); ++i)
+    ticks_.push_back({positionOf(static_cast<double>(i)), axis.names[i]});
   if (!axis.names.empty()) return;
   labelRoom = std::max(labelRoom, 2.0);
   log_ ? addLogarithmicTicks(axis.unit, labelRoom) : addLinearTicks(axis.unit, labelRoom);
@@ -50,7 +51,7 @@ double ChartScale::mapped(double value) const {
   return log_ ? std::log10(value) : value;
 }
 
-double ChartScale::at(double value) const {
+double ChartScale::positionOf(double value) const {
   if (log_ && value <= 0) return kBand / 2;
   const double fraction = (mapped(value) - low_) / (high_ - low_);  // from `low_` to `high_`
   return hasBand_ ? kBand + (1 - kBand) * fraction : fraction;
@@ -77,7 +78,7 @@ void ChartScale::widen(bool includesZero) {
 void ChartScale::addLinearTicks(const std::string& unit, double labelRoom) {
   const double step = niceStep((high_ - low_) / labelRoom);
   for (double i = std::ceil(low_ / step - kRounding) + 0.0; i * step <= high_ + step * kRounding; ++i) {
-    ticks_.push_back({at(i * step), axisNumber(i * step, unit)});
+    ticks_.push_back({positionOf(i * step), axisNumber(i * step, unit)});
   }
 }
 
@@ -91,7 +92,7 @@ void ChartScale::addLogarithmicTicks(const std::string& unit, double labelRoom) 
       const double valueLog = decade + std::log10(digit);
       const double value = digit * std::pow(10, decade);
       if (valueLog >= low_ - kRounding && valueLog <= high_ + kRounding)
-        ticks_.push_back({at(value), axisNumber(value, unit)});
+        ticks_.push_back({positionOf(value), axisNumber(value, unit)});
     }
   }
 }

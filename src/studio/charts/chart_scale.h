@@ -21,7 +21,7 @@ class ChartScale {
   // (on a logarithmic axis 1). `labelRoom`: number of labels for which there is room.
   ChartScale(const ChartAxis& axis, const std::vector<double>& values, bool includesZero, double labelRoom);
 
-  double at(double value) const;  // returns the position of a value
+  double positionOf(double value) const;  // returns the position of a value
   bool hasBand() const { return hasBand_; }
   const std::vector<Tick>& ticks() const { return ticks_; }
 

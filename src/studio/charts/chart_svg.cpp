@@ -299,7 +299,7 @@ class SvgDrawing {
     const double distance = position * (area_.bottom - area_.top);
     return horizontal_ ? area_.top + distance : area_.bottom - distance;
   }
-  Vec2d pixel(const Vec2d& point) const { return {xAt(x_->at(point.x)), yAt(y_->at(point.y))}; }
+  Vec2d pixel(const Vec2d& point) const { return {xAt(x_->positionOf(point.x)), yAt(y_->positionOf(point.y))}; }
 
   // Exchanges x and y if bars are horizontal: returns {name, value} for a point of a bar, and the point for these.
   Vec2d swapped(const Vec2d& p) const { return horizontal_ ? Vec2d{p.y, p.x} : p; }

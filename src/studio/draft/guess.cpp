@@ -314,13 +314,13 @@ std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
 }
 
 // Gives files with a doubtful up axis the axis of most other files.
-void shareAxis(const std::vector<FrameGuess*>& all) {
+void shareAxis(const std::vector<FrameGuess*>& files) {
   std::map<char, std::size_t> axes;  // number of files with this axis, of those whose axis was guessed without doubt
-  for (const FrameGuess* f : all) {
+  for (const FrameGuess* f : files) {
     if (!f->whyUp.empty() && !f->doubtfulUp) ++axes[f->up];
   }
   if (axes.empty()) return;
-  for (FrameGuess* f : all) {
+  for (FrameGuess* f : files) {
     if (!f->doubtfulUp) continue;
     f->up = axes['y'] > axes['z'] ? 'y' : 'z';
     f->whyUp = "as other files of the folder";
@@ -437,10 +437,10 @@ FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& par
   return guess;
 }
 
-void guessUnitsTogether(const std::vector<FrameGuess*>& all) {
-  shareAxis(all);
+void guessUnitsTogether(const std::vector<FrameGuess*>& files) {
+  shareAxis(files);
   std::vector<FrameGuess*> withoutUnit;  // files that state no unit
-  for (FrameGuess* f : all) {
+  for (FrameGuess* f : files) {
     if (!f->statedUnit) {
       withoutUnit.push_back(f);
     } else if (hasUsualSize(f->object)) {

@@ -60,9 +60,10 @@ std::string folderName(const std::filesystem::path& file);
 // contains a place: a file "house.obj" of a house with trees, a car and a lawn.
 const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset);
 
-// Returns the concept in folderName(); null if there is none. A folder may have the name of the model that it contains,
-// but also of the place of which it contains all models. Null therefore also if the file's own name states a concept,
-// if the file itself states classes, or if the names of the parts state three or more kinds of objects and grounds.
+// Returns the concept in folderName(). A folder may have the name of the model that it contains, but also of the place
+// of which it contains all models. So the result is null not only if folderName() states no concept, but also if the
+// file's own name states one, if the file itself states classes, or if the names of the parts state three or more kinds
+// of objects and grounds.
 const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset);
 
 // An object by whose size a unit is guessed.
@@ -94,7 +95,7 @@ FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& par
 // same footprint, and one for the remaining files. Files that no shared unit suits get a unit of their own. A file with
 // a doubtful up axis gets the axis of most other files. A unit that a file or its format states counts; an unusual size
 // makes it doubtful.
-void guessUnitsTogether(const std::vector<FrameGuess*>& all);
+void guessUnitsTogether(const std::vector<FrameGuess*>& files);
 
 // Returns the ground in the file's name if the name contains both a ground and an object, such as "grass-trees";
 // otherwise null.

@@ -192,7 +192,7 @@ std::vector<std::string> materialsOf(const Recording& recording, const std::stri
 
 }  // namespace
 
-ExrSource findExr(const fs::path& path, const std::string& wanted) {
+ExrSource findExr(const fs::path& path, const std::string& imageName) {
   const bool isFolder = fs::is_directory(path);
   const fs::path folder = isFolder ? path : path.has_parent_path() ? path.parent_path() : fs::path(".");
   ExrSource source;
@@ -209,7 +209,7 @@ ExrSource findExr(const fs::path& path, const std::string& wanted) {
     });
     std::vector<std::string> names;
     for (const fs::path& file : files) names.push_back(file.stem().string());
-    source.file = files[findKey(names, wanted, path.string())];
+    source.file = files[findKey(names, imageName, path.string())];
   }
   if (const auto kind = recordingIn(folder)) {
     const Recording recording = readRecording(folder, *kind);
@@ -220,7 +220,7 @@ ExrSource findExr(const fs::path& path, const std::string& wanted) {
 }
 
 // Planes are enlarged without interpolation, since ids must not be interpolated.
-Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
+Image drawExr(const ExrSource& source, const std::string& planeName, int width) {
   constexpr double kReadableShare = 1.0 / 7;  // least height of a plane of hits divided by its width
   constexpr int kInOneRow = 4;                // largest number of planes in one row; more are in two rows
   constexpr double kLetter = 18;              // height of letters in pixels
@@ -229,7 +229,7 @@ Image drawExr(const ExrSource& source, const std::string& wanted, int width) {
   constexpr int kGap = 8;                     // space between planes in pixels
   const ExrImage image = readExr(source.file);
   std::vector<PassPlane> planes = PlaneMaker(image, source).make();
-  if (!wanted.empty()) keepPlane(planes, wanted, source.file);
+  if (!planeName.empty()) keepPlane(planes, planeName, source.file);
   const auto count = static_cast<int>(planes.size());
   const int columns = image.ofSensor ? 1 : count <= kInOneRow ? count : (count + 1) / 2;
   const int rows = (count + columns - 1) / columns;

@@ -30,7 +30,7 @@ Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height
   ViewSession session(
       std::make_shared<OneFrame>(std::move(frame)), *canvas,
       {.pointSize = std::max(2.0, std::round(height / 240.0)), .depthEdges = depthEdges, .axes = false, .still = true});
-  session.settle();
+  session.drawWhenLoaded();
   return session.picture();
 }
 

@@ -22,12 +22,12 @@ struct Projected {
   double scale = 0;  // scale at this depth (pixels per metre)
 };
 
-// The part of a scan to show: a ball with centre `at` and radius `within` (m, sensor frame).
+// The part of a scan to show: a ball (m, sensor frame).
 struct CloseUp {
-  Vec3d at;
-  double within = 1;
+  Vec3d center;
+  double radius = 1;
 
-  bool contains(const Vec3d& point) const { return length(point - at) <= within; }
+  bool contains(const Vec3d& point) const { return length(point - center) <= radius; }
 };
 
 // A pinhole or orthographic camera. Points are in the sensor frame or the canvas frame (m): x forward, y left, z up.

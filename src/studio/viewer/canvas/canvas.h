@@ -47,7 +47,7 @@ struct CanvasView {
   bool depthEdges = true;  // darkens points behind nearer surfaces (eye-dome lighting)
 };
 
-// What the elements of an item are. The value is the number of corners per element.
+// Kinds of elements of an item. The value is the number of corners per element.
 enum class ItemKind : std::uint32_t { Points = 1, Segments = 2, Triangles = 3 };
 
 struct ItemLook {

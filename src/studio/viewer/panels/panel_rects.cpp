@@ -18,9 +18,11 @@ struct Interval {
 };
 
 // Divides an interval into equal cells with gaps of `gap` pixels, and returns the cell with this index.
-Interval cellOf(const Interval& whole, int cells, int index, int gap) {
-  const auto edge = [&](int i) { return static_cast<int>(static_cast<std::int64_t>(whole.length + gap) * i / cells); };
-  return {whole.begin + edge(index), std::max(edge(index + 1) - edge(index) - gap, 1)};
+Interval cellOf(const Interval& interval, int cells, int index, int gap) {
+  const auto edge = [&](int i) {
+    return static_cast<int>(static_cast<std::int64_t>(interval.length + gap) * i / cells);
+  };
+  return {interval.begin + edge(index), std::max(edge(index + 1) - edge(index) - gap, 1)};
 }
 
 // Removes the lowest `height` pixels of a rectangle and returns them.

@@ -263,7 +263,7 @@ LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden
     const ImVec4 color = ImGui::GetStyleColorVec4(ImGuiCol_Text);
     const auto byte = [](float channel) { return static_cast<std::uint8_t>(std::lround(channel * 255)); };
     const LegendRow row{"all", countText(points), {byte(color.x), byte(color.y), byte(color.z)}, look};
-    click.all = drawLegendRow(-1, row, true, width);
+    click.allEntries = drawLegendRow(-1, row, true, width);
   }
   // A picture shows only the entries that have points, and only as many as fit into the panel.
   std::size_t undrawn = entries, lines = entries;

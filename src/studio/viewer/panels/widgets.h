@@ -38,7 +38,7 @@ void drawMessage(const PixelRect& view, const std::string& text);
 // The user's click in a legend.
 struct LegendClick {
   std::optional<std::size_t> entry;  // index of the clicked entry
-  bool all = false;                  // true: the row for all entries was clicked
+  bool allEntries = false;           // true: the row for all entries was clicked
 };
 // Draws the entries of a legend, and returns what was clicked. `hidden`: true for hidden entries; empty: all are shown.
 // `clickable`: the user can hide and show entries.

@@ -171,8 +171,8 @@ std::string PanelContents::summary() const {
   if (filter.instances.size() == 1) text += fmt::format(", only instance {}", *filter.instances.begin());
   if (filter.instances.size() > 1) text += fmt::format(", only {} instances", filter.instances.size());
   if (const auto& closeUp = filter.closeUp) {
-    text += fmt::format(", {:.4g} m about {:.4g},{:.4g},{:.4g}", closeUp->within, closeUp->at.x, closeUp->at.y,
-                        closeUp->at.z);
+    text += fmt::format(", {:.4g} m about {:.4g},{:.4g},{:.4g}", closeUp->radius, closeUp->center.x, closeUp->center.y,
+                        closeUp->center.z);
   }
   if (pointer_.measuring) {
     text += fmt::format(", distance: click the {} end", pointer_.ends.empty() ? "first" : "second");

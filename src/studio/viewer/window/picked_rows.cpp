@@ -156,18 +156,18 @@ void addInstance(PickedElement& picked, const InstanceSummary& summary, const On
   picked.rows.insert(next, rows.begin(), rows.end());
 }
 
-void addSameBeam(PickedElement& picked, const Scan& pickedScan, const ViewScan& other, const Ontology* ontology) {
-  const Scan& scan = other.scan;
+void addSameBeam(PickedElement& picked, const Scan& pickedScan, const ViewScan& otherScan, const Ontology* ontology) {
+  const Scan& scan = otherScan.scan;
   const std::optional<PointKey> key = keyIn(pickedScan, picked.point);
   if (!key || !knowsBeams(scan) || pickedScan.rings != scan.rings || pickedScan.columns != scan.columns) return;
   const auto point = pointWithKey(scan, *key);
   if (!point || !isFinite(scan.position[*point])) {
-    picked.rows.emplace_back(other.name, "no return");
+    picked.rows.emplace_back(otherScan.name, "no return");
     return;
   }
   std::string text = fmt::format("{:.2f} m", length(Vec3d(scan.position[*point])));
   if (!scan[kLabel].empty()) text += ", " + className(ontology, scan[kLabel][*point]);
-  picked.rows.emplace_back(other.name, text);
+  picked.rows.emplace_back(otherScan.name, text);
 }
 
 std::string fullName(const ViewScan& scan, const std::string& dataset) {

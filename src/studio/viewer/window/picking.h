@@ -62,9 +62,9 @@ void addBrief(PickedElement& picked, const ViewScan& viewed, const ColorBy& show
 // Adds the instance's number of points in the scan, its size, and its classes if it has several.
 void addInstance(PickedElement& picked, const InstanceSummary& summary, const Ontology* ontology);
 
-// Adds a row about the point in `other` with the same beam and return number, if both scans assign points to beams and
-// have the same numbers of rings and columns.
-void addSameBeam(PickedElement& picked, const Scan& pickedScan, const ViewScan& other, const Ontology* ontology);
+// Adds a row about the point in `otherScan` with the same beam and return number, if both scans assign points to beams
+// and have the same numbers of rings and columns.
+void addSameBeam(PickedElement& picked, const Scan& pickedScan, const ViewScan& otherScan, const Ontology* ontology);
 
 // Returns the scan's name together with its dataset, sensor and method, as far as these are known.
 std::string fullName(const ViewScan& scan, const std::string& dataset);

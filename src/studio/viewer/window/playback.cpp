@@ -23,7 +23,7 @@ bool Playback::stepBy(std::ptrdiff_t steps) {
 }
 
 std::shared_ptr<const ViewFrame> Playback::take(double now) {
-  if (settled()) return nullptr;
+  if (isUpToDate()) return nullptr;
   auto loaded = loader_->frame(requested_);
   if (!loaded) return nullptr;
   const bool followsCurrent = current_ && requested_ == *current_ + 1;
@@ -36,7 +36,7 @@ std::shared_ptr<const ViewFrame> Playback::take(double now) {
 }
 
 std::shared_ptr<const ViewFrame> Playback::waitAndTake(double now) {
-  if (!settled()) loader_->wait(requested_);
+  if (!isUpToDate()) loader_->wait(requested_);
   return take(now);
 }
 
@@ -50,7 +50,7 @@ void Playback::togglePlaying(double now) {
 bool Playback::tick(double now) {
   bool changed = false;
   const double shownSeconds = std::clamp(recordedSeconds_, 0.1, 0.2);  // how long each frame is shown while playing (s)
-  if (playing_ && settled() && now - shownAt_ >= shownSeconds) {
+  if (playing_ && isUpToDate() && now - shownAt_ >= shownSeconds) {
     playing_ = requested_ + 1 < count();
     if (playing_) goTo(requested_ + 1, 1);
     changed = true;

@@ -37,7 +37,7 @@ class Playback {
   std::size_t count() const { return source_->keys().size(); }
   std::size_t requested() const { return requested_; }
   std::optional<std::size_t> current() const { return current_; }  // absent: no frame has been loaded
-  bool settled() const { return current_ == requested_; }
+  bool isUpToDate() const { return current_ == requested_; }
   bool playing() const { return playing_; }
   // Returns the name of the frame or scene that is being loaded; empty if nothing is being loaded.
   const std::string& busy() const { return busy_; }

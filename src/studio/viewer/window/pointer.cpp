@@ -268,7 +268,7 @@ const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t
 // Outlines the instance under the pointer: draws its points again in white, larger and slightly farther away.
 void Pointer::highlightInstance() {
   constexpr double kRest = 0.15;  // time without a move after which the pointer is at rest (s)
-  const PickedElement* const picked = shown();
+  const PickedElement* const picked = hoveredOrPinned();
   std::optional<InstanceRef> pickedInstance;
   auto cloud = clouds_.list.end();  // a cloud with the instance
   if (picked != nullptr && picked->isPoint()) {
@@ -282,7 +282,7 @@ void Pointer::highlightInstance() {
   }
   // If drawing takes long, do not draw again for every point that the moving pointer passes.
   const bool isMoving = context_.redraw.now() - lastMove_ < kRest;
-  if (!context_.changes.items && context_.redraw.slow() && isMoving) return;
+  if (!context_.changes.items && context_.redraw.isSlow() && isMoving) return;
   highlighted_ = pickedInstance;
   context_.changes.highlight = true;
   if (!highlighted_) return context_.canvas.drop(kHighlightItem);
@@ -324,7 +324,7 @@ void Pointer::placeOutline(const ShownCloud& cloud) {
 
 void Pointer::placeBeam() {
   constexpr Rgb kBeamColor{255, 220, 80};
-  const PickedElement* const picked = shown();
+  const PickedElement* const picked = hoveredOrPinned();
   std::optional<ScanPoint> point;
   if (picked != nullptr && picked->isPoint()) point = ScanPoint{picked->scan, picked->point};
   if (point == beamPoint_ && !context_.changes.items) return;  // the beam is the same; searching for returns is slow

@@ -45,7 +45,7 @@ struct Pointer {
   void lookAt(const Vec3d& position);
   void placeMeasure();
   // Returns what is under the pointer, otherwise what was clicked; null if there is neither.
-  const PickedElement* shown() const { return hover ? &*hover : pinned ? &*pinned : nullptr; }
+  const PickedElement* hoveredOrPinned() const { return hover ? &*hover : pinned ? &*pinned : nullptr; }
 
   // The point or triangle at a pixel:
   std::optional<PickedElement> pick(int px, int py) const;

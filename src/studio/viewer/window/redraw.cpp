@@ -70,7 +70,7 @@ bool RedrawScheduler::allPointsDue() const {
   return partial_ && now() - lastChange_ > pause;
 }
 
-bool RedrawScheduler::slow() const {
+bool RedrawScheduler::isSlow() const {
   constexpr double kQuick = 0.05;  // longest time for drawing all points that does not count as slow (s)
   return allPointsSeconds_ > kQuick;
 }

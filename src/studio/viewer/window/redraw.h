@@ -38,7 +38,7 @@ class RedrawScheduler {
   // True if the last picture lacks points, and nothing has changed for so long that all of them should be drawn.
   bool allPointsDue() const;
   // True if a picture of all points takes so long that highlighting waits until the pointer rests.
-  bool slow() const;
+  bool isSlow() const;
   bool drawnOnce() const { return lastPicture_ > 0; }
 
   Changes changes;

@@ -42,15 +42,15 @@ void SceneView::takeFrame(std::size_t index) {
   computeCanvasFrame();
 }
 
-// Computes canvasFromWorld from `mesh` (a scene without scans), `worldFromAnchor`, `world` and `trajectory`: the origin
-// of the canvas is the mesh's, the start of the trajectory, or the sensor.
+// Computes canvasFromWorld from `mesh` (a scene without scans), `worldFromAnchor`, `staysInWorld` and `trajectory`: the
+// origin of the canvas is the mesh's, the start of the trajectory, or the sensor.
 void SceneView::computeCanvasFrame() {
   summarized_.reset();  // the cached boxes of instances are in the old canvas frame
   if (context_.source->isScene()) {
     canvasFromWorld = mesh ? Affine{{}, -mesh->origin} : Affine{};
   } else if (!worldFromAnchor) {
     canvasFromWorld = {};
-  } else if (world) {
+  } else if (staysInWorld) {
     canvasFromWorld = {{}, -(trajectory.empty() ? worldFromAnchor->translation : trajectory.front().translation)};
   } else {
     // The z axis of the canvas frame is vertical, even if the sensor is tilted.
@@ -123,7 +123,7 @@ void SceneView::setLines(ItemId item, const LineSet& lines, double width) {
 std::optional<Affine> SceneView::toggleWorld() {
   if (!worldFromAnchor) return {};
   const Affine before = canvasFromWorld;
-  world = !world;
+  staysInWorld = !staysInWorld;
   computeCanvasFrame();
   const Affine newFromOld = canvasFromWorld * inverse(before);
   OrbitCamera moved = camera;
@@ -145,7 +145,7 @@ double SceneView::farthest(const Vec3d& eye) const {
   if (context_.options.trajectory && worldFromAnchor) {
     for (const Pose& pose : trajectory) include(canvasFromWorld * pose.translation, 1);
   }
-  if (mesh && meshOn() && !mesh->bounds.empty()) {
+  if (mesh && isMeshOn() && !mesh->bounds.empty()) {
     const Box& box = mesh->bounds;
     include(canvasFromWorld * (mesh->origin + box.center()), length(box.high - box.low) / 2);
   }
@@ -170,7 +170,7 @@ OrbitCamera SceneView::preset(View view) const {
     fitted.fillWith(cornersIn(*mesh, shown), shown.center(), view, context_.canvas.width(), context_.canvas.height());
     return fitted;
   }
-  if (world && worldFromAnchor) fitted.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
+  if (staysInWorld && worldFromAnchor) fitted.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
   return fitted.seeing(pointsOnCanvas(), view, context_.canvas.width(), context_.canvas.height());
 }
 
@@ -220,10 +220,10 @@ OrbitCamera SceneView::closeUpCamera(const CloseUp& closeUp) const {
     motionSum += Vec3d(scan.placed[i]) - Vec3d(scan.scan.position[i]);
     points += 1;
   }
-  moved.target = clouds_.list.front().canvasFromScan * (closeUp.at + motionSum * (points > 0 ? 1 / points : 0));
+  moved.target = clouds_.list.front().canvasFromScan * (closeUp.center + motionSum * (points > 0 ? 1 / points : 0));
   // Slope of the tangents from the eye to the ball, relative to the line of sight.
   const double slope = kFilled * std::min(width, height) / 2 / moved.camera(width, height).focal;
-  if (context_.options.camera.view) moved.distance = closeUp.within * std::hypot(1, 1 / slope);
+  if (context_.options.camera.view) moved.distance = closeUp.radius * std::hypot(1, 1 / slope);
   return moved;
 }
 

@@ -53,13 +53,13 @@ struct SceneView {
   void setCamera(const OrbitCamera& newCamera);
 
   // Functions for the scene's mesh, most of them in scene_view_mesh.cpp:
-  bool meshOn() const { return context_.options.mesh || context_.source->isScene(); }
+  bool isMeshOn() const { return context_.options.mesh || context_.source->isScene(); }
   // True if the mesh has triangles and its pose on the canvas is known.
-  bool meshSeen() const {
-    return mesh && meshOn() && mesh->size() > 0 && (context_.source->isScene() || worldFromAnchor);
+  bool isMeshVisible() const {
+    return mesh && isMeshOn() && mesh->size() > 0 && (context_.source->isScene() || worldFromAnchor);
   }
   void takeMesh(std::shared_ptr<const ViewMesh> loaded);
-  // Adds the mesh to the canvas, or removes it if meshSeen() is false.
+  // Adds the mesh to the canvas, or removes it if isMeshVisible() is false.
   void placeMesh();
   void placeMeshLook();
   // Draws the ego vehicle where it is, if the dataset has one and the axes are on.
@@ -82,7 +82,7 @@ struct SceneView {
   OrbitCamera camera;
   std::vector<Pose> trajectory;         // sensor poses (worldFromSensor) in all frames of the sequence
   std::optional<Pose> worldFromAnchor;  // sensor pose of the frame's first scan whose pose is known
-  bool world = false;                   // true: the camera stays in the world; false: it follows the sensor
+  bool staysInWorld = false;            // true: the camera stays in the world; false: it follows the sensor
   Affine canvasFromWorld;
   Vec3d ground;                          // point of the ground below the first scan's sensor (canvas frame)
   std::shared_ptr<const ViewMesh> mesh;  // the loaded mesh; null: none is loaded

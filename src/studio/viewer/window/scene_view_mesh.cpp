@@ -18,11 +18,11 @@ void SceneView::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
 
 void SceneView::placeMesh() {
   context_.changes.items = context_.changes.panels = true;
-  meshPlaced = meshSeen();
+  meshPlaced = isMeshVisible();
   if (!meshPlaced) {
     context_.canvas.drop(kMeshItem);
     meshShown.clear();
-    if (mesh && mesh->size() > 0 && meshOn()) context_.notify("no mesh: the pose of the scan is not known");
+    if (mesh && mesh->size() > 0 && isMeshOn()) context_.notify("no mesh: the pose of the scan is not known");
     return;
   }
   computeCanvasFrame();
@@ -171,11 +171,11 @@ bool SceneView::isBoxShown(const ObjectRecord& object) const {
   if (onlyRoadUsers && !roadUsers_.contains(object.semantic)) return false;
   if (const auto& closeUp = context_.filter.closeUp) {
     // The point of the box that is nearest to the middle of the close-up, both in the frame of the box.
-    const Vec3d middle = inverse(canvasFromBox(object)) * (clouds_.list.front().canvasFromScan * closeUp->at);
+    const Vec3d middle = inverse(canvasFromBox(object)) * (clouds_.list.front().canvasFromScan * closeUp->center);
     const Vec3d half = object.size * 0.5;
     const Vec3d nearest{std::clamp(middle.x, -half.x, half.x), std::clamp(middle.y, -half.y, half.y),
                         std::clamp(middle.z, -half.z, half.z)};
-    if (length(middle - nearest) > closeUp->within) return false;
+    if (length(middle - nearest) > closeUp->radius) return false;
   }
   return context_.filter.showsInstance(object.id) && context_.filter.classes.shows(object.semantic);
 }

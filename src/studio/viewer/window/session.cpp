@@ -22,16 +22,16 @@ void requirePoints(const ViewFrame& frame, const CloseUp& closeUp) {
   Vec3d nearest;
   for (const ViewScan& viewed : frame.scans) {
     for (const Vec3f& p : viewed.scan.position) {
-      const double distance = length(Vec3d(p) - closeUp.at);
+      const double distance = length(Vec3d(p) - closeUp.center);
       if (!(distance < leastDistance)) continue;
       leastDistance = distance;
       nearest = Vec3d(p);
     }
   }
-  if (leastDistance <= closeUp.within) return;
+  if (leastDistance <= closeUp.radius) return;
   const auto text = [](const Vec3d& v) { return fmt::format("{:.4g},{:.4g},{:.4g}", v.x, v.y, v.z); };
   throw InputError(fmt::format(
-      "no point is within {:.4g} m of {}: {}", closeUp.within, text(closeUp.at),
+      "no point is within {:.4g} m of {}: {}", closeUp.radius, text(closeUp.center),
       leastDistance == kNone ? std::string("there is none at all")
                              : fmt::format("the nearest is {:.4g} m from there, at {}; take another --at or a larger "
                                            "--within",
@@ -51,7 +51,7 @@ ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canv
       panels_(context_, playback_, clouds_, sceneView_, pointer_) {
   if (context_.source->isScene() && !options.colors.empty()) {
     const ColorBy& by = options.colors.front();
-    if (const std::string why = sceneLacks(by); !why.empty()) {
+    if (const std::string why = whyNotInScene(by); !why.empty()) {
       throw InputError(fmt::format("{}: {}", context_.source->title(), why));
     }
     chooseColor(by);
@@ -59,9 +59,9 @@ ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canv
   takeWhatIsLoaded();
 }
 
-void ViewSession::settle() {
+void ViewSession::drawWhenLoaded() {
   if (auto loaded = playback_.waitAndTake(context_.redraw.now())) showFrame(std::move(loaded));
-  if (sceneView_.meshOn() && sceneView_.meshWanted) {
+  if (sceneView_.isMeshOn() && sceneView_.meshWanted) {
     auto loaded = playback_.loader().waitMesh(*sceneView_.meshWanted);
     if (loaded != sceneView_.mesh) sceneView_.takeMesh(std::move(loaded));
   }
@@ -131,7 +131,7 @@ void ViewSession::hintAtNames() {
 
 void ViewSession::takeWhatIsLoaded() {
   if (auto loaded = playback_.take(context_.redraw.now())) showFrame(std::move(loaded));
-  if (sceneView_.meshOn() && sceneView_.meshWanted) {
+  if (sceneView_.isMeshOn() && sceneView_.meshWanted) {
     auto loaded = playback_.loader().mesh(*sceneView_.meshWanted);
     if (loaded && loaded != sceneView_.mesh) sceneView_.takeMesh(std::move(loaded));
   }
@@ -144,8 +144,8 @@ void ViewSession::showFrame(std::shared_ptr<const ViewFrame> loaded) {
   sceneView_.takeFrame(*playback_.current());
   arrange();
   sceneView_.lookAtFirstPoints();
-  if (sceneView_.meshOn()) wantMesh();
-  if (sceneView_.meshPlaced != sceneView_.meshSeen()) sceneView_.placeMesh();
+  if (sceneView_.isMeshOn()) wantMesh();
+  if (sceneView_.meshPlaced != sceneView_.isMeshVisible()) sceneView_.placeMesh();
 }
 
 // Updates everything that depends on the frame and the layout.

@@ -18,11 +18,11 @@ class ViewSession {
   // Handles an event. Returns false if the session is to be closed.
   bool handle(const CanvasEvent& event);
   // Waits until everything is loaded, and draws the picture with all points.
-  void settle();
-  // Must be called after settle(). Throws InputError if the scans lack a column that the options name, or if no point
-  // is in the close-up; throws Error if nothing of the frame could be loaded.
+  void drawWhenLoaded();
+  // Must be called after drawWhenLoaded(). Throws InputError if the scans lack a column that the options name, or if no
+  // point is in the close-up; throws Error if nothing of the frame could be loaded.
   void check() const;
-  // Returns the picture that settle() has drawn.
+  // Returns the picture that drawWhenLoaded() has drawn.
   Image picture() { return context_.canvas.read(); }
 
   const OrbitCamera& camera() const { return sceneView_.camera; }
@@ -41,7 +41,7 @@ class ViewSession {
   void handleButtonOrWheel(const CanvasEvent& event);
   void tick();
   void key(const CanvasEvent& event);
-  void act(const KeyMeaning& meaning);
+  void execute(const KeyMeaning& meaning);
   void escape();
   void resizePoints(int pixels);
   void toggleProjection();
@@ -58,8 +58,8 @@ class ViewSession {
   void toggleInstanceAlone();
   void savePicture();
   // Return why a key or quantity cannot be used for a scene; empty: it can.
-  std::string sceneLacks(const KeyMeaning& meaning) const;
-  std::string sceneLacks(const ColorBy& by) const;
+  std::string whyNotInScene(const KeyMeaning& meaning) const;
+  std::string whyNotInScene(const ColorBy& by) const;
 
   // Functions in session.cpp, which request, load and show frames and scenes, and draw the picture:
   void goTo(std::size_t frame, int step);

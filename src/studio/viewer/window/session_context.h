@@ -78,7 +78,7 @@ struct SessionContext {
   ShownFilter filter;
   std::vector<ViewNotice> notices;
   std::vector<std::string> hints;
-  std::optional<KeyMeaning> acting;  // the key whose action is being executed
+  std::optional<KeyMeaning> executing;  // the key whose action is being executed
 };
 
 struct InstanceSummary {

@@ -84,7 +84,7 @@ void ViewSession::tick() {
   const double now = context_.redraw.now();
   takeWhatIsLoaded();
   // Reading ahead must not delay the first picture.
-  if (playback_.settled() && context_.redraw.drawnOnce()) playback_.readAhead();
+  if (playback_.isUpToDate() && context_.redraw.drawnOnce()) playback_.readAhead();
   if (playback_.tick(now)) {
     context_.changes.panels = true;
     takeWhatIsLoaded();
@@ -96,15 +96,15 @@ void ViewSession::tick() {
 void ViewSession::key(const CanvasEvent& event) {
   const auto meaning = keyMeaning(event.key);
   if (!meaning) return;
-  context_.acting = meaning;
-  act(*meaning);
-  context_.acting.reset();
+  context_.executing = meaning;
+  execute(*meaning);
+  context_.executing.reset();
 }
 
 // Executes a command, or tells the user why it does nothing for a scene without scans.
-void ViewSession::act(const KeyMeaning& meaning) {
+void ViewSession::execute(const KeyMeaning& meaning) {
   if (context_.source->isScene()) {
-    if (const std::string why = sceneLacks(meaning); !why.empty()) return context_.notify(why);
+    if (const std::string why = whyNotInScene(meaning); !why.empty()) return context_.notify(why);
   }
   switch (meaning.action) {
     case KeyAction::StepColor:
@@ -296,7 +296,7 @@ void ViewSession::toggleWorld() {
   const auto newFromOld = sceneView_.toggleWorld();
   if (!newFromOld) return context_.notify("the poses of the scans are not known");
   pointer_.moveBy(*newFromOld);
-  context_.notify(sceneView_.world ? "standing in the world" : "following the sensor");
+  context_.notify(sceneView_.staysInWorld ? "standing in the world" : "following the sensor");
 }
 
 // Shows only the instance under the pointer, or all instances again.
@@ -308,7 +308,7 @@ void ViewSession::toggleInstanceAlone() {
   }
   refresh();  // the last moves of the pointer may not have been processed yet
   updateHover();
-  const PickedElement* const picked = pointer_.shown();
+  const PickedElement* const picked = pointer_.hoveredOrPinned();
   if (picked == nullptr) return context_.notify("nothing lies there: point at an instance");
   const auto id = pointer_.instanceOf(*picked);
   if (!id) return context_.notify("what lies there is of no instance");
@@ -329,15 +329,15 @@ void ViewSession::savePicture() {
   }
 }
 
-std::string ViewSession::sceneLacks(const ColorBy& by) const {
+std::string ViewSession::whyNotInScene(const ColorBy& by) const {
   if (std::ranges::find(kMeshColorNames, by.name()) != kMeshColorNames.end()) return {};
   return fmt::format("a scene has no {}: it is coloured by {}", by.name(), fmt::join(kMeshColorNames, ", "));
 }
 
-std::string ViewSession::sceneLacks(const KeyMeaning& meaning) const {
-  if (meaning.action == KeyAction::ColorByNumber) return sceneLacks(numberedColor(meaning));
+std::string ViewSession::whyNotInScene(const KeyMeaning& meaning) const {
+  if (meaning.action == KeyAction::ColorByNumber) return whyNotInScene(numberedColor(meaning));
   const auto command = std::ranges::find(viewCommands(), meaning, &ViewCommand::meaning);
-  return command == viewCommands().end() ? "" : std::string(command->lacksInScene);
+  return command == viewCommands().end() ? "" : std::string(command->whyNotInScene);
 }
 
 }  // namespace scanmill

@@ -73,7 +73,7 @@ bool ViewSession::isOn(const KeyMeaning& meaning) const {
   if (meaning.action == ToggleBoxes) return sceneView_.instanceBoxes;
   return (meaning.action == ToggleOverlay && clouds_.overlaid()) ||
          (meaning.action == ToggleSplit && context_.options.layout == ViewLayout::Split) ||
-         (meaning.action == ToggleWorld && sceneView_.world) ||
+         (meaning.action == ToggleWorld && sceneView_.staysInWorld) ||
          (meaning.action == InstanceAlone && !context_.filter.instances.empty());
 }
 
@@ -90,9 +90,9 @@ void ViewSession::drawMenus() {
       isMenuOpen = ImGui::BeginMenu(menu.data());
     }
     if (!isMenuOpen) continue;
-    const bool isUsable = !context_.source->isScene() || sceneLacks(command.meaning).empty();
+    const bool isUsable = !context_.source->isScene() || whyNotInScene(command.meaning).empty();
     const bool on = isOn(command.meaning);
-    if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), on, isUsable)) act(command.meaning);
+    if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), on, isUsable)) execute(command.meaning);
   }
   if (isMenuOpen) ImGui::EndMenu();
   const std::string text = fmt::format("{}   {}", panels_.title(), panels_.summary());
@@ -162,7 +162,7 @@ void ViewSession::drawEntriesOf(const Legend& legend) {
   for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
   const bool clickable = std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
   const LegendClick click = drawLegendRows(legend, hidden, clickable, panelUse());
-  if (click.all) act({KeyAction::ShowAllClasses});
+  if (click.allEntries) execute({KeyAction::ShowAllClasses});
   if (!click.entry || legend.entries[*click.entry].id < 0) return;
   const bool showsOnly = panels_.imgui.shift() || panels_.imgui.clicks() == 2;
   const std::int64_t id = legend.entries[*click.entry].id;
@@ -195,7 +195,7 @@ void ViewSession::drawStrip() {
   if (!clouds_.strip || panels_.rects.strip.height < 1) return;
   const PixelRect rect = panels_.stripRect();
   std::optional<std::pair<double, double>> mark;  // centre of the ring (pixels of the canvas)
-  const PickedElement* const marked = pointer_.shown();
+  const PickedElement* const marked = pointer_.hoveredOrPinned();
   if (marked != nullptr && marked->scan == clouds_.list[clouds_.stripCloud].scan) {
     const auto [column, row] = clouds_.strip->pixelPosition(marked->point);
     mark = std::pair(rect.left + (column + 0.5) * rect.width / clouds_.strip->image.width,

@@ -91,7 +91,7 @@ struct ViewCommand {
   std::vector<std::string> keys;  // typed characters, such as "c", or names of keys, such as "Left"
   // Why the command does nothing for a scene without scans, which has triangles, but no points or frames; empty: it
   // works.
-  std::string_view lacksInScene{};
+  std::string_view whyNotInScene{};
 };
 // Returns all commands, in the order of the menus.
 const std::vector<ViewCommand>& viewCommands();

@@ -73,7 +73,7 @@ TEST_F(PanelParts, RowsOfALegendShowAndTell) {
   const auto panel = [&] {
     panelAt("panel", {0, 0, 300, 300}, PanelUse::Interactive, [&] {
       const LegendClick now = drawLegendRows(classes(), hidden, true, PanelUse::Interactive);
-      if (now.all || now.entry) use = now;
+      if (now.allEntries || now.entry) use = now;
     });
   };
   draw(panel);
@@ -97,7 +97,7 @@ TEST_F(PanelParts, RowsOfALegendShowAndTell) {
   use = {};
   event(CanvasEvent::Kind::Down, 40, 15);
   imgui_.frame(panel);
-  EXPECT_TRUE(use.all);
+  EXPECT_TRUE(use.allEntries);
 }
 
 // In a picture nothing can be scrolled to: what has no room is counted, and what the frame lacks is left out.

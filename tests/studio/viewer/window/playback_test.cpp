@@ -46,7 +46,7 @@ TEST(Playback, TakesAFrameOnceItIsLoaded) {
   player.frames->setOpen(false);
   player.playback->goTo(2, 0);
   EXPECT_EQ(player.playback->take(0), nullptr);
-  EXPECT_FALSE(player.playback->settled());
+  EXPECT_FALSE(player.playback->isUpToDate());
   EXPECT_EQ(player.playback->current(), 0u) << "the old frame stays until the new one is loaded";
   player.frames->setOpen(true);
   const auto frame = player.playback->waitAndTake(0);
@@ -64,7 +64,7 @@ TEST(Playback, PlaysAtTheRecordedPace) {
   player.playback->togglePlaying(10);
   EXPECT_TRUE(player.playback->playing());
   player.playback->tick(10.09);
-  EXPECT_TRUE(player.playback->settled());
+  EXPECT_TRUE(player.playback->isUpToDate());
   EXPECT_TRUE(player.playback->tick(10.11));
   EXPECT_EQ(player.playback->requested(), 2u);
   player.wait(10.11);

@@ -64,7 +64,7 @@ TEST(RedrawScheduler, LimitsPointsUntilNothingMoves) {
   EXPECT_TRUE(world.redraw.allPointsDue());
   world.draw(Detail::AllPoints);
   EXPECT_EQ(world.canvas.lastMost, 0u);
-  EXPECT_TRUE(world.redraw.slow());
+  EXPECT_TRUE(world.redraw.isSlow());
   world.canvas.now += 100;
   EXPECT_FALSE(world.redraw.allPointsDue()) << "all points are drawn";
   // The longer all points take, the longer it waits before it draws them again.
@@ -92,7 +92,7 @@ TEST(RedrawScheduler, DrawsFewPointsAllAtOnce) {
   EXPECT_EQ(world.canvas.lastMost, 0u);
   world.canvas.now += 100;
   EXPECT_FALSE(world.redraw.allPointsDue());
-  EXPECT_FALSE(world.redraw.slow());
+  EXPECT_FALSE(world.redraw.isSlow());
 }
 
 // Moves of the pointer in quick succession are drawn together, in slow pictures more of them.

@@ -102,7 +102,7 @@ TEST_P(SessionFuzz, NothingStopsIt) {
     }
   }
   frames->setOpen(true);
-  ASSERT_NO_THROW(session->settle());
+  ASSERT_NO_THROW(session->drawWhenLoaded());
   const Image picture = session->picture();
   EXPECT_EQ(picture.width, canvas.width());
 }

@@ -68,11 +68,11 @@ TEST(SessionInstances, PointedAtTheyStandOut) {
     const Scan& scan = world.frames->frames[0].scans[0].scan;
     const auto car = world.pixelOf(firstCloud(world), 3 * 72 + 70);
     world.pointer(Kind::Move, 5, 80);
-    world.session->settle();
+    world.session->drawWhenLoaded();
     EXPECT_EQ(world.canvas.pointItems().size(), 1u);
     const auto edge = [&]() -> const FakeCanvas::Item* {
       world.pointer(Kind::Move, car.first, car.second);
-      world.session->settle();
+      world.session->drawWhenLoaded();
       const auto items = world.canvas.pointItems();
       return items.size() == 2 ? &world.canvas.items.at(items[1]) : nullptr;
     };
@@ -183,12 +183,12 @@ TEST(SessionBeam, JoinsItsReturns) {
   EXPECT_TRUE(lines().empty());
   const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72);
   world.pointer(Kind::Move, x, y);
-  world.session->settle();
+  world.session->drawWhenLoaded();
   ASSERT_EQ(lines().size(), 2u);
   EXPECT_EQ(lines()[0], scan.position[3 * 72]);
   EXPECT_EQ(lines()[1], scan.position.back());
   world.pointer(Kind::Move, 3, 60);
-  world.session->settle();
+  world.session->drawWhenLoaded();
   EXPECT_TRUE(lines().empty());
 }
 

@@ -36,7 +36,7 @@ TEST(SessionFilter, AClickInTheLegendHidesAClass) {
   ASSERT_TRUE(at);
   world.click(at->first, at->second);
   world.pointer(Kind::Move, 5, 100);
-  world.session->settle();
+  world.session->drawWhenLoaded();
   EXPECT_EQ(shownClasses(world, 1), (std::set<std::uint16_t>{kFakeRoad, kFakeTree}));
   // Whatever the colours and the frame.
   world.key("4");
@@ -123,7 +123,7 @@ TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
     camera.pitch = 0.7 + 0.6 * unit(random);
     camera.orthographic = round % 4 == 0;
     world.session->setCamera(camera);
-    world.session->settle();
+    world.session->drawWhenLoaded();
     for (std::size_t i = 0; i < scan.size(); i += 31) {
       const auto [x, y] = world.pixelOf(firstCloud(world), i);
       const auto picked = world.session->pick(x, y);
@@ -214,7 +214,7 @@ TEST(SessionPicking, IsRenewedUnderAPointerAtRest) {
   SessionWorld world(3);
   const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72 + 70);
   const auto settled = [&] {
-    world.session->settle();
+    world.session->drawWhenLoaded();
     return world.canvas.overlay();
   };
   world.pointer(Kind::Move, x, y);
@@ -382,7 +382,7 @@ TEST(SessionStrip, IsLinkedBothWays) {
   world.key("Escape");
   world.key("Home");
   world.pointer(Kind::Move, 3, view.top + 3);
-  world.session->settle();
+  world.session->drawWhenLoaded();
   const auto partOf = [&](bool below) {
     const auto edge =
         world.canvas.overlay().begin() + static_cast<std::ptrdiff_t>(view.top + view.height) * SessionWorld::kWidth;
@@ -415,7 +415,7 @@ TEST(SessionOffscreen, PicturesHoldWhatIsShown) {
   const auto frames = std::make_shared<FakeFrames>(1);
   const auto classColors = [&](const ViewOptions& options) {
     ViewSession session(frames, *canvas, options);
-    session.settle();
+    session.drawWhenLoaded();
     const std::set<Rgb> all = colorsOf(session.picture());
     std::set<Rgb> found;
     for (const Rgb& c : {kFakeRoadColor, kFakeTreeColor, kFakeCarColor}) {
@@ -426,7 +426,7 @@ TEST(SessionOffscreen, PicturesHoldWhatIsShown) {
   EXPECT_EQ(classColors({.depthEdges = false}), (std::set<Rgb>{kFakeRoadColor, kFakeTreeColor, kFakeCarColor}));
   EXPECT_EQ(classColors({.depthEdges = false, .hidden = {"car"}}), (std::set<Rgb>{kFakeRoadColor, kFakeTreeColor}));
   ViewSession session(frames, *canvas, {.pointSize = 4, .depthEdges = false, .axes = false, .bare = true});
-  session.settle();
+  session.drawWhenLoaded();
   const Image picture = session.picture();
   int same = 0;
   for (int y = 0; y < picture.height; y += 3) {

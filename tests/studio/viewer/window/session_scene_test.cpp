@@ -23,7 +23,7 @@ class SceneViewer : public testing::Test {
 
   std::unique_ptr<ViewSession> open(const ViewOptions& options = {}) {
     auto session = std::make_unique<ViewSession>(source_, canvas_, options);
-    session->settle();
+    session->drawWhenLoaded();
     return session;
   }
   static void key(ViewSession& session, const std::string& name) {
@@ -109,7 +109,7 @@ TEST_F(SceneViewer, WarnsOfRulesThatGiveNothing) {
                                                                    "      - {match: {node: left}, class: fence}\n"
                                                                    "      - {match: {node: rigth}, class: wall}\n");
   ViewSession session(openFrames({.path = file}), canvas_, {});
-  session.settle();
+  session.drawWhenLoaded();
   EXPECT_THAT(session.hints(),
               testing::ElementsAre(testing::HasSubstr("own.yaml:10:9"), testing::HasSubstr("own.yaml:11:9")));
 }
@@ -127,7 +127,7 @@ TEST_F(SceneViewer, NamedViewsShowAllOfIt) {
     }
     const std::filesystem::path file = folder_.write("houses.yaml", scene);
     ViewSession session(openFrames({.path = file}), canvas_, {.camera = parseCamera(view)});
-    session.settle();
+    session.drawWhenLoaded();
     const ViewCamera& camera = canvas_.views().at(0).camera;
     const PixelRect& rect = canvas_.views().at(0).rect;
     const ViewMesh mesh = loadViewMesh(file, 1, 0);
@@ -175,7 +175,7 @@ TEST_F(SceneViewer, SaysWhatMeansNothing) {
     key(*session, name);
     EXPECT_NE(canvas_.overlay(), before) << name;
     EXPECT_EQ(canvas_.items.size(), items) << name;
-    session->settle();
+    session->drawWhenLoaded();
     EXPECT_EQ(canvas_.overlay(), before) << name << ": it was a notice";
   }
 }
@@ -188,14 +188,14 @@ TEST(SessionHelp, IsPagedByTheWheel) {
   world.key("h");
   const auto first = world.canvas.overlay();
   world.wheel(-1);
-  world.session->settle();
+  world.session->drawWhenLoaded();
   const auto second = world.canvas.overlay();
   EXPECT_NE(second, first);
   for (int i = 0; i < 20; ++i) world.wheel(-1);
-  world.session->settle();
+  world.session->drawWhenLoaded();
   EXPECT_NE(world.canvas.overlay(), second);
   for (int i = 0; i < 40; ++i) world.wheel(1);
-  world.session->settle();
+  world.session->drawWhenLoaded();
   EXPECT_EQ(world.canvas.overlay(), first);
   EXPECT_EQ(world.session->camera(), before) << "the wheel turned pages only";
 }

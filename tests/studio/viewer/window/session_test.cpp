@@ -119,12 +119,12 @@ TEST(ViewSession, EveryKeyDoesWhatItSays) {
       SessionWorld world(3, kMethods,
                          scaled ? ViewOptions{.colors = {kByRange}, .scale = ScaleRange{0, 5}} : ViewOptions{});
       if (before.contains(key)) before[key](world);
-      world.session->settle();
+      world.session->drawWhenLoaded();
       const std::string was = world.drawn();
       const auto had = aspectsOf(world);
       const bool open = world.key(key);
       const std::string now = world.drawn();
-      world.session->settle();  // neighbouring frames are loaded in the background
+      world.session->drawWhenLoaded();  // neighbouring frames are loaded in the background
       EXPECT_TRUE(!open || now != was || world.drawn() != was);
       EXPECT_EQ(open, command.meaning.action != A::Quit);
       Aspects changed;
@@ -158,7 +158,7 @@ TEST(ViewSession, EveryGestureDoesSomething) {
     SessionWorld world(3, kMethods);
     const std::string was = world.drawn();
     gestures[i](world);
-    world.session->settle();
+    world.session->drawWhenLoaded();
     EXPECT_NE(world.drawn(), was) << i;
   }
 }
@@ -171,7 +171,7 @@ TEST(ViewSession, MenusDoWhatKeysDo) {
   byMenu.pointer(Kind::Move, 1, 1);
   const auto press = [&](int x, int y) {
     byMenu.click(x, y);
-    byMenu.session->settle();
+    byMenu.session->drawWhenLoaded();
   };
   bool found = false;
   for (int x = 10; x < 500 && !found; x += 12) {
@@ -226,7 +226,7 @@ TEST(ViewSession, AMeshThatFailsIsNoItem) {
     for (const char* pressed : {"n", "l", "c", "s", "A", "w", "2", "x"}) {
       world.pointer(Kind::Move, x, y);
       EXPECT_NO_THROW(world.key(pressed));
-      world.session->settle();
+      world.session->drawWhenLoaded();
     }
   }
   // Back to a frame that has one, from one whose place in the world is not known.
@@ -252,7 +252,7 @@ TEST(ViewSession, TheSliderGoesToEveryFrame) {
   world.pointer(CanvasEvent::Kind::Down, 200, low);
   for (int x = 60; x < SessionWorld::kWidth; x += 4) {
     world.pointer(CanvasEvent::Kind::Move, x, low);
-    world.session->settle();
+    world.session->drawWhenLoaded();
     seen.insert(frameOn(world));
   }
   world.pointer(CanvasEvent::Kind::Up, SessionWorld::kWidth - 1, low);
@@ -372,7 +372,7 @@ TEST(ViewSession, OptionsThatNameWhatThereIsNot) {
   refused({.hidden = {"lorry"}}, "lorry");
   frames->frames[1].scans[0].scan[kIncidence].clear();
   ViewSession session(frames, canvas, {.colors = {ColorBy("incidence")}});
-  session.settle();
+  session.drawWhenLoaded();
   EXPECT_THAT(messageOf([&] { session.check(); }), HasSubstr("incidence"));
 }
 

@@ -19,7 +19,7 @@ struct SessionWorld {
       : frames(std::move(shown)),
         canvas(kWidth, kHeight),
         session(std::make_unique<ViewSession>(frames, canvas, options)) {
-    session->settle();
+    session->drawWhenLoaded();
   }
   explicit SessionWorld(std::size_t count, std::vector<std::string> methods = {"ray_tracing"},
                         const ViewOptions& options = {})
@@ -32,7 +32,7 @@ struct SessionWorld {
   // A key, and all that it has loaded in the background.
   void press(const std::string& name) {
     key(name);
-    session->settle();
+    session->drawWhenLoaded();
   }
   void type(const std::string& text) {
     for (const char c : text) key(std::string(1, c));
