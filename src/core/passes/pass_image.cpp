@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <type_traits>
 #include <utility>
@@ -142,14 +141,6 @@ std::vector<PassImage> readAll(PixelSource& source, PassChoice requested) {
   return images;
 }
 
-double Camera::horizontalField() const {
-  return std::atan((width - cx) / fx) + std::atan(cx / fx);
-}
-
-double Camera::verticalField() const {
-  return std::atan((height - cy) / fy) + std::atan(cy / fy);
-}
-
 Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontalField) {
   const double focal = width / (2 * std::tan(horizontalField / 2));  // px
   return {.name = {},
@@ -160,10 +151,6 @@ Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontal
           .cx = width / 2.0,
           .cy = height / 2.0,
           .worldFromCamera = {}};
-}
-
-Quat vehicleFromOptical() {
-  return {0.5, -0.5, 0.5, -0.5};
 }
 
 }  // namespace scanmill

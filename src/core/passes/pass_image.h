@@ -3,6 +3,7 @@
 // Pinhole cameras and their images of passes, with one plane per channel, as renderers return them and EXR files store
 // them.
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -31,8 +32,9 @@ struct Camera {
   Pose worldFromCamera;
 
   std::size_t pixels() const { return std::size_t{width} * height; }
-  double horizontalField() const;  // rad, between the outer edges of the image
-  double verticalField() const;
+  // Return the angles (rad) between the outer edges of the image.
+  double horizontalField() const { return std::atan((width - cx) / fx) + std::atan(cx / fx); }
+  double verticalField() const { return std::atan((height - cy) / fy) + std::atan(cy / fy); }
   // Returns the point at depth 1 m on the line of sight through (u, v) (px), in camera axes.
   Vec3d ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1}; }
 };
@@ -43,7 +45,9 @@ Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontal
 
 // Returns the rotation from camera axes to the axes of a sensor or vehicle (x forward, y left, z up), for a camera that
 // looks along the x axis.
-Quat vehicleFromOptical();
+inline Quat vehicleFromOptical() {
+  return {0.5, -0.5, 0.5, -0.5};
+}
 
 // Depth of pixels that show no surface.
 constexpr float kNoDepth = std::numeric_limits<float>::infinity();

@@ -41,23 +41,6 @@ HWY_EXPORT(marchInLanes);
 
 }  // namespace
 
-void Particles::resize(std::size_t count, bool lists) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    origin[k].resize(count);
-    direction[k].resize(count);
-    worldOrigin[k].resize(lists ? count : 0);
-    inverse[k].resize(lists ? count : 0);
-  }
-  begin.resize(count);
-  end.resize(count);
-}
-
-void HitRecords::reset(std::size_t count) {
-  travelled.assign(count, 0);
-  triangle.assign(count, 0);
-  outcome.assign(count, 0);
-}
-
 void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t maxSteps,
               const Particles& particles, std::span<const std::uint32_t> indices, HitRecords& records) {
   HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, maxSteps, particles, indices, records);

@@ -33,7 +33,14 @@ struct Particles {
   Vectors inverse;      // 1 / direction; a component with an absolute value below 1e-12 counts as 1e-12
 
   std::size_t size() const { return begin.size(); }
-  void resize(std::size_t count, bool lists);
+  void resize(std::size_t count, bool lists) {
+    for (Vectors* vectors : {&origin, &direction, &worldOrigin, &inverse}) {
+      const bool isUsed = lists || vectors == &origin || vectors == &direction;
+      for (std::vector<float>& components : *vectors) components.resize(isUsed ? count : 0);
+    }
+    begin.resize(count);
+    end.resize(count);
+  }
 };
 
 // Sets `particles` to kPacket particles for each tile, in the order of the tiles. In a tile with fewer beams, the
@@ -47,7 +54,12 @@ struct HitRecords {
   std::vector<std::uint32_t> outcome;   // Outcome + 4 * number of steps
 
   std::size_t size() const { return travelled.size(); }
-  void reset(std::size_t count);  // resets all records to zero steps
+  // Sets all records to zero steps.
+  void reset(std::size_t count) {
+    travelled.assign(count, 0);
+    triangle.assign(count, 0);
+    outcome.assign(count, 0);
+  }
   Outcome outcomeOf(std::size_t i) const { return static_cast<Outcome>(outcome[i] & 3u); }
   std::uint32_t stepsOf(std::size_t i) const { return outcome[i] >> 2; }
 };
