@@ -44,6 +44,22 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
                                             part, parent, list.items.size() - 1));
 }
 
+// Returns the value of a key in a map or list; adds the key to a map that does not have it. An empty value becomes a
+// map. `parentName`: what `parent` is, for messages.
+Value& childOf(Value& parent, const std::string& key, const std::string& parentName, const Location& where) {
+  if (parent.kind == Value::Kind::Scalar) {
+    throw InputError(where, fmt::format("{} is a single value and has no {}: set it to a map, such as {{key: value}}",
+                                        parentName, quotedForMessage(key)));
+  }
+  if (parent.kind == Value::Kind::Sequence) return parent.items[readIndex(key, parent, parentName, where)];
+  parent.kind = Value::Kind::Map;
+  const auto found = std::ranges::find(parent.entries, key, &Value::Entry::key);
+  if (found != parent.entries.end()) return found->value;
+  parent.entries.push_back({key, Value{}});
+  parent.entries.back().value.where = where;
+  return parent.entries.back().value;
+}
+
 void setFolder(Value& value, const std::string& folder) {
   value.folder = folder;
   for (Value& item : value.items) setFolder(item, folder);
@@ -121,11 +137,11 @@ void setValue(Value& root, std::string_view assignment) {
   }
   const std::string_view path = assignment.substr(0, equals);
   const Location where{fmt::format("--set {}", path)};
-  const std::vector<std::string> parts = split(path);
-  if (std::ranges::find(parts, "") != parts.end()) {
+  std::vector<std::string> keys = split(path);
+  if (std::ranges::find(keys, "") != keys.end()) {
     throw InputError(where, "has an empty key: write key=value or key.key.0.key=value, such as --set seed=7");
   }
-  if (parts.size() > kMaxPathLength) throw InputError(where, fmt::format("has more than {} keys", kMaxPathLength));
+  if (keys.size() > kMaxPathLength) throw InputError(where, fmt::format("has more than {} keys", kMaxPathLength));
 
   Value value = parseYaml(assignment.substr(equals + 1), where.file);
   // A single value needs no line and column: the name of its key is enough.
@@ -133,41 +149,24 @@ void setValue(Value& root, std::string_view assignment) {
   const std::string folder = std::filesystem::path(root.where.file).parent_path().string();
   setFolder(value, folder.empty() ? "." : folder);
 
-  Value* node = &root;
-  std::string parent = "the file";  // what `node` is, for messages
-  std::string prefix;               // the keys that lead to `node`
-  for (std::size_t depth = 0; depth < parts.size(); ++depth) {
-    const std::string& part = parts[depth];
-    if (node->kind == Value::Kind::Scalar) {
-      throw InputError(where, fmt::format("{} is a single value and has no {}: set it to a map, such as {{key: value}}",
-                                          parent, quotedForMessage(part)));
-    }
-    if (node->kind == Value::Kind::Sequence && part == "+" && depth + 1 == parts.size()) {
-      node->items.push_back(std::move(value));
-      return;
-    }
-    if (node->kind == Value::Kind::Sequence) {
-      const std::size_t index = readIndex(part, *node, parent, where);
-      if (depth + 1 == parts.size() && value.kind == Value::Kind::Null) {
-        node->items.erase(node->items.begin() + static_cast<std::ptrdiff_t>(index));
-        return;
-      }
-      node = &node->items[index];
-    } else {
-      node->kind = Value::Kind::Map;
-      const auto found = std::ranges::find(node->entries, part, &Value::Entry::key);
-      if (found != node->entries.end()) {
-        node = &found->value;
-      } else {
-        node->entries.push_back({part, Value{}});
-        node = &node->entries.back().value;
-        node->where = where;
-      }
-    }
-    prefix += (prefix.empty() ? "" : ".") + part;
-    parent = quotedForMessage(prefix);
+  // Go to the list or map with the last key.
+  const std::string lastKey = keys.back();
+  keys.pop_back();
+  Value* parent = &root;
+  std::string parentName = "the file";  // for messages
+  std::string prefix;                   // the keys that lead to `parent`
+  for (const std::string& key : keys) {
+    parent = &childOf(*parent, key, parentName, where);
+    prefix += (prefix.empty() ? "" : ".") + key;
+    parentName = quotedForMessage(prefix);
   }
-  *node = std::move(value);
+  if (parent->kind == Value::Kind::Sequence && lastKey == "+") return parent->items.push_back(std::move(value));
+  if (parent->kind == Value::Kind::Sequence && value.kind == Value::Kind::Null) {
+    const std::size_t index = readIndex(lastKey, *parent, parentName, where);
+    parent->items.erase(parent->items.begin() + static_cast<std::ptrdiff_t>(index));
+    return;
+  }
+  childOf(*parent, lastKey, parentName, where) = std::move(value);
 }
 
 std::string flowText(const Value& value) {

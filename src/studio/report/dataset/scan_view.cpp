@@ -223,7 +223,7 @@ std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
   std::vector<PointGroup> groups;
   addRareGroups(scan[kInstance], finite, {0}, groups);  // 0: no instance
   addRareGroups(scan[kLabel], finite, {}, groups);
-  std::ranges::stable_sort(groups, {}, &PointGroup::size);
+  std::ranges::stable_sort(groups, {}, [](const PointGroup& group) { return group.size(); });
   for (const PointGroup& group : groups) {
     if (rarePoints + group.size() > most / 2) break;
     for (const std::size_t i : group) {

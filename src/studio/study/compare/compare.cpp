@@ -355,6 +355,18 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                        {"simulated", comparison.simulated.figures[i] * figure.factor},
                        {"keys", figure.keys}});
   }
+  const OrderedJson features = arrayOf(comparison.features, [&](const Separation& s) {
+    OrderedJson feature = separationJson(s);
+    feature["strength_within_real"] = comparison.withinReal[s.feature];
+    feature["keys"] = kPatchFeatures[s.feature].keys;
+    return feature;
+  });
+  const OrderedJson groups = arrayOf(comparison.groups, [](const GroupComparison& group) -> OrderedJson {
+    return {{"name", group.name},
+            {"real_share", group.realShare},
+            {"simulated_share", group.simulatedShare},
+            {"features", arrayOf(group.features, separationJson)}};
+  });
   const OrderedJson json{{"program_version", kVersion},
                          {"date", date},
                          {"real", setJson(comparison.real)},
@@ -362,24 +374,12 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
                          {"grouped_by", comparison.byClass ? "class" : "shape"},
                          {"warnings", comparison.warnings},
                          {"unknown_classes", comparison.unknownClasses},
-                         {"figures", std::move(figures)},
-                         {"features", arrayOf(comparison.features,
-                                              [&](const Separation& s) {
-                                                OrderedJson feature = separationJson(s);
-                                                feature["strength_within_real"] = comparison.withinReal[s.feature];
-                                                feature["keys"] = kPatchFeatures[s.feature].keys;
-                                                return feature;
-                                              })},
+                         {"figures", figures},
+                         {"features", features},
                          {"advice", arrayOf(comparison.advice, changeJson)},
                          {"set", comparison.assignment},
                          {"unadvised", comparison.unadvised},
-                         {"groups", arrayOf(comparison.groups,
-                                            [](const GroupComparison& group) -> OrderedJson {
-                                              return {{"name", group.name},
-                                                      {"real_share", group.realShare},
-                                                      {"simulated_share", group.simulatedShare},
-                                                      {"features", arrayOf(group.features, separationJson)}};
-                                            })},
+                         {"groups", groups},
                          {"ranges", bandsJson(comparison.ranges, "_share")},
                          {"intensity_by_range", bandsJson(comparison.intensityByRange)},
                          {"intensity_by_incidence", bandsJson(comparison.intensityByIncidence)}};

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "base/vec.h"
 #include "evaluate/spread.h"
 #include "sensors/beams.h"
 #include "study/noise/flat_patches.h"
