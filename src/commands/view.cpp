@@ -17,7 +17,6 @@
 #include "commands/arguments.h"
 #include "config/fields.h"
 #include "config/resources.h"
-#include "config/text.h"
 #include "dataset/recording.h"
 #include "dataset/scan_store.h"
 #include "viewer/coloring.h"

@@ -18,7 +18,6 @@
 #include "base/error.h"
 #include "config/fields.h"
 #include "dataset/json_text.h"
-#include "dataset/manifest.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/run/run_shot.h"
 #include "python/arrays.h"

@@ -8,7 +8,6 @@
 
 #include "assets/asset_kinds.h"
 #include "assets/meshes/gltf/reader.h"
-#include "assets/surveys/surveys.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "formats/cloud_file.h"

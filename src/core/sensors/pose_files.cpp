@@ -12,7 +12,6 @@
 #include "base/format_support.h"
 #include "base/text_scan.h"
 #include "config/fields.h"
-#include "config/text.h"
 #include "sensors/recorded_poses.h"
 #include "sensors/text_table.h"
 

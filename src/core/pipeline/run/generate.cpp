@@ -17,7 +17,6 @@
 #include "dataset/names.h"
 #include "dataset/parts.h"
 #include "dataset/shard_writer.h"
-#include "methods/interface/light_paths.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/sample_maker.h"

@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "base/file.h"
-#include "viewer/color_map.h"
 
 namespace scanmill {
 

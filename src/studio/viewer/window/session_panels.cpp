@@ -5,7 +5,6 @@
 #include <imgui_stdlib.h>
 
 #include "base/short_text.h"
-#include "viewer/picture.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {

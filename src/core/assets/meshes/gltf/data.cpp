@@ -13,7 +13,6 @@
 #include <type_traits>
 
 #include "assets/meshes/base_color.h"
-#include "assets/meshes/references.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
