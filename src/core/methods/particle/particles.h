@@ -34,9 +34,11 @@ struct Particles {
 
   std::size_t size() const { return begin.size(); }
   void resize(std::size_t count, bool lists) {
-    for (Vectors* vectors : {&origin, &direction, &worldOrigin, &inverse}) {
-      const bool isUsed = lists || vectors == &origin || vectors == &direction;
-      for (std::vector<float>& components : *vectors) components.resize(isUsed ? count : 0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      origin[k].resize(count);
+      direction[k].resize(count);
+      worldOrigin[k].resize(lists ? count : 0);
+      inverse[k].resize(lists ? count : 0);
     }
     begin.resize(count);
     end.resize(count);

@@ -120,19 +120,19 @@ bool hitsThing(ThingContext& context, const Vec3d& origin, const Vec3d& directio
 
 // Rejects hits on all surfaces except the thing's, and hits on the thing at points that alpha cuts out.
 void thingFilter(const RTCFilterFunctionNArguments* arguments) {
-  const auto& [valid, userData, embreeContext, rays, hits, width] = *arguments;
-  const auto& context = *reinterpret_cast<const ThingContext*>(embreeContext);
+  const auto& context = *reinterpret_cast<const ThingContext*>(arguments->context);
   const World& world = *context.world;
-  for (unsigned i = 0; i < width; ++i) {
-    if (valid[i] == 0) continue;
-    const unsigned geometry = RTCHitN_geomID(hits, width, i);
-    const HitTriangle hit =
-        hitTriangle(world, RTCHitN_instID(hits, width, i, 0), geometry, RTCHitN_primID(hits, width, i));
+  RTCHitN* const hits = arguments->hit;
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    const unsigned geometry = RTCHitN_geomID(hits, n, i);
+    const HitTriangle hit = hitTriangle(world, RTCHitN_instID(hits, n, i, 0), geometry, RTCHitN_primID(hits, n, i));
     const bool isAlphaTested = geometry == 1;  // see TriangleBlock
     const bool isTransparent =
-        isAlphaTested && transparentAt(world, *hit.block, hit.index, double{RTCHitN_u(hits, width, i)},
-                                       double{RTCHitN_v(hits, width, i)});
-    if (instanceOf(hit) != context.instanceId || isTransparent) valid[i] = 0;
+        isAlphaTested &&
+        transparentAt(world, *hit.block, hit.index, double{RTCHitN_u(hits, n, i)}, double{RTCHitN_v(hits, n, i)});
+    if (instanceOf(hit) != context.instanceId || isTransparent) arguments->valid[i] = 0;
   }
 }
 
