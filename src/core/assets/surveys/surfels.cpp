@@ -121,7 +121,9 @@ std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spa
     points[i] = {
         {std::llround(low.x), std::llround(low.y), std::llround(low.z)}, length(p - low - Vec3d{0.5, 0.5, 0.5}), i};
   }
-  std::ranges::sort(points, {}, [](const Point& p) { return std::tie(p.cube, p.distance, p.index); });
+  std::ranges::sort(points, [](const Point& a, const Point& b) {
+    return a.cube != b.cube ? a.cube < b.cube : std::tie(a.distance, a.index) < std::tie(b.distance, b.index);
+  });
   const auto duplicates = std::ranges::unique(points, {}, &Point::cube);  // all but the first of each cube
   points.erase(duplicates.begin(), duplicates.end());
   std::vector<std::size_t> indices;
