@@ -212,13 +212,15 @@ class SvgDrawing {
 
   // Draws the mark, line or bar of a series in the legend. `x`: its left end. `y`: its middle.
   void drawSwatch(const ChartSeries& s, double x, double y) {
+    constexpr double kLength = 26, kBarIndent = 8, kBarSide = 11;  // pixels; a bar is shown as a square
+    const std::size_t color = s.color % kChartColors;
     if (hasLine(s)) {
-      addPath(fmt::format("line s{}", s.color % kChartColors), fmt::format("M{},{}h26", svgNumber(x), svgNumber(y)));
+      addPath(fmt::format("line s{}", color), fmt::format("M{},{}h{}", svgNumber(x), svgNumber(y), kLength));
     }
-    if (hasDots(s)) addMark(s, {x + 13, y}, kMarkRadius);
-    if (isBars(s)) {
-      addRect(fmt::format("f{}", s.color % kChartColors), {x + 8, y - 5.5, x + 19, y + 5.5}, textOf(s.fills, 0));
-    }
+    if (hasDots(s)) addMark(s, {x + kLength / 2, y}, kMarkRadius);
+    if (!isBars(s)) return;
+    const ChartBox square{x + kBarIndent, y - kBarSide / 2, x + kBarIndent + kBarSide, y + kBarSide / 2};
+    addRect(fmt::format("f{}", color), square, textOf(s.fills, 0));
   }
 
   // Adds the coordinates of all that is drawn in the plot to `xs` and `ys` (units of the axes): points, ends of error
@@ -248,22 +250,28 @@ class SvgDrawing {
   void drawPlot(double top) {
     std::vector<double> xs, ys;
     addCoordinates(xs, ys);
-    area_ = {kMargin, top, width_ - kMargin - 8, height_ - kMargin - kFont * 3.4};
+    constexpr double kRightMargin = 8,
+                     kTickGap = 9;             // pixels; the gap is between the labels of the y axis and the axis
+    constexpr double kFooter = 3.4;            // height of labels and title of the x axis, in sizes of the font
+    constexpr double kTitleHeight = 1.9;       // height of the title of the y axis, in sizes of its font
+    constexpr double kRow = 2.8, kColumn = 5;  // room for a label of the y axis and of the x axis, in sizes of the font
+    constexpr double kNameGap = 1.1,
+                     kYAxisWidth = 60;  // names need so many times their width; labels of y so many pixels
+    area_ = {kMargin, top, width_ - kMargin - kRightMargin, height_ - kMargin - kFont * kFooter};
     if (!chart_.y.title.empty()) {
       addText("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
-      area_.top += kNoteFont * 1.9;
+      area_.top += kNoteFont * kTitleHeight;
     }
     double widestName = 0;
     for (const std::string& name : chart_.x.names) widestName = std::max(widestName, tickWidth(name));
-    const bool rotatesNames =
-        widestName * static_cast<double>(chart_.x.names.size()) * 1.1 > area_.right - area_.left - 60;
+    const double namesWidth = widestName * static_cast<double>(chart_.x.names.size()) * kNameGap;
+    const bool rotatesNames = namesWidth > area_.right - area_.left - kYAxisWidth;
     if (rotatesNames) area_.bottom -= widestName * std::sin(radians(kNameAngle));
-    const double rowHeight = kFont * 2.8, columnWidth = kFont * 5;  // room for a label of the y axis and of the x axis
-    y_.emplace(chart_.y, ys, barSeries_ > 0 && !horizontal_, (area_.bottom - area_.top) / rowHeight);
+    y_.emplace(chart_.y, ys, barSeries_ > 0 && !horizontal_, (area_.bottom - area_.top) / (kFont * kRow));
     double widestTick = 0;
     for (const ChartScale::Tick& tick : y_->ticks()) widestTick = std::max(widestTick, tickWidth(tick.text));
-    area_.left += widestTick + 9;
-    x_.emplace(chart_.x, xs, barSeries_ > 0 && horizontal_, (area_.right - area_.left) / columnWidth);
+    area_.left += widestTick + kTickGap;
+    x_.emplace(chart_.x, xs, barSeries_ > 0 && horizontal_, (area_.right - area_.left) / (kFont * kColumn));
     drawAxes(rotatesNames ? -kNameAngle : 0);
     drawSeries();
   }

@@ -49,7 +49,7 @@ Rgb instanceColor(std::uint32_t instance) {
 Rgb classColor(const Ontology* ontology, std::uint16_t id) {
   const SemanticClass* const found = ontology == nullptr ? nullptr : ontology->find(id);
   if (found == nullptr) return id == 0 ? kNoValue : colorOfId(id);
-  constexpr double kDarkest = 60;  // least luma of a class's colour (Rec. 601, 0 to 255)
+  constexpr double kDarkest = 60;  // least luma of a class's colour (Rec. 601, 0 to 255); chosen by eye
   const Rgb color = found->color;
   const double luma = 0.299 * color[0] + 0.587 * color[1] + 0.114 * color[2];
   return luma >= kDarkest ? color : mix(color, {255, 255, 255}, (kDarkest - luma) / (255 - luma));

@@ -319,7 +319,8 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
   if (!(span > 0) || !std::isfinite(span) || !(legend.power > 0)) return {{0.5, fmt::format("{:.4g}", low)}};
   std::vector<ScaleTick> ticks;
   const double largest = niceStep(std::max(span / (kMostTicks - 1), legend.integers ? 1.0 : 0.0));
-  // The next smaller steps add ticks where a scale that is not linear has room.
+  // The next smaller steps add ticks where a scale that is not linear has room. niceStep(step / 2.5) is the next
+  // smaller step: of 1, 2 and 5 times powers of ten, neighbours differ by at most the factor 2.5.
   for (double step = largest; step > span / 100 && ticks.size() < kMostTicks; step = niceStep(step / 2.5)) {
     const double first = std::ceil((low - kSlack * span) / step);
     for (int k = 0; k < kMostMultiples && ticks.size() < kMostTicks; ++k) {

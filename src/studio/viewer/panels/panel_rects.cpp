@@ -33,19 +33,19 @@ PixelRect cutBottom(PixelRect& rect, int height) {
 
 }  // namespace
 
-// The line height is 1/56 of the height of the largest 16 : 9 rectangle in the picture (chosen by eye).
 double pictureLineHeight(int width, int height) {
-  return std::clamp(std::round(std::min(width / 16.0 * 9, static_cast<double>(height)) / 56), 10.0, 90.0);
+  constexpr double kLines = 56;  // lines of text in the largest 16 : 9 rectangle in the picture; chosen by eye
+  return std::clamp(std::round(std::min(width / 16.0 * 9, static_cast<double>(height)) / kLines), 10.0, 90.0);
 }
 
-double lineHeightOf(const Canvas& canvas, bool still) {
-  constexpr double kLetter = 15;  // height of a line in a window whose display has the scale 1 (pixels)
-  return still ? pictureLineHeight(canvas.width(), canvas.height())
-               : std::clamp(std::round(kLetter * canvas.scale()), 10.0, 60.0);
+double windowLineHeight(double displayScale) {
+  constexpr double kUsual = 15;  // for a display with the scale 1 (pixels)
+  return std::clamp(std::round(kUsual * displayScale), 10.0, 60.0);
 }
 
 int sideWidth(double lineHeight) {
-  return static_cast<int>(std::lround(17 * lineHeight));
+  constexpr double kLineHeights = 17;  // wide enough for a long name and a count of points
+  return static_cast<int>(std::lround(kLineHeights * lineHeight));
 }
 
 PanelRects panelRects(int width, int height, const PanelNeeds& needs) {

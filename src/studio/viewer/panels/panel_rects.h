@@ -15,10 +15,10 @@ struct PanelNeeds {
   int stripHeight = 0;  // height of the range image without its caption (pixels); 0: no range image
 };
 
-// Return the height of a line of text in pixels: for a picture of the given size in pixels, and for the canvas, which
-// is a picture if `still` is true, otherwise a window.
+// Return the height of a line of text in pixels: for a picture of the given size in pixels, and for a window
+// (`displayScale`: see Canvas::scale()).
 double pictureLineHeight(int width, int height);
-double lineHeightOf(const Canvas& canvas, bool still);
+double windowLineHeight(double displayScale);
 
 // Returns the width of a side panel (pixels).
 int sideWidth(double lineHeight);

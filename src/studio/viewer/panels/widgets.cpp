@@ -30,6 +30,8 @@ ImU32 packed(const Rgb& c, int alpha = 255) {
   return IM_COL32(c[0], c[1], c[2], alpha);
 }
 
+// Returns the height of a line of text (pixels). Sizes in this file are multiples of it, and edges and gaps of 1 to 4
+// pixels; all are chosen by eye.
 float lineHeight() {
   return ImGui::GetFontSize();
 }

@@ -9,7 +9,8 @@ namespace scanmill {
 
 PanelContents::PanelContents(const SessionContext& context, const Playback& playback, const ShownClouds& clouds,
                              const SceneView& sceneView, const Pointer& pointer)
-    : imgui(context.canvas, lineHeightOf(context.canvas, context.options.still)),
+    : imgui(context.canvas, context.options.still ? pictureLineHeight(context.canvas.width(), context.canvas.height())
+                                                  : windowLineHeight(context.canvas.scale())),
       context_(context),
       playback_(playback),
       clouds_(clouds),
