@@ -35,6 +35,7 @@ ImVec4 colorOf(const Rgb& c, float alpha = 1) {
   return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255, alpha};
 }
 
+// Sets the colours of a style. `colors`: one per value of ImGuiCol.
 void setColors(ImVec4* colors) {
   constexpr Rgb kPanel{24, 27, 34}, kText{225, 228, 235}, kDim{152, 157, 168}, kBorder{66, 72, 86};
   constexpr Rgb kRaised{42, 47, 58}, kAccent{98, 168, 255};
@@ -60,6 +61,7 @@ void setColors(ImVec4* colors) {
   }
 }
 
+// Adds the first of kFonts that exists, with the letters of western languages, Greek and arrows.
 void addFont(ImFontAtlas& atlas, double lineHeight) {
   static const ImWchar kLetters[] = {0x20, 0xFF, 0x370, 0x3FF, 0x2010, 0x2026, 0x2190, 0x2193, 0x25B2, 0x25C0, 0};
   const auto size = static_cast<float>(std::round(lineHeight));

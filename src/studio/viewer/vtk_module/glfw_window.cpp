@@ -164,6 +164,7 @@ struct GlfwWindow::State {
     add(std::move(event));
   }
 
+  // Handles a press (`down`) or release of a mouse button. `code`, `mods`: GLFW's button and modifier keys.
   void button(int code, bool down, int mods) {
     constexpr std::array<int, 3> kNumbers{1, 3, 2};  // GLFW's order is left, right, middle
     if (code < 0 || code >= static_cast<int>(kNumbers.size())) return;

@@ -92,6 +92,7 @@ void Pointer::release(const CanvasEvent& event) {
   if (isClick) click(event.x, event.y);
 }
 
+// Selects what is at the pixel or, while measuring, adds its position to `ends`.
 void Pointer::click(int px, int py) {
   auto picked = pick(px, py);
   context_.changes.panels = true;

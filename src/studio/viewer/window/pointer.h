@@ -36,14 +36,14 @@ struct Pointer {
   // Transforms the marked positions when the canvas frame changes.
   void moveBy(const Affine& newFromOld);
 
-  // Dragging, clicking and measuring:
+  // Events of the pointer: a press starts a drag, which moves or turns the camera; a release without a drag is a click.
   void press(const CanvasEvent& event);
   void moveTo(const CanvasEvent& event);
   void release(const CanvasEvent& event);
   void toggleMeasuring();
-  void turnAbout();
+  void turnAbout();  // turns the camera to what is under the pointer, otherwise to what was clicked
   void lookAt(const Vec3d& position);
-  void placeMeasure();
+  void placeMeasure();  // draws the line between the measured ends
   // Returns what is under the pointer, otherwise what was clicked; null if there is neither.
   const PickedElement* hoveredOrPinned() const { return hover ? &*hover : pinned ? &*pinned : nullptr; }
 

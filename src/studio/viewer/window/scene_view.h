@@ -32,8 +32,8 @@ struct SceneView {
   void takeFrame(std::size_t index);
 
   // Functions in scene_view.cpp, for poses, guides and the camera:
-  void placeClouds();
-  void placeGuides();
+  void placeClouds();  // sets the poses and sizes of the shown clouds' points, and `ground`
+  void placeGuides();  // draws axes, range rings, the trajectory, boxes and the ego vehicle, as the options say
   void setLines(ItemId item, const LineSet& lines, double width);
   // Switches between a camera that stays in the world and one that follows the sensor. Returns the transform from the
   // old to the new canvas frame; nothing if the poses are unknown.
@@ -64,7 +64,7 @@ struct SceneView {
   void placeMeshLook();
   // Draws the ego vehicle where it is, if the dataset has one and the axes are on.
   void placeVehicle();
-  void applyFilter();
+  void applyFilter();  // shows only the triangles of the mesh that the filter does not hide
   void chooseMeshColor(MeshColor by);
   std::optional<PickedElement> pickMesh(const SightLine& line) const;
 
@@ -72,7 +72,7 @@ struct SceneView {
   Affine canvasFromBox(const ObjectRecord& object) const;
   // Returns how the first scan's sensor sees the object; null if this is not known.
   const ObjectView* viewOfShownSensor(const ObjectRecord& object) const;
-  void placeBoxes();
+  void placeBoxes();  // draws the boxes of objects and of instances that isBoxShown() and the filter allow
   // Returns the shown objects that the first scan's sensor sees, with their views: at most 30, the nearest first.
   std::vector<std::pair<const ObjectRecord*, const ObjectView*>> nearestSeenObjects() const;
   void addObjectRows(PickedElement& picked, std::uint32_t instance) const;

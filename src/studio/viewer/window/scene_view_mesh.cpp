@@ -163,6 +163,7 @@ void SceneView::findRoadUsers() {
   }
 }
 
+// True if the options and the filter show the object's box.
 bool SceneView::isBoxShown(const ObjectRecord& object) const {
   if (context_.options.boxes == BoxChoice::None) return false;
   // Instances that the user names are drawn whatever their class.

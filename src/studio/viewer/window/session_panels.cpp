@@ -37,6 +37,7 @@ void ViewSession::drawPanels() {
   drawTooltip();
 }
 
+// Draws scales above and lists of entries, which may be long, below.
 void ViewSession::drawSidePanel() {
   if (!context_.options.still) drawColorMenu();
   drawLegends(LegendKind::Scale);
@@ -146,6 +147,7 @@ void ViewSession::drawLegends(LegendKind kind) {
   }
 }
 
+// Draws the scale that some views share, and applies new ends to them.
 void ViewSession::drawScaleOf(const LegendBlock& block) {
   const bool hasFields = !context_.options.still && !clouds_.overlaid() && !clouds_.list.empty();
   const auto ends = drawScale(block.legend, hasFields ? PanelUse::Interactive : PanelUse::Picture);
@@ -156,6 +158,8 @@ void ViewSession::drawScaleOf(const LegendBlock& block) {
   }
 }
 
+// Draws the entries of a legend. A click on a class or scan hides or shows it; a double click or a click with shift
+// shows no other.
 void ViewSession::drawEntriesOf(const Legend& legend) {
   std::vector<bool> hidden;
   for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
