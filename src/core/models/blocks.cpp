@@ -105,7 +105,7 @@ class BlockMaker {
     const double width = std::hypot(b.x - a.x, b.y - a.y);
     const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};
     const Affine frame{{along, {0, 0, 1}, {along.y, -along.x, 0}}, {a.x, a.y, 0}};
-    addFacade(s_, look_, frame, width, openings(width, door), false);
+    addFacade(s_, look_, frame, width, openings(width, door));
     if (!hasParapet()) return;
     s_.boxAt(look_.metal, frame * at({width / 2, look_.top, 0}), {width + 0.05, 0.05, 0.3});
   }

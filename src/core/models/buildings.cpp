@@ -75,18 +75,19 @@ class HouseMaker {
     m_.windowHeight = std::min(m_.windowHeight, m_.storey - m_.sill - 0.3);
   }
 
-  // Adds the front wall, then the rear wall and the walls at the right and at the left.
+  // Adds the front wall, then the rear wall and the walls at the right and at the left, which have no shutters.
   void walls() {
-    const std::vector<Opening> front = frontOpenings();
-    addFacade(s_, look_, sideView({0, 0, 0}), h_.width, front, true);
+    addFacade(s_, look_, sideView({0, 0, 0}), h_.width, frontOpenings());
+    FacadeLook look = look_;
+    look.shutters = false;
     const int rearColumns = std::max(2, h_.columns - draw_.below(2));
-    addFacade(s_, look_, {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {h_.width, h_.depth, 0}}, h_.width,
-              windows(rearColumns, h_.width), false);
+    addFacade(s_, look, {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {h_.width, h_.depth, 0}}, h_.width,
+              windows(rearColumns, h_.width));
     const int sideColumns = std::max(1, static_cast<int>(h_.depth / 4));
-    addFacade(s_, look_, {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth,
-              windows(sideColumns, h_.depth), false);
-    addFacade(s_, look_, {{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}}, {0, h_.depth, 0}}, h_.depth,
-              windows(sideColumns, h_.depth), false);
+    addFacade(s_, look, {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth,
+              windows(sideColumns, h_.depth));
+    addFacade(s_, look, {{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}}, {0, h_.depth, 0}}, h_.depth,
+              windows(sideColumns, h_.depth));
   }
 
   Opening windowAt(double u, double floorZ) const {

@@ -170,8 +170,8 @@ class BodyMaker {
       const auto r = static_cast<std::size_t>(row);
       return (xs[r] + xs[r + 1]) / 2;
     };
-    s_.grid(right, false, [&](int row, int c) { return surfaceAt(middle(row), kPoints - 2 - c); });
-    s_.grid(left, false, [&](int row, int c) { return surfaceAt(middle(row), c); });
+    s_.grid(right, Loop::Open, [&](int row, int c) { return surfaceAt(middle(row), kPoints - 2 - c); });
+    s_.grid(left, Loop::Open, [&](int row, int c) { return surfaceAt(middle(row), c); });
     cap(left.front(), true);
     cap(left.back(), false);
   }
@@ -197,7 +197,7 @@ class BodyMaker {
       }
       rows.push_back(std::move(row));
     }
-    s_.grid(rows, false, [&](int row, int) { return row < 1 ? black_ : paint_; });
+    s_.grid(rows, Loop::Open, [&](int row, int) { return row < 1 ? black_ : paint_; });
   }
 
   // Adds number plates, grille and lights, and on cars mirrors and door handles. Boxes are half sunk into the body.
@@ -248,10 +248,10 @@ void appendWheel(Shape& shape, std::string_view className, const Affine& pose, d
   const std::vector<Point2> tyre{{inner, -w * 0.9},       {radius * 0.93, -w},     {radius, -w * 0.7},
                                  {radius, w * 0.7},       {radius * 0.93, w},      {inner, w * 0.9},
                                  {inner - 0.01, w * 0.7}, {inner - 0.01, -w * 0.7}};
-  shape.revolve(rubber, axle, tyre, 28, true);
+  shape.revolve(rubber, axle, tyre, 28, Loop::Closed);
   shape.revolve(dark, axle, {{0, -w * 0.6}, {inner, -w * 0.6}, {inner, w * 0.2}, {0, w * 0.2}}, 20);  // brake drum
   shape.revolve(rim, axle, {{inner - 0.022, w * 0.25}, {inner, w * 0.4}, {inner, w * 0.82}, {inner - 0.022, w * 0.8}},
-                28, true);
+                28, Loop::Closed);
   shape.revolve(rim, axle, {{radius * 0.16, w * 0.1}, {radius * 0.16, w * 0.62}, {0, w * 0.66}}, 12);  // hub
   constexpr int kSpokes = 7;
   for (const Point2& p : regularPolygon(kSpokes, 1)) {

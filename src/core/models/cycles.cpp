@@ -29,7 +29,7 @@ void appendMudguard(Shape& s, SurfaceIndex surface, const WheelArc& arc, double 
     rows.push_back({rim(arc.radius - 0.01, -width / 2), rim(arc.radius, 0), rim(arc.radius - 0.01, width / 2),
                     rim(arc.radius - 0.006, 0)});
   }
-  s.grid(rows, true, surface);
+  s.grid(rows, Loop::Closed, surface);
 }
 
 // Appends a tyre, a rim, a hub, and spokes that begin at the left and the right end of the hub in turn.

@@ -12,7 +12,7 @@ class FacadeMaker {
 
   // Divides the wall along the edges of all openings and adds the rectangles that are in none of them, then the
   // openings. Coordinates: u along the wall, v upwards, and the third outwards (m).
-  void make(double width, const std::vector<Opening>& openings, bool front) {
+  void make(double width, const std::vector<Opening>& openings) {
     std::vector<double> us{0, width};
     std::vector<double> vs{look_.foundation, look_.top};
     for (const Opening& o : openings) {
@@ -34,7 +34,7 @@ class FacadeMaker {
     }
     for (const Opening& o : openings) {
       reveal(o);
-      o.what == Opening::Window ? window(o, front) : door(o);
+      o.what == Opening::Window ? window(o) : door(o);
     }
   }
 
@@ -50,8 +50,8 @@ class FacadeMaker {
     s_.quad(look_.trim, {u1, v0, 0}, {u1, v1, 0}, {u1, v1, w}, {u1, v0, w});
   }
 
-  // Adds the glass of a window, its casing with bars, and on windows that are not a shop's a sill and front shutters.
-  void window(const Opening& o, bool front) {
+  // Adds the glass of a window, its casing with bars, and unless it is a shop's, a sill and shutters.
+  void window(const Opening& o) {
     const auto [u0, u1] = o.u;
     const auto [v0, v1] = o.v;
     constexpr double kFrame = 0.07;  // m, width of the casing
@@ -76,7 +76,7 @@ class FacadeMaker {
       s_.box(look_.casing, {middleU, v1 - (v1 - v0) * 0.3, w + 0.013}, {u1 - u0 - kFrame * 2, 0.04, 0.046});
       s_.box(look_.trim, {middleU, v0 - 0.02, -0.035}, {u1 - u0 + 0.12, 0.05, 0.19});
     }
-    if (look_.shutters && front && !shopWindow) {
+    if (look_.shutters && !shopWindow) {
       const double shutterWidth = (u1 - u0) / 2;
       for (const double u : {u0 - shutterWidth / 2 - 0.02, u1 + shutterWidth / 2 + 0.02}) {
         s_.box(look_.wood, {u, middleV, 0.01}, {shutterWidth, v1 - v0, 0.06});
@@ -122,10 +122,10 @@ FacadeLook facadeLook(Shape& shape, const char* wall, const char* casing) {
 }
 
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,
-               const std::vector<Opening>& openings, bool front) {
+               const std::vector<Opening>& openings) {
   const Affine outer = shape.frame;
   shape.frame = outer * wallFrame;
-  FacadeMaker(shape, look).make(width, openings, front);
+  FacadeMaker(shape, look).make(width, openings);
   shape.frame = outer;
 }
 

@@ -27,9 +27,9 @@ struct FacadeLook {
 FacadeLook facadeLook(Shape& shape, const char* wall, const char* casing);
 
 // Appends a wall with its windows and doors. `wallFrame` has x along the wall (to the right, seen from outside), y up
-// and z outwards; `width` is the length of the wall (m). Shutters are added only if `front` is set.
+// and z outwards; `width` is the length of the wall (m).
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,
-               const std::vector<Opening>& openings, bool front);
+               const std::vector<Opening>& openings);
 
 // Dimensions of a house (m).
 struct HouseMeasures {

@@ -41,7 +41,7 @@ void appendWheelieBin(Shape& s, Draw&) {
   s.grid({levelRectangle(0.03, 0.01, 0.01), levelRectangle(0.03, 0.2, 0.2), levelRectangle(0.95, 0.28, 0.27),
           levelRectangle(0.96, 0.31, 0.29), levelRectangle(1.0, 0.31, 0.29), levelRectangle(1.06, 0.22, 0.2, -0.02),
           levelRectangle(1.065, 0.01, 0.01, -0.02)},
-         true, body);
+         Loop::Closed, body);
   s.rod(body, {-0.33, -0.24, 0.98}, {-0.33, 0.24, 0.98}, 0.018, 8);
   for (const double y : {-0.23, 0.23}) s.rod(rubber, {-0.22, y - 0.03, 0.1}, {-0.22, y + 0.03, 0.1}, 0.1, 14);
   s.rod(body, {-0.22, -0.22, 0.1}, {-0.22, 0.22, 0.1}, 0.015, 6);
@@ -61,7 +61,7 @@ void appendLetterBox(Shape& s, Draw&) {
   for (const double y : {-0.15, 0.15}) s.box(paint, {0, y, 0.3}, {0.06, 0.06, 0.6 + kSunk * 2});
   const auto ring = [](double z, double half) { return levelRectangle(z, half * 0.7, half); };
   s.grid({ring(0.58, 0.01), ring(0.58, 0.3), ring(1.2, 0.3), ring(1.3, 0.25), ring(1.34, 0.15), ring(1.345, 0.01)},
-         true, paint);
+         Loop::Closed, paint);
   s.box(dark, {0.21, 0, 1.1}, {0.04, 0.4, 0.05});  // slot
   s.box(paint, {0.212, 0, 0.85}, {0.012, 0.35, 0.25});
 }
@@ -223,8 +223,8 @@ void appendBarrier(Shape& s, Draw&) {
 void appendSkip(Shape& s, Draw& draw) {
   const auto [metal, rubble] = s.surfaces("object", "painted_metal", "soil");
   const double height = draw.in(1.0, 1.4);
-  s.grid({levelRectangle(0.05, 0.01, 0.01), levelRectangle(0.05, 1, 0.75), levelRectangle(height, 1.7, 0.85)}, true,
-         metal);
+  s.grid({levelRectangle(0.05, 0.01, 0.01), levelRectangle(0.05, 1, 0.75), levelRectangle(height, 1.7, 0.85)},
+         Loop::Closed, metal);
   for (const double y : {-0.87, 0.87}) s.box(metal, {0, y, height}, {3.4, 0.06, 0.08});
   s.ball(rubble, {0, 0, height - 0.25}, {1.5, 0.75, 0.45}, 14);
 }
@@ -252,7 +252,7 @@ void appendHeap(Shape& s, Draw& draw) {
       row.push_back({r * p.x, r * p.y, ring == 0 ? -kClutterSunk : 0.55 * radius * t});
     }
   }
-  s.grid(rows, true, sand);
+  s.grid(rows, Loop::Closed, sand);
 }
 
 // Appends a garden shed: boarded walls, a gable roof whose ridge is along x, and a door.

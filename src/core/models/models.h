@@ -104,6 +104,9 @@ struct Model {
   double width() const { return bounds.high.y - bounds.low.y; }
 };
 
+// Whether the last of a row of points is joined to the first.
+enum class Loop { Open, Closed };
+
 // A mesh under construction. `frame` transforms everything that is appended. Lengths are in metres.
 class Shape {
  public:
@@ -128,22 +131,22 @@ class Shape {
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
   void rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments = 8);
   // Appends the surface of a profile of (radius, z) that rotates about the z axis. It faces to the right of the
-  // profile's direction: outwards where the profile goes upwards. `closed` joins the profile's last point to the first.
+  // profile's direction: outwards where the profile goes upwards. `loop`: of the profile.
   void revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
-               bool closed = false);
+               Loop loop = Loop::Open);
   // `thickness`: m, radius of the ring's cross section, which has `corners` corners.
   void torus(SurfaceIndex surface, const Affine& pose, double radius, double thickness, int segments, int corners = 8);
   // Appends a prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. The top has the
   // surface `front`; the sides and the bottom have the surface `rim`.
   void prism(SurfaceIndex front, SurfaceIndex rim, const Affine& pose, const std::vector<Point2>& polygon,
              double thickness);
-  // Appends quads between rows of points; all rows have the same number of points. `wrap` joins the last point of a row
-  // to its first; `surfaceAt` returns the surface of a quad. A quad with two equal corners becomes a triangle. Seen
-  // from outside, a quad is counter-clockwise and its first side leads from a point to the next point of the same row.
-  void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
+  // Appends quads between rows of points; all rows have the same number of points. `loop`: of a row; `surfaceAt`
+  // returns the surface of a quad. A quad with two equal corners becomes a triangle. Seen from outside, a quad is
+  // counter-clockwise and its first side leads from a point to the next point of the same row.
+  void grid(const std::vector<std::vector<Vec3d>>& rows, Loop loop,
             const std::function<SurfaceIndex(int row, int column)>& surfaceAt);
-  void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap, SurfaceIndex surface) {
-    grid(rows, wrap, [&](int, int) { return surface; });
+  void grid(const std::vector<std::vector<Vec3d>>& rows, Loop loop, SurfaceIndex surface) {
+    grid(rows, loop, [&](int, int) { return surface; });
   }
 
   // Adds the mesh to the scene and returns the model.

@@ -103,11 +103,11 @@ class PersonMaker {
     std::vector<std::vector<Vec3d>> rows;
     for (const BodyRing& r : rings) rows.push_back(pointsOf(r));
     const int seat = c_.coat ? 0 : 2;  // number of rows that belong to the trousers
-    s_.grid(rows, true, [&](int row, int) { return row < seat ? lower_ : upper_; });
+    s_.grid(rows, Loop::Closed, [&](int row, int) { return row < seat ? lower_ : upper_; });
     if (c_.skirt) {
       s_.grid({pointsOf({0.1, 0.12 * g, 0.165 * g, 0}), pointsOf({-0.35, 0.19, 0.22, 0}),
                pointsOf({-0.95, 0.26, 0.27, 0}), pointsOf({-0.94, 0.02, 0.02, 0})},
-              true, lower_);
+              Loop::Closed, lower_);
     }
     s_.tube(skin_, p.shoulders + up * 0.02, p.head - up * 0.05, 0.055, 0.052, 12);
   }

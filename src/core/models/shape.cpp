@@ -136,7 +136,7 @@ void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const s
     for (const Point2& p : regularPolygon(segments, radii[i])) ring.push_back(points[i] + u * p.x + v * p.y);
   }
   rows.emplace_back(segments, points.back());
-  grid(rows, true, surface);
+  grid(rows, Loop::Closed, surface);
 }
 
 void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, double radius, int segments) {
@@ -152,21 +152,21 @@ void Shape::rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double rad
 }
 
 void Shape::revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
-                    bool closed) {
+                    Loop loop) {
   std::vector<std::vector<Vec3d>> rows;
   for (const auto& [radius, z] : profile) {
     std::vector<Vec3d>& ring = rows.emplace_back();
     for (const Point2& p : regularPolygon(segments, radius)) ring.push_back(pose * Vec3d{p.x, p.y, z});
   }
-  if (closed) rows.push_back(rows.front());
-  grid(rows, true, surface);
+  if (loop == Loop::Closed) rows.push_back(rows.front());
+  grid(rows, Loop::Closed, surface);
 }
 
 void Shape::torus(SurfaceIndex surface, const Affine& pose, double radius, double thickness, int segments,
                   int corners) {
   std::vector<Point2> profile = regularPolygon(corners, thickness);
   for (Point2& p : profile) p.x += radius;
-  revolve(surface, pose, profile, segments, true);
+  revolve(surface, pose, profile, segments, Loop::Closed);
 }
 
 void Shape::prism(SurfaceIndex front, SurfaceIndex rim, const Affine& pose, const std::vector<Point2>& polygon,
@@ -181,7 +181,7 @@ void Shape::prism(SurfaceIndex front, SurfaceIndex rim, const Affine& pose, cons
   }
 }
 
-void Shape::grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
+void Shape::grid(const std::vector<std::vector<Vec3d>>& rows, Loop loop,
                  const std::function<SurfaceIndex(int, int)>& surfaceAt) {
   const int columns = static_cast<int>(rows.front().size());
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
@@ -200,7 +200,7 @@ void Shape::grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
     return first + static_cast<std::uint32_t>(row * columns + column % columns);
   };
   for (int r = 0; r + 1 < static_cast<int>(rows.size()); ++r) {
-    for (int c = 0; c < (wrap ? columns : columns - 1); ++c) {
+    for (int c = 0; c < (loop == Loop::Closed ? columns : columns - 1); ++c) {
       const SurfaceIndex surface = surfaceAt(r, c);
       const std::uint32_t opposite = vertexAt(r + 1, c + 1);
       addUnlessFlat(surface, {vertexAt(r, c), vertexAt(r, c + 1), opposite});

@@ -139,7 +139,7 @@ Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
       rows.push_back({rim(0.125, 0.28), rim(0.125, 0.48 - 0.06 * (1 - std::sin(angle))),
                       rim(0.115, 0.48 - 0.06 * (1 - std::sin(angle))), rim(0.115, 0.28)});
     }
-    s.grid(rows, true, box);
+    s.grid(rows, Loop::Closed, box);
   }
   // The signal for pedestrians, and the box with the button.
   s.box(box, {0, 0.17, z - 0.15}, {0.22, 0.18, 0.5});

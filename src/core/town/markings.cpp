@@ -117,7 +117,7 @@ void addRepair(Shape& s, models::SurfaceIndex asphalt, const Layout& l, const Ro
       row.push_back(l.onGround(spot.at, kAboveRoad));
     }
   }
-  s.grid(grid, false, asphalt);
+  s.grid(grid, models::Loop::Open, asphalt);
 }
 
 }  // namespace
