@@ -116,27 +116,28 @@ std::string resultOf(pid_t child, std::string text, std::uint64_t memory, unsign
 std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error(fmt::format("a pipe cannot be made: {}", std::strerror(errno)));
-  ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
+  const auto [readEnd, writeEnd] = pipe;
+  ::fcntl(writeEnd, F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
   const std::uint64_t parentSpace = addressSpace();
   const pid_t child = ::fork();
   if (child < 0) {
     const int reason = errno;
-    ::close(pipe[0]);
-    ::close(pipe[1]);
+    ::close(readEnd);
+    ::close(writeEnd);
     throw Error(fmt::format("a child process cannot be started: {}", std::strerror(reason)));
   }
   if (child == 0) {
-    ::close(pipe[0]);
+    ::close(readEnd);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     discardOutput();
     setLimit(RLIMIT_CORE, 0);
     setLimit(RLIMIT_AS, parentSpace + memory);
     setLimit(RLIMIT_CPU, seconds);
-    runChild(work, pipe[1]);
+    runChild(work, writeEnd);
   }
-  ::close(pipe[1]);
-  std::string text = readAll(pipe[0]);
-  ::close(pipe[0]);
+  ::close(writeEnd);
+  std::string text = readAll(readEnd);
+  ::close(readEnd);
   return resultOf(child, std::move(text), memory, seconds);
 }
 

@@ -81,7 +81,7 @@ Surfel surfelOf(const Tree& tree, const std::vector<Vec3f>& positions, std::size
   const auto neighbors = static_cast<double>(near.indices.size() - 1);
   const double area = kPi * static_cast<double>(near.squaredDistances.back()) / neighbors;
   surfel.radius = static_cast<float>(std::clamp(options.cover * std::sqrt(area / kPi), leastRadius, greatestRadius));
-  if (length(normal) > 0.5) {
+  if (length(normal) > 0.5) {  // 0 or about 1
     surfel.normal = static_cast<Vec3f>(normalized(normal));
     return surfel;
   }

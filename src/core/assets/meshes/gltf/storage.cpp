@@ -61,6 +61,7 @@ void readRange(const JsonObject& object, auto& range) {
   if (range.offset + range.length > object.model.buffers[range.buffer].length) object.fail("reaches beyond its buffer");
 }
 
+// Reads EXT_meshopt_compression of a view. Modes and filters that are not supported become its problem.
 Meshopt readMeshopt(const JsonObject& object) {
   Meshopt meshopt;
   readRange(object, meshopt);
@@ -117,6 +118,7 @@ void requireInside(const JsonObject& object, Index view, std::uint64_t offset, s
   }
 }
 
+// Reads which elements of an accessor are replaced, and by what.
 Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) {
   const JsonObject indices{object.model, object.json.at("indices"), object.pathOf("indices")};
   const JsonObject values{object.model, object.json.at("values"), object.pathOf("values")};
@@ -137,7 +139,7 @@ Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) 
   return sparse;
 }
 
-// `allowOutside`: see AssetOptions.
+// `allowOutside`: see AssetOptions. A buffer whose bytes are missing or too few has a problem.
 Buffer readBuffer(const JsonObject& object, bool allowOutside) {
   Buffer buffer{.uri = object.json.value("uri", std::string()), .length = object.length("byteLength")};
   std::uint64_t available = object.model.bin.size();
