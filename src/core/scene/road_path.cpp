@@ -295,12 +295,10 @@ std::vector<Vec3d> findRoadPath(const SurfaceHeights& heights, const Ontology& o
   std::vector<Vec3d> path = search.run();
   if (path.size() < 2) {
     const Vec3d& reached = search.nearestToGoal();
-    throw InputError(
-        trip.where,
-        fmt::format("there is no path on the surfaces of `on` from [{:.1f}, {:.1f}] to [{:.1f}, {:.1f}] with "
-                    "room for a vehicle; the nearest place that can be reached is [{:.1f}, {:.1f}]: name more "
-                    "classes, or other points",
-                    from.x, from.y, to.x, to.y, reached.x, reached.y));
+    throw InputError(trip.where, fmt::format("there is no path on the surfaces of `on` from [{:.1f}, {:.1f}] to "
+                                             "[{:.1f}, {:.1f}] with room for a vehicle; the nearest place that can be "
+                                             "reached is [{:.1f}, {:.1f}]: name more classes, or other points",
+                                             from.x, from.y, to.x, to.y, reached.x, reached.y));
   }
   for (int k = 0; k < kSmoothings; ++k) smooth(road, path);
   keepToSide(road, trip.keep, path);

@@ -119,11 +119,9 @@ std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& object) const {
     const std::string name = object.text("file");
     const std::filesystem::path path = assetPath(name, value);
     if (isFolder(path)) {
-      throw InputError(
-          value.where,
-          fmt::format(
-              "'{}' is a folder: name a file in it, or write {{one_of: {}}}, from which each copy is one at random",
-              path.string(), name));
+      throw InputError(value.where, fmt::format("'{}' is a folder: name a file in it, or write {{one_of: {}}}, from "
+                                                "which each copy is one at random",
+                                                path.string(), name));
     }
     return {{path, name}};
   }
@@ -301,9 +299,8 @@ void FileMeshes::compareSurveys(const LabelledFile& labelled, const Vec3d& posit
   }
   misfitReported_ = true;
   warn(fmt::format(
-      "{}: {} and {} have the same position, {}, so that they do not fit: merge tiles by gdalbuildvrt, "
-      "convert them to one system in metres by `gdalwarp -t_srs` or `pdal translate`, or give them positions "
-      "of their own",
+      "{}: {} and {} have the same position, {}, so that they do not fit: merge tiles by gdalbuildvrt, convert them "
+      "to one system in metres by `gdalwarp -t_srs` or `pdal translate`, or give them positions of their own",
       where.text(), first.file.string(), survey.file.string(), misfit));
 }
 

@@ -188,11 +188,9 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   for (const LabelledPart& p : parts) vertices += p.part.positions.size();
   constexpr std::uint64_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
   if (vertices > kMostVertices || parts.size() > kMostSurfaces) {
-    throw InputError(
-        where,
-        fmt::format(
-            "'{}' has {} parts (node and material) and {} vertices, but a file may have at most {} and {}: split it",
-            labelling.file, parts.size(), vertices, kMostSurfaces, kMostVertices));
+    throw InputError(where, fmt::format("'{}' has {} parts (node and material) and {} vertices, but a file may have "
+                                        "at most {} and {}: split it",
+                                        labelling.file, parts.size(), vertices, kMostSurfaces, kMostVertices));
   }
 }
 

@@ -150,10 +150,9 @@ Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& 
                      "for each seed");
   }
   if (const Value* stratified = findStratified(*objects)) {
-    throw InputError(
-        stratified->where,
-        "`stratify`: a scene does not know the splits of a dataset: leave it out; it is for the mounts and "
-        "effects of a pipeline");
+    throw InputError(stratified->where,
+                     "`stratify`: a scene does not know the splits of a dataset: leave it out; it is for the mounts "
+                     "and effects of a pipeline");
   }
   return withDraws(*objects, "objects", {.seed = seed}, draws);
 }

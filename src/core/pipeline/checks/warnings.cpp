@@ -56,8 +56,7 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
     return fmt::format("{}: some samples have no scan of it (`every_s: {:g}` gives each sample one)", text, period);
   }
   return fmt::format(
-      "{}: its revolutions overlap, as those of a real sensor cannot (`every_s: {:g}` makes one follow "
-      "the other)",
+      "{}: its revolutions overlap, as those of a real sensor cannot (`every_s: {:g}` makes one follow the other)",
       text, period);
 }
 
@@ -79,11 +78,10 @@ std::vector<std::string> effectWarnings(const Effects& effects, const MountedSen
                     effect.entry->name, sensor.name, assumed));
   }
   if (hasWeather && nearRange == kDefaultNearRange) {
-    lines.push_back(
-        fmt::format("effect weather: the sensor '{}' has the default `near_range_m: 1` in its effect intensity, "
-                    "with which particles in the first metres give many returns: the presets have 7 to 25 "
-                    "m, so set it",
-                    sensor.name));
+    lines.push_back(fmt::format(
+        "effect weather: the sensor '{}' has the default `near_range_m: 1` in its effect intensity, with which "
+        "particles in the first metres give many returns: the presets have 7 to 25 m, so set it",
+        sensor.name));
   }
   return lines;
 }
@@ -149,13 +147,12 @@ std::vector<std::string> ruleWarnings(const Scene& scene) {
   std::vector<std::string> lines;
   for (const RuleUse& rule : scene.rules) {
     if (rule.decided > 0) continue;
-    lines.push_back(
-        rule.matched == 0
-            ? fmt::format("{}: the rule for {} matches nothing: `scanmill info FILE` lists the names of a file",
-                          rule.where.text(), rule.match)
-            : fmt::format("{}: the rule for {} has no effect: earlier rules label all {} "
-                          "triangles that it matches",
-                          rule.where.text(), rule.match, rule.matched));
+    lines.push_back(rule.matched == 0 ? fmt::format("{}: the rule for {} matches nothing: `scanmill info FILE` lists "
+                                                    "the names of a file",
+                                                    rule.where.text(), rule.match)
+                                      : fmt::format("{}: the rule for {} has no effect: earlier rules label all {} "
+                                                    "triangles that it matches",
+                                                    rule.where.text(), rule.match, rule.matched));
   }
   lines = shortened(std::move(lines), scene, "rules match nothing or have no effect");
   for (const Mesh& mesh : scene.meshes) {

@@ -170,11 +170,10 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
   if (sensorEffects == nullptr) {
     throw InputError(
         sensorItem->where,
-        fmt::format(
-            "the file of the sensor '{}' has no effects: measure them with `scanmill fit-noise`, write `effects:` into "
-            "the file or beside the sensor (`effects: [intensity]`: its ranges are exact), or name effects here "
-            "(`scanmill list sensors` shows the presets with effects)",
-            sensor.name));
+        fmt::format("the file of the sensor '{}' has no effects: measure them with `scanmill fit-noise`, write "
+                    "`effects:` into the file or beside the sensor (`effects: [intensity]`: its ranges are exact), "
+                    "or name effects here (`scanmill list sensors` shows the presets with effects)",
+                    sensor.name));
   }
   checkIsList(*sensorEffects);
   std::vector<Value> expanded = withoutNone(sensorEffects->items);
@@ -196,11 +195,9 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
     } else if (change.options.kind == Value::Kind::Map) {
       *effect = withKeysOf(readNamed(*effect, "an effect"), change);
     } else if (change.options.kind != Value::Kind::Null) {
-      throw InputError(
-          change.options.where,
-          fmt::format(
-              "effect {}: give a map of the keys to change, or `none` to leave out the effect of the sensor's file",
-              change.name));
+      throw InputError(change.options.where, fmt::format("effect {}: give a map of the keys to change, or `none` to "
+                                                         "leave out the effect of the sensor's file",
+                                                         change.name));
     }
   }
   return expanded;

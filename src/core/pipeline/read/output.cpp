@@ -33,11 +33,9 @@ VoxelGrid readVoxelGrid(const Value& value) {
     }
     const double count = std::round(lengths[axis] / grid.size);
     if (count < 1 || std::abs(count * grid.size - lengths[axis]) > kRounding * grid.size * count) {
-      throw InputError(
-          value.where,
-          fmt::format(
-              "voxels: the {:g} m along {} are not a whole number of voxels of {:g} m: change `from`, `to` or `size`",
-              lengths[axis], "xyz"[axis], grid.size));
+      throw InputError(value.where, fmt::format("voxels: the {:g} m along {} are not a whole number of voxels of {:g} "
+                                                "m: change `from`, `to` or `size`",
+                                                lengths[axis], "xyz"[axis], grid.size));
     }
     voxelCount *= count;
     constexpr double kMostVoxels = 64e6;

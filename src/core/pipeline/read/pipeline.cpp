@@ -133,9 +133,8 @@ void checkRays(const Pipeline& pipeline, std::uint64_t frameCount, double perFra
   if (rays <= pipeline.maxRays) return;
   throw InputError(
       {pipeline.file.string()},
-      fmt::format("{}{} frames x {:.0f} {} = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million "
-                  "rays a second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the "
-                  "limit",
+      fmt::format("{}{} frames x {:.0f} {} = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million rays a "
+                  "second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the limit",
                   atLeast, frameCount, perFrame, unit, rays, pipeline.maxRays, rays / kTypicalRaysPerSecond / 3600));
 }
 

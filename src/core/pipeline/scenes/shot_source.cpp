@@ -29,11 +29,9 @@ std::vector<Vec3d> pathOfTrip(const Scene& scene, const RandomPath& drive) {
   const double length = Path(points).length();
   if (length >= drive.length) return points;
   const double missing = std::ceil((drive.length - length) / drive.perFrame);
-  throw InputError(
-      drive.trip->where,
-      fmt::format("the path from `from` to `to` is {:.1f} m long, but {:.1f} m are needed: take {:.0f} frames "
-                  "less, or a lower speed",
-                  length, drive.length, missing));
+  throw InputError(drive.trip->where, fmt::format("the path from `from` to `to` is {:.1f} m long, but {:.1f} m are "
+                                                  "needed: take {:.0f} frames less, or a lower speed",
+                                                  length, drive.length, missing));
 }
 
 // Returns the trajectory with its random path, if the trajectory has one, and with its poses moved onto the ground, if
