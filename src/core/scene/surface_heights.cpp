@@ -175,8 +175,8 @@ SurfaceHeights::Area SurfaceHeights::area(const std::vector<std::uint16_t>& clas
                     [&](std::uint32_t instance, std::uint32_t triangle, const std::array<Vec3d, 3>& corners) {
                       const bool mirrored = determinant(scene_.instances[instance].worldFromMesh.linear) < 0;
                       const Vec3d normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
-                      const double squareMetres =
-                          normal.z / 2 * (mirrored ? -1 : 1);  // as seen from above; negative: it faces down
+                      // As seen from above; negative if the triangle faces down.
+                      const double squareMetres = normal.z / 2 * (mirrored ? -1 : 1);
                       if (std::fabs(squareMetres) < kVertical * length(normal)) return;
                       add(facingUp, {instance, triangle}, squareMetres);
                       add(allFacets, {instance, triangle}, std::fabs(squareMetres));

@@ -194,6 +194,8 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
     throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects, but {}", meshCount,
                                         placedMeshes_, Placement::mostCopiesText()));
   }
+  // A single copy has the name of the object, further ones NAME#1, NAME#2 and so on; meshes that the asset's file
+  // places several times are called NAME/NODE 1 or NAME#1/NODE 1.
   std::uint64_t number = 0;
   for (const auto& [worldFromAsset, variant, copyNumber] : arranged) {
     for (std::size_t m = 0; m < perCopy; ++m) {
