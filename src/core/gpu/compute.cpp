@@ -36,12 +36,12 @@ struct ComputeContext {
     }
   }
 
-  ComputeContext(ComputeErrorWords errorWords, const ComputeLimits& most) : words(std::move(errorWords)) {
+  ComputeContext(ComputeErrorWords errorWords, const ComputeLimits& extraLimits) : words(std::move(errorWords)) {
     backend = withErrorWords([] { return moduleOf<ComputeModule>().open(namedDevice()); });
     name = backend->name();
     limits = backend->limits();
-    limits.bufferBytes = std::min(limits.bufferBytes, most.bufferBytes);
-    limits.tableTexels = std::min(limits.tableTexels, most.tableTexels);
+    limits.bufferBytes = std::min(limits.bufferBytes, extraLimits.bufferBytes);
+    limits.tableTexels = std::min(limits.tableTexels, extraLimits.tableTexels);
   }
 
   ComputeErrorWords words;
@@ -69,8 +69,8 @@ std::uint64_t texelBytes(ComputeTable::Texel texel) {
   return kBytes[static_cast<std::size_t>(texel)];
 }
 
-ComputeDevice::ComputeDevice(ComputeErrorWords words, const ComputeLimits& most)
-    : context_(std::make_shared<ComputeContext>(std::move(words), most)) {}
+ComputeDevice::ComputeDevice(ComputeErrorWords words, const ComputeLimits& extraLimits)
+    : context_(std::make_shared<ComputeContext>(std::move(words), extraLimits)) {}
 
 const std::string& ComputeDevice::name() const {
   return context_->name;

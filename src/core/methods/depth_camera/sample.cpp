@@ -207,15 +207,15 @@ class Sampler {
   // Fills `hits`, except `needsRound`, for the batch's beams from `first` on, which are those of the block.
   void measureBlock(const Batch& batch, std::size_t first, const BeamBlock& block, ImageHits& hits) const {
     const BlockPixels pixels{&batch.u[first], &batch.v[first], &planes_, first};
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < block.count; i = next) {  // once for each run of successive beams in the same image
-      const std::uint8_t view = batch.view[first + i];
-      for (next = i + 1; next < block.count && batch.view[first + next] == view; ++next) continue;
+    std::size_t end = 0;
+    for (std::size_t begin = 0; begin < block.count; begin = end) {  // for each run of beams in the same image
+      const std::uint8_t view = batch.view[first + begin];
+      for (end = begin + 1; end < block.count && batch.view[first + end] == view; ++end) continue;
       if (view == kNoView) {
-        std::fill(hits.range + i, hits.range + next, INFINITY);
-        std::fill(hits.cosine + i, hits.cosine + next, 0.0);
+        std::fill(hits.range + begin, hits.range + end, INFINITY);
+        std::fill(hits.cosine + begin, hits.cosine + end, 0.0);
       } else {
-        measure(options_, views_[view], rigFromWorld_, pixels, i, next, block, hits);
+        measure(options_, views_[view], rigFromWorld_, pixels, begin, end, block, hits);
       }
     }
   }

@@ -56,7 +56,7 @@ void BrickMaker::addListings(const BrickFrame& frame, std::uint32_t triangle) {
         const Vec3d gap{larger(box.low.x - p.x, p.x - box.high.x, 0), larger(box.low.y - p.y, p.y - box.high.y, 0),
                         larger(box.low.z - p.z, p.z - box.high.z, 0)};
         if (dot(gap, gap) > distance2_[corner] + double{kMargin}) continue;
-        const Facet<float>& facet = cache_.of(world_.baked, triangle, frame);
+        const Facet<float>& facet = cache_.facetOf(world_.baked, triangle, frame);
         distance2_[corner] =
             std::min(distance2_[corner],
                      facet.distance2(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)));
@@ -84,7 +84,7 @@ void BrickMaker::sortListings() {
 NearestFacet BrickMaker::search(const BrickFrame& frame, const Vec3f& point, float reach) {
   NearestFacet nearest{(reach + kMargin) * (reach + kMargin), kNoTriangle};
   if (guess_ != kNoTriangle) {
-    const float distance2 = cache_.of(world_.baked, guess_, frame).distance2(point.x, point.y, point.z);
+    const float distance2 = cache_.facetOf(world_.baked, guess_, frame).distance2(point.x, point.y, point.z);
     if (distance2 <= nearest.distance2) nearest = {distance2, guess_};
   }
   nearest = nearestFacet(world_, frame, point, nearest, cache_);
@@ -104,7 +104,7 @@ bool BrickMaker::makeBlock(const BrickFrame& frame, int block) {
   // The search radius is the largest distance from a corner to the triangle that is nearest to the block's centre: no
   // corner's nearest triangle is farther away. With lists it is at least kListRadius. It is at most kExactLimit.
   const Points& p = brick::kBlockCorners[block];
-  const Facet<float> facet = cache_.of(world_.baked, nearest.triangle, frame);
+  const Facet<float> facet = cache_.facetOf(world_.baked, nearest.triangle, frame);
   float farthest2 = lists_ ? brick::kListRadius * brick::kListRadius : 0.0f;
   alignas(64) Lanes distance2;
   for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
@@ -115,7 +115,7 @@ bool BrickMaker::makeBlock(const BrickFrame& frame, int block) {
   sortTriangles();
   candidates_.clear();
   candidateTriangles_ = triangles_;
-  for (const std::uint32_t t : triangles_) candidates_.push_back(cache_.of(world_.baked, t, frame));
+  for (const std::uint32_t t : triangles_) candidates_.push_back(cache_.facetOf(world_.baked, t, frame));
   fillBlock(frame, block);
   return true;
 }

@@ -173,7 +173,7 @@ class Builder {
   // Returns the triangle nearest to a brick's centre. `guess`: any triangle, best a near one.
   NearestFacet nearestToCentre(const BrickFrame& frame, std::uint32_t guess, FacetCache& facets) const {
     facets.startBrick();
-    const float distance2 = facets.of(world_.baked, guess, frame).distance2(0, 0, 0);
+    const float distance2 = facets.facetOf(world_.baked, guess, frame).distance2(0, 0, 0);
     return nearestFacet(world_, frame, {}, {distance2, guess}, facets);
   }
 

@@ -97,7 +97,7 @@ bool visitNearest(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<PointSearch*>(arguments->userPtr);
   const std::uint32_t triangle = search.block.indexOf(arguments->geomID, arguments->primID);
   if (!search.ball.overlaps(search.block, triangle)) return false;
-  const Facet<float>& facet = search.facets.of(search.block, triangle, search.frame);
+  const Facet<float>& facet = search.facets.facetOf(search.block, triangle, search.frame);
   const float distance2 = facet.distance2(search.point.x, search.point.y, search.point.z);
   NearestFacet& nearest = search.nearest;
   if (distance2 > nearest.distance2) return false;

@@ -37,7 +37,7 @@ struct NearestFacet {
 class FacetCache {
  public:
   void startBrick() { ++brick_; }
-  const Facet<float>& of(const TriangleBlock& block, std::uint32_t triangle, const BrickFrame& frame) {
+  const Facet<float>& facetOf(const TriangleBlock& block, std::uint32_t triangle, const BrickFrame& frame) {
     if (slots_.empty()) slots_.resize(kSlots);
     Slot& slot = slots_[triangle * 0x9E3779B1u >> 22];  // a multiplicative hash, of which 10 bits are used
     if (slot.triangle != triangle || slot.brick != brick_) {

@@ -94,8 +94,8 @@ class MaterialTables {
     const std::size_t first = tables_.texels.size();
     const std::size_t count = std::size_t{texture.width} * texture.height;
     tables_.texels.resize(first + count);
-    parallelFor(count, kTableGrain, [&](std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) {
+    parallelFor(count, kTableGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
         const std::uint8_t* texel = &texture.rgba[4 * i];
         tables_.texels[first + i] = bits(base.texture != nullptr ? base.ofTexel(texel) : base.reflectance) |
                                     (hasHoles && letsPass(material, texel) ? kLetsPass : 0u);
@@ -123,8 +123,8 @@ TexturedTriangle texturedTriangle(const TriangleBlock& block, std::uint32_t tria
 // Fills LabelTables::records and LabelTables::textured. The tables must have the materials already.
 void addTriangles(const TriangleBlock& block, LabelTables& tables) {
   tables.records.resize(block.triangles.size());
-  parallelFor(block.triangles.size(), kTableGrain, [&](std::size_t from, std::size_t to) {
-    for (std::size_t t = from; t < to; ++t) {
+  parallelFor(block.triangles.size(), kTableGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
       const BlockTriangle& triangle = block.triangles[t];
       const HitSurface& surface = block.surfaces[triangle.surface];
       tables.records[t] = {
@@ -181,7 +181,7 @@ ComputeTable DeviceResolver::table(std::size_t binding) const {
 
 void DeviceResolver::copyHits(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
                               std::vector<UnresolvedRay>& unresolved) {
-  const ColumnOffsets offsets(hits.channels, piece.all);
+  const ColumnOffsets offsets(hits.channels, piece.totalRays);
   std::mutex mutex;  // guards `unresolved`
   const std::size_t before = unresolved.size();
   parallelFor(piece.count, kTableGrain, [&](std::size_t begin, std::size_t end) {
@@ -190,7 +190,7 @@ void DeviceResolver::copyHits(std::span<const std::byte> columns, const Piece& p
     const auto copy = [&]<class T>(std::size_t offset, std::vector<T>& channel) {
       constexpr std::size_t kWords = sizeof(T) / 4;
       if (channel.empty()) return;
-      std::memcpy(&channel[begin], columns.data() + 4 * (offset + kWords * (piece.from + begin)),
+      std::memcpy(&channel[begin], columns.data() + 4 * (offset + kWords * (piece.firstRay + begin)),
                   sizeof(T) * (end - begin));
     };
     copy(0, hits.range);
@@ -202,7 +202,7 @@ void DeviceResolver::copyHits(std::span<const std::byte> columns, const Piece& p
     if (!hits.semantic.empty() || !hits.material.empty()) {
       for (std::size_t i = begin; i < end; ++i) {
         std::uint32_t label;  // class | material << 16
-        std::memcpy(&label, columns.data() + 4 * (offsets.label + piece.from + i), sizeof label);
+        std::memcpy(&label, columns.data() + 4 * (offsets.label + piece.firstRay + i), sizeof label);
         if (!hits.semantic.empty()) hits.semantic[i] = static_cast<std::uint16_t>(label);
         if (!hits.material.empty()) hits.material[i] = static_cast<std::uint16_t>(label >> 16);
       }

@@ -91,10 +91,10 @@ class DeviceResolver {
   static constexpr std::size_t kTables = 4;
   ComputeTable table(std::size_t binding) const;
 
-  // Consecutive rays [from, from + count) in columns().
+  // Consecutive rays in columns().
   struct Piece {
-    std::size_t all;  // number of all rays in columns()
-    std::size_t from;
+    std::size_t totalRays;  // number of all rays in columns()
+    std::size_t firstRay;
     std::size_t count;
   };
   // Copies a piece's results to the channels that `hits` has, and adds the rays that are neither hits nor misses to

@@ -82,7 +82,7 @@ void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay
   clock.add("upload", work.upload);
   clock.add("march", timer.seconds() - work.upload);
   const StageTimer copying(clock, "read_back", StageTimer::Kind::Wall);
-  DeviceResolver::copyHits(columns, {submitted.batch->rays, submitted.from, work.rays()}, hits, unresolved);
+  DeviceResolver::copyHits(columns, {submitted.batch->rays, submitted.firstRay, work.rays()}, hits, unresolved);
 }
 
 // Submits the works of a batch, all in the same field, and starts the copy of their hits: see ShotQueue::Dispatch.

@@ -45,7 +45,7 @@ class ShotQueue {
 
   struct Submitted {
     std::shared_ptr<Batch> batch;
-    std::size_t from = 0;  // index of the work's first ray in the batch
+    std::size_t firstRay = 0;  // index of the work's first ray in the batch
   };
   // Returns after this or another thread has submitted the work. Rethrows the exception if that fails.
   Submitted submit(const Work& work) {

@@ -101,36 +101,36 @@ void filterPacket(const RTCFilterFunctionNArguments* arguments, TieContext& cont
   auto* ray = reinterpret_cast<float*>(arguments->ray);
   const auto* hit = reinterpret_cast<const float*>(arguments->hit);
   const std::uint32_t firstLane = reinterpret_cast<const std::uint32_t*>(ray)[kId * N];
-  // The values of kWidth lanes, from lane `from` of the packet on.
-  const auto valid = [&](int from) -> Ints& { return *reinterpret_cast<Ints*>(arguments->valid + from); };
-  const auto far = [&](int from) -> Floats& { return *reinterpret_cast<Floats*>(ray + kFar * N + from); };
-  const auto nearestSoFar = [&](int from) -> Floats& {
-    return *reinterpret_cast<Floats*>(context.distance + firstLane + from);
+  // The values of kWidth lanes, from a lane of the packet on.
+  const auto valid = [&](int lane) -> Ints& { return *reinterpret_cast<Ints*>(arguments->valid + lane); };
+  const auto far = [&](int lane) -> Floats& { return *reinterpret_cast<Floats*>(ray + kFar * N + lane); };
+  const auto nearestSoFar = [&](int lane) -> Floats& {
+    return *reinterpret_cast<Floats*>(context.distance + firstLane + lane);
   };
 
   Ints tieCandidates = valid(0) & 0;
-  for (int from = 0; from < N; from += kWidth) {
-    const Floats margin = far(from) * kReach + context.floor;
-    const Floats ahead = nearestSoFar(from) - far(from);
-    tieCandidates |= valid(from) & (ahead <= margin) & (-ahead <= margin);
+  for (int lane = 0; lane < N; lane += kWidth) {
+    const Floats margin = far(lane) * kReach + context.floor;
+    const Floats ahead = nearestSoFar(lane) - far(lane);
+    tieCandidates |= valid(lane) & (ahead <= margin) & (-ahead <= margin);
   }
   int anyTie = 0;
   for (int i = 0; i < kWidth; ++i) anyTie |= tieCandidates[i];
   if (anyTie != 0) return filterLanes(arguments, context);
-  for (int from = 0; from < N; from += kWidth) {
-    const Floats distance = far(from);
+  for (int lane = 0; lane < N; lane += kWidth) {
+    const Floats distance = far(lane);
     const Floats margin = distance * kReach + context.floor;
-    const Ints accepted = valid(from) & (nearestSoFar(from) > distance);
-    nearestSoFar(from) = accepted ? distance : nearestSoFar(from);
+    const Ints accepted = valid(lane) & (nearestSoFar(lane) > distance);
+    nearestSoFar(lane) = accepted ? distance : nearestSoFar(lane);
     const auto update = [&](std::uint32_t* column, int field) {
-      auto& ids = *reinterpret_cast<Ints*>(column + firstLane + from);
-      ids = accepted ? *reinterpret_cast<const Ints*>(hit + field * N + from) : ids;
+      auto& ids = *reinterpret_cast<Ints*>(column + firstLane + lane);
+      ids = accepted ? *reinterpret_cast<const Ints*>(hit + field * N + lane) : ids;
     };
     update(context.geometry, kGeometry);
     update(context.primitive, kPrimitive);
     update(context.instance, kInstance);
-    far(from) = accepted ? distance + margin : distance;
-    valid(from) = accepted;
+    far(lane) = accepted ? distance + margin : distance;
+    valid(lane) = accepted;
   }
 }
 

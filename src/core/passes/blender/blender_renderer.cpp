@@ -81,7 +81,7 @@ class ExactDepth {
 
   // Returns the depth (m) of the triangle's plane at a pixel's centre; or `visible.depth`, which is Blender's, if the
   // two differ by more than the fraction kPlaneShare of Blender's, as for a triangle seen edge-on.
-  float at(std::size_t column, std::size_t row, const VisibleTriangle& visible) const {
+  float depthAt(std::size_t column, std::size_t row, const VisibleTriangle& visible) const {
     const Affine& cameraFromMesh = cameraFromMesh_[visible.instance - 1];
     const Mesh& mesh = scene_.meshes[scene_.instances[visible.instance - 1].mesh];
     const Triangle& corners = mesh.triangles.at(visible.triangle);
@@ -227,7 +227,7 @@ class BlenderRenderer : public PassRenderer {
           const BlenderObject& object = objects_.at(pixel.object() - 1);
           VisibleTriangle& visible = triangles[row * camera.width + column];
           visible = {pixel.depth, object.instance, object.firstTriangle + static_cast<std::uint32_t>(pixel.triangle)};
-          visible.depth = std::clamp(exact.at(column, row, visible), nearest, farthest);
+          visible.depth = std::clamp(exact.depthAt(column, row, visible), nearest, farthest);
         }
       }
     });

@@ -182,7 +182,9 @@ class PassReader {
     bool areFloats = false;
     std::vector<std::uint32_t> words;
 
-    double at(std::size_t pixel) const { return areFloats ? double{std::bit_cast<float>(words[pixel])} : words[pixel]; }
+    double idAt(std::size_t pixel) const {
+      return areFloats ? double{std::bit_cast<float>(words[pixel])} : words[pixel];
+    }
   };
 
   [[noreturn]] void refuse(const std::string& channel, const std::string& why) const {
@@ -325,14 +327,14 @@ class PassReader {
     if (raw.areFloats) largest = std::min(largest, kFloatIds - 1);
     Id* const ids = plane.data();
     const std::size_t bad = convertPixels([&](std::size_t i) {
-      const double value = raw.at(i);
+      const double value = raw.idAt(i);
       const bool valid = value >= 0 && value <= largest && value == std::floor(value);
       ids[i] = valid && showsSurface(i) ? static_cast<Id>(value) : Id{0};
       return valid;
     });
     if (bad < file_.pixels()) {
       refusePixel(raw.channel, bad,
-                  fmt::format("an id of {:g}: it must be a whole number from 0 to {:.0f}{}", raw.at(bad), largest,
+                  fmt::format("an id of {:g}: it must be a whole number from 0 to {:.0f}{}", raw.idAt(bad), largest,
                               raw.areFloats ? " (write ids as UINT, without filter and antialiasing)" : ""));
     }
   }

@@ -53,7 +53,7 @@ std::vector<QueueOutcome> giveAll(const std::vector<Piece>& pieces, std::uint64_
       try {
         const Queue::Submitted made = queue.submit(pieces[i]);
         EXPECT_EQ(made.batch->hits.wait().size(), 4096u);
-        outcomes[i] = {made.from, made.batch->rays, ""};
+        outcomes[i] = {made.firstRay, made.batch->rays, ""};
       } catch (const Error& error) {
         outcomes[i].failure = error.what();
       }

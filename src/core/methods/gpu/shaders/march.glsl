@@ -35,8 +35,8 @@ void record(uint i, float travelled, uint triangle, uint outcome) {
 
 // Returns the level at a point of the field, whose largest absolute coordinate is compared by its bits.
 int levelAt(vec3 q) {
-  precise float most = max(abs(q.x), max(abs(q.y), abs(q.z)));
-  precise float share = most * perReach;
+  precise float largest = max(abs(q.x), max(abs(q.y), abs(q.z)));
+  precise float share = largest * perReach;
   return min(max((int(floatBitsToUint(share) - 1u) >> 23) - 126, 0), lastLevel);
 }
 
@@ -59,6 +59,6 @@ struct Chord {
 Chord chordOf(float radius, float chordFactor, vec3 r, vec3 d) {
   precise float square = dotted(r, r);
   precise float along = dotted(r, d);
-  precise float most = radius - (square - along * along) * chordFactor;
-  return Chord(square, along, most);
+  precise float across = radius - (square - along * along) * chordFactor;
+  return Chord(square, along, across);
 }

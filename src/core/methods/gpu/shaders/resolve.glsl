@@ -37,10 +37,10 @@ void finish(uint ray, uint outcome, dvec3 o, dvec3 d) {
     return;
   }
   bool certain = true;
-  bool left = coversScene == 0u && leftField(o, d, certain);
+  bool hasLeftField = coversScene == 0u && leftField(o, d, certain);
   if (!certain) {
     putUnresolved(ray, kRounding);
-  } else if (left) {
+  } else if (hasLeftField) {
     putUnresolvedMiss(ray, kLeftField);
   } else {
     miss(ray);

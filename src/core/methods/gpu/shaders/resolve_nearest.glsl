@@ -22,9 +22,9 @@ bool fieldFrame(dvec3 point, out vec3 q) {
 }
 
 int levelAt(vec3 q) {
-  float most = max(abs(q.x), max(abs(q.y), abs(q.z)));
+  float largest = max(abs(q.x), max(abs(q.y), abs(q.z)));
   int level = 0;
-  for (float within = reach; level < lastLevel && most > within; within *= 2.0) ++level;
+  for (float within = reach; level < lastLevel && largest > within; within *= 2.0) ++level;
   return level;
 }
 
