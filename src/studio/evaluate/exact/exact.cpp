@@ -332,6 +332,7 @@ class ExactTracer::Impl {
         [&] { return build(origin, radius); });
   }
 
+  // Builds the world with this origin. `radius`: see ExactWorld::radius.
   std::shared_ptr<const ExactWorld> build(const Vec3d& origin, double radius) const {
     auto built = std::make_shared<ExactWorld>();
     World& world = built->world;

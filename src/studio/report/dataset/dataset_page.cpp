@@ -62,6 +62,7 @@ class DatasetPage {
   }
 
  private:
+  // Sets the values that stand once on the page.
   void facts() {
     const std::string& folder = report_.folder;
     std::uint64_t bytes = 0;
@@ -127,6 +128,7 @@ class DatasetPage {
     }
   }
 
+  // Adds the pictures of scans and the images of reasons as PNG files in base64.
   void pictures() {
     for (const PicturedScan& scan : report_.pictured) {
       for (const auto& [color, png] : scan.pictures) {
@@ -213,6 +215,7 @@ class DatasetPage {
     }
   }
 
+  // Adds a row for each sensor of the manifest. Angles are in degrees; mounts are spans over all samples.
   void sensors() {
     for (std::size_t i = 0; i < manifest_.sensors.size(); ++i) {
       const SensorRecord& sensor = manifest_.sensors[i];

@@ -133,6 +133,7 @@ class SummaryMaker {
     return sum_.sequences[index->second];
   }
 
+  // Adds the figures that the manifest states for one scan.
   void addRecord(const SampleRecord& sample, const ScanRecord& scan) {
     const std::string title = fmt::format("{}, {}", sample.key, scan.sensor);
     ++sum_.scans;
@@ -157,6 +158,7 @@ class SummaryMaker {
     pointsOfSensor_[scan.sensor].push_back(scan.points);
   }
 
+  // Lists scans with few points for their sensor. addRecord() must have been called for all scans.
   void findScansOfFewPoints() {
     std::map<std::string, double> medians;
     for (const SensorSummary& s : sum_.sensors) medians[s.name] = medianOf(pointsOfSensor_[s.name]);
@@ -170,6 +172,7 @@ class SummaryMaker {
     }
   }
 
+  // Adds the counts of one scan that was read.
   void addScan(const ScanIndex& index, const ScanCounts& counts) {
     const SampleRecord& sample = manifest_.samples[index.sample];
     SensorSummary& sensor = entryNamed(sum_.sensors, sample.scans[index.scan].sensor);
