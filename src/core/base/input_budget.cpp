@@ -27,7 +27,7 @@ constexpr double kMostSeconds = 600;
 
 std::atomic<double> factor{1};
 
-thread_local FilesRead* innermost = nullptr;
+thread_local FilesRead* innermostFiles = nullptr;
 
 std::filesystem::path cleanPath(const std::filesystem::path& file) {
   return std::filesystem::absolute(file).lexically_normal();
@@ -136,12 +136,12 @@ InputLimitFactor::~InputLimitFactor() {
   factor = previous_;
 }
 
-FilesRead::FilesRead() : outer_(innermost) {
-  innermost = this;
+FilesRead::FilesRead() : outer_(innermostFiles) {
+  innermostFiles = this;
 }
 
 FilesRead::~FilesRead() {
-  innermost = outer_;
+  innermostFiles = outer_;
 }
 
 std::map<std::filesystem::path, std::string> FilesRead::hashes() const {
@@ -154,11 +154,11 @@ std::map<std::filesystem::path, std::string> FilesRead::hashes() const {
 }
 
 void recordFile(const std::filesystem::path& file) {
-  if (innermost != nullptr) innermost->hashes_.try_emplace(cleanPath(file));
+  if (innermostFiles != nullptr) innermostFiles->hashes_.try_emplace(cleanPath(file));
 }
 
 void recordFile(const std::filesystem::path& file, std::string_view bytes) {
-  if (innermost != nullptr) innermost->hashes_[cleanPath(file)] = xxh3(bytes);
+  if (innermostFiles != nullptr) innermostFiles->hashes_[cleanPath(file)] = xxh3(bytes);
 }
 
 }  // namespace scanmill

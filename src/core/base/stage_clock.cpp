@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-thread_local StageTimer* innermost = nullptr;
+thread_local StageTimer* innermostTimer = nullptr;
 
 double secondsOfClock(clockid_t clock) {
   timespec now{};
@@ -45,30 +45,30 @@ StageSeconds StageClock::seconds() const {
 }
 
 StageTimer::StageTimer(StageClock& clock, const char* stage, Kind kind)
-    : clock_(clock), stage_(stage), kind_(kind), outer_(std::exchange(innermost, this)), start_(threadSeconds()) {}
+    : clock_(clock), stage_(stage), kind_(kind), outer_(std::exchange(innermostTimer, this)), start_(threadSeconds()) {}
 
 StageTimer::~StageTimer() {
   const std::int64_t otherThreads = otherThreads_;
-  innermost = outer_;
+  innermostTimer = outer_;
   if (outer_ != nullptr) outer_->otherThreads_ += otherThreads;
   clock_.add(stage_, kind_ == Kind::Wall ? wall_.seconds()
                                          : threadSeconds() - start_ + 1e-9 * static_cast<double>(otherThreads));
 }
 
 StageTimer* StageTimer::current() {
-  return innermost;
+  return innermostTimer;
 }
 
-StageTask::StageTask(StageTimer* timer) : timer_(timer == innermost ? nullptr : timer), previous_(innermost) {
+StageTask::StageTask(StageTimer* timer) : timer_(timer == innermostTimer ? nullptr : timer), previous_(innermostTimer) {
   if (timer_ == nullptr) return;
-  innermost = timer_;
+  innermostTimer = timer_;
   start_ = threadSeconds();
 }
 
 StageTask::~StageTask() {
   if (timer_ == nullptr) return;
   const std::int64_t taken = std::llround((threadSeconds() - start_) * 1e9);
-  innermost = previous_;
+  innermostTimer = previous_;
   timer_->otherThreads_ += taken;
   if (previous_ != nullptr) previous_->otherThreads_ -= taken;
 }

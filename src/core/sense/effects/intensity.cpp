@@ -271,18 +271,18 @@ class Intensity : public Effect {
     const auto lobesOfRow = [&](std::size_t i) { return table[std::min<std::uint32_t>(material[i], noMaterial)]; };
     // Neighbouring rays often hit the same material. For such a group the first loop over k, which is vectorised, is
     // enough; for other groups the second loop replaces its results.
-    constexpr std::size_t kGroup = 16;
+    constexpr std::size_t kRowGroup = 16;
     std::size_t i = 0;
-    for (; i + kGroup <= count; i += kGroup) {
+    for (; i + kRowGroup <= count; i += kRowGroup) {
       std::uint32_t differences = 0;  // bits in which a material's index differs from the first row's
-      for (std::size_t k = 0; k < kGroup; ++k) differences |= material[i + k] ^ material[i];
-      std::array<float, kGroup> group;
+      for (std::size_t k = 0; k < kRowGroup; ++k) differences |= material[i + k] ^ material[i];
+      std::array<float, kRowGroup> group;
       const Lobes lobe = lobesOfRow(i);
-      for (std::size_t k = 0; k < kGroup; ++k) group[k] = reflected(lobe, incidence[i + k], reflectance[i + k]);
-      for (std::size_t k = 0; k < kGroup && differences != 0; ++k) {
+      for (std::size_t k = 0; k < kRowGroup; ++k) group[k] = reflected(lobe, incidence[i + k], reflectance[i + k]);
+      for (std::size_t k = 0; k < kRowGroup && differences != 0; ++k) {
         group[k] = reflected(lobesOfRow(i + k), incidence[i + k], reflectance[i + k]);
       }
-      std::copy_n(group.begin(), kGroup, power + i);
+      std::copy_n(group.begin(), kRowGroup, power + i);
     }
     for (; i < count; ++i) power[i] = reflected(lobesOfRow(i), incidence[i], reflectance[i]);
   }
