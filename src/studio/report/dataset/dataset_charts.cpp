@@ -185,34 +185,36 @@ Chart intensitiesChart(const DatasetSummary& summary) {
 // they are many.
 Chart scanPointsChart(const Manifest& manifest) {
   constexpr std::size_t kMostMarks = 400;  // of a line
+  constexpr std::size_t kMostDots = 80;    // a line with more marks has no dots
   const std::size_t samplesPerMark = (manifest.samples.size() + kMostMarks - 1) / kMostMarks;
   Chart chart{.name = "scan_points",
               .title = "Points a scan",
               .note = samplesPerMark > 1
                           ? fmt::format("in the order of the samples; the mean of {} each", samplesPerMark)
-                          : "in the order of the samples"};
-  chart.x = {.title = "sample"};
-  chart.y = {.title = "points", .low = 0};
+                          : "in the order of the samples",
+              .x = {.title = "sample"},
+              .y = {.title = "points", .low = 0},
+              .width = kWholeWidth,
+              .height = 300};
   for (std::size_t s = 0; s < manifest.sensors.size(); ++s) {
-    ChartSeries line{.name = manifest.sensors[s].name, .color = s, .mark = ChartMark::LineAndDots};
-    if (manifest.samples.size() > 80) line.mark = ChartMark::Line;
+    ChartSeries line{.name = manifest.sensors[s].name,
+                     .color = s,
+                     .mark = manifest.samples.size() > kMostDots ? ChartMark::Line : ChartMark::LineAndDots};
     for (std::size_t first = 0; first < manifest.samples.size(); first += samplesPerMark) {
-      const std::size_t last = std::min(first + samplesPerMark, manifest.samples.size());
+      const std::size_t end = std::min(first + samplesPerMark, manifest.samples.size());
       std::uint64_t points = 0, scans = 0;
-      for (std::size_t i = first; i < last; ++i) {
+      for (std::size_t i = first; i < end; ++i) {
         for (const ScanRecord& scan : manifest.samples[i].scans) {
           if (scan.sensor != manifest.sensors[s].name) continue;
           points += scan.points;
           ++scans;
         }
       }
-      line.add({static_cast<double>(first), scans == 0 ? NAN : shareOf(points, scans)},
+      line.add({static_cast<double>(first), shareOf(points, scans, NAN)},
                fmt::format("{}: {}", manifest.samples[first].key, points));
     }
     chart.series.push_back(std::move(line));
   }
-  chart.width = kWholeWidth;
-  chart.height = 300;
   return chart;
 }
 

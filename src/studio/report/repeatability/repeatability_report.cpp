@@ -108,12 +108,14 @@ Chart fitnessChart(const Repeatability& result, std::size_t method, FitnessKind 
   return chart;
 }
 
+// Returns a chart of the method's views: the number of points with the reference noise, over the distance.
 Chart pointsChart(const Repeatability& result, std::size_t method) {
-  Chart chart{.name = "points", .title = "Points against distance"};
-  chart.note = fmt::format("Within {:g} m of the object's box; noise {}. Points fall as 1 / distance².", result.margin,
-                           result.levels[result.reference]);
-  chart.x = logAxis("distance to the object (m)");
-  chart.y = logAxis("points of a scan");
+  Chart chart{.name = "points",
+              .title = "Points against distance",
+              .note = fmt::format("Within {:g} m of the object's box; noise {}. Points fall as 1 / distance².",
+                                  result.margin, result.levels[result.reference]),
+              .x = logAxis("distance to the object (m)"),
+              .y = logAxis("points of a scan")};
   for (const RepeatedView& view : result.views) {
     if (view.method != method) continue;
     ChartSeries series = line(view.name, chart.series.size());
