@@ -30,6 +30,7 @@ std::string description(const Value& value) {
   return quotedForMessage(value.text);
 }
 
+// Throws an InputError that says what the value must be and what it is. `what`: name of the value.
 [[noreturn]] void refuse(const Value& value, std::string_view what, const std::string& expected) {
   if (isDistribution(value)) {
     throw InputError(

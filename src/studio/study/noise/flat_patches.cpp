@@ -256,8 +256,8 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
   const std::vector<const Cell*> tested = returnsOfHalf(*cells, true);
   const auto testedBeams = std::ranges::count_if(*cells, &Cell::tested);
   if (static_cast<double>(tested.size()) < kReturned * static_cast<double>(testedBeams)) return {};
-  const auto [near, far] = std::ranges::minmax(tested, {}, &Cell::range);
-  if (far->range > kDeepest * near->range) return {};
+  const auto [nearest, farthest] = std::ranges::minmax(tested, {}, &Cell::range);
+  if (farthest->range > kDeepest * nearest->range) return {};
 
   const std::optional<PlaneFit> plane = fitPlane(beams, tested);
   if (!plane) return {};
