@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/input_budget.h"
 #include "base/text_scan.h"
 #include "config/text.h"
 #include "rasters/rasters_interface.h"
