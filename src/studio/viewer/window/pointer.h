@@ -62,8 +62,8 @@ struct Pointer {
   // image if the pointer is over it.
   void updateHover(bool isOverPanel, const std::optional<PixelRect>& strip);
   Rgb colorOf(const PickedElement& picked) const;
-  std::optional<std::uint32_t> instanceOf(
-      const PickedElement& picked) const;  // returns the instance id, if there is one
+  // Returns the instance id; nothing if the point or triangle is of no instance.
+  std::optional<std::uint32_t> instanceOf(const PickedElement& picked) const;
 
   // Outlines the points of the instance under the pointer, otherwise those of the clicked instance.
   void highlightInstance();
