@@ -84,7 +84,7 @@ int main(int argc, char** argv) {
     const int code = dispatch({argv + 1, argv + argc});
     // A reader that stops early (`| head`) is not a failure; a full disk is.
     if (std::fflush(stdout) != 0 && errno != EPIPE) {
-      throw Error(fmt::format("standard output: {}", std::strerror(errno)));
+      throw Error("standard output: {}", std::strerror(errno));
     }
     return code;
   } catch (const InputError& e) {

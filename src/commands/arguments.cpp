@@ -56,8 +56,7 @@ std::filesystem::path Arguments::fileOrName(const std::string& what,
   }
   for (const std::string_view folder : folders) {
     if (const std::string similar = nearestResource(argument, std::string(folder)); !similar.empty()) {
-      throw InputError({argument},
-                       fmt::format("does not exist (did you mean '{}', which comes with the program?)", similar));
+      throw InputError({argument}, "does not exist (did you mean '{}', which comes with the program?)", similar);
     }
   }
   return argument;  // opening the path will report that it does not exist
@@ -75,7 +74,7 @@ const Command& commandNamed(std::string_view name) {
   for (const Command& command : commands()) {
     if (command.name == name) return command;
   }
-  throw Error(fmt::format("no command '{}'", name));
+  throw Error("no command '{}'", name);
 }
 
 // Returns the number of threads; 0: all cores.

@@ -147,11 +147,11 @@ int runFitNoise(const std::vector<std::string>& arguments) {
     warnings = beyondMeasured(fit);
   } catch (const InputError& e) {
     if (!response) throw;
-    warn(fmt::format("only the response was found, not the noise: {}", e.what()));
+    warn("only the response was found, not the noise: {}", e.what());
   }
   printText("{}", effects);
   const std::string fitted = withEffects(text, preset.string(), effects);
-  if (!warnings.empty()) warn(fmt::format("{}", fmt::join(warnings, " ")));
+  if (!warnings.empty()) warn("{}", fmt::join(warnings, " "));
   writeFile(out, fitted);
   const Value made = parseYaml(fitted, out.string());
   const bool hasIntensity = std::ranges::any_of(

@@ -42,9 +42,9 @@ int runFitSensor(const std::vector<std::string>& arguments) {
   }
   if (!fit.bareRings.empty()) {
     warn(
-        fmt::format("{} rings (the first is {}) have too few points, so their elevations are interpolated between "
-                    "other rings: name more scans",
-                    fit.bareRings.size(), fit.bareRings.front()));
+        "{} rings (the first is {}) have too few points, so their elevations are interpolated between "
+        "other rings: name more scans",
+        fit.bareRings.size(), fit.bareRings.front());
   }
   std::string yaml =
       sensorYaml(fit, fmt::format("fitted to {} points of {} scans, {}", grouped(fit.points), scans.size(), today()));

@@ -85,9 +85,8 @@ ShardChoice shardsOfWorker(std::uint64_t worker, std::uint64_t workers, std::uin
   ShardChoice choice{ShardChoice::Kind::Listed, {}};
   for (std::uint64_t shard = worker; shard < shards; shard += workers) choice.listed.push_back(shard);
   if (choice.listed.empty()) {
-    warn(fmt::format(
-        "worker {} of {} has no shard to make: the dataset has {}; a smaller `output.shard_samples` gives more", worker,
-        workers, pluralOf(shards, "shard")));
+    warn("worker {} of {} has no shard to make: the dataset has {}; a smaller `output.shard_samples` gives more",
+         worker, workers, pluralOf(shards, "shard"));
   }
   return choice;
 }

@@ -73,9 +73,9 @@ void printDataset(const std::filesystem::path& folder) {
   for (const auto& [shard, problem] : undescribed) warn(problem);
   if (undescribed.empty()) return;
   warn(
-      fmt::format("the points and beams of {} of {} shards are not counted: `scanmill regenerate {}` makes the damaged "
-                  "files again",
-                  undescribed.size(), m.shards.size(), folder.string()));
+      "the points and beams of {} of {} shards are not counted: `scanmill regenerate {}` makes the damaged "
+      "files again",
+      undescribed.size(), m.shards.size(), folder.string());
 }
 
 // Prints the size of a scan, and the least and greatest value of each column. `what`: the scan's name.

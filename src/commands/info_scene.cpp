@@ -248,8 +248,8 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
             grouped(triangles));
   printParts(std::move(parts), !asset.instanced.empty());
   if (nonFinite > 0 || asset.dropped.outOfRange > 0) {
-    warn(fmt::format("{}: scenes leave out {} triangles with NaN or infinite corners and {} with indices out of range",
-                     file.string(), grouped(nonFinite), grouped(asset.dropped.outOfRange)));
+    warn("{}: scenes leave out {} triangles with NaN or infinite corners and {} with indices out of range",
+         file.string(), grouped(nonFinite), grouped(asset.dropped.outOfRange));
   }
   if (bounds.empty()) return;
   printText("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {}\n", bounds.low.x, bounds.low.y, bounds.low.z,

@@ -26,7 +26,7 @@ void forEachScan(const std::vector<std::string>& paths,
     const ScanStore store(path);
     const std::size_t scans = store.keys().size();
     const std::size_t count = std::min(scans, kMostScans);
-    if (count < scans) warn(fmt::format("{}: reads {} of its {} scans, evenly spaced", path, count, scans));
+    if (count < scans) warn("{}: reads {} of its {} scans, evenly spaced", path, count, scans);
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = k * scans / count;
       visit(store.decode(i, store.scans(i).front()), store.single() ? path : store.keys()[i]);

@@ -251,7 +251,7 @@ void requireOnly(const std::filesystem::path& file, const Arguments& parsed, con
   for (const cxxopts::KeyValue& option : parsed.options.arguments()) {
     const std::string& name = option.key();
     if (name == "input" || std::ranges::find(allowed, name) != allowed.end()) continue;
-    throw InputError({file.string()}, fmt::format("{} takes no --{}: leave it out", subject, name));
+    throw InputError({file.string()}, "{} takes no --{}: leave it out", subject, name);
   }
 }
 

@@ -89,10 +89,10 @@ void warnOfCoarseCoordinates(const Asset& asset, const std::filesystem::path& fi
   const auto coordinate = static_cast<float>(farthest);
   const float step = std::nextafter(coordinate, std::numeric_limits<float>::infinity()) - coordinate;
   warn(
-      fmt::format("{}: its coordinates reach {:.0f} m, where single precision, in which this kind of file is read, has "
-                  "steps of {:.2g} m: subtract an offset from all coordinates and give it as the object's `position`, "
-                  "or convert the file to a binary PLY of triangles with coordinates in double",
-                  file.string(), farthest, static_cast<double>(step)));
+      "{}: its coordinates reach {:.0f} m, where single precision, in which this kind of file is read, has "
+      "steps of {:.2g} m: subtract an offset from all coordinates and give it as the object's `position`, "
+      "or convert the file to a binary PLY of triangles with coordinates in double",
+      file.string(), farthest, static_cast<double>(step));
 }
 
 // Reads the file by the reader of its kind. Throws InputError if it has no triangles.
@@ -106,10 +106,9 @@ Asset readByKind(const std::filesystem::path& file, const std::string& kind, con
                 : reader == AssetReader::Blender ? readByBlender(file, kind, options)
                                                  : readGltf(file, file, 'y', options);
   if (asset.parts.empty() && asset.instanced.empty()) {
-    throw InputError({file.string()}, fmt::format("has no triangle{}",
-                                                  asset.dropped.outOfRange > 0
-                                                      ? " whose indices are in range: the file is damaged"
-                                                      : ": points alone are read from PLY, PCD, LAS and .xyz files"));
+    throw InputError({file.string()}, "has no triangle{}",
+                     asset.dropped.outOfRange > 0 ? " whose indices are in range: the file is damaged"
+                                                  : ": points alone are read from PLY, PCD, LAS and .xyz files");
   }
   warnOfCoarseCoordinates(asset, file);
   returnFreedMemoryIfScarce();  // the importer allocates every face separately, 60 MiB for a million triangles

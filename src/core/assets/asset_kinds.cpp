@@ -178,9 +178,9 @@ std::vector<fs::path> assetsIn(const fs::path& folder) {
   }
   if (!counts.empty()) {
     warn(
-        fmt::format("{}: left out: {}: of a folder only files that are surely meshes, clouds or worlds are taken; some "
-                    "of the others are read if you name them, or after a conversion",
-                    folder.string(), counts));
+        "{}: left out: {}: of a folder only files that are surely meshes, clouds or worlds are taken; some "
+        "of the others are read if you name them, or after a conversion",
+        folder.string(), counts);
   }
   std::ranges::sort(assets);
   return assets;

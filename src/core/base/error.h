@@ -2,11 +2,16 @@
 
 // Errors are thrown where they are found. main() turns the errors that nothing else catches into the exit code.
 //
-//   throw InputError({"scene.yaml", 12, 3}, "unknown class 'raod'");  // scene.yaml:12:3: unknown class 'raod'
+//   throw InputError({"scene.yaml", 12, 3}, "unknown class '{}'", "raod");  // scene.yaml:12:3: unknown class 'raod'
+//
+// A message with further arguments is a format of the fmt library; a message alone may hold braces.
+
+#include <fmt/core.h>
 
 #include <exception>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace scanmill {
 
@@ -25,6 +30,9 @@ struct Location {
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+  template <class First, class... Rest>
+  explicit Error(fmt::format_string<First, Rest...> format, First&& first, Rest&&... rest)
+      : Error(fmt::format(format, std::forward<First>(first), std::forward<Rest>(rest)...)) {}
 };
 
 // Thrown if the input or the usage is wrong, which the user can correct (exit code 2). The message starts with the file
@@ -32,6 +40,9 @@ class Error : public std::runtime_error {
 class InputError : public Error {
  public:
   InputError(const Location& where, const std::string& message);
+  template <class First, class... Rest>
+  InputError(const Location& where, fmt::format_string<First, Rest...> format, First&& first, Rest&&... rest)
+      : InputError(where, fmt::format(format, std::forward<First>(first), std::forward<Rest>(rest)...)) {}
   explicit InputError(const std::string& message);
 };
 
@@ -41,6 +52,10 @@ class InputError : public Error {
 
 // Writes a warning to standard error, unless the same text has been written before. Any thread may call it.
 void warn(const std::string& message);
+template <class First, class... Rest>
+void warn(fmt::format_string<First, Rest...> format, First&& first, Rest&&... rest) {
+  warn(fmt::format(format, std::forward<First>(first), std::forward<Rest>(rest)...));
+}
 // Returns how many different warnings there have been so far.
 std::size_t warningCount();
 

@@ -68,11 +68,10 @@ std::string readFile(const std::filesystem::path& path) {
   std::error_code unknown;
   if (const std::uintmax_t size = std::filesystem::file_size(path, unknown); !unknown) {
     if (size > memoryLimitBytes()) {
-      throw InputError(
-          {path.string()},
-          fmt::format("has {}, but only {} of memory are allowed (by --memory-limit, the machine or its "
-                      "container)",
-                      shortBytes(static_cast<double>(size)), shortBytes(static_cast<double>(memoryLimitBytes()))));
+      throw InputError({path.string()},
+                       "has {}, but only {} of memory are allowed (by --memory-limit, the machine or its "
+                       "container)",
+                       shortBytes(static_cast<double>(size)), shortBytes(static_cast<double>(memoryLimitBytes())));
     }
     bytes.reserve(size);
   }
@@ -85,7 +84,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& folder, std::filesystem::pat
   // A rename would replace a device such as /dev/null. A rename onto a folder would fail only after all the work.
   struct stat status {};
   if (::stat(path_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
-    throw Error(fmt::format("{}: cannot be written: it exists and is not a file", path_.string()));
+    throw Error("{}: cannot be written: it exists and is not a file", path_.string());
   }
   folder_ = openFolderOf(folder, path_, "cannot be written");
   do {
@@ -151,8 +150,7 @@ ScratchFolder::ScratchFolder() {
   if (none) parent = "/tmp";
   std::string name = (parent / "scanmill-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) {
-    throw Error(fmt::format("{}: no temporary folder: {}; set TMPDIR to a folder with room", parent.string(),
-                            std::strerror(errno)));
+    throw Error("{}: no temporary folder: {}; set TMPDIR to a folder with room", parent.string(), std::strerror(errno));
   }
   path_ = name;
 }

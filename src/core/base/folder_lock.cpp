@@ -55,9 +55,9 @@ FolderLock::FolderLock(const std::filesystem::path& folder, const std::filesyste
   std::string holder;
   if (take(folder, file, kind, holder)) return;
   throw InputError({folder.string()},
-                   fmt::format("is being written by {}: wait for it, or choose another folder (where that process "
-                               "is gone for certain, remove {})",
-                               holder, file.string()));
+                   "is being written by {}: wait for it, or choose another folder (where that process "
+                   "is gone for certain, remove {})",
+                   holder, file.string());
 }
 
 std::unique_ptr<FolderLock> FolderLock::tryTake(const std::filesystem::path& folder, const std::filesystem::path& file,

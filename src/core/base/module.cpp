@@ -30,13 +30,13 @@ std::vector<std::string> programLibraryFolders() {
   void* program = ::dlopen(nullptr, RTLD_LAZY);
   Dl_serinfo header{};  // states the size of the list of folders, and how many there are
   if (program == nullptr || ::dlinfo(program, RTLD_DI_SERINFOSIZE, &header) != 0) {
-    throw Error(fmt::format("the folders of this program's libraries are unknown: {}", lastError()));
+    throw Error("the folders of this program's libraries are unknown: {}", lastError());
   }
   const auto storage = std::make_unique<std::max_align_t[]>(header.dls_size / sizeof(std::max_align_t) + 1);
   auto* info = reinterpret_cast<Dl_serinfo*>(storage.get());
   *info = header;
   if (::dlinfo(program, RTLD_DI_SERINFO, info) != 0) {
-    throw Error(fmt::format("the folders of this program's libraries are unknown: {}", lastError()));
+    throw Error("the folders of this program's libraries are unknown: {}", lastError());
   }
   std::vector<std::string> folders;
   const Dl_serpath* paths = info->dls_serpath;
@@ -59,14 +59,13 @@ const void* loadModuleObject(const ModuleFile& module, const std::vector<std::st
     // closed, since its libraries keep threads and tables.
     void* library = ::dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (library == nullptr) {
-      throw Error(fmt::format("{}, {} cannot be loaded: {}; {}, or {}", module.without, file, lastError(),
-                              module.install, kInstallAgain));
+      throw Error("{}, {} cannot be loaded: {}; {}, or {}", module.without, file, lastError(), module.install,
+                  kInstallAgain);
     }
     const auto entryOf = reinterpret_cast<const ModuleEntry* (*)()>(::dlsym(library, "scanmillModule"));
     const ModuleEntry* entry = entryOf != nullptr ? entryOf() : nullptr;
     if (entry == nullptr || entry->build != kModuleBuild || entry->file != module.name) {
-      throw Error(
-          fmt::format("{}, {} belongs to another version of Scanmill: {}", module.without, file, kInstallAgain));
+      throw Error("{}, {} belongs to another version of Scanmill: {}", module.without, file, kInstallAgain);
     }
     return entry->object;
   }
@@ -74,10 +73,10 @@ const void* loadModuleObject(const ModuleFile& module, const std::vector<std::st
   const std::size_t unnamed = searchedFolders.size() - std::min(searchedFolders.size(), kMostNamed);
   searchedFolders.resize(searchedFolders.size() - unnamed);
   throw Error(
-      fmt::format("{}, since {} is missing. It is not in every wheel; the archive and the Debian packages have it. "
-                  "Elsewhere, {}. It was looked for in {}{}",
-                  module.without, module.name, kInstallAgain, fmt::join(searchedFolders, ", "),
-                  unnamed > 0 ? fmt::format(" and {} more folders", unnamed) : ""));
+      "{}, since {} is missing. It is not in every wheel; the archive and the Debian packages have it. "
+      "Elsewhere, {}. It was looked for in {}{}",
+      module.without, module.name, kInstallAgain, fmt::join(searchedFolders, ", "),
+      unnamed > 0 ? fmt::format(" and {} more folders", unnamed) : "");
 }
 
 }  // namespace scanmill

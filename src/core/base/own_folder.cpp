@@ -1,7 +1,6 @@
 #include "base/own_folder.h"
 
 #include <fcntl.h>
-#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -46,14 +45,14 @@ Descriptor openFolder(const fs::path& folder, const fs::path& below, const fs::p
 }  // namespace
 
 void failBySystem(const fs::path& path, std::string_view what) {
-  throw Error(fmt::format("{}: {}: {}", path.string(), what, std::strerror(errno)));
+  throw Error("{}: {}: {}", path.string(), what, std::strerror(errno));
 }
 
 bool isWithin(const fs::path& path, const fs::path& folder) {
   const auto resolved = [](const fs::path& given) {
     std::error_code failure;
     const fs::path canonical = fs::weakly_canonical(fs::absolute(given), failure);
-    if (failure) throw Error(fmt::format("{}: cannot be resolved: {}", given.string(), failure.message()));
+    if (failure) throw Error("{}: cannot be resolved: {}", given.string(), failure.message());
     return canonical.has_filename() ? canonical : canonical.parent_path();
   };
   const fs::path inner = resolved(path);

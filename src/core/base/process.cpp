@@ -125,7 +125,7 @@ Process::Process(const std::vector<std::string>& command, const std::map<std::st
   std::vector<std::string> variables = environmentWith(environment);
   const int failure = ::posix_spawnp(&pid_, words[0].c_str(), &actions.files, &actions.attributes,
                                      pointersTo(words).data(), pointersTo(variables).data());
-  if (failure != 0) throw Error(fmt::format("{}: cannot be started: {}", name_, std::strerror(failure)));
+  if (failure != 0) throw Error("{}: cannot be started: {}", name_, std::strerror(failure));
 }
 
 Process::~Process() {
@@ -157,7 +157,7 @@ void Process::receive(double seconds) {
   pollfd polled{socket_.number, POLLIN, 0};
   const int ready = ::poll(&polled, 1, ended ? 0 : static_cast<int>(std::ceil(seconds * 1000)));
   if (ready < 0 && errno == EINTR) return;
-  if (ready < 0) throw Error(fmt::format("{}: cannot be waited for: {}", name_, std::strerror(errno)));
+  if (ready < 0) throw Error("{}: cannot be waited for: {}", name_, std::strerror(errno));
   std::array<char, 1 << 16> block;
   const ssize_t n = ready > 0 ? ::recv(socket_.number, block.data(), block.size(), MSG_DONTWAIT) : 0;
   if (n > 0 && output_.size() <= kMostLineBytes) output_.append(block.data(), static_cast<std::size_t>(n));
@@ -183,7 +183,7 @@ std::optional<std::string> Process::readLine(double seconds) {
       output_.erase(0, newline == std::string::npos ? newline : newline + 1);
       return line;
     }
-    if (output_.size() > kMostLineBytes) throw Error(fmt::format("{}: a line of its output has no end", name_));
+    if (output_.size() > kMostLineBytes) throw Error("{}: a line of its output has no end", name_);
     if (!socket_.open()) return std::nullopt;
     const double remaining = seconds - timer.seconds();
     if (remaining <= 0) throw TimeOut(fmt::format("{}: no answer within {} s", name_, seconds));

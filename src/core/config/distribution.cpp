@@ -26,7 +26,7 @@ constexpr double kMostDeviations = 4;  // a normal distribution is cut off at th
 Range readInterval(const Value& value, std::string_view what) {
   const std::vector<double> ends = readNumbers(value, what);
   if (ends.size() == 2 && ends[0] < ends[1]) return {ends[0], ends[1]};
-  throw InputError(value.where, fmt::format("{} must be [least, most], the first below the second", what));
+  throw InputError(value.where, "{} must be [least, most], the first below the second", what);
 }
 
 // Returns the probability that a standard normal value is below `value`. normalQuantile() is the inverse.

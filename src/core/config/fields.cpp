@@ -33,15 +33,14 @@ std::string description(const Value& value) {
 // Throws an InputError that says what the value must be and what it is. `what`: name of the value.
 [[noreturn]] void refuse(const Value& value, std::string_view what, const std::string& expected) {
   if (isDistribution(value)) {
-    throw InputError(
-        value.where,
-        fmt::format("{} cannot be random: only sensors' `mount` and `effects`, the pipeline's `effects` and a scene's "
-                    "`objects` can (docs/keys.md); `--sweep` makes a dataset for each of several values",
-                    what));
+    throw InputError(value.where,
+                     "{} cannot be random: only sensors' `mount` and `effects`, the pipeline's `effects` and a scene's "
+                     "`objects` can (docs/keys.md); `--sweep` makes a dataset for each of several values",
+                     what);
   }
   std::string hint;
   if (value.kind == Value::Kind::Scalar) hint = value.quoted ? " in quotes, which is text" : numberAdvice(value.text);
-  throw InputError(value.where, fmt::format("{} must be {}, not {}{}", what, expected, description(value), hint));
+  throw InputError(value.where, "{} must be {}, not {}{}", what, expected, description(value), hint);
 }
 
 // Returns "a number from 1 to 5", or less if the interval [low, high] ends where the type's [lowest, highest] does.
@@ -122,9 +121,8 @@ constexpr double kSharpest = 175;  // deg, largest turn at a waypoint; a path mu
 
 Fields::Fields(const Value& value, std::string what) : value_(value), what_(std::move(what)) {
   if (value.kind == Value::Kind::Map || value.kind == Value::Kind::Null) return;
-  throw InputError(value.where,
-                   fmt::format("{} must be a map of keys and values, not {}", what_,
-                               value.kind == Value::Kind::Scalar ? quotedForMessage(value.text) : "a list"));
+  throw InputError(value.where, "{} must be a map of keys and values, not {}", what_,
+                   value.kind == Value::Kind::Scalar ? quotedForMessage(value.text) : "a list");
 }
 
 bool Fields::has(std::string_view key) const {
@@ -146,7 +144,7 @@ const Value& Fields::require(std::string_view key) {
   }
   const std::string typo = nearest(key, unread);
   if (!typo.empty()) refuseUnknown(typo, *value_.find(typo), suggestion(typo, {std::string(key)}));
-  throw InputError(value_.where, fmt::format("{}: the key '{}' is missing", what_, key));
+  throw InputError(value_.where, "{}: the key '{}' is missing", what_, key);
 }
 
 double Fields::number(std::string_view key, Range range, std::optional<double> fallback) {
@@ -215,7 +213,7 @@ std::vector<std::string> Fields::texts(std::string_view key) {
 std::string Fields::pathText(std::string_view key) {
   std::string name = text(key);
   if (!name.empty()) return name;
-  throw InputError(require(key).where, fmt::format("{}: {} must be a path, not an empty text", what_, key));
+  throw InputError(require(key).where, "{}: {} must be a path, not an empty text", what_, key);
 }
 
 std::filesystem::path Fields::path(std::string_view key) {
@@ -294,7 +292,7 @@ void Fields::finish() const {
 
 void Fields::refuseUnknown(std::string_view key, const Value& value, const std::string& advice) const {
   const Location where = value.keyLine > 0 ? Location{value.where.file, value.keyLine, value.keyColumn} : value.where;
-  throw InputError(where, fmt::format("{}: unknown key {}{}", what_, quotedForMessage(key), advice));
+  throw InputError(where, "{}: unknown key {}{}", what_, quotedForMessage(key), advice);
 }
 
 double readNumber(const Value& value, std::string_view what, Range range) {
@@ -337,7 +335,7 @@ Vec3d readVec3(const Value& value, std::string_view what) {
 
 const std::vector<Value>& readList(const Value& value, std::string_view what) {
   if (value.kind == Value::Kind::Sequence && !value.items.empty()) return value.items;
-  throw InputError(value.where, fmt::format("{} must be a list with at least one item", what));
+  throw InputError(value.where, "{} must be a list with at least one item", what);
 }
 
 std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what, std::int64_t low, std::int64_t high) {
@@ -352,7 +350,7 @@ std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what
       continue;
     }
     if (numbers.empty() || i + 1 == list.items.size()) {
-      throw InputError(item.where, fmt::format("{}: '...' must be between two numbers, such as [1, ..., 20]", what));
+      throw InputError(item.where, "{}: '...' must be between two numbers, such as [1, ..., 20]", what);
     }
     const std::int64_t first = numbers.back().value;
     const std::int64_t last =
@@ -381,7 +379,7 @@ NamedOptions readNamed(const Value& value, const std::string& what) {
     return named;
   }
   if (value.kind != Value::Kind::Scalar) {
-    throw InputError(value.where, fmt::format("{} must be a name or one pair `name: {{options}}`", what));
+    throw InputError(value.where, "{} must be a name or one pair `name: {{options}}`", what);
   }
   named.name = readText(value, what);
   return named;
@@ -423,8 +421,8 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& na
 
 Vec3d checkedPosition(const Vec3d& position, const Location& where) {
   if (std::fabs(position.x) > kFarthest || std::fabs(position.y) > kFarthest || std::fabs(position.z) > kFarthest) {
-    throw InputError(where, fmt::format("position [{:g}, {:g}, {:g}] is farther than {:g} m from the origin",
-                                        position.x, position.y, position.z, kFarthest));
+    throw InputError(where, "position [{:g}, {:g}, {:g}] is farther than {:g} m from the origin", position.x,
+                     position.y, position.z, kFarthest);
   }
   return position;
 }
@@ -445,19 +443,19 @@ std::vector<Vec3d> readWaypoints(const Value& value, Climbs climbs) {
     if (last < 1) continue;
     const Vec3d chord = points[last] - points[last - 1];
     if (length(chord) < kNearest) {
-      throw InputError(item.where, fmt::format("waypoint {} repeats the one before it; remove one of them", last + 1));
+      throw InputError(item.where, "waypoint {} repeats the one before it; remove one of them", last + 1);
     }
     if (std::fabs(chord.z) > length(chord) * std::sin(radians(kSteepest))) {
-      throw InputError(item.where, fmt::format("the path to waypoint {} is steeper than {} deg: a vehicle that heads "
-                                               "along it would have no yaw; use poses",
-                                               last + 1, kSteepest));
+      throw InputError(item.where,
+                       "the path to waypoint {} is steeper than {} deg: a vehicle that heads "
+                       "along it would have no yaw; use poses",
+                       last + 1, kSteepest);
     }
     if (last < 2) continue;
     const Vec3d previousChord = points[last - 1] - points[last - 2];
     if (dot(normalized(previousChord), normalized(chord)) < std::cos(radians(kSharpest))) {
-      throw InputError(
-          value.items[last - 1].where,
-          fmt::format("the path goes straight back at waypoint {}; add waypoints that make the turn", last));
+      throw InputError(value.items[last - 1].where,
+                       "the path goes straight back at waypoint {}; add waypoints that make the turn", last);
     }
   }
   return points;

@@ -161,7 +161,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void refuseAsKey(const YAML::Mark& mark, const char* what) const {
-    if (awaitsKey()) throw InputError(locationOf(mark), fmt::format("a key must be text, but this key {}", what));
+    if (awaitsKey()) throw InputError(locationOf(mark), "a key must be text, but this key {}", what);
   }
 
   // True if the tag says that a scalar is text, even if it looks like a number: scalars in quotes have the tag "!".
@@ -169,15 +169,15 @@ class TreeBuilder : public YAML::EventHandler {
   bool checkTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "tag:yaml.org,2002:map" || tag == "tag:yaml.org,2002:seq") return false;
     if (tag == "!" || tag == "tag:yaml.org,2002:str") return true;
-    throw InputError(locationOf(mark), fmt::format("the tag {} is not supported: leave it out", quotedForMessage(tag)));
+    throw InputError(locationOf(mark), "the tag {} is not supported: leave it out", quotedForMessage(tag));
   }
 
   void openKey(const YAML::Mark& mark, const std::string& key) {
     Open& map = open_.back();
     const auto [first, isNew] = map.keyPositions.try_emplace(key, mark.line + 1, mark.column + 1);
     if (!isNew) {
-      throw InputError(locationOf(mark), fmt::format("duplicate key {} (first at {}:{})", quotedForMessage(key),
-                                                     first->second.first, first->second.second));
+      throw InputError(locationOf(mark), "duplicate key {} (first at {}:{})", quotedForMessage(key),
+                       first->second.first, first->second.second);
     }
     count(mark, {.nodes = 0, .bytes = key.size()});
     map.key = key;
@@ -209,15 +209,14 @@ class TreeBuilder : public YAML::EventHandler {
     nodes_ += extent.nodes;
     bytes_ += extent.bytes;
     if (open_.size() + extent.depth > kMaxDepth) {
-      throw InputError(locationOf(mark), fmt::format("the file is nested more than {} levels deep", kMaxDepth));
+      throw InputError(locationOf(mark), "the file is nested more than {} levels deep", kMaxDepth);
     }
     if (nodes_ > kMaxNodes) {
-      throw InputError(locationOf(mark),
-                       fmt::format("the file has more than {} values, with aliases expanded", kMaxNodes));
+      throw InputError(locationOf(mark), "the file has more than {} values, with aliases expanded", kMaxNodes);
     }
     if (bytes_ > kMaxTextBytes) {
-      throw InputError(locationOf(mark),
-                       fmt::format("the file has more than {} bytes of text, with aliases expanded", kMaxTextBytes));
+      throw InputError(locationOf(mark), "the file has more than {} bytes of text, with aliases expanded",
+                       kMaxTextBytes);
     }
   }
 
@@ -275,7 +274,7 @@ Value parseYaml(std::string_view text, const std::string& file) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
-    throw InputError({file}, fmt::format("invalid YAML: {}", reasonOf(e)));
+    throw InputError({file}, "invalid YAML: {}", reasonOf(e));
   }
   return builder.take();
 }

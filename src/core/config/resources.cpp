@@ -135,15 +135,16 @@ fs::path resolveResource(const Value& value, const std::string& name, const std:
     std::error_code ignored;
     if (programFile && file && !fs::equivalent(*file, *programFile, ignored)) {
       warn(
-          fmt::format("{0}'{1}' is taken from the files that come with the program, not from {2}: to take that, write "
-                      "{1}{3}",
-                      value.where.file.empty() ? "" : value.where.text() + ": ", name, file->string(), kSuffix));
+          "{0}'{1}' is taken from the files that come with the program, not from {2}: to take that, write "
+          "{1}{3}",
+          value.where.file.empty() ? "" : value.where.text() + ": ", name, file->string(), kSuffix);
     }
     if (programFile || file) return programFile ? *programFile : *file;
     if (const auto bareFile = userFile(name)) {
-      throw InputError(value.where, fmt::format("'{0}' is not among the files that come with the program; to take the "
-                                                "file {1}, write ./{0}",
-                                                name, bareFile->string()));
+      throw InputError(value.where,
+                       "'{0}' is not among the files that come with the program; to take the "
+                       "file {1}, write ./{0}",
+                       name, bareFile->string());
     }
   } else {
     if (const auto file = userFile(name)) return *file;

@@ -31,20 +31,19 @@ std::string variable(std::string_view inside, const Location& where) {
   const std::string_view fallback = end == std::string_view::npos ? "" : inside.substr(end);  // begins with ":-"
   if (name.empty() || kDigits.find(name[0]) != std::string_view::npos ||
       (!fallback.empty() && !fallback.starts_with(":-"))) {
-    throw InputError(
-        where, fmt::format("{} is not a variable: write ${{NAME}} or ${{NAME:-fallback}}, or $$ for a dollar sign",
-                           quotedForMessage(fmt::format("${{{}}}", inside))));
+    throw InputError(where, "{} is not a variable: write ${{NAME}} or ${{NAME:-fallback}}, or $$ for a dollar sign",
+                     quotedForMessage(fmt::format("${{{}}}", inside)));
   }
   const char* value = std::getenv(name.c_str());
   if (fallback.empty()) {
     if (value != nullptr) return value;
-    throw InputError(
-        where, fmt::format("the environment variable {0} is not set: set it by `export {0}=...`, or give a fallback as "
-                           "${{{0}:-fallback}}",
-                           name));
+    throw InputError(where,
+                     "the environment variable {0} is not set: set it by `export {0}=...`, or give a fallback as "
+                     "${{{0}:-fallback}}",
+                     name);
   }
   if (fallback.find("${") != std::string_view::npos) {
-    throw InputError(where, fmt::format("the fallback of ${{{}}} cannot contain another variable", name));
+    throw InputError(where, "the fallback of ${{{}}} cannot contain another variable", name);
   }
   return value != nullptr && *value != '\0' ? std::string(value) : std::string(fallback.substr(2));
 }
@@ -53,8 +52,7 @@ std::string variable(std::string_view inside, const Location& where) {
 
 void checkText(std::string_view text, const std::string& file) {
   if (text.size() > kMaxYamlBytes) {
-    throw InputError({file},
-                     fmt::format("has {} bytes, but a YAML file may have at most {}", text.size(), kMaxYamlBytes));
+    throw InputError({file}, "has {} bytes, but a YAML file may have at most {}", text.size(), kMaxYamlBytes);
   }
   int line = 1;
   std::size_t lineStart = 0;
@@ -70,14 +68,14 @@ void checkText(std::string_view text, const std::string& file) {
     }
     if (c == 0) throw InputError(where, "the file has a NUL byte: it is not a YAML text in UTF-8");
     if ((c < 0x20 && c != '\t' && c != '\r') || c == 0x7F) {
-      throw InputError(where, fmt::format("the control character 0x{:02X} is not allowed in YAML", c));
+      throw InputError(where, "the control character 0x{:02X} is not allowed in YAML", c);
     }
     if (c == '\t' && isIndentation && !isBlankFrom(i, text)) {
       throw InputError(where, "the indentation has a tab: YAML allows only spaces there");
     }
     isIndentation = isIndentation && (c == ' ' || c == '\t');
     const Utf8Character character = utf8At(text, i);
-    if (character.code == kNoCharacter) throw InputError(where, fmt::format("the byte 0x{:02X} is not valid UTF-8", c));
+    if (character.code == kNoCharacter) throw InputError(where, "the byte 0x{:02X} is not valid UTF-8", c);
     i += character.bytes;
   }
 }
@@ -92,7 +90,7 @@ std::string expandVariables(std::string_view text, const Location& where) {
     if (next == '{') {
       const std::size_t close = text.find('}', dollar);
       if (close == std::string_view::npos) {
-        throw InputError(where, fmt::format("{} lacks its closing brace", quotedForMessage(text.substr(dollar))));
+        throw InputError(where, "{} lacks its closing brace", quotedForMessage(text.substr(dollar)));
       }
       expanded += variable(text.substr(dollar + 2, close - dollar - 2), where);
       i = close + 1;

@@ -33,8 +33,8 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
   const char* end = part.data() + part.size();
   const auto [stop, error] = std::from_chars(part.data(), end, index);
   if (error == std::errc::invalid_argument || stop != end) {
-    throw InputError(where, fmt::format("{} is a list: {} must be the number of an item, from 0, or + for a new one",
-                                        parent, quotedForMessage(part)));
+    throw InputError(where, "{} is a list: {} must be the number of an item, from 0, or + for a new one", parent,
+                     quotedForMessage(part));
   }
   if (error == std::errc() && index < list.items.size()) return index;
   throw InputError(where, list.items.empty()
@@ -48,8 +48,8 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
 // map. `parentName`: what `parent` is, for messages.
 Value& childOf(Value& parent, const std::string& key, const std::string& parentName, const Location& where) {
   if (parent.kind == Value::Kind::Scalar) {
-    throw InputError(where, fmt::format("{} is a single value and has no {}: set it to a map, such as {{key: value}}",
-                                        parentName, quotedForMessage(key)));
+    throw InputError(where, "{} is a single value and has no {}: set it to a map, such as {{key: value}}", parentName,
+                     quotedForMessage(key));
   }
   if (parent.kind == Value::Kind::Sequence) return parent.items[readIndex(key, parent, parentName, where)];
   parent.kind = Value::Kind::Map;
@@ -123,8 +123,7 @@ Value readYaml(const std::filesystem::path& path) {
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   if (!unknown && size > kMaxYamlBytes) {
-    throw InputError({path.string()},
-                     fmt::format("has {} bytes, but a YAML file may have at most {}", size, kMaxYamlBytes));
+    throw InputError({path.string()}, "has {} bytes, but a YAML file may have at most {}", size, kMaxYamlBytes);
   }
   return parseYaml(readFile(path), path.string());
 }
@@ -141,7 +140,7 @@ void setValue(Value& root, std::string_view assignment) {
   if (std::ranges::find(keys, "") != keys.end()) {
     throw InputError(where, "has an empty key: write key=value or key.key.0.key=value, such as --set seed=7");
   }
-  if (keys.size() > kMaxPathLength) throw InputError(where, fmt::format("has more than {} keys", kMaxPathLength));
+  if (keys.size() > kMaxPathLength) throw InputError(where, "has more than {} keys", kMaxPathLength);
 
   Value value = parseYaml(assignment.substr(equals + 1), where.file);
   // A single value needs no line and column: the name of its key is enough.

@@ -39,7 +39,7 @@ bool surelyExists(const fs::path& path) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
   if (fs::status_known(status)) return fs::exists(status);
-  throw Error(fmt::format("{}: {}", path.string(), failure.message()));
+  throw Error("{}: {}", path.string(), failure.message());
 }
 
 // Returns the nearest folder above that has a dataset, complete or not; empty if there is none, or if the folder is in
@@ -63,9 +63,9 @@ fs::path datasetAbove(const fs::path& folder) {
 void checkPath(const fs::path& folder) {
   if (const fs::path dataset = datasetAbove(folder); !dataset.empty()) {
     throw InputError({folder.string()},
-                     fmt::format("is in the dataset {}, to which no other files belong: choose another output folder "
-                                 "with -o",
-                                 dataset.string()));
+                     "is in the dataset {}, to which no other files belong: choose another output folder "
+                     "with -o",
+                     dataset.string());
   }
   if (fs::exists(folder) && !fs::is_directory(folder)) {
     throw InputError({folder.string()}, "is a file: choose another output folder");
@@ -102,7 +102,7 @@ void checkContents(const fs::path& folder, FolderUse use) {
                                   "folder with -o"
       : contents.shards.empty() ? "choose another output folder with -o"
                                 : "its shards have no manifest, so choose another output folder with -o";
-  throw InputError({folder.string()}, fmt::format("exists and is not empty: {}", remedy));
+  throw InputError({folder.string()}, "exists and is not empty: {}", remedy);
 }
 
 // Removes all files in the hidden folder except the lock; this program wrote all of them. The plan is removed first,
@@ -342,7 +342,7 @@ std::optional<DatasetPart> DatasetFolder::findRecord(const std::string& name, Ch
   const ShardRecord& recorded = part.manifest.shards[0];
   std::error_code failure;
   const std::uint64_t bytes = fs::file_size(shard, failure);
-  if (failure) throw Error(fmt::format("{}: {}", shard.string(), failure.message()));
+  if (failure) throw Error("{}: {}", shard.string(), failure.message());
   if (recorded.file != name || bytes != recorded.bytes) return std::nullopt;
   if (check == Check::Bytes && sha256OfFile(shard) != recorded.sha256) return std::nullopt;
   return part;
@@ -353,7 +353,7 @@ void DatasetFolder::requireSameFolder() const {
   if (current == identity_) return;
   const bool failed = current.error != 0 && current.error != ENOENT;
   const std::string why = failed ? fmt::format(" ({})", std::strerror(current.error)) : "";
-  throw Error(fmt::format("{}: was removed or replaced while the dataset was written{}", folder_.string(), why));
+  throw Error("{}: was removed or replaced while the dataset was written{}", folder_.string(), why);
 }
 
 // Removes the dataset that is replaced: its manifest, its shards except those that belong to the new dataset, and
@@ -392,7 +392,7 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
     for (const ShardRecord& shard : manifest.shards) {
       const fs::path file = shardPath(shard.file);
       if (fs::file_size(file) == shard.bytes) continue;
-      throw Error(fmt::format("{}: has changed since it was written: --resume makes it again", file.string()));
+      throw Error("{}: has changed since it was written: --resume makes it again", file.string());
     }
     removeReplaced();
     std::set<fs::path> shardFolders;
@@ -411,13 +411,13 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
       for (const ShardRecord& shard : manifest.shards) {
         const fs::path file = folder_ / shard.file;
         if (!surelyExists(file)) {
-          throw Error(fmt::format("{}: no longer exists: --resume makes it again", file.string()));
+          throw Error("{}: no longer exists: --resume makes it again", file.string());
         }
       }
     });
     published_ = true;
   } catch (const fs::filesystem_error& error) {
-    throw Error(fmt::format("{}: {}", folder_.string(), error.what()));
+    throw Error("{}: {}", folder_.string(), error.what());
   }
 }
 

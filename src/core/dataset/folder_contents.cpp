@@ -145,15 +145,14 @@ void checkOwnership(const fs::path& folder, const FolderContents& contents) {
   const std::vector<std::string> written = writtenFiles(folder);
   for (const std::string& name : contents.shards) {
     if (std::ranges::binary_search(written, name)) continue;
-    throw InputError({(folder / name).string()},
-                     fmt::format("exists, but {}: move it, or choose another output folder",
-                                 contents.manifest ? "the manifest does not list it" : "no manifest lists it"));
+    throw InputError({(folder / name).string()}, "exists, but {}: move it, or choose another output folder",
+                     contents.manifest ? "the manifest does not list it" : "no manifest lists it");
   }
   if (!contents.manifest && !contents.unfinished && !contents.foreign.empty()) {
     throw InputError({folder.string()},
-                     fmt::format("has no dataset of this program, but other files such as '{}': --overwrite replaces "
-                                 "only datasets; choose another output folder with -o",
-                                 contents.foreign));
+                     "has no dataset of this program, but other files such as '{}': --overwrite replaces "
+                     "only datasets; choose another output folder with -o",
+                     contents.foreign);
   }
 }
 

@@ -69,7 +69,7 @@ std::string layOutList(const std::vector<std::string>& items, std::size_t indent
 }
 
 double finite(double value, std::string_view what) {
-  if (!std::isfinite(value)) throw Error(fmt::format("{} is {}, which a manifest cannot store", what, value));
+  if (!std::isfinite(value)) throw Error("{} is {}, which a manifest cannot store", what, value);
   return value;
 }
 
@@ -87,7 +87,7 @@ OrderedJson poseJson(const Pose& pose, std::string_view what) {
 
 const SemanticClass& requireClass(std::uint16_t id, const std::string& key, const Ontology& ontology) {
   const SemanticClass* const semantic = ontology.find(id);
-  if (semantic == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology.name));
+  if (semantic == nullptr) throw Error("{}: class {} is not in ontology '{}'", key, id, ontology.name);
   return *semantic;
 }
 
@@ -98,11 +98,10 @@ Json parseJson(const std::string& text, const std::string& file) {
     // The message begins "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ..."
     const std::string_view what = error.what();
     const std::size_t colon = what.find(": ");
-    throw InputError(
-        placeOfByte(text, error.byte, file),
-        fmt::format("is not complete JSON: {}", colon == std::string_view::npos ? what : what.substr(colon + 2)));
+    throw InputError(placeOfByte(text, error.byte, file), "is not complete JSON: {}",
+                     colon == std::string_view::npos ? what : what.substr(colon + 2));
   } catch (const Json::exception& error) {
-    throw InputError({file}, fmt::format("is not valid JSON: {}", reasonOf(error)));
+    throw InputError({file}, "is not valid JSON: {}", reasonOf(error));
   }
 }
 

@@ -59,8 +59,8 @@ class JsonNode {
   // Throws an InputError with the file, the node's place in it, and the reason.
   template <class... Values>
   [[noreturn]] void fail(fmt::format_string<Values...> reason, Values&&... values) const {
-    throw InputError({file_}, fmt::format("{}: {}", path_.empty() ? "/" : path_,
-                                          fmt::format(reason, std::forward<Values>(values)...)));
+    throw InputError({file_}, "{}: {}", path_.empty() ? "/" : path_,
+                     fmt::format(reason, std::forward<Values>(values)...));
   }
 
   // Checks the keys of a map: all keys in `required` must exist, and all other keys must be in `optional`.

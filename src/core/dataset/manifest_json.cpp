@@ -115,8 +115,7 @@ Manifest withSamplesOfFiles(Manifest manifest, const std::filesystem::path& fold
   std::uint64_t sampleCount = 0;
   for (const ShardRecord& shard : manifest.shards) {
     sampleCount += std::min(shard.samples, kMostSamples + 1);
-    if (sampleCount > kMostSamples)
-      throw InputError({file.string()}, fmt::format("states more than {} samples", kMostSamples));
+    if (sampleCount > kMostSamples) throw InputError({file.string()}, "states more than {} samples", kMostSamples);
   }
   std::vector<SampleRecord> samples(sampleCount);
   for (std::uint32_t shard = 0; shard < manifest.shards.size(); ++shard) {

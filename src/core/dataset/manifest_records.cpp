@@ -64,7 +64,7 @@ OrderedJson reasonsJson(const ScanRecord& scan) {
   OrderedJson json = OrderedJson::object();
   for (const auto& [reason, beams] : scan.beamsPerReason) {
     const ReasonEntry* const entry = findReason(reason);
-    if (entry == nullptr) throw Error(fmt::format("no reason has the value {}", reason));
+    if (entry == nullptr) throw Error("no reason has the value {}", reason);
     json[std::string(entry->name)] = beams;
   }
   return json;
@@ -355,9 +355,9 @@ void requireUnchangedFiles(const std::vector<FileRecord>& files, const std::file
   const std::string unnamed = named < changed.size() ? fmt::format(" and {} more", changed.size() - named) : "";
   changed.resize(named);
   throw InputError({dataset.string()},
-                   fmt::format("has shards that were made before these files changed or went: {}{}: restore the files, "
-                               "add --overwrite to start again, or give --resume=anyway to keep these shards",
-                               fmt::join(changed, ", "), unnamed));
+                   "has shards that were made before these files changed or went: {}{}: restore the files, "
+                   "add --overwrite to start again, or give --resume=anyway to keep these shards",
+                   fmt::join(changed, ", "), unnamed);
 }
 
 OrderedJson ontologyJson(const Ontology& ontology) {

@@ -154,8 +154,7 @@ std::size_t findKey(const std::vector<std::string>& keys, const std::string& que
   }
   if (matches.size() == 1) return matches.front();
   if (isIndex) {
-    throw InputError(
-        {where}, fmt::format("has the samples 0 to {}, not {}: give such an index, or a key", keys.size() - 1, query));
+    throw InputError({where}, "has the samples 0 to {}, not {}: give such an index, or a key", keys.size() - 1, query);
   }
   if (!matches.empty()) {
     constexpr std::size_t kMostListed = 6;
@@ -164,14 +163,12 @@ std::size_t findKey(const std::vector<std::string>& keys, const std::string& que
       listed.push_back(keys[i]);
     }
     const std::size_t unlisted = matches.size() - listed.size();
-    throw InputError({where}, fmt::format("'{}' is part of {} keys: give more of one key: {}{}", query, matches.size(),
-                                          fmt::join(listed, ", "),
-                                          unlisted > 0 ? fmt::format(" and {} more", unlisted) : std::string()));
+    throw InputError({where}, "'{}' is part of {} keys: give more of one key: {}{}", query, matches.size(),
+                     fmt::join(listed, ", "), unlisted > 0 ? fmt::format(" and {} more", unlisted) : std::string());
   }
   const std::string similarKey = nearest(query, keys);
-  throw InputError(
-      {where}, fmt::format("has no sample '{}'; it has {} samples, {} to {}{}", query, keys.size(), keys.front(),
-                           keys.back(), similarKey.empty() ? "" : fmt::format(" (did you mean '{}'?)", similarKey)));
+  throw InputError({where}, "has no sample '{}'; it has {} samples, {} to {}{}", query, keys.size(), keys.front(),
+                   keys.back(), similarKey.empty() ? "" : fmt::format(" (did you mean '{}'?)", similarKey));
 }
 
 }  // namespace scanmill

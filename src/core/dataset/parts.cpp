@@ -1,7 +1,5 @@
 #include "dataset/parts.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -80,13 +78,12 @@ static void moveSamples(DatasetPart& part, Manifest& joined) {
   for (std::size_t i = 0; i < part.numbers.size(); ++i) {
     const std::uint64_t sampleIndex = part.numbers[i];
     if (sampleIndex >= joined.samples.size()) {
-      throw Error(fmt::format("{}: sample {} is out of range: the plan has {} samples", shardFile, sampleIndex,
-                              joined.samples.size()));
+      throw Error("{}: sample {} is out of range: the plan has {} samples", shardFile, sampleIndex,
+                  joined.samples.size());
     }
     SampleRecord& sample = joined.samples[sampleIndex];
     if (!sample.key.empty()) {
-      throw Error(fmt::format("sample {} is in two shards, {} and {}", sample.key, joined.shards[sample.shard].file,
-                              shardFile));
+      throw Error("sample {} is in two shards, {} and {}", sample.key, joined.shards[sample.shard].file, shardFile);
     }
     sample = std::move(part.manifest.samples[i]);
     sample.shard = shardIndex;
@@ -110,14 +107,14 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool
     const std::string changed = addFiles(part.files, joined.files);
     if (!changed.empty() && !anyFiles) {
       throw Error(
-          fmt::format("{} changed while the dataset was made, so that its shards are of different scenes: start "
-                      "again with `generate --overwrite`, or complete it by `generate --resume=anyway`",
-                      changed));
+          "{} changed while the dataset was made, so that its shards are of different scenes: start "
+          "again with `generate --overwrite`, or complete it by `generate --resume=anyway`",
+          changed);
     }
     moveSamples(datasetPart, joined);
   }
   for (std::size_t i = 0; i < joined.samples.size(); ++i) {
-    if (joined.samples[i].key.empty()) throw Error(fmt::format("sample {} of {} is in no shard", i, plan.samples));
+    if (joined.samples[i].key.empty()) throw Error("sample {} of {} is in no shard", i, plan.samples);
   }
   std::vector<std::string> allScenes;
   for (const ModelledItem& item : joined.modelled) appendNew(item.scenes, allScenes);
@@ -148,9 +145,9 @@ Manifest mergeDataset(const std::filesystem::path& folder) {
     const std::string ranges = shardRanges(missing);
     throw InputError(
         {folder.string()},
-        fmt::format(
-            "{} of {} shards are missing or damaged: {}; make them by `scanmill generate PIPELINE -o {} --shards {}`",
-            missing.size(), names.size(), ranges, folder.string(), ranges));
+
+        "{} of {} shards are missing or damaged: {}; make them by `scanmill generate PIPELINE -o {} --shards {}`",
+        missing.size(), names.size(), ranges, folder.string(), ranges);
   }
   Manifest manifest = joinParts(plan, std::move(parts));
   opened.publish(manifest);

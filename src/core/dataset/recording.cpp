@@ -251,7 +251,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   const std::string name = file.string();
   const JsonNode root(json, "", name);
   if (!json.is_object() || json.value("what", Json()) != kWhat) {
-    throw InputError({name}, fmt::format("is not a recording: /what must be '{}'", kWhat));
+    throw InputError({name}, "is not a recording: /what must be '{}'", kWhat);
   }
   Recording r;
   r.kind = kind;

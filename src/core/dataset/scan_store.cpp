@@ -42,7 +42,7 @@ std::pair<std::shared_ptr<const Manifest>, fs::path> manifestOf(const fs::path& 
       const auto listed = std::ranges::find(manifest->shards, relative, &ShardRecord::file);
       if (listed != manifest->shards.end()) return {std::move(manifest), folder};
     } catch (const InputError& e) {
-      warn(fmt::format("classes are shown without names: {}", e.what()));
+      warn("classes are shown without names: {}", e.what());
     }
   }
   return {};
@@ -72,9 +72,9 @@ Scan requirePlausibleBeams(Scan scan, const std::string& what) {
   const std::uint64_t columns = std::max(scan.columns, extent.column);
   if (rings * columns <= std::max<std::uint64_t>(kAlwaysAllowed, kMostBeamsPerPoint * scan.size())) return scan;
   throw InputError({what},
-                   fmt::format("has {} points on beams of {} rings and {} columns, which no sensor has: correct "
-                               "its columns 'ring' and 'column', or leave them out",
-                               scan.size(), rings, columns));
+                   "has {} points on beams of {} rings and {} columns, which no sensor has: correct "
+                   "its columns 'ring' and 'column', or leave them out",
+                   scan.size(), rings, columns);
 }
 
 }  // namespace
@@ -100,9 +100,9 @@ void ScanStore::openSingle() {
   if (!isScan(path_)) {
     throw InputError(
         {path_.string()},
-        fmt::format(
-            "is neither the folder of a dataset nor a file of the kinds .tar, {}{}", scanSuffixes(),
-            suffix == ".yaml" ? "; for a picture of a scene: `scanmill view SCENE.yaml --screenshot FILE.png`" : ""));
+
+        "is neither the folder of a dataset nor a file of the kinds .tar, {}{}", scanSuffixes(),
+        suffix == ".yaml" ? "; for a picture of a scene: `scanmill view SCENE.yaml --screenshot FILE.png`" : "");
   }
   const bool hasFormat = formatBySuffix(suffix.substr(1)) != nullptr;
   single_ = requirePlausibleBeams(
@@ -198,8 +198,8 @@ const Ontology* ScanStore::ontology() const {
 
 StoredScan ScanStore::scanOfRecorded(std::size_t sample, const std::string& sensor) const {
   if (!sensor.empty() && lowerCase(sensor) != lowerCase(recorded_->sensor)) {
-    throw InputError({path_.string()}, fmt::format("has no sensor '{}'{}", sensor,
-                                                   recorded_->sensor.empty() ? "" : "; it has " + recorded_->sensor));
+    throw InputError({path_.string()}, "has no sensor '{}'{}", sensor,
+                     recorded_->sensor.empty() ? "" : "; it has " + recorded_->sensor);
   }
   return {.sensor = recorded_->sensor, .method = "", .members = {recorded_->scans.at(sample).points.string()}};
 }
@@ -237,15 +237,15 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
   std::vector<StoredScan> scans = scansInShard(samples_.at(sample));
   const std::string where = shards_[samples_[sample].shard].file.string();
   if (scans.empty()) {
-    throw InputError({where}, fmt::format("has no scan of the sample '{}' in a known format", keys_[sample]));
+    throw InputError({where}, "has no scan of the sample '{}' in a known format", keys_[sample]);
   }
   if (sensor.empty()) return scans;
   std::vector<std::string> sensors;
   for (const StoredScan& scan : scans) appendNew({lowerCase(scan.sensor)}, sensors);
   std::erase_if(scans, [&](const StoredScan& scan) { return lowerCase(scan.sensor) != lowerCase(sensor); });
   if (!scans.empty()) return scans;
-  throw InputError({where}, fmt::format("the sample '{}' has no sensor '{}'; it has {}", keys_[sample], sensor,
-                                        fmt::join(sensors, ", ")));
+  throw InputError({where}, "the sample '{}' has no sensor '{}'; it has {}", keys_[sample], sensor,
+                   fmt::join(sensors, ", "));
 }
 
 const ShardIndex& ScanStore::shard(std::size_t number) const {
@@ -277,8 +277,7 @@ std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
   const std::optional<std::string> bytes = bytesOf(sample, name);
   if (bytes) return parseObjects(*bytes, name, manifest_->ontology);
   if (stored.record == nullptr) return {};
-  throw InputError({shards_[stored.shard].file.string()},
-                   fmt::format("has no member {}, but the manifest lists it", name));
+  throw InputError({shards_[stored.shard].file.string()}, "has no member {}, but the manifest lists it", name);
 }
 
 std::optional<std::string> ScanStore::voxels(std::size_t sample, const std::string& sensor) const {
@@ -292,8 +291,8 @@ void ScanStore::requireUnchanged(const Sample& sample, const std::string& member
   const std::string stated = sample.record->xxh3Of(member);
   if (stated.empty() || xxh3(bytes) == stated) return;
   throw InputError({shards_[sample.shard].file.string()},
-                   fmt::format("{} was changed since it was written: `scanmill regenerate {}` makes it again", member,
-                               folder_.string()));
+                   "{} was changed since it was written: `scanmill regenerate {}` makes it again", member,
+                   folder_.string());
 }
 
 std::string ScanStore::damage(std::size_t sample) const {

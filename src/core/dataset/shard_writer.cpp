@@ -34,7 +34,7 @@ std::uint64_t paddedBytes(std::uint64_t bytes) {
 constexpr std::string_view kJsonSuffix = "json";
 
 [[noreturn]] void refuse(const Sample& sample, const std::string& why) {
-  throw Error(fmt::format("sample '{}' cannot be written: {}", sample.key, why));
+  throw Error("sample '{}' cannot be written: {}", sample.key, why);
 }
 
 // Throws Error for names that WebDataset would misread. WebDataset joins consecutive members to a sample if their names
@@ -125,7 +125,7 @@ struct ShardFile::State {
   void check(la_ssize_t result) {
     if (failure) std::rethrow_exception(failure);
     if (result < ARCHIVE_OK) {
-      throw Error(fmt::format("{}: cannot be written as tar: {}", path.string(), archive_error_string(tar)));
+      throw Error("{}: cannot be written as tar: {}", path.string(), archive_error_string(tar));
     }
   }
 };
@@ -208,7 +208,7 @@ void ShardWriter::add(const Sample& sample) {
 }
 
 ShardPart ShardWriter::finish() {
-  if (broken_) throw Error(fmt::format("{}: cannot be finished: a sample could not be written", part_.shard.file));
+  if (broken_) throw Error("{}: cannot be finished: a sample could not be written", part_.shard.file);
   const ShardFile::Digest digest = file_.close();
   part_.shard.sha256 = digest.sha256;
   part_.shard.bytes = digest.bytes;

@@ -73,8 +73,7 @@ SplitOfGroup byShares(Fields& fields, const std::set<std::string>& groups, const
   std::array<double, kSplits.size()> shares{};
   for (std::size_t i = 0; i < kSplits.size(); ++i) shares[i] = fields.number(kSplits[i], {0, 1}, 0);
   const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
-  if (std::abs(sum - 1) > 1e-6)
-    throw InputError(fields.where(), fmt::format("the sum of the shares is {}, but must be 1", sum));
+  if (std::abs(sum - 1) > 1e-6) throw InputError(fields.where(), "the sum of the shares is {}, but must be 1", sum);
   const auto counts = apportion(shares, groups.size());
   const std::vector<std::string> order = shuffled(groups, seed);
   SplitOfGroup splits;
@@ -83,9 +82,9 @@ SplitOfGroup byShares(Fields& fields, const std::set<std::string>& groups, const
     if (shares[i] > 0 && counts[i] == 0) {
       throw InputError(
           fields.require(kSplits[i]).where,
-          fmt::format(
-              "{}: a share of {} of {} {} is less than one: add {}, change the shares, or list the {} of each split",
-              kSplits[i], shares[i], groups.size(), groups.size() == 1 ? by : plural(by), plural(by), plural(by)));
+
+          "{}: a share of {} of {} {} is less than one: add {}, change the shares, or list the {} of each split",
+          kSplits[i], shares[i], groups.size(), groups.size() == 1 ? by : plural(by), plural(by), plural(by));
     }
     for (std::size_t n = 0; n < counts[i]; ++n) splits[order[assigned++]] = kSplits[i];
   }
@@ -113,16 +112,15 @@ SplitOfGroup byLists(Fields& fields, const std::set<std::string>& groups, const 
     if (list == nullptr) continue;
     for (const auto& [group, where] : listedGroups(*list, by)) {
       if (!groups.contains(group)) {
-        throw InputError(
-            where, fmt::format("no sequence has the {} {} (known: {}){}", by, group, fmt::join(groups, ", "), kAdvice));
+        throw InputError(where, "no sequence has the {} {} (known: {}){}", by, group, fmt::join(groups, ", "), kAdvice);
       }
       const auto [entry, isNew] = splits.emplace(group, split);
-      if (!isNew) throw InputError(where, fmt::format("{} {} is in '{}' already", by, group, entry->second));
+      if (!isNew) throw InputError(where, "{} {} is in '{}' already", by, group, entry->second);
     }
   }
   for (const std::string& group : groups) {
     if (!splits.contains(group)) {
-      throw InputError(fields.where(), fmt::format("{} {} is in no list: add it to train, val or test", by, group));
+      throw InputError(fields.where(), "{} {} is in no list: add it to train, val or test", by, group);
     }
   }
   return splits;
@@ -140,7 +138,7 @@ bool usesLists(Fields& fields) {
     }
     areLists = isList;
   }
-  if (!areLists) throw InputError(fields.where(), fmt::format("splits name no train, val or test{}", kAdvice));
+  if (!areLists) throw InputError(fields.where(), "splits name no train, val or test{}", kAdvice);
   return *areLists;
 }
 

@@ -93,14 +93,14 @@ class TarReader {
   // mark shows that the file is complete.
   void checkEnd() const {
     if (size_ >= memberEnd_ + kEndBytes) return;
-    throw InputError({file_.string()},
-                     fmt::format("is truncated: no end mark at offset {} (the file has {} bytes)", memberEnd_, size_));
+    throw InputError({file_.string()}, "is truncated: no end mark at offset {} (the file has {} bytes)", memberEnd_,
+                     size_);
   }
 
   [[noreturn]] void fail(const std::string& what) const {
     const char* reason = archive_error_string(tar_.get());
-    throw InputError({file_.string()},
-                     fmt::format("{} at offset {}{}{}", what, position(), reason ? ": " : "", reason ? reason : ""));
+    throw InputError({file_.string()}, "{} at offset {}{}{}", what, position(), reason ? ": " : "",
+                     reason ? reason : "");
   }
 
   std::filesystem::path file_;
@@ -135,7 +135,7 @@ Scan decodeMember(const std::string& name, std::string_view bytes) {
   const FormatEntry* entry = formatBySuffix(suffix);
   if (entry == nullptr) {
     const auto suffixes = formats() | std::views::transform(&FormatEntry::suffix);
-    throw InputError({name}, fmt::format("no format reads '.{}' (known: .{})", suffix, fmt::join(suffixes, ", .")));
+    throw InputError({name}, "no format reads '.{}' (known: .{})", suffix, fmt::join(suffixes, ", ."));
   }
   Value noOptions;
   noOptions.kind = Value::Kind::Map;
@@ -169,11 +169,9 @@ std::string ShardIndex::read(const ShardMember& member) const {
     const ssize_t count =
         ::pread(file.number, bytes.data() + done, bytes.size() - done, static_cast<off_t>(member.offset + done));
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0)
-      throw InputError({file_.string()}, fmt::format("cannot read '{}': {}", member.name, errnoText(errno)));
+    if (count < 0) throw InputError({file_.string()}, "cannot read '{}': {}", member.name, errnoText(errno));
     if (count == 0) {
-      throw InputError({file_.string()},
-                       fmt::format("is truncated in '{}': it was longer when it was opened", member.name));
+      throw InputError({file_.string()}, "is truncated in '{}': it was longer when it was opened", member.name);
     }
     done += static_cast<std::size_t>(count);
   }

@@ -325,8 +325,8 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
   checkManifest(manifest, total.problems);
   for (std::size_t i = 1; i < manifest.files.size(); ++i) {
     if (manifest.files[i].file != manifest.files[i - 1].file) continue;
-    warn(fmt::format("{}: some samples were made before {} changed, others after it (--resume=anyway)", folder.string(),
-                     manifest.files[i].file));
+    warn("{}: some samples were made before {} changed, others after it (--resume=anyway)", folder.string(),
+         manifest.files[i].file);
   }
   for (const auto& [shard, problem] : undescribed) total.problems.push_back(problem);
 

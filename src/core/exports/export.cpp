@@ -223,9 +223,8 @@ class Export {
     }
     if (complete || unfinished) {
       if (options_.overwrite) return;
-      throw InputError({folder.string()},
-                       fmt::format("has {} export: name another folder with -o, or replace it with --overwrite",
-                                   complete ? "a complete" : "an unfinished"));
+      throw InputError({folder.string()}, "has {} export: name another folder with -o, or replace it with --overwrite",
+                       complete ? "a complete" : "an unfinished");
     }
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
       if (isLeftByKilledRun(entry.path())) continue;

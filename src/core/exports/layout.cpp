@@ -160,7 +160,7 @@ std::filesystem::path ExportFolder::prepareFile(const std::filesystem::path& nam
   const std::filesystem::path path = folder_ / name;
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);
-  if (failure) throw Error(fmt::format("{}: cannot be made: {}", folder_.string(), failure.message()));
+  if (failure) throw Error("{}: cannot be made: {}", folder_.string(), failure.message());
   makeFolders(folder_, path.parent_path());
   return path;
 }

@@ -171,7 +171,7 @@ class Cdr {
   // Appends the length of a list, whose items follow.
   Cdr& count(std::size_t count) {
     if (count > std::numeric_limits<std::uint32_t>::max()) {
-      throw Error(fmt::format("a list in a ROS message cannot have {} entries or bytes", count));
+      throw Error("a list in a ROS message cannot have {} entries or bytes", count);
     }
     return number(static_cast<std::uint32_t>(count));
   }

@@ -14,7 +14,6 @@
 
 #include "exports/mcap_file.h"
 
-#include <fmt/core.h>
 #include <lz4frame.h>
 #include <zlib.h>
 
@@ -94,7 +93,7 @@ std::string compressed(std::string_view bytes) {
   preferences.frameInfo.contentSize = bytes.size();
   std::string out(LZ4F_compressFrameBound(bytes.size(), &preferences), '\0');
   const std::size_t size = LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), &preferences);
-  if (LZ4F_isError(size) != 0) throw Error(fmt::format("LZ4 compression failed: {}", LZ4F_getErrorName(size)));
+  if (LZ4F_isError(size) != 0) throw Error("LZ4 compression failed: {}", LZ4F_getErrorName(size));
   out.resize(size);
   return out;
 }

@@ -85,7 +85,7 @@ std::string mapMask() {
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
   std::string bytes(size, '\0');
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
-    throw Error(fmt::format("a map cannot be written as a PNG: {}", image.message));
+    throw Error("a map cannot be written as a PNG: {}", image.message);
   }
   bytes.resize(size);
   return bytes;

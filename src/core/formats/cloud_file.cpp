@@ -79,9 +79,10 @@ Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
   const std::string name = file.string();
   if (suffix == ".ply") return readPly(file);
   if (isUnreadCloud(suffix)) {
-    throw InputError({name}, fmt::format("is a cloud of the kind {}, which is not read: convert it, by `pdal translate "
-                                         "a{} a.las` or by CloudCompare into LAS, PLY or PCD",
-                                         suffix, suffix));
+    throw InputError({name},
+                     "is a cloud of the kind {}, which is not read: convert it, by `pdal translate "
+                     "a{} a.las` or by CloudCompare into LAS, PLY or PCD",
+                     suffix, suffix);
   }
   if (suffix == ".npz") {
     throw InputError({name},
@@ -101,7 +102,7 @@ Cloud readCloud(const std::filesystem::path& file, CloudUnit unit) {
   }
   const FormatEntry* const format = suffix.empty() ? nullptr : formatBySuffix(suffix.substr(1));
   if (format == nullptr) {
-    throw InputError({name}, fmt::format("is no scan of a known kind: {} are read", scanSuffixes()));
+    throw InputError({name}, "is no scan of a known kind: {} are read", scanSuffixes());
   }
   const Value none;
   Fields options(none, "format");

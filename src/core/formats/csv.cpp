@@ -45,9 +45,8 @@ class CsvReader {
       if (line_.empty() || isComment()) continue;
       splitCells(line_, separator_, cells_);
       if (cells_.size() != columns_.size()) {
-        throw InputError(
-            where_, fmt::format("{} values where the header names {} columns{}", cells_.size(), columns_.size(),
-                                cells_.size() > columns_.size() && separator_ == ',' ? ": decimals need a point" : ""));
+        throw InputError(where_, "{} values where the header names {} columns{}", cells_.size(), columns_.size(),
+                         cells_.size() > columns_.size() && separator_ == ',' ? ": decimals need a point" : "");
       }
       addPoint();
     }
@@ -94,10 +93,10 @@ class CsvReader {
       return;
     }
     if (!namesAxes) {
-      throw InputError(
-          where_, fmt::format("no columns x, y and z: the first line must name them, as x,y,z,label, not '{}'; only "
-                              "files of x, y and z alone do without names",
-                              line_.substr(0, 60)));
+      throw InputError(where_,
+                       "no columns x, y and z: the first line must name them, as x,y,z,label, not '{}'; only "
+                       "files of x, y and z alone do without names",
+                       line_.substr(0, 60));
     }
     constexpr std::size_t kMostColumns = 256;
     if (cells_.size() > kMostColumns) throw InputError(where_, "the header names too many columns to be a scan's");
@@ -106,7 +105,7 @@ class CsvReader {
       const std::string meant = columnMeant(cell);
       names.push_back(meant == "x" || meant == "y" || meant == "z" ? meant : nameFor(cell));
       if (std::ranges::count(names, names.back()) > 1) {
-        throw InputError(where_, fmt::format("column '{}' is named twice", names.back()));
+        throw InputError(where_, "column '{}' is named twice", names.back());
       }
       columns_.push_back(cellReader(names.back()));
     }

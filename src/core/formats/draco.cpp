@@ -17,8 +17,6 @@
 // per point; Draco's encoder gives as few bytes at 8 million points per second, its kd-tree 7.2 bytes at 4.2 million.
 // Speed 0 saves up to 1.4 % of the bytes, but halves the speed of decoding; therefore the default is 7.
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -133,7 +131,7 @@ class DracoFormat : public Format {
   // Encodes a scan without misses.
   std::string encodeDense(const Scan& scan) const {
     if (scan.size() > std::numeric_limits<std::int32_t>::max() / 4) {
-      throw Error(fmt::format("{} points are more than Draco holds", scan.size()));
+      throw Error("{} points are more than Draco holds", scan.size());
     }
     DracoWriter writer(static_cast<std::uint32_t>(scan.size()), 10 - options_.speed);
     writer.addEntry("rings", static_cast<std::int32_t>(scan.rings));

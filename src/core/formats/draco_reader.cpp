@@ -160,7 +160,7 @@ class CloudReader {
     if (id < 0) return nullptr;
     const draco::PointAttribute* const attribute = cloud_.attribute(id);
     if (attribute->num_components() == 1) return attribute;
-    throw InputError(where_, fmt::format("{} has {} values a point", name, attribute->num_components()));
+    throw InputError(where_, "{} has {} values a point", name, attribute->num_components());
   }
 
   // Returns the attribute's name; empty if it has none.
@@ -203,7 +203,7 @@ class CloudReader {
   void visitStored(const draco::PointAttribute& attribute, std::string_view name, const Visit& visit) const {
     const draco::DataType type = attribute.data_type();
     if (type == draco::DT_INVALID || type >= draco::DT_TYPES_COUNT) {
-      throw InputError(where_, fmt::format("{} has an unknown type", name));
+      throw InputError(where_, "{} has an unknown type", name);
     }
     const bool isFloat = type == draco::DT_FLOAT32 || type == draco::DT_FLOAT64;
     const bool isSigned =
@@ -222,7 +222,7 @@ class CloudReader {
       const draco::AttributeValueIndex index = attribute.mapped_index(draco::PointIndex(i));
       const auto offset = static_cast<std::size_t>(attribute.GetBytePos(index));
       if (index.value() >= values || offset + components * sizeof(Stored) > bytes) {
-        throw InputError(where_, fmt::format("{} has no value for point {}", name, i));
+        throw InputError(where_, "{} has no value for point {}", name, i);
       }
       for (std::size_t c = 0; c < components; ++c) {
         Stored stored;

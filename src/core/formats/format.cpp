@@ -1,7 +1,5 @@
 #include "formats/format.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 
@@ -32,7 +30,7 @@ const FormatEntry& requireFormat(std::string_view name, const Location& where) {
     if (entry.name == name) return entry;
     names.emplace_back(entry.name);
   }
-  throw InputError(where, fmt::format("unknown format '{}'{}", name, suggestion(name, names)));
+  throw InputError(where, "unknown format '{}'{}", name, suggestion(name, names));
 }
 
 const FormatEntry* formatBySuffix(std::string_view suffix) {

@@ -188,23 +188,23 @@ class LasReader {
     const double vertical = system.perHeight.value_or(system.perUnit);
     metres_ = {system.perUnit, system.perUnit, vertical};
     if (system.definition.empty() || (!byWkt && system.local)) {
-      warn(fmt::format(
+      warn(
           "{}: its coordinate system cannot be read ({}), and counts as in units of {:.10g} m: give the key "
           "`unit` if it is not",
-          where_.file, description, system.perUnit));
+          where_.file, description, system.perUnit);
     } else if (system.perUnit != 1 || vertical != 1) {
       warn(
-          fmt::format("{}: its coordinates, in units of {:.10g} m ({}), and {}, in units of {:.10g} m, become "
-                      "metres; the key `unit` would go before the file",
-                      where_.file, system.perUnit, system.unit,
-                      vertical < 0 ? "depths, which become heights below 0" : "heights", std::fabs(vertical)));
+          "{}: its coordinates, in units of {:.10g} m ({}), and {}, in units of {:.10g} m, become "
+          "metres; the key `unit` would go before the file",
+          where_.file, system.perUnit, system.unit, vertical < 0 ? "depths, which become heights below 0" : "heights",
+          std::fabs(vertical));
     }
     cloud_.system = system.definition;
     if (system.isStretched()) {
-      warn(fmt::format(
+      warn(
           "{}: lengths in its coordinate system are {:.4g} times those on the ground (in Mercator projections "
           "1/cos(latitude)), heights are not: {}",
-          where_.file, system.stretch, kReproject));
+          where_.file, system.stretch, kReproject);
     }
   }
 

@@ -30,7 +30,7 @@ std::size_t elementSize(std::string_view descr) {
   std::size_t size = 0;
   const char* const end = descr.data() + descr.size();
   const bool parsed = descr.size() > 2 && std::from_chars(descr.data() + 2, end, size).ptr == end;
-  if (!parsed) throw Error(fmt::format("'{}' is no type of NumPy with a size", descr));
+  if (!parsed) throw Error("'{}' is no type of NumPy with a size", descr);
   return descr[1] == 'U' ? 4 * size : size;
 }
 
@@ -100,8 +100,7 @@ std::string npyOf(std::string_view descr, const std::vector<std::size_t>& shape,
     dimensions += fmt::format("{}, ", length);
   }
   if (bytes.size() != expectedBytes) {
-    throw Error(fmt::format("{} bytes for an array {} of shape ({}), which has {}", bytes.size(), descr, dimensions,
-                            expectedBytes));
+    throw Error("{} bytes for an array {} of shape ({}), which has {}", bytes.size(), descr, dimensions, expectedBytes);
   }
   // Python writes "(3,)" for one dimension, "(3, 4)" for more.
   if (!dimensions.empty()) dimensions.resize(dimensions.size() - (shape.size() == 1 ? 1 : 2));
@@ -109,7 +108,7 @@ std::string npyOf(std::string_view descr, const std::vector<std::size_t>& shape,
   const std::size_t unpaddedBytes = kBeforeHeader + header.size() + 1;  // with the line feed
   header.append((kAlignment - unpaddedBytes % kAlignment) % kAlignment, ' ');
   header += '\n';
-  if (header.size() > 65535) throw Error(fmt::format("an array of {} dimensions has no NPY 1.0", shape.size()));
+  if (header.size() > 65535) throw Error("an array of {} dimensions has no NPY 1.0", shape.size());
   std::string file("\x93NUMPY\x01\x00", 8);
   putNumber(static_cast<std::uint16_t>(header.size()), file);
   file += header;
@@ -121,8 +120,7 @@ std::string zipOf(std::span<const std::pair<std::string, std::string>> files) {
   std::string bytes;
   const std::unique_ptr<archive, decltype(&archive_write_free)> zip(archive_write_new(), &archive_write_free);
   const auto require = [&](la_ssize_t result) {
-    if (result < ARCHIVE_OK)
-      throw Error(fmt::format("a ZIP archive cannot be made: {}", archive_error_string(zip.get())));
+    if (result < ARCHIVE_OK) throw Error("a ZIP archive cannot be made: {}", archive_error_string(zip.get()));
   };
   require(archive_write_set_format_zip(zip.get()));
   require(archive_write_set_bytes_per_block(zip.get(), 0));
@@ -146,7 +144,7 @@ std::vector<NpyArray> readNpzArrays(std::string_view bytes, const std::string& w
   const std::unique_ptr<archive, decltype(&archive_read_free)> zip(archive_read_new(), &archive_read_free);
   const auto fail = [&] {
     const char* const text = archive_error_string(zip.get());
-    throw InputError({what}, fmt::format("is no sound archive .npz: {}", text != nullptr ? text : "unknown"));
+    throw InputError({what}, "is no sound archive .npz: {}", text != nullptr ? text : "unknown");
   };
   archive_read_support_format_zip(zip.get());
   if (archive_read_open_memory(zip.get(), bytes.data(), bytes.size()) != ARCHIVE_OK) fail();

@@ -110,8 +110,7 @@ void appendBinary(const Scan& scan, std::string& out) {
   constexpr std::size_t kBlockBytes = 12 * 1024;
   const std::size_t stride = rowSize(scan);
   const std::size_t rows = kBlockBytes / stride;
-  if (rows == 0)
-    throw Error(fmt::format("a row of {} bytes is wider than binary PCDs of {} hold", stride, kBlockBytes));
+  if (rows == 0) throw Error("a row of {} bytes is wider than binary PCDs of {} hold", stride, kBlockBytes);
   out.reserve(out.size() + stride * scan.size());
   char block[kBlockBytes];
   for (std::size_t first = 0; first < scan.size(); first += rows) {
@@ -132,7 +131,7 @@ void appendCompressed(const Scan& scan, std::string& out) {
   const std::size_t bytes = rowSize(scan) * points;
   const std::size_t mostPackedBytes = mostLzfBytes(bytes);
   if (mostPackedBytes > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(fmt::format("{} points are more than a compressed PCD holds: use encoding binary", points));
+    throw Error("{} points are more than a compressed PCD holds: use encoding binary", points);
   }
   thread_local RawVector<char> columns, packed;
   columns.resize(bytes);

@@ -61,7 +61,7 @@ constexpr std::uint64_t kLzfGain = 88;
 std::uint64_t readCount(std::string_view word, std::string_view key, std::uint64_t most, const Location& where) {
   std::uint64_t value = 0;
   if (!parseNumber(word, value) || value > most) {
-    throw InputError(where, fmt::format("{} must be an integer of 0 to {}, not '{}'", key, most, word.substr(0, 40)));
+    throw InputError(where, "{} must be an integer of 0 to {}, not '{}'", key, most, word.substr(0, 40));
   }
   return value;
 }
@@ -100,7 +100,7 @@ class HeaderReader {
     if (key == "VERSION") return;
     if (key == "VIEWPOINT") return readViewpoint(words);
     if (key == "FIELDS" || key == "COLUMNS") {
-      if (words.size() - 1 > kMostFields) throw InputError(where_, fmt::format("more than {} fields", kMostFields));
+      if (words.size() - 1 > kMostFields) throw InputError(where_, "more than {} fields", kMostFields);
       header_.fields.resize(words.size() - 1);
       return perField(words, [&](PcdField& field, std::string_view word) { field.name = word; });
     }
@@ -119,7 +119,7 @@ class HeaderReader {
     } else if (words.size() == 2 && key == "DATA") {
       header_.data = words[1];
     } else {
-      throw InputError(where_, fmt::format("not a line of a PCD header: '{}'", key.substr(0, 40)));
+      throw InputError(where_, "not a line of a PCD header: '{}'", key.substr(0, 40));
     }
   }
 
@@ -133,13 +133,14 @@ class HeaderReader {
     const double norm = std::sqrt(w * w + x * x + y * y + z * z);
     if (norm == 0 && tx == 0 && ty == 0 && tz == 0) return;
     if (!isFinite(Vec3d{tx, ty, tz})) {
-      throw InputError(where_, fmt::format("VIEWPOINT has the translation {} {} {}: it must be finite", tx, ty, tz));
+      throw InputError(where_, "VIEWPOINT has the translation {} {} {}: it must be finite", tx, ty, tz);
     }
     constexpr double kRounding = 0.01;  // largest deviation of the length that rounded numbers may have
     if (!(std::fabs(norm - 1) <= kRounding)) {
-      throw InputError(where_, fmt::format("VIEWPOINT has the quaternion {} {} {} {} (w x y z), of the length {:.4g}, "
-                                           "where a rotation has the length 1: write 0 0 0 1 0 0 0 for no pose",
-                                           w, x, y, z, norm));
+      throw InputError(where_,
+                       "VIEWPOINT has the quaternion {} {} {} {} (w x y z), of the length {:.4g}, "
+                       "where a rotation has the length 1: write 0 0 0 1 0 0 0 for no pose",
+                       w, x, y, z, norm);
     }
     header_.worldFromFile = {{w / norm, x / norm, y / norm, z / norm}, {tx, ty, tz}};
   }
@@ -148,8 +149,7 @@ class HeaderReader {
   template <class Set>
   void perField(const Words& words, Set&& set) {
     if (header_.fields.empty() || words.size() - 1 != header_.fields.size()) {
-      throw InputError(
-          where_, fmt::format("{} has {} values for {} fields", words[0], words.size() - 1, header_.fields.size()));
+      throw InputError(where_, "{} has {} values for {} fields", words[0], words.size() - 1, header_.fields.size());
     }
     for (std::size_t i = 0; i < header_.fields.size(); ++i) set(header_.fields[i], words[i + 1]);
   }
@@ -164,19 +164,18 @@ class HeaderReader {
       const bool isInteger =
           (field.type == 'U' || field.type == 'I') && field.size <= 8 && std::has_single_bit(field.size);
       if (!isFloat && !isInteger) {
-        throw InputError(where, fmt::format("field {} has type {} and size {}: PCD knows F 4 8 and U, I 1 2 4 8",
-                                            field.name, field.type == 0 ? '?' : field.type, field.size));
+        throw InputError(where, "field {} has type {} and size {}: PCD knows F 4 8 and U, I 1 2 4 8", field.name,
+                         field.type == 0 ? '?' : field.type, field.size);
       }
     }
     h.setOffsets();
     if (h.rowBytes == 0) throw InputError(where, "the header's fields hold no values: every COUNT is 0");
     h.points = points_.value_or(h.width * h.height);
     if (h.points > UINT32_MAX) {
-      throw InputError(where,
-                       fmt::format("{} x {} (WIDTH x HEIGHT) are more than {} points", h.width, h.height, UINT32_MAX));
+      throw InputError(where, "{} x {} (WIDTH x HEIGHT) are more than {} points", h.width, h.height, UINT32_MAX);
     }
     if (h.width * h.height != h.points) {
-      throw InputError(where, fmt::format("{} x {} (WIDTH x HEIGHT) are not {} POINTS", h.width, h.height, h.points));
+      throw InputError(where, "{} x {} (WIDTH x HEIGHT) are not {} POINTS", h.width, h.height, h.points);
     }
     if (!h.sensor || !h.organised) return;
     const auto [rings, columns] = *h.sensor;
@@ -224,16 +223,14 @@ class BodyReader {
     if (header_.data == "ascii") return readAscii();
     if (header_.data == "binary") {
       if (header_.points * header_.rowBytes > header_.body.size()) {
-        throw InputError(where_,
-                         fmt::format("truncated: {} points of {} bytes need {} bytes, {} are left", header_.points,
-                                     header_.rowBytes, header_.points * header_.rowBytes, header_.body.size()));
+        throw InputError(where_, "truncated: {} points of {} bytes need {} bytes, {} are left", header_.points,
+                         header_.rowBytes, header_.points * header_.rowBytes, header_.body.size());
       }
       rest_ = header_.body.substr(header_.points * header_.rowBytes);
       return readTable(header_.body.data(), TableOrder::RowByRow);
     }
     if (header_.data == "binary_compressed") return readCompressed();
-    throw InputError(where_,
-                     fmt::format("unknown DATA '{}': ascii, binary or binary_compressed", header_.data.substr(0, 40)));
+    throw InputError(where_, "unknown DATA '{}': ascii, binary or binary_compressed", header_.data.substr(0, 40));
   }
 
   // Returns the field with this name; null if there is none. Throws InputError if the field has several values per
@@ -241,7 +238,7 @@ class BodyReader {
   const PcdField* find(std::string_view name) const {
     const auto field = std::ranges::find(header_.fields, name, &PcdField::name);
     if (field == header_.fields.end()) return nullptr;
-    if (field->count != 1) throw InputError(where_, fmt::format("field {} has {} values a point", name, field->count));
+    if (field->count != 1) throw InputError(where_, "field {} has {} values a point", name, field->count);
     return &*field;
   }
 
@@ -270,9 +267,10 @@ class BodyReader {
     if (field != nullptr) return *field;
     std::vector<std::string_view> names;
     for (const PcdField& other : header_.fields) names.push_back(other.name);
-    throw InputError(where_, fmt::format("there is no field {}, but {}: name the coordinates x, y and z in FIELDS; a "
-                                         "field of three values becomes three in SIZE, TYPE and COUNT, too",
-                                         name, fmt::join(names, ", ")));
+    throw InputError(where_,
+                     "there is no field {}, but {}: name the coordinates x, y and z in FIELDS; a "
+                     "field of three values becomes three in SIZE, TYPE and COUNT, too",
+                     name, fmt::join(names, ", "));
   }
 
   // Returns a scan without points, which has the header's rings and columns and the names of its columns.
@@ -305,12 +303,11 @@ class BodyReader {
     const auto tableBytes = numberAt<std::uint32_t>(header_.body, 4);
     const std::string_view packed = header_.body.substr(kSizesBytes);
     if (tableBytes != header_.points * header_.rowBytes) {
-      throw InputError(where_, fmt::format("{} points of {} bytes are not the {} bytes of the compressed block",
-                                           header_.points, header_.rowBytes, tableBytes));
+      throw InputError(where_, "{} points of {} bytes are not the {} bytes of the compressed block", header_.points,
+                       header_.rowBytes, tableBytes);
     }
     if (packedBytes > packed.size()) {
-      throw InputError(
-          where_, fmt::format("truncated: {} compressed bytes are announced, {} are left", packedBytes, packed.size()));
+      throw InputError(where_, "truncated: {} compressed bytes are announced, {} are left", packedBytes, packed.size());
     }
     rest_ = packed.substr(packedBytes);
     if (header_.points == 0) return newScan();
@@ -368,7 +365,7 @@ class BodyReader {
     std::string_view rest = header_.body;
     Location where{where_.file, header_.bodyLine - 1, 0};
     for (std::size_t point = 0; point < header_.points;) {
-      if (rest.empty()) throw InputError(where, fmt::format("truncated after {} of {} points", point, header_.points));
+      if (rest.empty()) throw InputError(where, "truncated after {} of {} points", point, header_.points);
       ++where.line;
       std::string_view line = takeLine(rest);
       if (line.empty()) continue;
@@ -378,7 +375,7 @@ class BodyReader {
           appendWord(field, takeWord(line), where, table);
       }
       if (!line.empty()) {
-        throw InputError(where, fmt::format("more values than the {} fields have", header_.fields.size()));
+        throw InputError(where, "more values than the {} fields have", header_.fields.size());
       }
     }
     rest_ = rest;
@@ -388,7 +385,7 @@ class BodyReader {
   // Appends the number that a word spells to the table, in the field's type. Elements of fields that become no column
   // are appended as 0.
   static void appendWord(const PcdField& field, std::string_view word, const Location& where, std::string& table) {
-    if (word.empty()) throw InputError(where, fmt::format("there is no value of field {}", field.name));
+    if (word.empty()) throw InputError(where, "there is no value of field {}", field.name);
     visitNumberType(field.type, field.size, [&](auto value) {
       if (field.count == 1 && field.name != "_") readNumber(word, value, field.name, where);
       putNumber(value, table);

@@ -26,14 +26,14 @@ PlyType typeOf(std::string_view name, const Location& where) {
   for (const auto& [typeName, type] : kTypes) {
     if (typeName == name) return type;
   }
-  throw InputError(where, fmt::format("unknown PLY type '{}'", name));
+  throw InputError(where, "unknown PLY type '{}'", name);
 }
 
 PlyHeader::Format formatOf(std::string_view name, const Location& where) {
   if (name == "ascii") return PlyHeader::Format::Ascii;
   if (name == "binary_little_endian") return PlyHeader::Format::LittleEndian;
   if (name == "binary_big_endian") return PlyHeader::Format::BigEndian;
-  throw InputError(where, fmt::format("unknown PLY format '{}'", name));
+  throw InputError(where, "unknown PLY format '{}'", name);
 }
 
 // Adds a line between the first line, `ply`, and end_header to the header. `line`: the words of the line.
@@ -44,10 +44,10 @@ void readLine(PlyHeader& header, const std::vector<std::string_view>& line, std:
     header.format = formatOf(line[1], where);
   } else if (line[0] == "element" && line.size() == 3) {
     PlyElement element{std::string(line[1])};
-    if (!parseNumber(line[2], element.count)) throw InputError(where, fmt::format("'{}' is not a count", line[2]));
+    if (!parseNumber(line[2], element.count)) throw InputError(where, "'{}' is not a count", line[2]);
     if (element.count > fileSize) {
-      throw InputError(where, fmt::format("the PLY header announces {} of '{}', but the file has {} bytes",
-                                          element.count, line[1], fileSize));
+      throw InputError(where, "the PLY header announces {} of '{}', but the file has {} bytes", element.count, line[1],
+                       fileSize);
     }
     header.elements.push_back(std::move(element));
   } else if (line[0] == "property" && !header.elements.empty() && line.size() == 3) {
@@ -55,7 +55,7 @@ void readLine(PlyHeader& header, const std::vector<std::string_view>& line, std:
   } else if (line[0] == "property" && !header.elements.empty() && line.size() == 5 && line[1] == "list") {
     header.elements.back().properties.push_back({std::string(line[4]), typeOf(line[2], where), typeOf(line[3], where)});
   } else {
-    throw InputError(where, fmt::format("'{}' is not a line of a PLY header", line[0]));
+    throw InputError(where, "'{}' is not a line of a PLY header", line[0]);
   }
 }
 

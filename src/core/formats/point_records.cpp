@@ -97,7 +97,7 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
 // Throws InputError unless there are as many labels as points.
 void requireOneEach(std::size_t labels, const Scan& scan, const std::string& what) {
   if (labels != scan.size()) {
-    throw InputError({what}, fmt::format("has {} labels; its scan has {} points", labels, scan.size()));
+    throw InputError({what}, "has {} labels; its scan has {} points", labels, scan.size());
   }
 }
 
@@ -126,8 +126,8 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
   const bool hasRing = numbers == 5;
   const std::string record = hasRing ? "x, y, z, intensity, ring" : "x, y, z, intensity";
   if (bytes.size() % (numbers * sizeof(float)) != 0) {
-    throw InputError({what}, fmt::format("has {} bytes, which are no whole records of {} float32 ({})", bytes.size(),
-                                         numbers, record));
+    throw InputError({what}, "has {} bytes, which are no whole records of {} float32 ({})", bytes.size(), numbers,
+                     record);
   }
   const std::string advice = fmt::format(
       ": these are no records of {} float32 ({}); {}convert others, such as 6, by numpy.fromfile(a, "
@@ -141,7 +141,7 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
     const Vec3f p{values[first], values[first + 1], values[first + 2]};
     const bool isMiss = !isFinite(p);
     if (!isMiss && std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}) > kFarthest) {
-      throw InputError({what}, fmt::format("point {} lies at {}, {}, {}{}", first / numbers, p.x, p.y, p.z, advice));
+      throw InputError({what}, "point {} lies at {}, {}, {}{}", first / numbers, p.x, p.y, p.z, advice);
     }
     constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
     const float intensity = isMiss ? 0 : values[first + 3];
@@ -152,17 +152,16 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
     if (!hasRing) continue;
     const float ring = isMiss ? 0 : values[first + 4];
     if (!(ring >= 0 && ring <= 65535) || ring != std::floor(ring)) {
-      throw InputError({what},
-                       fmt::format("the ring of point {} is {}: no whole number from 0", first / numbers, ring));
+      throw InputError({what}, "the ring of point {} is {}: no whole number from 0", first / numbers, ring);
     }
     scan[kRing].push_back(static_cast<std::uint16_t>(ring));
   }
   if (misses > 0 && misses == scan.size()) {
-    throw InputError({what}, fmt::format("no coordinate of a point is finite{}", advice));
+    throw InputError({what}, "no coordinate of a point is finite{}", advice);
   }
   if (static_cast<double>(invalidIntensities) > kMostInvalid * static_cast<double>(scan.size())) {
-    throw InputError({what}, fmt::format("{} of {} intensities are below 0 or no numbers{}", invalidIntensities,
-                                         scan.size(), advice));
+    throw InputError({what}, "{} of {} intensities are below 0 or no numbers{}", invalidIntensities, scan.size(),
+                     advice);
   }
   if (!hasRing) scan[kRing] = ringsByOrder(scan.position);
   if (!scan[kRing].empty()) scan.rings = std::ranges::max(scan[kRing]) + 1u;

@@ -38,14 +38,14 @@ png_image described(std::uint32_t rings, std::uint32_t columns) {
 
 std::string encodeReasons(const std::vector<std::uint8_t>& reasonOfBeam, std::uint32_t rings, std::uint32_t columns) {
   if (reasonOfBeam.size() != std::size_t{rings} * columns) {
-    throw Error(fmt::format("{} reasons for {} x {} beams", reasonOfBeam.size(), rings, columns));
+    throw Error("{} reasons for {} x {} beams", reasonOfBeam.size(), rings, columns);
   }
   png_image image = described(rings, columns);
   const auto colors = palette();
   std::string bytes(mostReasonsBytes(rings, columns), '\0');
   png_alloc_size_t size = bytes.size();
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, reasonOfBeam.data(), 0, colors.data()) == 0) {
-    throw Error(fmt::format("reasons cannot be written as a PNG: {}", image.message));
+    throw Error("reasons cannot be written as a PNG: {}", image.message);
   }
   bytes.resize(size);
   return bytes;
@@ -54,9 +54,7 @@ std::string encodeReasons(const std::vector<std::uint8_t>& reasonOfBeam, std::ui
 ReasonsImage decodeReasons(std::string_view bytes, const std::string& what) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
-  const auto refuse = [&](std::string_view reason) {
-    throw InputError({what}, fmt::format("is no image of reasons: {}", reason));
-  };
+  const auto refuse = [&](std::string_view reason) { throw InputError({what}, "is no image of reasons: {}", reason); };
   if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) refuse(image.message);
   if (image.width > 65536 || image.height > 65536) {
     png_image_free(&image);

@@ -55,8 +55,8 @@ void readNumber(std::string_view word, T& value, std::string_view column, const 
       std::is_floating_point_v<T>
           ? std::string("a number such as 1234.5 or -1.2e-3")
           : fmt::format("an integer of {} to {}", std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
-  throw InputError(where, fmt::format("{} must be {}, not '{}'{}", column, kind, word.substr(0, 40),
-                                      std::is_integral_v<T> ? columnRemedy(column) : ""));
+  throw InputError(where, "{} must be {}, not '{}'{}", column, kind, word.substr(0, 40),
+                   std::is_integral_v<T> ? columnRemedy(column) : "");
 }
 
 // Returns the number as a value of a column of the type T. If T is an integer type that cannot hold the number (too
@@ -70,8 +70,8 @@ T columnValue(Stored stored, std::string_view name, std::size_t point, const Loc
     const bool fits = number >= Limits::min() && number <= Limits::max();
     const T value = fits ? static_cast<T>(stored) : T{};  // NOLINT(bugprone-signed-char-misuse): it fits
     if (!fits || static_cast<Stored>(value) != stored) {
-      throw InputError(where, fmt::format("{} of point {} is {}: no integer of {} to {}{}", name, point, stored,
-                                          Limits::min(), Limits::max(), where.file.empty() ? "" : columnRemedy(name)));
+      throw InputError(where, "{} of point {} is {}: no integer of {} to {}{}", name, point, stored, Limits::min(),
+                       Limits::max(), where.file.empty() ? "" : columnRemedy(name));
     }
     return value;
   } else {

@@ -17,9 +17,7 @@
 namespace scanmill {
 
 struct ComputeContext {
-  [[noreturn]] void fail(const std::string& why) const {
-    throw Error(fmt::format("{}: {}; {}", words.cannot, why, words.instead));
-  }
+  [[noreturn]] void fail(const std::string& why) const { throw Error("{}: {}; {}", words.cannot, why, words.instead); }
 
   // Calls `work` and returns its result. Converts exceptions of the plug-in to Error with the wording of `words`.
   template <class Work>

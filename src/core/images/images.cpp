@@ -63,7 +63,7 @@ const ImagesModule& moduleFor(const std::string& name, std::string_view kind) {
   try {
     return moduleOf<ImagesModule>();
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: convert it to {}: {}", name, kind == "jpg" ? "RGB" : "PNG or JPEG", error.what()));
+    throw Error("{}: convert it to {}: {}", name, kind == "jpg" ? "RGB" : "PNG or JPEG", error.what());
   }
 }
 
@@ -78,7 +78,7 @@ auto withReason(const std::string& name, const char* verb, const Work& work) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
-    throw InputError({name}, fmt::format("the image cannot be {}: {}", verb, reason(e)));
+    throw InputError({name}, "the image cannot be {}: {}", verb, reason(e));
   }
 }
 

@@ -31,7 +31,7 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   try {
     return moduleOf<RastersModule>().open(file.string());
   } catch (const Error& e) {
-    throw Error(fmt::format("{}: {}", file.string(), e.what()));
+    throw Error("{}: {}", file.string(), e.what());
   } catch (const std::runtime_error& e) {
     fail(file, fmt::format("is no raster that can be read: {}", e.what()));
   }
@@ -61,9 +61,9 @@ void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header
     if (parseNumber(word, number)) continue;
     const auto line = 1 + std::count(text.data(), word.data(), '\n');
     throw InputError({file.string(), static_cast<int>(line)},
-                     fmt::format("'{}' is no number such as 1234.5 or -1.2e3; a sample that is not known has the value "
-                                 "of NODATA_value",
-                                 word.substr(0, 40)));
+                     "'{}' is no number such as 1234.5 or -1.2e3; a sample that is not known has the value "
+                     "of NODATA_value",
+                     word.substr(0, 40));
   }
   const auto hasBoth = [&](const char* x, const char* y) { return keys.contains(x) && keys.contains(y); };
   if (!hasBoth("xllcorner", "yllcorner") && !hasBoth("xllcenter", "yllcenter")) {
@@ -93,13 +93,13 @@ void checkFiles(const std::filesystem::path& file, const RasterHeader& header) {
            "is of Esri's old kind: replace it by well-known text, which `gdalsrsinfo -o wkt_esri EPSG:CODE` prints");
     }
     if (header.system.definition.empty()) {
-      warn(fmt::format("{}: is no coordinate system that can be read: x and y of {} count as metres", usedFile.string(),
-                       file.string()));
+      warn("{}: is no coordinate system that can be read: x and y of {} count as metres", usedFile.string(),
+           file.string());
     }
   }
   if (header.driver == "GTiff" && header.system.local) {
-    warn(fmt::format("{}: its coordinate system is not known: x and y count as units of {:.6g} m", file.string(),
-                     header.system.perUnit));
+    warn("{}: its coordinate system is not known: x and y count as units of {:.6g} m", file.string(),
+         header.system.perUnit);
   }
 }
 
@@ -128,10 +128,10 @@ double metresPerHeight(const std::filesystem::path& file, const RasterHeader& he
   const double sign = system.perHeight.value_or(1) < 0 ? -1 : 1;
   if (unit.empty()) {
     if (!system.geographic && system.perUnit != 1) {
-      warn(fmt::format(
+      warn(
           "{}: x and y are in units of {:.6g} m, but nothing states the unit of the heights, which count as "
           "metres: if they are feet, say so by 'gdal_edit.py -units \"{}\" {}'",
-          file.string(), system.perUnit, system.perUnit == 0.3048 ? "ft" : "US survey foot", file.string()));
+          file.string(), system.perUnit, system.perUnit == 0.3048 ? "ft" : "US survey foot", file.string());
     }
     return sign;
   }
@@ -179,17 +179,17 @@ const RasterBand& requestedBand(const std::filesystem::path& file, const RasterH
 // Warns of heights in a stretched coordinate system, and of samples that look like classes or shades.
 void warnOfDoubtfulHeights(const std::filesystem::path& file, const CoordinateSystem& system, const RasterBand& band) {
   if (system.isStretched()) {
-    warn(fmt::format(
+    warn(
         "{}: lengths in its coordinate system are {:.4g} times those on the ground at its middle (in Mercator "
         "projections 1/cos(latitude)), heights are not: convert it by 'gdalwarp -dstnodata -9999 -t_srs EPSG:{} {} "
         "utm.tif'",
-        file.string(), system.stretch, system.utm, file.string()));
+        file.string(), system.stretch, system.utm, file.string());
   }
   if (band.type == "Byte" && !band.scaled && band.unit.empty() && !system.perHeight) {
     warn(
-        fmt::format("{}: has samples of 8 bits, which count as metres: they are seldom heights, but often classes or "
-                    "shades; if they are heights, say so by 'gdal_edit.py -units m'",
-                    file.string()));
+        "{}: has samples of 8 bits, which count as metres: they are seldom heights, but often classes or "
+        "shades; if they are heights, say so by 'gdal_edit.py -units m'",
+        file.string());
   }
 }
 
@@ -363,9 +363,9 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
   try {
     if (readMeans(*reader, request.band, band.marker, window, factor, raster) && isOfHeights) {
       warn(
-          fmt::format("{}: has samples of -9999: if this value marks missing samples, say so by 'gdal_edit.py "
-                      "-a_nodata -9999'",
-                      file.string()));
+          "{}: has samples of -9999: if this value marks missing samples, say so by 'gdal_edit.py "
+          "-a_nodata -9999'",
+          file.string());
     }
   } catch (const std::runtime_error& e) {
     fail(file, fmt::format("is damaged: {}", e.what()));

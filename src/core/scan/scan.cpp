@@ -1,7 +1,5 @@
 #include "scan/scan.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/error.h"
@@ -25,11 +23,11 @@ std::vector<std::string> columnNames(const Scan& scan) {
 void requireConsistent(const Scan& scan) {
   visitColumns(scan, [&](std::string_view name, const auto& values) {
     if (values.size() == scan.size()) return;
-    throw Error(fmt::format("a scan of {} points has {} values of {}", scan.size(), values.size(), name));
+    throw Error("a scan of {} points has {} values of {}", scan.size(), values.size(), name);
   });
   const std::size_t beams = std::size_t{scan.rings} * scan.columns;
   if (!scan.organised || scan.size() == scan.planes * beams) return;
-  throw Error(fmt::format("an organised scan of {} x {} beams has {} points", scan.rings, scan.columns, scan.size()));
+  throw Error("an organised scan of {} x {} beams has {} points", scan.rings, scan.columns, scan.size());
 }
 
 Scan withoutMisses(const Scan& scan) {

@@ -68,7 +68,7 @@ std::uint32_t SceneBuilder::addMesh(Mesh mesh) {
   const bool fits = mesh.surfaceOf.size() == mesh.triangles.size() &&
                     (mesh.uvs.empty() || mesh.uvs.size() == mesh.positions.size()) &&
                     std::ranges::all_of(mesh.surfaceOf, [&](std::uint16_t s) { return s < mesh.surfaces.size(); });
-  if (!fits) throw Error(fmt::format("mesh '{}': surfaces or texture coordinates do not fit its triangles", mesh.name));
+  if (!fits) throw Error("mesh '{}': surfaces or texture coordinates do not fit its triangles", mesh.name);
   scene_.dropped += clean(mesh);
   mesh.objects = 0;
   for (const Surface& s : mesh.surfaces) mesh.objects = std::max(mesh.objects, s.object);
@@ -81,10 +81,10 @@ Instance& SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, s
                               const std::string& thing) {
   const Mat3& linear = worldFromMesh.linear;
   if (!isFinite(linear.x) || !isFinite(linear.y) || !isFinite(linear.z) || !isFinite(worldFromMesh.translation)) {
-    throw InputError(where, fmt::format("the transform of '{}' is not finite", name));
+    throw InputError(where, "the transform of '{}' is not finite", name);
   }
   if (isSingular(linear)) {
-    throw InputError(where, fmt::format("the transform of '{}' flattens it: no scale may be zero", name));
+    throw InputError(where, "the transform of '{}' flattens it: no scale may be zero", name);
   }
   std::uint32_t objects = scene_.meshes.at(mesh).objects;  // number of new instance ids
   if (animation != nullptr) {
@@ -96,9 +96,10 @@ Instance& SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, s
   std::uint32_t id = objects > 0 ? nextInstanceId_ : 0;
   if (objects > 0 && !thing.empty()) {
     if (objects > 1) {
-      throw InputError(where, fmt::format("'{}' holds {} things, which cannot all be the thing '{}': take "
-                                          "`instances: object`, or leave out `thing`",
-                                          name, objects, thing));
+      throw InputError(where,
+                       "'{}' holds {} things, which cannot all be the thing '{}': take "
+                       "`instances: object`, or leave out `thing`",
+                       name, objects, thing);
     }
     const auto [entry, isNew] = things_.emplace(thing, id);
     id = entry->second;

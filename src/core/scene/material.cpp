@@ -71,7 +71,7 @@ const Material& MaterialLibrary::require(std::string_view name, const Location& 
     if (m.name == name) return m;
     names.push_back(m.name);
   }
-  throw InputError(where, fmt::format("there is no material '{}'{}", name, suggestion(name, names)));
+  throw InputError(where, "there is no material '{}'{}", name, suggestion(name, names));
 }
 
 MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthNm) {
@@ -110,7 +110,7 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
                                         });
     fields.finish();
     if (std::ranges::find(library.materials, material.name, &Material::name) != library.materials.end()) {
-      throw InputError(item.where, fmt::format("material '{}' is there twice", material.name));
+      throw InputError(item.where, "material '{}' is there twice", material.name);
     }
     library.materials.push_back(std::move(material));
   }

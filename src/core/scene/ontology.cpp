@@ -17,12 +17,12 @@ namespace {
 std::array<std::uint8_t, 3> readColor(const Value& value) {
   const std::vector<double> channels = readNumbers(value, "color", {0, 255});
   if (channels.size() != 3) {
-    throw InputError(value.where, fmt::format("color must be [red, green, blue], found {} numbers", channels.size()));
+    throw InputError(value.where, "color must be [red, green, blue], found {} numbers", channels.size());
   }
   std::array<std::uint8_t, 3> color{};
   for (std::size_t i = 0; i < 3; ++i) {
     if (channels[i] != std::floor(channels[i])) {
-      throw InputError(value.where, fmt::format("color must be whole numbers from 0 to 255, found {}", channels[i]));
+      throw InputError(value.where, "color must be whole numbers from 0 to 255, found {}", channels[i]);
     }
     color[i] = static_cast<std::uint8_t>(channels[i]);
   }
@@ -51,8 +51,8 @@ void addNames(const SemanticClass& added, std::map<std::string, std::string>& cl
   for (const std::string& name : names) {
     const auto [entry, isNew] = classOfName.emplace(name, added.name);
     if (isNew) continue;
-    throw InputError(where, fmt::format("the name '{}' of class '{}' is already a name of class '{}'", name, added.name,
-                                        entry->second));
+    throw InputError(where, "the name '{}' of class '{}' is already a name of class '{}'", name, added.name,
+                     entry->second);
   }
 }
 
@@ -67,7 +67,7 @@ void readMovingOf(const Value& movingOf, Ontology& ontology, std::size_t index) 
   }
   const auto other = std::ranges::find(ontology.classes, still.id, &SemanticClass::movingOf);
   if (other != ontology.classes.end()) {
-    throw InputError(movingOf.where, fmt::format("the class '{}' is moving_of '{}' already", other->name, still.name));
+    throw InputError(movingOf.where, "the class '{}' is moving_of '{}' already", other->name, still.name);
   }
   moving.movingOf = still.id;
 }
@@ -96,8 +96,7 @@ const SemanticClass& Ontology::require(std::string_view nameOrAlias, const Locat
     names.push_back(c.name);
     names.insert(names.end(), c.aliases.begin(), c.aliases.end());
   }
-  throw InputError(where,
-                   fmt::format("ontology '{}' has no class '{}'{}", name, nameOrAlias, suggestion(nameOrAlias, names)));
+  throw InputError(where, "ontology '{}' has no class '{}'{}", name, nameOrAlias, suggestion(nameOrAlias, names));
 }
 
 bool sameClasses(const Ontology& a, const Ontology& b) {
@@ -137,7 +136,7 @@ Ontology readOntology(const std::filesystem::path& path) {
   for (const Value& item : list) {
     SemanticClass c = readClass(item);
     if (ontology.find(c.id) != nullptr) {
-      throw InputError(item.where, fmt::format("class '{}' has id {}, as an earlier class", c.name, c.id));
+      throw InputError(item.where, "class '{}' has id {}, as an earlier class", c.name, c.id);
     }
     addNames(c, classOfName, item.where);
     ontology.classes.push_back(std::move(c));

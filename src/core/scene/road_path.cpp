@@ -1,7 +1,5 @@
 #include "scene/road_path.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -86,9 +84,8 @@ class Road {
       }
     }
     if (nearest) return *nearest;
-    throw InputError(
-        where_, fmt::format("`{}`: within {:g} m of [{:g}, {:g}] is no surface of `on` with room for a vehicle", key,
-                            kSearchRadius, point.x, point.y));
+    throw InputError(where_, "`{}`: within {:g} m of [{:g}, {:g}] is no surface of `on` with room for a vehicle", key,
+                     kSearchRadius, point.x, point.y);
   }
 
   // True if a vehicle has room at a point, whatever its heading.
@@ -275,7 +272,7 @@ RoadTrip readRoadTrip(Fields& fields) {
   const auto point = [&](const char* key) {
     const std::vector<double> p = fields.numbers(key, {-1e7, 1e7});
     if (p.size() == 2 || p.size() == 3) return Vec3d{p[0], p[1], p.size() == 3 ? p[2] : 0};
-    throw InputError(fields.require(key).where, fmt::format("{} must be [x, y] or [x, y, z] in m", key));
+    throw InputError(fields.require(key).where, "{} must be [x, y] or [x, y, z] in m", key);
   };
   fields.require("from");
   trip.from = point("from");
@@ -295,10 +292,11 @@ std::vector<Vec3d> findRoadPath(const SurfaceHeights& heights, const Ontology& o
   std::vector<Vec3d> path = search.run();
   if (path.size() < 2) {
     const Vec3d& reached = search.nearestToGoal();
-    throw InputError(trip.where, fmt::format("there is no path on the surfaces of `on` from [{:.1f}, {:.1f}] to "
-                                             "[{:.1f}, {:.1f}] with room for a vehicle; the nearest place that can be "
-                                             "reached is [{:.1f}, {:.1f}]: name more classes, or other points",
-                                             from.x, from.y, to.x, to.y, reached.x, reached.y));
+    throw InputError(trip.where,
+                     "there is no path on the surfaces of `on` from [{:.1f}, {:.1f}] to "
+                     "[{:.1f}, {:.1f}] with room for a vehicle; the nearest place that can be "
+                     "reached is [{:.1f}, {:.1f}]: name more classes, or other points",
+                     from.x, from.y, to.x, to.y, reached.x, reached.y);
   }
   for (int k = 0; k < kSmoothings; ++k) smooth(road, path);
   keepToSide(road, trip.keep, path);
@@ -323,7 +321,7 @@ std::vector<Vec3d> droppedOnGround(const SurfaceHeights& heights, const std::vec
     for (int step = i == 0 ? steps : 1; step <= steps; ++step) {
       Vec3d p = start + (end - start) * (static_cast<double>(step) / steps);
       const auto ground = heights.under(p, [](const SurfaceHeights::Surface& s) { return !s.thing; });
-      if (!ground) throw InputError(where, fmt::format("at [{:.1f}, {:.1f}] is no ground below", p.x, p.y));
+      if (!ground) throw InputError(where, "at [{:.1f}, {:.1f}] is no ground below", p.x, p.y);
       p.z = ground->height;
       dropped.push_back(p);
     }

@@ -1,6 +1,5 @@
 // simplified(): proxies with few triangles.
 
-#include <fmt/core.h>
 #include <meshoptimizer.h>
 
 #include <cmath>
@@ -157,7 +156,7 @@ void simplify(const Scene& scene, const Mesh& source, double keep, Mesh& target)
 }  // namespace
 
 Scene simplified(const Scene& scene, double keep) {
-  if (!(keep > 0 && keep <= 1)) throw Error(fmt::format("a share of {} of the triangles cannot be kept", keep));
+  if (!(keep > 0 && keep <= 1)) throw Error("a share of {} of the triangles cannot be kept", keep);
   Scene result = scene;
   if (keep == 1) return result;
   parallelFor(scene.meshes.size(), 1, [&](std::size_t first, std::size_t last) {

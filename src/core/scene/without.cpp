@@ -92,9 +92,9 @@ std::optional<std::uint32_t> idOf(const Value& item) {
   const std::string hint = nearestName.empty() ? "; names and ids stand in the objects of samples (output.objects)"
                                                : fmt::format(" (did you mean '{}'?)", nearestName);
   throw InputError(item.where,
-                   fmt::format("without: {} is neither a class of the ontology '{}' nor the name of an object "
-                               "of the scene '{}'{}",
-                               quotedForMessage(item.text), scene.ontology.name, scene.name, hint));
+                   "without: {} is neither a class of the ontology '{}' nor the name of an object "
+                   "of the scene '{}'{}",
+                   quotedForMessage(item.text), scene.ontology.name, scene.name, hint);
 }
 
 }  // namespace
@@ -109,9 +109,8 @@ void takeOut(Scene& scene, const std::vector<Value>& items) {
   for (const Value& item : items) {
     if (const std::optional<std::uint32_t> id = idOf(item)) {
       if (takeOutThing(scene, *id, unreduced)) continue;
-      throw InputError(item.where,
-                       fmt::format("without: no thing of the scene '{}' with the seed {} has the instance id {}",
-                                   scene.name, scene.seed, item.text));
+      throw InputError(item.where, "without: no thing of the scene '{}' with the seed {} has the instance id {}",
+                       scene.name, scene.seed, item.text);
     }
     std::size_t droppedTriangles = 0;
     const SemanticClass* semantic = scene.ontology.find(item.text);

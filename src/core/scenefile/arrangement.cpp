@@ -33,14 +33,14 @@ RandomBlock draw(std::uint64_t seed, std::uint32_t object, std::uint64_t n, Draw
 // Throws InputError if a scene may not have this number of copies.
 void refuseTooMany(double count, const Location& where) {
   if (count > static_cast<double>(Placement::mostCopies())) {
-    throw InputError(where, fmt::format("{:.4g} copies are too many: {}", count, Placement::mostCopiesText()));
+    throw InputError(where, "{:.4g} copies are too many: {}", count, Placement::mostCopiesText());
   }
 }
 
 std::vector<std::uint16_t> readClasses(Fields& f, const char* key, const Ontology& ontology) {
   const Location where = f.require(key).where;
   std::vector<std::uint16_t> ids = classIds(ontology, f.texts(key), where);
-  if (ids.empty()) throw InputError(where, fmt::format("{} must name at least one class", key));
+  if (ids.empty()) throw InputError(where, "{} must name at least one class", key);
   return ids;
 }
 
@@ -144,8 +144,8 @@ std::vector<SurfaceDistance> classDistances(const Scene& scene, const std::vecto
     const std::string none = fmt::format("no earlier object of the list has triangles of the class {}",
                                          scene.ontology.find(limit.semantic)->name);
     if (std::isfinite(limit.most)) throw InputError(limit.where, none + ", to which these copies must be near");
-    warn(fmt::format("{}: {}, from which these copies must keep a distance: list the objects of this class first",
-                     limit.where.text(), none));
+    warn("{}: {}, from which these copies must keep a distance: list the objects of this class first",
+         limit.where.text(), none);
   }
   return distances;
 }
@@ -166,9 +166,10 @@ std::uint64_t requestedCopies(const Arrangement::Scatter& scatter, double square
   refuseTooMany(copies, scatter.where);
   const auto rounded = static_cast<std::uint64_t>(std::llround(copies));
   if (rounded > 0) return rounded;
-  throw InputError(scatter.where, fmt::format("gives {:.2g} copies on {:.4g} square metres: give a higher density, or "
-                                              "a count",
-                                              copies, squareMetres));
+  throw InputError(scatter.where,
+                   "gives {:.2g} copies on {:.4g} square metres: give a higher density, or "
+                   "a count",
+                   copies, squareMetres);
 }
 
 // Returns the point at x and y of `position` on a surface that may get copies: the highest such surface or, without
@@ -277,9 +278,9 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   }
   if (scatter.count && poses.size() < copies) {
     throw InputError(scatter.where,
-                     fmt::format("only {} of {} copies fit with the seed {}: give a smaller count or spacing, "
-                                 "wider distances, or more classes or a larger area to scatter on",
-                                 poses.size(), copies, seed));
+                     "only {} of {} copies fit with the seed {}: give a smaller count or spacing, "
+                     "wider distances, or more classes or a larger area to scatter on",
+                     poses.size(), copies, seed);
   }
   return poses;
 }
@@ -309,8 +310,8 @@ std::vector<Arrangement::Copy> Arrangement::copies(const Placement& placement, c
   if (along_) basePoses = alongPath(scene, heights);
   if (basePoses.size() * placement.count() > Placement::mostCopies()) {
     const Location where = scatter_ ? scatter_->where : along_ ? along_->where : Location{};
-    throw InputError(where, fmt::format("{} places with {} copies each are too many: {}", basePoses.size(),
-                                        placement.count(), Placement::mostCopiesText()));
+    throw InputError(where, "{} places with {} copies each are too many: {}", basePoses.size(), placement.count(),
+                     Placement::mostCopiesText());
   }
   std::vector<Copy> copies;
   for (const Pose& basePose : basePoses) {
@@ -350,8 +351,8 @@ std::vector<Arrangement::Copy> Arrangement::stoodOnSurfaces(const std::vector<Co
       "than 60 degrees steep (later objects are placed afterwards)",
       firstWithoutGround->x, firstWithoutGround->y, classes.empty() ? "" : "of these classes ");
   if (standing.empty()) throw InputError(standOn_->where, reason);
-  warn(fmt::format("{}: left out {} of {} copies with the seed {}: {}", standOn_->where.text(),
-                   copies.size() - standing.size(), copies.size(), seed, reason));
+  warn("{}: left out {} of {} copies with the seed {}: {}", standOn_->where.text(), copies.size() - standing.size(),
+       copies.size(), seed, reason);
   return standing;
 }
 

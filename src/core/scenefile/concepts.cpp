@@ -1,7 +1,5 @@
 #include "scenefile/concepts.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -181,8 +179,7 @@ const SemanticClass& requireClass(const Ontology& ontology, const std::string& n
     for (const Concept& entry : readConcepts(file)) {
       const SemanticClass* const hint = hasWord(entry, foldedName(name)) ? classOf(entry, ontology) : nullptr;
       if (hint == nullptr) continue;
-      throw InputError(
-          where, fmt::format("ontology '{}' has no class '{}' (did you mean '{}'?)", ontology.name, name, hint->name));
+      throw InputError(where, "ontology '{}' has no class '{}' (did you mean '{}'?)", ontology.name, name, hint->name);
     }
   }
   return ontology.require(name, where);

@@ -119,9 +119,10 @@ std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& object) const {
     const std::string name = object.text("file");
     const std::filesystem::path path = assetPath(name, value);
     if (isFolder(path)) {
-      throw InputError(value.where, fmt::format("'{}' is a folder: name a file in it, or write {{one_of: {}}}, from "
-                                                "which each copy is one at random",
-                                                path.string(), name));
+      throw InputError(value.where,
+                       "'{}' is a folder: name a file in it, or write {{one_of: {}}}, from "
+                       "which each copy is one at random",
+                       path.string(), name);
     }
     return {{path, name}};
   }
@@ -135,8 +136,7 @@ std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& object) const {
       continue;
     }
     const std::vector<std::filesystem::path> folderFiles = assetsIn(path);
-    if (folderFiles.empty())
-      throw InputError(value.where, fmt::format("'{}' is a folder without 3D files", path.string()));
+    if (folderFiles.empty()) throw InputError(value.where, "'{}' is a folder without 3D files", path.string());
     for (const std::filesystem::path& file : folderFiles) {
       files.emplace_back(file, (std::filesystem::path(name) / file.lexically_relative(path)).string());
     }
@@ -159,8 +159,8 @@ AssetOptions FileObjects::assetOptions(Fields& object) const {
   for (const std::string& name : object.texts("textures")) {
     options.textureFolders.push_back(assetPath(name, object.require("textures")));
     if (!isFolder(options.textureFolders.back())) {
-      throw InputError(object.require("textures").where,
-                       fmt::format("textures: '{}' is no folder", options.textureFolders.back().string()));
+      throw InputError(object.require("textures").where, "textures: '{}' is no folder",
+                       options.textureFolders.back().string());
     }
   }
   return options;
@@ -298,10 +298,10 @@ void FileMeshes::compareSurveys(const LabelledFile& labelled, const Vec3d& posit
     misfit = fmt::format("in coordinate systems that differ by {:.0f} m there", shift);
   }
   misfitReported_ = true;
-  warn(fmt::format(
+  warn(
       "{}: {} and {} have the same position, {}, so that they do not fit: merge tiles by gdalbuildvrt, convert them "
       "to one system in metres by `gdalwarp -t_srs` or `pdal translate`, or give them positions of their own",
-      where.text(), first.file.string(), survey.file.string(), misfit));
+      where.text(), first.file.string(), survey.file.string(), misfit);
 }
 
 // Returns the animation of a clip. All its moments use the materials of the first moment, so that textures are stored

@@ -188,9 +188,10 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   for (const LabelledPart& p : parts) vertices += p.part.positions.size();
   constexpr std::uint64_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
   if (vertices > kMostVertices || parts.size() > kMostSurfaces) {
-    throw InputError(where, fmt::format("'{}' has {} parts (node and material) and {} vertices, but a file may have "
-                                        "at most {} and {}: split it",
-                                        labelling.file, parts.size(), vertices, kMostSurfaces, kMostVertices));
+    throw InputError(where,
+                     "'{}' has {} parts (node and material) and {} vertices, but a file may have "
+                     "at most {} and {}: split it",
+                     labelling.file, parts.size(), vertices, kMostSurfaces, kMostVertices);
   }
 }
 
@@ -204,10 +205,10 @@ void warnOfPointsWithoutInstance(const std::vector<ThingTriangles>& cloudParts, 
     if (cloudPart.part->node.empty()) pointCount += cloudPart.part->triangles.size() / kTrianglesPerPoint;
   }
   if (!hasLabels || pointCount == 0) return;
-  warn(fmt::format(
+  warn(
       "{}: {} points of classes of things have no instance, so that those of a class count as one object: number the "
       "objects in a column `instance`, or state `instances: object` if all are one",
-      file, grouped(pointCount)));
+      file, grouped(pointCount));
 }
 
 // Splits parts that contain several things, and sets LabelledPart::object. `file` is named in messages.
@@ -225,9 +226,9 @@ std::vector<LabelledPart> divideIntoThings(std::vector<LabelledPart> parts, cons
   }
   if (bounds.by == ThingBounds::By::Part && thingCount > kMostSurfaces) {
     throw InputError(bounds.where,
-                     fmt::format("'{}' has {} connected things, but at most {} can get instance ids: give `instances: "
-                                 "node` or `instances: object`, or label less of the file with classes of things",
-                                 file, thingCount, kMostSurfaces));
+                     "'{}' has {} connected things, but at most {} can get instance ids: give `instances: "
+                     "node` or `instances: object`, or label less of the file with classes of things",
+                     file, thingCount, kMostSurfaces);
   }
   std::vector<LabelledPart> divided;
   auto numbers = thingNumbers.begin();  // of the next part of things
@@ -319,10 +320,10 @@ std::optional<std::uint32_t> addMesh(SceneBuilder& builder, std::vector<Labelled
   for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
     if (labelling.rules[r].drop) droppedByRules += uses[r].decided;
   }
-  throw InputError(
-      where, fmt::format("no triangle of '{}' remains: rules drop {} (lengths in rules are in m, after `unit`), {} "
-                         "have NaN or infinite corners, {} have no area, {} have indices out of range",
-                         labelling.file, droppedByRules, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
+  throw InputError(where,
+                   "no triangle of '{}' remains: rules drop {} (lengths in rules are in m, after `unit`), {} "
+                   "have NaN or infinite corners, {} have no area, {} have indices out of range",
+                   labelling.file, droppedByRules, dropped.nonFinite, dropped.degenerate, dropped.outOfRange);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ Vec3d readScale(const Value& value) {
   }
   for (const double factor : {scale.x, scale.y, scale.z}) {
     if (std::abs(factor) < kLeastScale || std::abs(factor) > kLargestScale) {
-      throw InputError(value.where, fmt::format("scale must have an absolute value from 1e-9 to 1e9, not {}", factor));
+      throw InputError(value.where, "scale must have an absolute value from 1e-9 to 1e9, not {}", factor);
     }
   }
   return scale;
@@ -73,9 +73,8 @@ void readCopies(const Value& value, Placement& placement) {
   const auto& cells = placement.gridCount;
   const double copies = double(cells[0]) * double(cells[1]) * double(cells[2]) * double(placement.at.size());
   if (copies > double(Placement::mostCopies())) {
-    throw InputError(value.where,
-                     fmt::format("{} x {} x {} grid cells x {} places = {:.4g} copies, but {}", cells[0], cells[1],
-                                 cells[2], placement.at.size(), copies, Placement::mostCopiesText()));
+    throw InputError(value.where, "{} x {} x {} grid cells x {} places = {:.4g} copies, but {}", cells[0], cells[1],
+                     cells[2], placement.at.size(), copies, Placement::mostCopiesText());
   }
 }
 
@@ -103,12 +102,12 @@ std::vector<std::shared_ptr<const Movement>> ObjectPlacer::movementsOf(const Val
   }
   for (const Value::Entry& entry : moving.entries) {
     if (entry.key == mode || !fields.has(entry.key) || kKeysBeside.at(mode).contains(entry.key)) continue;
-    throw InputError(entry.value.where, fmt::format("{} has no effect beside `{}`: leave it out", entry.key, mode));
+    throw InputError(entry.value.where, "{} has no effect beside `{}`: leave it out", entry.key, mode);
   }
   if (mode == "velocity") {
     const Vec3d velocity = fields.vec3("velocity", {});
     if (length(velocity) <= kFastestObject) return {std::make_shared<Movement>(velocity)};
-    throw InputError(fields.require("velocity").where, fmt::format("velocity is above {:g} m/s", kFastestObject));
+    throw InputError(fields.require("velocity").where, "velocity is above {:g} m/s", kFastestObject);
   }
   std::vector<Vec3d> waypoints = fields.has("to") ? findRoadPath(surfaces(), builder_.ontology(), readRoadTrip(fields))
                                                   : readWaypoints(fields.require("waypoints"));
@@ -191,8 +190,8 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
   }
   placedMeshes_ += meshCount;
   if (placedMeshes_ > Placement::mostCopies()) {
-    throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects, but {}", meshCount,
-                                        placedMeshes_, Placement::mostCopiesText()));
+    throw InputError(where, "with these {} copies the scene has {} placed objects, but {}", meshCount, placedMeshes_,
+                     Placement::mostCopiesText());
   }
   // A single copy has the name of the object, further ones NAME#1, NAME#2 and so on; meshes that the asset's file
   // places several times are called NAME/NODE 1 or NAME#1/NODE 1.
@@ -271,9 +270,10 @@ std::array<double, 4> readRectangle(const Value& value, std::string_view key) {
     for (const double coordinate : readNumbers(corner, key)) limits.push_back(coordinate);
   }
   if (value.kind != Value::Kind::Sequence || limits.size() != 4 || limits[0] >= limits[2] || limits[1] >= limits[3]) {
-    throw InputError(value.where, fmt::format("{} must be [[x, y], [x, y]]: the corner with the least coordinates, "
-                                              "then the one with the greatest",
-                                              key));
+    throw InputError(value.where,
+                     "{} must be [[x, y], [x, y]]: the corner with the least coordinates, "
+                     "then the one with the greatest",
+                     key);
   }
   return {limits[0], limits[1], limits[2], limits[3]};
 }

@@ -57,7 +57,7 @@ std::vector<std::size_t> bracesAt(std::string_view glob, std::size_t open) {
 std::string regexOf(std::string_view glob, int depth, const Location& where) {
   constexpr int kDeepest = 8;
   if (depth > kDeepest) {
-    throw InputError(where, fmt::format("the braces of a pattern are nested more than {} deep", kDeepest));
+    throw InputError(where, "the braces of a pattern are nested more than {} deep", kDeepest);
   }
   std::string regex;
   for (std::size_t i = 0; i < glob.size();) {
@@ -97,11 +97,10 @@ const re2::RE2& compiled(const std::string& pattern, const Location& where) {
   if (entry->second.ok()) return entry->second;
   const std::string error = entry->second.error();
   cache.erase(entry);
-  throw InputError(
-      where, fmt::format("bad pattern {}: {}; {}", pattern, error,
-                         isRegex(pattern) ? "the syntax between slashes is that of RE2, which has no look-around and "
-                                            "no back-references"
-                                          : "a '[' begins a set of characters; write [[] for the character itself"));
+  throw InputError(where, "bad pattern {}: {}; {}", pattern, error,
+                   isRegex(pattern) ? "the syntax between slashes is that of RE2, which has no look-around and "
+                                      "no back-references"
+                                    : "a '[' begins a set of characters; write [[] for the character itself");
 }
 
 // Returns the pattern of the key, which is valid; an empty text without the key.
@@ -201,9 +200,10 @@ Rule readRule(const Value& value) {
   const Value& match = fields.require("match");
   if (match.kind == Value::Kind::Scalar) {
     if (match.text != "any") {
-      throw InputError(match.where, fmt::format("match must be 'any' or a map of patterns such as {{node: \"tree*\"}}, "
-                                                "found '{}'",
-                                                match.text));
+      throw InputError(match.where,
+                       "match must be 'any' or a map of patterns such as {{node: \"tree*\"}}, "
+                       "found '{}'",
+                       match.text);
     }
   } else {
     readMatch(match, rule);

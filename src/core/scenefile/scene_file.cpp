@@ -70,8 +70,8 @@ constexpr Range kLength{1e-6, 1e6};  // m, limits of the sizes of primitives
 Vec3d readSize(const Value& value, std::size_t count) {
   std::vector<double> size = readNumbers(value, "size", kLength);
   if (size.size() != count) {
-    throw InputError(value.where, fmt::format("size must be {}, found {} numbers", count == 3 ? "[x, y, z]" : "[x, y]",
-                                              size.size()));
+    throw InputError(value.where, "size must be {}, found {} numbers", count == 3 ? "[x, y, z]" : "[x, y]",
+                     size.size());
   }
   size.resize(3);
   return {size[0], size[1], size[2]};

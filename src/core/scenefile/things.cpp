@@ -209,9 +209,9 @@ Numbers numberThings(const ThingBounds& bounds, const std::vector<ThingTriangles
             return matchedText(bounds.pattern, thingPart.part->node, bounds.where).has_value();
           })) {
         warn(
-            fmt::format("{}: the pattern {} matches no node of a class of things, so that each node becomes an "
-                        "instance, such as '{}'",
-                        bounds.where.text(), bounds.pattern, parts.front().part->node));
+            "{}: the pattern {} matches no node of a class of things, so that each node becomes an "
+            "instance, such as '{}'",
+            bounds.where.text(), bounds.pattern, parts.front().part->node);
       }
       return numberByKey(parts, bounds.byClass, [&](const AssetPart& part) {
         const std::optional<std::string> text = matchedText(bounds.pattern, part.node, bounds.where);

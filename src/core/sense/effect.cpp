@@ -1,7 +1,5 @@
 #include "sense/effect.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 
@@ -156,7 +154,7 @@ const EffectEntry& requireEffect(std::string_view name, const Location& where) {
   }
   std::vector<std::string> names;
   for (const EffectEntry& entry : effects()) names.emplace_back(entry.name);
-  throw InputError(where, fmt::format("unknown effect '{}'{}", name, suggestion(name, names)));
+  throw InputError(where, "unknown effect '{}'{}", name, suggestion(name, names));
 }
 
 }  // namespace scanmill

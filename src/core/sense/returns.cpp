@@ -1,7 +1,5 @@
 #include "sense/returns.h"
 
-#include <fmt/core.h>
-
 #include <numeric>
 
 #include "base/error.h"
@@ -111,7 +109,7 @@ void Returns::startIndices(const Hits& hits) {
 void Returns::add(const AddedReturn& added, const Hits& hits) {
   if (rowsOfBeam_.empty()) startIndices(hits);
   std::uint8_t& number = rowsOfBeam_[added.beam];
-  if (number == kMostReturns) throw Error(fmt::format("beam {} has more than {} returns", added.beam, kMostReturns));
+  if (number == kMostReturns) throw Error("beam {} has more than {} returns", added.beam, kMostReturns);
   beam_.push_back(added.beam);
   hit_.push_back(kNoHit);
   number_.push_back(number++);

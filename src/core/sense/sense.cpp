@@ -1,7 +1,5 @@
 #include "sense/sense.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <iterator>
 #include <optional>
@@ -19,13 +17,13 @@ void checkHits(const Hits& hits, const Shot& shot, Channels needed) {
   const BeamTable& beams = *shot.beams;
   const std::size_t rays = hits.beamOfRay.empty() ? hits.size() : hits.beamOfRay.size();
   if (hits.rings != beams.rings || hits.columns != beams.columns || hits.rays() != rays) {
-    throw Error(fmt::format("hits of {} x {} beams do not belong to a sensor of {} x {}", hits.rings, hits.columns,
-                            beams.rings, beams.columns));
+    throw Error("hits of {} x {} beams do not belong to a sensor of {} x {}", hits.rings, hits.columns, beams.rings,
+                beams.columns);
   }
   const Channels missing = needed.without(hits.channels);
   if (missing != Channels()) {
-    throw Error(fmt::format("hits lack the channel {} that the effects and the columns asked for need",
-                            channelNames(missing).front()));
+    throw Error("hits lack the channel {} that the effects and the columns asked for need",
+                channelNames(missing).front());
   }
 }
 

@@ -1,7 +1,5 @@
 #include "sensors/beam_patterns.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -69,8 +67,8 @@ ListedBeams sortedBeams(const std::vector<BeamRow>& rows, std::uint32_t columns)
   for (const BeamRow& row : rows) {
     const std::size_t beam = std::size_t{row.ring} * columns + row.column;
     if (isSet[beam]) {
-      throw InputError(row.where, fmt::format("has ring {}, column {} of an earlier line: give each beam one line",
-                                              row.ring, row.column));
+      throw InputError(row.where, "has ring {}, column {} of an earlier line: give each beam one line", row.ring,
+                       row.column);
     }
     isSet[beam] = true;
     beams.azimuth[beam] = row.azimuth;
@@ -101,16 +99,15 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
   }
   if (rows.size() != std::size_t{sensor.rings} * sensor.columns || sensor.columns > kMostColumns) {
     throw InputError({file.string()},
-                     fmt::format("has {} beams, but {} rings of {} columns (at most {}) need one line for each beam: a "
-                                 "file with the beams of several revolutions must be cut to those of one",
-                                 rows.size(), sensor.rings, sensor.columns, kMostColumns));
+                     "has {} beams, but {} rings of {} columns (at most {}) need one line for each beam: a "
+                     "file with the beams of several revolutions must be cut to those of one",
+                     rows.size(), sensor.rings, sensor.columns, kMostColumns);
   }
   sensor.beams = sortedBeams(rows, sensor.columns);
   const std::vector<double> starts = sensor.beams.columnStarts(sensor.columns);
   for (std::uint32_t c = 1; c < sensor.columns; ++c) {
     if (starts[c] >= starts[c - 1]) continue;
-    throw InputError({file.string()},
-                     fmt::format("column {} fires before column {}: columns must fire in their order", c, c - 1));
+    throw InputError({file.string()}, "column {} fires before column {}: columns must fire in their order", c, c - 1);
   }
   return sensor;
 }
@@ -143,8 +140,8 @@ void readLaserDeflections(Fields& f, Rosette& rosette) {
   if (rosette.left.empty()) rosette.left.resize(rosette.up.size());
   if (rosette.up.empty()) rosette.up.resize(rosette.left.size());
   if (rosette.left.size() == rosette.up.size()) return;
-  throw InputError(f.where(), fmt::format("laser_azimuth_deg has {} angles, but laser_elevation_deg has {}",
-                                          rosette.left.size(), rosette.up.size()));
+  throw InputError(f.where(), "laser_azimuth_deg has {} angles, but laser_elevation_deg has {}", rosette.left.size(),
+                   rosette.up.size());
 }
 
 }  // namespace
@@ -161,8 +158,7 @@ Rosette readRosette(const Value& value) {
   const auto perPrism = [&](const char* key, Range range) {
     std::vector<double> values = f.numbers(key, range);
     if (values.size() == prisms) return values;
-    throw InputError(f.require(key).where,
-                     fmt::format("{} must be {} numbers, one for each prism of turns_hz", key, prisms));
+    throw InputError(f.require(key).where, "{} must be {} numbers, one for each prism of turns_hz", key, prisms);
   };
   if (f.has("deflection_deg") == f.has("field_deg")) {
     throw InputError(value.where, "a rosette needs either field_deg or, for unequal prisms, deflection_deg");

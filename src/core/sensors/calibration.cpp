@@ -37,9 +37,8 @@ std::vector<std::size_t> rowsByChannel(const TextTable& table) {
   for (std::size_t row = 0; row < table.size(); ++row) {
     const double channel = channels[row];
     if (channel != std::floor(channel) || channel < firstChannel || channel > lastChannel) {
-      throw InputError(table.where(row),
-                       fmt::format("has the channel {:g}, but a table of {} lines has the channels {:g} to {:g}",
-                                   channel, table.size(), firstChannel, lastChannel));
+      throw InputError(table.where(row), "has the channel {:g}, but a table of {} lines has the channels {:g} to {:g}",
+                       channel, table.size(), firstChannel, lastChannel);
     }
     const auto index = static_cast<std::size_t>(channel - firstChannel);
     if (isTaken[index]) {
@@ -211,9 +210,10 @@ void checkFiring(const Value& preset, const Value& sensor, const Unit& unit, con
   const std::string presetOrder = order == nullptr ? "top_down" : order->text;
   const std::string fileOrder = orderOf(unit.lasers);
   if (presetOrder == fileOrder || presetOrder == "unordered" || fileOrder == "unordered") return;
-  throw InputError(where, fmt::format("the firing times of the preset are for rings in the order {}, but the file "
-                                      "lists its lasers {}: reverse the lines of the file, or give firing_time_us",
-                                      presetOrder, fileOrder));
+  throw InputError(where,
+                   "the firing times of the preset are for rings in the order {}, but the file "
+                   "lists its lasers {}: reverse the lines of the file, or give firing_time_us",
+                   presetOrder, fileOrder);
 }
 
 }  // namespace

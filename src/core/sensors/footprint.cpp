@@ -1,7 +1,5 @@
 #include "sensors/footprint.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -62,7 +60,7 @@ double beamArea(const BeamTable& beams, double range) {
 
 Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam) {
   if (std::find(std::begin(kFootprintRays), std::end(kFootprintRays), raysPerBeam) == std::end(kFootprintRays)) {
-    throw Error(fmt::format("a beam cannot have {} rays: they must form a hexagon", raysPerBeam));
+    throw Error("a beam cannot have {} rays: they must form a hexagon", raysPerBeam);
   }
   const std::vector<GridPoint> grid = hexagon(raysPerBeam, beams.uniformBeam);
   auto table = std::make_shared<BeamTable>(beams);

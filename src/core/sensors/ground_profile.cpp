@@ -166,9 +166,9 @@ GroundProfile::GroundProfile(const GroundOptions& options, const PoseOnPath& pos
   }
   if (!lastHeight) {
     throw InputError(options.where,
-                     fmt::format("no part of the path, which begins at {}, has ground above or below it: `scanmill "
-                                 "info` of the scene prints its bounds (`start` moves recorded poses){}",
-                                 shortPosition(poseOnPath(0).translation), options.wheels ? kWheelAdvice : ""));
+                     "no part of the path, which begins at {}, has ground above or below it: `scanmill "
+                     "info` of the scene prints its bounds (`start` moves recorded poses){}",
+                     shortPosition(poseOnPath(0).translation), options.wheels ? kWheelAdvice : "");
   }
   const auto bareSamples = std::count(samples.begin(), samples.end(), std::nullopt);
   bareFraction_ = static_cast<double>(bareSamples) / static_cast<double>(positions_.size());
@@ -191,9 +191,8 @@ std::vector<double> GroundProfile::samplePositions(const PoseOnPath& poseOnPath,
     const double metres = length(poseOnPath(knots[i]).translation - poseOnPath(from).translation);
     const double steps = std::max(std::ceil(metres / kSpacing), 1.0);
     if (static_cast<double>(positions.size()) + steps > static_cast<double>(kMostSamples)) {
-      throw InputError(
-          where, fmt::format("the path is too long: the ground is sampled every {:g} m, and at most {} times", kSpacing,
-                             kMostSamples));
+      throw InputError(where, "the path is too long: the ground is sampled every {:g} m, and at most {} times",
+                       kSpacing, kMostSamples);
     }
     const auto count = static_cast<std::size_t>(steps);
     for (std::size_t k = 1; k < count; ++k) positions.push_back(from + span * static_cast<double>(k) / steps);

@@ -27,7 +27,7 @@ template <std::size_t N>
 std::array<double, N> numbersOf(std::string_view text, const Location& where, const char* description) {
   const std::vector<std::string_view> words = wordsOf(text);
   if (words.size() != N) {
-    throw InputError(where, fmt::format("has {} numbers, but must have {}: {}", words.size(), N, description));
+    throw InputError(where, "has {} numbers, but must have {}: {}", words.size(), N, description);
   }
   std::array<double, N> numbers;
   for (std::size_t i = 0; i < N; ++i) numbers[i] = numberOf(words[i], where);
@@ -38,9 +38,10 @@ std::array<double, N> numbersOf(std::string_view text, const Location& where, co
 Quat checkedRotation(const Quat& q, const Location& where) {
   const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   if (!(std::fabs(norm - 1) < kMostRotationError)) {
-    throw InputError(where, fmt::format("the quaternion has the length {:.3g}, not 1: is the order of its numbers "
-                                        "right?",
-                                        norm));
+    throw InputError(where,
+                     "the quaternion has the length {:.3g}, not 1: is the order of its numbers "
+                     "right?",
+                     norm);
   }
   return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
@@ -58,9 +59,9 @@ Affine readRigidTransform(std::string_view text, const Location& where) {
   }
   if (!(deviation < kMostRotationError)) {
     throw InputError(where,
-                     fmt::format("is not a rigid transform: its first three columns must be orthogonal unit "
-                                 "vectors{}",
-                                 determinant(affine.linear) < 0 ? " of right-handed axes; these are left-handed" : ""));
+                     "is not a rigid transform: its first three columns must be orthogonal unit "
+                     "vectors{}",
+                     determinant(affine.linear) < 0 ? " of right-handed axes; these are left-handed" : "");
   }
   return affine;
 }
@@ -124,7 +125,7 @@ Rotations kindOfRotations(const TextTable& table) {
   for (const std::string angle : {"yaw", "pitch", "roll"}) {
     const int columns = int{table.has(angle)} + int{table.has(angle + "_deg")} + int{table.has(angle + "_rad")};
     if (columns + quaternions > 1) {
-      throw InputError(table.head(), fmt::format("the table states {} by two columns: leave out one of them", angle));
+      throw InputError(table.head(), "the table states {} by two columns: leave out one of them", angle);
     }
     if (columns > 0) rotations = Rotations::Angles;
   }
@@ -138,9 +139,9 @@ double angleOf(const TextTable& table, std::size_t row, const std::string& name)
   const double value = table.number(row, name);
   if (std::fabs(value) > kTurn) {
     throw InputError(table.where(row),
-                     fmt::format("has the {0} {1:g}, which in radians is more than a turn: name the column {0}_deg, "
-                                 "or {0}_rad if radians are meant",
-                                 name, value));
+                     "has the {0} {1:g}, which in radians is more than a turn: name the column {0}_deg, "
+                     "or {0}_rad if radians are meant",
+                     name, value);
   }
   return value + radians(table.number(row, name + "_deg")) + table.number(row, name + "_rad");
 }
@@ -163,7 +164,7 @@ void readTableOfNuScenes(const std::filesystem::path& file, const std::function<
       throw InputError({file.string()}, "is not a table of nuScenes: it must be a list of objects");
     }
   } catch (const nlohmann::json::exception& e) {
-    throw InputError({file.string()}, fmt::format("is not a table of nuScenes: {}", reasonOf(e)));
+    throw InputError({file.string()}, "is not a table of nuScenes: {}", reasonOf(e));
   }
 }
 
@@ -256,8 +257,7 @@ std::vector<StampedPose> readNuScenesPoses(const std::filesystem::path& file, co
     if (sceneNames.back() == scene) sceneToken = row.at("token").get<std::string>();
   });
   if (sceneToken.empty()) {
-    throw InputError({(folder / "scene.json").string()},
-                     fmt::format("has no scene '{}'{}", scene, suggestion(scene, sceneNames)));
+    throw InputError({(folder / "scene.json").string()}, "has no scene '{}'{}", scene, suggestion(scene, sceneNames));
   }
   std::set<std::string> sampleTokens;
   readTableOfNuScenes(folder / "sample.json", [&](const Json& row) {

@@ -22,9 +22,10 @@ std::string formatOf(Fields& f, const std::filesystem::path& file) {
   const std::string guess = name.ends_with(".csv") ? "csv" : name.ends_with(".json") ? "nuscenes" : "";
   std::string format = f.choice("format", {"kitti", "tum", "nuscenes", "csv"}, guess);
   if (format.empty()) {
-    throw InputError(f.where(), fmt::format("the name {} does not show the format of the poses: give `format: kitti` "
-                                            "(12 numbers per line) or `format: tum` (time x y z qx qy qz qw)",
-                                            file.string()));
+    throw InputError(f.where(),
+                     "the name {} does not show the format of the poses: give `format: kitti` "
+                     "(12 numbers per line) or `format: tum` (time x y z qx qy qz qw)",
+                     file.string());
   }
   return format;
 }
@@ -43,8 +44,8 @@ std::vector<StampedPose> readKitti(Fields& f, const std::filesystem::path& file)
     const std::filesystem::path timesFile = f.path("times");
     times = readTimes(timesFile);
     if (times.size() != cameras.size()) {
-      throw InputError({timesFile.string()},
-                       fmt::format("has {} times for the {} poses of {}", times.size(), cameras.size(), file.string()));
+      throw InputError({timesFile.string()}, "has {} times for the {} poses of {}", times.size(), cameras.size(),
+                       file.string());
     }
   } else {
     const double interval = f.number("interval", {1e-6, 1e6});
@@ -73,22 +74,20 @@ void startAt(const Vec3d& position, double yaw, std::vector<StampedPose>& poses)
 // Throws InputError for fewer than two poses, positions and times out of bounds, and times that do not ascend.
 void checkPoses(const std::vector<StampedPose>& poses, const std::filesystem::path& file) {
   if (poses.size() < 2) {
-    throw InputError({file.string()},
-                     fmt::format("has {} poses, but a moving vehicle needs at least two", poses.size()));
+    throw InputError({file.string()}, "has {} poses, but a moving vehicle needs at least two", poses.size());
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     checkedPosition(poses[i].pose.translation, {file.string(), poses[i].line});
     if (std::fabs(poses[i].time) > kLatest) {
       throw InputError({file.string(), poses[i].line},
-                       fmt::format("has the time {:.6g} s: times must be in seconds, or in a .csv table in a column "
-                                   "time_ms, time_us or time_ns",
-                                   poses[i].time));
+                       "has the time {:.6g} s: times must be in seconds, or in a .csv table in a column "
+                       "time_ms, time_us or time_ns",
+                       poses[i].time);
     }
     if (i == 0 || poses[i].time > poses[i - 1].time) continue;
-    throw InputError(
-        {file.string(), poses[i].line},
-        fmt::format("pose {} has the time {:.6f} s, which is not after that of the pose before it, {:.6f} s", i + 1,
-                    poses[i].time, poses[i - 1].time));
+    throw InputError({file.string(), poses[i].line},
+                     "pose {} has the time {:.6f} s, which is not after that of the pose before it, {:.6f} s", i + 1,
+                     poses[i].time, poses[i - 1].time);
   }
 }
 

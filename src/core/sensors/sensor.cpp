@@ -23,7 +23,7 @@ constexpr double kMaxColumns = 65536;
 double readCount(const Value& value, std::string_view key) {
   const double count = readNumber(value, key);
   if (count != std::floor(count)) {
-    throw InputError(value.where, fmt::format("{} must be a whole number, not {}", key, value.text));
+    throw InputError(value.where, "{} must be a whole number, not {}", key, value.text);
   }
   return count;
 }
@@ -38,7 +38,7 @@ std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, c
   fields.require("rings");
   fields.finish();
   if (top < bottom || (top == bottom && rings > 1)) {
-    throw InputError(value.where, fmt::format("elevation_deg: top ({}) must be above bottom ({})", top, bottom));
+    throw InputError(value.where, "elevation_deg: top ({}) must be above bottom ({})", top, bottom);
   }
   if (order == "unordered") {
     throw InputError(
@@ -62,11 +62,10 @@ std::vector<double> listedElevations(const Value& value, const std::string& orde
     const bool above = elevation[ring] > elevation[ring - 1];
     const bool below = elevation[ring] < elevation[ring - 1];
     if (order == "top_down" ? above : below) {
-      throw InputError(
-          value.items[ring].where,
-          fmt::format("ring {} at {} deg is {} ring {} at {} deg, which contradicts `ring_order: {}`: sort the list, "
-                      "or give `ring_order: unordered`",
-                      ring, elevation[ring], above ? "above" : "below", ring - 1, elevation[ring - 1], order));
+      throw InputError(value.items[ring].where,
+                       "ring {} at {} deg is {} ring {} at {} deg, which contradicts `ring_order: {}`: sort the list, "
+                       "or give `ring_order: unordered`",
+                       ring, elevation[ring], above ? "above" : "below", ring - 1, elevation[ring - 1], order);
     }
   }
   return elevation;
@@ -110,8 +109,7 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
       const std::filesystem::path file = fields.path("file");
       times = readFiringTable(file);
       if (times.size() != table.rings) {
-        throw InputError({file.string()},
-                         fmt::format("has the times of {} lasers for {} rings", times.size(), table.rings));
+        throw InputError({file.string()}, "has the times of {} lasers for {} rings", times.size(), table.rings);
       }
     } else {
       const double step = fields.number("step_us", kMicroseconds);
@@ -222,9 +220,9 @@ void readListed(Fields& fields, BeamTable& table) {
   const double lastFiring = std::ranges::max(listed->time);  // s since the start of the revolution
   if (lastFiring >= table.period) {
     throw InputError(where.where,
-                     fmt::format("the last beam of {} fires after {:.6g} s, but a revolution lasts {:.6g} s: "
-                                 "lower rate_hz",
-                                 file.string(), lastFiring, table.period));
+                     "the last beam of {} fires after {:.6g} s, but a revolution lasts {:.6g} s: "
+                     "lower rate_hz",
+                     file.string(), lastFiring, table.period);
   }
   for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
     const auto firstOfRing = listed->elevation.begin() + std::ptrdiff_t{ring} * table.columns;
@@ -247,8 +245,8 @@ void readRasterBeams(Fields& fields, BeamTable& table) {
   const RasterScan raster = readRasterScan(fields.require("raster"));
   if (table.columns % raster.lines != 0 || table.columns == raster.lines) {
     throw InputError(fields.require("columns").where,
-                     fmt::format("columns must be a multiple of the {} lines of the raster, such as {}", raster.lines,
-                                 raster.lines * std::max(2u, table.columns / raster.lines)));
+                     "columns must be a multiple of the {} lines of the raster, such as {}", raster.lines,
+                     raster.lines * std::max(2u, table.columns / raster.lines));
   }
   table.pattern = std::make_shared<const ListedBeams>(rasterBeams(raster, table.columns, table.period));
   table.topDown = true;
@@ -299,7 +297,7 @@ void makeFlash(Fields& fields, BeamTable& table) {
   constexpr double kWidest = 170;  // deg, largest field of view of a flash sensor
   const Value& field = fields.require("field_deg");
   if (degrees(table.field) > kWidest) {
-    throw InputError(field.where, fmt::format("field_deg of a flash sensor must be at most {}", kWidest));
+    throw InputError(field.where, "field_deg of a flash sensor must be at most {}", kWidest);
   }
   const double middle = table.firstAzimuth + (table.clockwise ? -1 : 1) * table.field / 2;
   table.pattern = std::make_shared<const ListedBeams>(
@@ -378,9 +376,9 @@ SensorSize sensorSize(const Value& description) {
   const bool ringsFit = rings >= 1 && rings <= kMaxRings;
   if (!ringsFit || columns < 1 || columns > kMaxColumns) {
     throw InputError(ringsFit ? columnValue.where : ringsWhere,
-                     fmt::format("rings x columns = {:.15g} x {:.15g} = {:.15g} beams per revolution, but a sensor has "
-                                 "1 to {} rings and 1 to {} columns",
-                                 rings, columns, rings * columns, kMaxRings, kMaxColumns));
+                     "rings x columns = {:.15g} x {:.15g} = {:.15g} beams per revolution, but a sensor has "
+                     "1 to {} rings and 1 to {} columns",
+                     rings, columns, rings * columns, kMaxRings, kMaxColumns);
   }
   return {static_cast<std::uint64_t>(rings), static_cast<std::uint64_t>(columns)};
 }

@@ -58,9 +58,9 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
   if (steps > beams->columns) {
     throw InputError(
         motion.where,
-        fmt::format(
-            "motion has {} steps per revolution, but the sensor {} has {} columns: give at most {}, or per_column",
-            steps, beams->model, beams->columns, beams->columns));
+
+        "motion has {} steps per revolution, but the sensor {} has {} columns: give at most {}, or per_column", steps,
+        beams->model, beams->columns, beams->columns);
   }
   if (motion.kind != MotionKind::None) shot.duration = beams->columnPeriod() * beams->columns;
   double interval = beams->period;  // s, from frame to frame

@@ -1,7 +1,5 @@
 #include "sensors/text_table.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -60,7 +58,7 @@ std::vector<TextLine> linesOf(std::string_view bytes, const std::filesystem::pat
 double numberOf(std::string_view text, const Location& where) {
   double number = 0;
   if (parseNumber(text, number) && std::isfinite(number)) return number;
-  throw InputError(where, fmt::format("{} is not a number{}", quotedForMessage(text), numberAdvice(text)));
+  throw InputError(where, "{} is not a number{}", quotedForMessage(text), numberAdvice(text));
 }
 
 TextTable::TextTable(const std::filesystem::path& file) : bytes_(readFile(file)) {
@@ -84,7 +82,7 @@ TextTable::TextTable(const std::filesystem::path& file) : bytes_(readFile(file))
     if (&line == &lines.back() && isChecksum(cells.front())) continue;
     while (cells.size() > names_.size() && cells.back().empty()) cells.pop_back();
     if (cells.size() != names_.size()) {
-      throw InputError(line.where, fmt::format("has {} cells, but the first line has {}", cells.size(), names_.size()));
+      throw InputError(line.where, "has {} cells, but the first line has {}", cells.size(), names_.size());
     }
     rows_.push_back({line.where, cells});
   }
@@ -95,7 +93,7 @@ std::optional<std::size_t> TextTable::find(std::string_view name) const {
   const auto found = std::ranges::find(names_, name);
   if (found == names_.end()) return std::nullopt;
   if (std::find(found + 1, names_.end(), name) != names_.end()) {
-    throw InputError(head_, fmt::format("the column '{}' is listed twice", name));
+    throw InputError(head_, "the column '{}' is listed twice", name);
   }
   return static_cast<std::size_t>(found - names_.begin());
 }
@@ -106,13 +104,13 @@ void TextTable::rename(std::string_view oldName, const char* newName) {
 }
 
 void TextTable::require(std::string_view name) const {
-  if (!has(name)) throw InputError(head_, fmt::format("the table has no column {}", name));
+  if (!has(name)) throw InputError(head_, "the table has no column {}", name);
 }
 
 void TextTable::expectOnly(const std::vector<std::string>& columns) const {
   for (const std::string& name : names_) {
     if (std::ranges::find(columns, name) != columns.end()) continue;
-    throw InputError(head_, fmt::format("the column '{}' is unknown{}", name, suggestion(name, columns)));
+    throw InputError(head_, "the column '{}' is unknown{}", name, suggestion(name, columns));
   }
 }
 
@@ -121,8 +119,7 @@ double TextTable::number(std::size_t row, std::string_view name, Range range) co
   if (!column) return 0;
   const double number = numberOf(rows_[row].cells[*column], rows_[row].where);
   if (number >= range.low && number <= range.high) return number;
-  throw InputError(rows_[row].where,
-                   fmt::format("{} is {:g}, but must be from {:g} to {:g}", name, number, range.low, range.high));
+  throw InputError(rows_[row].where, "{} is {:g}, but must be from {:g} to {:g}", name, number, range.low, range.high);
 }
 
 double TextTable::time(std::size_t row, Range range) const {
@@ -136,7 +133,7 @@ std::string_view TextTable::timeName() const {
   for (const TimeUnit& unit : kTimes) {
     if (!has(unit.name)) continue;
     if (!name.empty()) {
-      throw InputError(head_, fmt::format("the table has two columns of time: leave out {} or {}", name, unit.name));
+      throw InputError(head_, "the table has two columns of time: leave out {} or {}", name, unit.name);
     }
     name = unit.name;
   }

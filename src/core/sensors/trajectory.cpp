@@ -69,9 +69,9 @@ std::uint32_t countFrames(double duration, double interval, double limit, double
   const double count = std::min(std::floor(duration / interval * (1 + 1e-12) + 1e-9) + 1, limit);
   if (count > Trajectory::kMaxFrames) {
     throw InputError(where,
-                     fmt::format("{:.6g} m of path / {:.6g} m/s / {:.6g} s per frame = {:.6g} frames, more than {}: "
-                                 "give every_s or frames, or, unless the drive is recorded, every_m or speed",
-                                 length, speed, interval, count, Trajectory::kMaxFrames));
+                     "{:.6g} m of path / {:.6g} m/s / {:.6g} s per frame = {:.6g} frames, more than {}: "
+                     "give every_s or frames, or, unless the drive is recorded, every_m or speed",
+                     length, speed, interval, count, Trajectory::kMaxFrames);
   }
   return static_cast<std::uint32_t>(count);
 }
@@ -80,12 +80,12 @@ std::uint32_t countFrames(double duration, double interval, double limit, double
 
 double Trajectory::frameTime(std::uint32_t frame) const {
   if (everyMetres_ <= 0) return frame * interval_;
-  if (!profile_) throw Error(fmt::format("the path of {} is not known yet", name_));
+  if (!profile_) throw Error("the path of {} is not known yet", name_);
   return profile_->timeAt(std::min(frame * everyMetres_, path_->length()));
 }
 
 Pose Trajectory::pose(std::uint32_t frame, double dt) const {
-  if (frame >= frames_) throw Error(fmt::format("frame {} of a trajectory of {} frames", frame, frames_));
+  if (frame >= frames_) throw Error("frame {} of a trajectory of {} frames", frame, frames_);
   if (still()) return poses_[frame];
   const double time = frameTime(frame) + dt;
   const double position = positionAt(time);
@@ -96,7 +96,7 @@ Pose Trajectory::pose(std::uint32_t frame, double dt) const {
 
 double Trajectory::positionAt(double time) const {
   if (recorded_) return time;
-  if (!profile_) throw Error(fmt::format("the path of {} is not known yet", name_));
+  if (!profile_) throw Error("the path of {} is not known yet", name_);
   return profile_->distance(time);
 }
 
@@ -317,10 +317,9 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double pe
     if (fields.has(kind)) kinds.emplace_back(kind);
   }
   if (kinds.size() != 1) {
-    throw InputError(
-        kinds.empty() ? value.where : fields.require(kinds[1]).where,
-        fmt::format("trajectory {} has {}: give exactly one of poses, waypoints, along, on and recorded", result.name_,
-                    kinds.empty() ? "none of these keys" : fmt::format("{}", fmt::join(kinds, " and "))));
+    throw InputError(kinds.empty() ? value.where : fields.require(kinds[1]).where,
+                     "trajectory {} has {}: give exactly one of poses, waypoints, along, on and recorded", result.name_,
+                     kinds.empty() ? "none of these keys" : fmt::format("{}", fmt::join(kinds, " and ")));
   }
   if (kinds.front() == "poses") {
     result.readPoses(fields, period, limit);

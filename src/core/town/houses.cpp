@@ -50,9 +50,8 @@ class Boundaries {
     for (const Footprint& f : panels) placer_.occupancy.add(f);
     // The text is the same for all towns on the map, so that there is one warning.
     if (!leftOut_) return;
-    warn(
-        fmt::format("{}: left out: pieces of walls, fences and hedges where the town has roads, paths, houses or trees",
-                    placer_.layout.parameters.map.string()));
+    warn("{}: left out: pieces of walls, fences and hedges where the town has roads, paths, houses or trees",
+         placer_.layout.parameters.map.string());
   }
 
   // Returns half of a panel's thickness (m).

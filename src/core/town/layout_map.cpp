@@ -242,8 +242,7 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& m
       return std::max(std::abs(p.x), std::abs(p.y)) <= halfSide && !besideAt(p).nearRoad;
     };
     if (std::ranges::any_of(pointsAlong(area.outline, 10), isFar)) {
-      warn(fmt::format("{}: woods farther than {} m from every road have no trees", parameters.map.string(),
-                       RoadNetwork::kReach));
+      warn("{}: woods farther than {} m from every road have no trees", parameters.map.string(), RoadNetwork::kReach);
     }
   }
   takeBuildings(map);
@@ -359,8 +358,8 @@ void Layout::takeBuildings(const MapPlace& map) {
   }
   if (leftOut > 0) {
     about += fmt::format("; {} buildings that stand on a road are left out", leftOut);
-    warn(fmt::format("{}: left out: {} buildings that stand on a road of the town about {:.6f}, {:.6f}",
-                     parameters.map.string(), leftOut, map.origin.latitude, map.origin.longitude));
+    warn("{}: left out: {} buildings that stand on a road of the town about {:.6f}, {:.6f}", parameters.map.string(),
+         leftOut, map.origin.latitude, map.origin.longitude);
   }
   arrangePlots();
 }

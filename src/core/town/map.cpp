@@ -301,10 +301,10 @@ void checkDensity(const Map& map) {
         sum += length / pieces;
         if (sum <= kLongest) continue;
         const OsmNode place = degreesAt(map, middle);
-        throw InputError(
-            where, fmt::format("has more than {:.0f} km of roads in a square of {:.0f} m, about latitude {:.6f} and "
-                               "longitude {:.6f}: remove roads that are there several times",
-                               kLongest / 1000, kCell, place.latitude, place.longitude));
+        throw InputError(where,
+                         "has more than {:.0f} km of roads in a square of {:.0f} m, about latitude {:.6f} and "
+                         "longitude {:.6f}: remove roads that are there several times",
+                         kLongest / 1000, kCell, place.latitude, place.longitude);
       }
     }
   }
@@ -350,13 +350,14 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   // Makes the path absolute: libosmium would download a name that begins like a URL.
   const std::filesystem::path absolute = std::filesystem::absolute(file);
   if (!std::filesystem::is_regular_file(absolute)) {
-    throw InputError(where, fmt::format("{} is not a file: a map is an OpenStreetMap extract", file.string()));
+    throw InputError(where, "{} is not a file: a map is an OpenStreetMap extract", file.string());
   }
   chargeFile(absolute);
   if (hasDeletions(absolute)) {
-    throw InputError(where, fmt::format("{} has objects that JOSM marks as deleted: upload the changes or purge these "
-                                        "objects (Edit, Purge), and save it again",
-                                        file.string()));
+    throw InputError(where,
+                     "{} has objects that JOSM marks as deleted: upload the changes or purge these "
+                     "objects (Edit, Purge), and save it again",
+                     file.string());
   }
   OsmExtract extract;
   try {
@@ -364,16 +365,17 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
-    throw InputError(where, fmt::format("{} cannot be read as an OpenStreetMap extract ({}): {}; the Overpass API "
-                                        "writes such files with `[out:xml]` and `(._;>;); out meta;`, and `osmium cat "
-                                        "-o place.osm.pbf` rewrites files with another compression",
-                                        file.string(), osmFormat().suffixes, reasonOf(e)));
+    throw InputError(where,
+                     "{} cannot be read as an OpenStreetMap extract ({}): {}; the Overpass API "
+                     "writes such files with `[out:xml]` and `(._;>;); out meta;`, and `osmium cat "
+                     "-o place.osm.pbf` rewrites files with another compression",
+                     file.string(), osmFormat().suffixes, reasonOf(e));
   }
   Map map = makeMap(extract, mirrored);
   map.file = file;
   if (map.roads.empty()) {
-    throw InputError(where, fmt::format("{} has no road for cars, such as a way with the tag highway=residential{}{}",
-                                        file.string(), map.leftOut.empty() ? "" : "; left out: ", map.leftOut.text()));
+    throw InputError(where, "{} has no road for cars, such as a way with the tag highway=residential{}{}",
+                     file.string(), map.leftOut.empty() ? "" : "; left out: ", map.leftOut.text());
   }
   checkDensity(map);
   map.leftOut.warn(file.string());
@@ -382,9 +384,9 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   constexpr double kFarthest = 5e5;  // m; lengths there are 0.3 % too short
   if (farthest > kFarthest) {
     warn(
-        fmt::format("{}: roads are up to {:.0f} km from their middle, where lengths are too short in the plane of the "
-                    "scene: cut a district out, for example with `osmium extract`",
-                    file.string(), farthest / 1000));
+        "{}: roads are up to {:.0f} km from their middle, where lengths are too short in the plane of the "
+        "scene: cut a district out, for example with `osmium extract`",
+        file.string(), farthest / 1000);
   }
   return map;
 }

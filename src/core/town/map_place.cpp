@@ -1,8 +1,6 @@
 // Joins the short ways of a map into roads that a driver would follow, and cuts out the part of a map from which a town
 // is laid out: a part of one road and its surroundings.
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -33,12 +31,11 @@ constexpr double kAroundLand = 30;    // m that areas of land may extend beyond 
   names.erase(std::unique(names.begin(), names.end()), names.end());
   const std::string file = map.file.string();
   if (!parameters.road.empty() && !std::ranges::binary_search(names, parameters.road)) {
-    throw InputError(where, fmt::format("{} has no road with the name {}{}", file, quotedForMessage(parameters.road),
-                                        suggestion(parameters.road, names)));
+    throw InputError(where, "{} has no road with the name {}{}", file, quotedForMessage(parameters.road),
+                     suggestion(parameters.road, names));
   }
   const std::string which = parameters.road.empty() ? "the longest road for cars" : quotedForMessage(parameters.road);
-  throw InputError(
-      where, fmt::format("{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest, kLeastLength));
+  throw InputError(where, "{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest, kLeastLength);
 }
 
 // Returns the index of the main road: one of the named roads or, without a name, of the roads of residential class or
@@ -132,9 +129,9 @@ class Cutter {
     });
     if (!continues) return;
     warn(
-        fmt::format("{}: {} is a main road of {:.0f} m, less than `length: {:.0f}`: the town has it only up to an "
-                    "interruption, such as a bridge or a tunnel, and other roads of this name are not joined to it",
-                    map_.file.string(), quotedForMessage(main.name), main.length(), parameters_.length));
+        "{}: {} is a main road of {:.0f} m, less than `length: {:.0f}`: the town has it only up to an "
+        "interruption, such as a bridge or a tunnel, and other roads of this name are not joined to it",
+        map_.file.string(), quotedForMessage(main.name), main.length(), parameters_.length);
   }
 
   // True if the bounding box of a line, relative to origin_, overlaps the square: few lines of a large map do.
@@ -150,9 +147,8 @@ class Cutter {
     std::ranges::stable_sort(runs, {}, [](const auto& run) { return nearestOn(run, {0, 0}).distance; });
     const double length = runs.empty() ? 0 : lengthOf(runs.front());
     if (length < 0.8 * kLeastLength) {
-      throw InputError(
-          where_, fmt::format("{} in {} is too winding for a main road: only {:.0f} m of it can be smoothed into one",
-                              main.name.empty() ? "a road" : quotedForMessage(main.name), map_.file.string(), length));
+      throw InputError(where_, "{} in {} is too winding for a main road: only {:.0f} m of it can be smoothed into one",
+                       main.name.empty() ? "a road" : quotedForMessage(main.name), map_.file.string(), length);
     }
     for (std::vector<Point2>& run : runs) addRoad(main, std::move(run));
     mainNodes_.insert(main.nodes.begin(), main.nodes.end());

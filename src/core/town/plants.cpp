@@ -199,8 +199,7 @@ void placeMapTrees(Placer& placer) {
   }
   // The text is the same for all towns on the map, so that there is one warning.
   if (leftOut) {
-    warn(fmt::format("{}: left out: trees where the town has roads, paths, houses or other trees",
-                     l.parameters.map.string()));
+    warn("{}: left out: trees where the town has roads, paths, houses or other trees", l.parameters.map.string());
   }
 }
 

@@ -123,7 +123,7 @@ std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& fi
     } catch (const InputError& e) {
       if (!options.mayFail.contains(file)) throw;
       if (firstFailure == nullptr) firstFailure = std::current_exception();
-      warn(fmt::format("left out: {}", e.what()));
+      warn("left out: {}", e.what());
     }
   }
   if (models.empty() && firstFailure != nullptr) std::rethrow_exception(firstFailure);

@@ -100,12 +100,12 @@ class BeamErrorSum::Impl {
            std::span<const float> nearestFrom) {
     const Hits& exact = shot.truth.hits;
     if (tested.size() != exact.size()) {
-      throw Error(fmt::format("hits of {} and of {} beams cannot be compared", exact.size(), tested.size()));
+      throw Error("hits of {} and of {} beams cannot be compared", exact.size(), tested.size());
     }
     for (const std::size_t size :
          {shot.edges.size(), shot.intensity.size(), intensity.size(), nearestTo.size(), nearestFrom.size()}) {
       if (size == 0 || size == exact.size()) continue;
-      throw Error(fmt::format("a list of {} entries is not one of {} beams", size, exact.size()));
+      throw Error("a list of {} entries is not one of {} beams", size, exact.size());
     }
     const bool comparesIntensity = !shot.intensity.empty() && !intensity.empty();
     for (std::size_t i = 0; i < exact.size(); ++i) {

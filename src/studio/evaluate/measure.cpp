@@ -1,6 +1,5 @@
 #include "evaluate/measure.h"
 
-#include <fmt/core.h>
 #include <malloc.h>
 
 #include <algorithm>
@@ -141,8 +140,7 @@ std::function<std::vector<float>(const Shot&, const Hits&)> noiseFreeIntensity(c
 
 void requireOneRay(const Hits& hits) {
   if (hits.beamOfRay.empty() && hits.rays() == hits.size()) return;
-  throw Error(
-      fmt::format("{} beams have {} rays, but methods are compared with one ray per beam", hits.size(), hits.rays()));
+  throw Error("{} beams have {} rays, but methods are compared with one ray per beam", hits.size(), hits.rays());
 }
 
 std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, double angle) {

@@ -19,7 +19,7 @@ std::vector<Value> expandLists(const Value& options, const std::string& what) {
   for (std::size_t e = 0; e < options.entries.size(); ++e) {
     const Value& list = options.entries[e].value;
     if (list.kind != Value::Kind::Sequence) continue;
-    if (list.items.empty()) throw InputError(list.where, fmt::format("{}: the list is empty", what));
+    if (list.items.empty()) throw InputError(list.where, "{}: the list is empty", what);
     std::vector<Value> expanded;  // each combination once for each item of this list
     for (const Value& combination : combinations) {
       for (const Value& item : list.items) {
@@ -29,7 +29,7 @@ std::vector<Value> expandLists(const Value& options, const std::string& what) {
     }
     combinations = std::move(expanded);
     if (combinations.size() > kMostSettings) {
-      throw InputError(list.where, fmt::format("{}: these lists expand to more than {} settings", what, kMostSettings));
+      throw InputError(list.where, "{}: these lists expand to more than {} settings", what, kMostSettings);
     }
   }
   return combinations;
@@ -58,11 +58,11 @@ std::vector<MethodSetting> readSettings(const Value& list, const std::string& wh
       MethodSetting setting{{settingName(named.name, options), named.name, flowText(options)}, {&entry, options}};
       const auto isListed = [&](const MethodSetting& s) { return s.setting.name == setting.setting.name; };
       if (std::ranges::any_of(settings, isListed)) {
-        throw InputError(item.where, fmt::format("{}: '{}' is listed twice", what, setting.setting.name));
+        throw InputError(item.where, "{}: '{}' is listed twice", what, setting.setting.name);
       }
       settings.push_back(std::move(setting));
       if (settings.size() > kMostSettings) {
-        throw InputError(item.where, fmt::format("{}: the list has more than {} settings", what, kMostSettings));
+        throw InputError(item.where, "{}: the list has more than {} settings", what, kMostSettings);
       }
     }
   }

@@ -175,7 +175,7 @@ Coloring byError(const Scan& scan, const ColorContext& context) {
                     .low = 0.0};
   if (!context.error.empty()) {
     if (context.error.size() != scan.size()) {
-      throw Error(fmt::format("{} errors for the {} points of a scan", context.error.size(), scan.size()));
+      throw Error("{} errors for the {} points of a scan", context.error.size(), scan.size());
     }
     Coloring out = byNumber(scan, scale, context, [&](std::size_t i) { return context.error[i]; });
     out.legend.whyUnknown = context.whyNoError;

@@ -167,7 +167,7 @@ void keepPlane(std::vector<PassPlane>& planes, const std::string& name, const st
   std::vector<std::string> names;
   for (const PassPlane& p : planes) names.push_back(p.name);
   if (std::ranges::find(names, name) == names.end()) {
-    throw InputError({file.string()}, fmt::format("has no plane '{}'; it has {}", name, fmt::join(names, ", ")));
+    throw InputError({file.string()}, "has no plane '{}'; it has {}", name, fmt::join(names, ", "));
   }
   std::erase_if(planes, [&](const PassPlane& p) { return p.name != name; });
 }

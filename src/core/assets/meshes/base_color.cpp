@@ -147,10 +147,10 @@ ColorImages::~ColorImages() {
   const std::vector<std::string> names(missing_.begin(),
                                        std::next(missing_.begin(), std::min(missing_.size(), kMostNames)));
   warn(
-      fmt::format("{}: missing textures: '{}'{}; plain colours replace them, and what their alpha would cut out is "
-                  "solid; `textures` of the object names further folders",
-                  asset_.string(), fmt::join(names, "', '"),
-                  missing_.size() > kMostNames ? fmt::format(" and {} more", missing_.size() - kMostNames) : ""));
+      "{}: missing textures: '{}'{}; plain colours replace them, and what their alpha would cut out is "
+      "solid; `textures` of the object names further folders",
+      asset_.string(), fmt::join(names, "', '"),
+      missing_.size() > kMostNames ? fmt::format(" and {} more", missing_.size() - kMostNames) : "");
 }
 
 std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, Need need,
@@ -196,7 +196,7 @@ std::shared_ptr<const Texture> ColorImages::read(const std::string& name, Need n
   } catch (const InputLimitError&) {
     throw;
   } catch (const InputError& e) {
-    warn(fmt::format("{}: the texture '{}' cannot be used: {}", asset_.string(), name, e.what()));
+    warn("{}: the texture '{}' cannot be used: {}", asset_.string(), name, e.what());
     return nullptr;
   }
 }

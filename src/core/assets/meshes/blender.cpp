@@ -33,7 +33,7 @@ std::vector<std::string> commandLine(const std::string& job, const std::filesyst
                                      const std::vector<std::string>& arguments) {
   const std::filesystem::path script = resourceFolder() / "scripts" / "blender_passes.py";
   if (!isFile(script)) {
-    throw Error(fmt::format("{}: is missing: build or install Scanmill again (cmake --install)", script.string()));
+    throw Error("{}: is missing: build or install Scanmill again (cmake --install)", script.string());
   }
   // --disable-autoexec: Blender runs no registered scripts or driver expressions of a file.
   std::vector<std::string> command{blenderProgram().string(),
@@ -73,9 +73,9 @@ std::filesystem::path blenderProgram() {
   if (!program.empty()) return program;
   if (isSet)
     throw Error(
-        fmt::format("SCANMILL_BLENDER names '{}', which does not exist or is not executable: name Blender's program, "
-                    "or install it by scripts/setup --blender",
-                    variable));
+        "SCANMILL_BLENDER names '{}', which does not exist or is not executable: name Blender's program, "
+        "or install it by scripts/setup --blender",
+        variable);
   throw Error(
       "Blender is not installed: install it by scripts/setup --blender or, on Debian, by apt-get install blender; or "
       "set SCANMILL_BLENDER to its program");
@@ -134,7 +134,7 @@ std::filesystem::path exportByBlender(const std::filesystem::path& file, const s
   try {
     job.emplace("export", folder, std::vector<std::string>{std::filesystem::absolute(file).string()});
   } catch (const Error& e) {  // Blender cannot be started; the file may be sound
-    throw Error(fmt::format("{}: {}", file.string(), e.what()));
+    throw Error("{}: {}", file.string(), e.what());
   }
   try {
     LeftOut leftOut;
@@ -145,7 +145,7 @@ std::filesystem::path exportByBlender(const std::filesystem::path& file, const s
   } catch (const InputError& e) {
     throw InputError({file.string()}, e.what());
   } catch (const Error& e) {
-    throw InputError({file.string()}, fmt::format("cannot be read: {}", e.what()));
+    throw InputError({file.string()}, "cannot be read: {}", e.what());
   }
 }
 

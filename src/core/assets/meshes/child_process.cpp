@@ -115,7 +115,7 @@ std::string resultOf(pid_t child, std::string text, std::uint64_t memory, unsign
 
 std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds) {
   std::array<int, 2> pipe{};
-  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error(fmt::format("a pipe cannot be made: {}", std::strerror(errno)));
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error("a pipe cannot be made: {}", std::strerror(errno));
   const auto [readEnd, writeEnd] = pipe;
   ::fcntl(writeEnd, F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
   const std::uint64_t parentSpace = addressSpace();
@@ -124,7 +124,7 @@ std::string inChildProcess(const std::function<std::string()>& work, std::uint64
     const int reason = errno;
     ::close(readEnd);
     ::close(writeEnd);
-    throw Error(fmt::format("a child process cannot be started: {}", std::strerror(reason)));
+    throw Error("a child process cannot be started: {}", std::strerror(reason));
   }
   if (child == 0) {
     ::close(readEnd);

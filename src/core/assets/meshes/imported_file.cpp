@@ -115,7 +115,7 @@ ImportedFile importByAssimp(const std::filesystem::path& file, const std::string
     Archive(bytes).item(imported);
     return imported;
   } catch (const ChildEnded& e) {
-    throw InputError({file.string()}, fmt::format("cannot be read: {}; {}", e.what(), remedyFor(kind)));
+    throw InputError({file.string()}, "cannot be read: {}; {}", e.what(), remedyFor(kind));
   } catch (const Error& e) {
     throw InputError({file.string()}, e.what());
   }
@@ -129,12 +129,11 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
                           : kind == ".stl" ? readStlMesh(file, options)
                                            : importByAssimp(file, kind, options);
   if (!imported.missing.empty()) {
-    warn(fmt::format("{}: names '{}', which is missing: its materials have the default reflectance", file.string(),
-                     fmt::join(imported.missing, "', '")));
+    warn("{}: names '{}', which is missing: its materials have the default reflectance", file.string(),
+         fmt::join(imported.missing, "', '"));
   }
   if (!imported.problems.empty()) {
-    warn(fmt::format("{}: may be incomplete, since the importer reports: {}", file.string(),
-                     fmt::join(imported.problems, "; ")));
+    warn("{}: may be incomplete, since the importer reports: {}", file.string(), fmt::join(imported.problems, "; "));
   }
   const std::vector<Look> looks = readMaterials(imported, file, options, imported.leftOut);
   for (AssetPart& part : imported.parts) {

@@ -1,7 +1,5 @@
 #include "assets/meshes/polygon.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <numeric>
 
@@ -125,7 +123,7 @@ const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_
                                                                       const std::function<Vec3d(std::size_t)>& corner) {
   allTriangles_ += n - 2;
   if (allTriangles_ > kMostTriangles) {
-    throw InputError(where_, fmt::format("has more than {} triangles: split it", kMostTriangles));
+    throw InputError(where_, "has more than {} triangles: split it", kMostTriangles);
   }
   triangles_.assign(1, {0, 1, 2});
   if (n == 3) return triangles_;
@@ -135,9 +133,10 @@ const std::vector<std::array<std::uint32_t, 3>>& Triangulator::divide(std::size_
   // Each ear is compared with all corners that are not cut off yet.
   const double fewestTests = static_cast<double>(n) * static_cast<double>(n) / 2;
   if (tests_ + fewestTests >= mostTests_ || !EarCutter(polygon_, triangles_, tests_).cut(mostTests_)) {
-    throw InputError(where_, fmt::format("has polygons of up to {} corners, which would take minutes to divide into "
-                                         "triangles: export it with triangles",
-                                         n));
+    throw InputError(where_,
+                     "has polygons of up to {} corners, which would take minutes to divide into "
+                     "triangles: export it with triangles",
+                     n);
   }
   return triangles_;
 }

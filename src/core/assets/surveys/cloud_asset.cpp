@@ -150,9 +150,9 @@ class CloudAsset {
     cloud_.leftOut.warn(file_.string());
     if (foreign("cosangle") != nullptr) {
       warn(
-          fmt::format("{}: if CARLA wrote it, its y axis points to the right, so that the place is mirrored: negate y "
-                      "in the file",
-                      file_.string()));
+          "{}: if CARLA wrote it, its y axis points to the right, so that the place is mirrored: negate y "
+          "in the file",
+          file_.string());
     }
   }
 
@@ -214,11 +214,11 @@ class CloudAsset {
       missing += std::isnan(value) ? 1u : 0u;
     }
     if (above + below + missing == 0 && greatest >= kLeastFraction * full) return;
-    warn(fmt::format(
+    warn(
         "{}: the intensity {} is taken as a reflectance of 1: {} of {} points are above it and are clipped "
         "to it (the greatest is {}), {} are below 0 and {} are no numbers, which count as 0; state another "
         "by `points: {{full: ...}}`",
-        file_.string(), full, grouped(above), grouped(chosen_.size()), greatest, grouped(below), grouped(missing)));
+        file_.string(), full, grouped(above), grouped(chosen_.size()), greatest, grouped(below), grouped(missing));
   }
 
   // Makes a texture with one texel per point, if the options and the file allow: the intensity as a grey, or the
@@ -355,9 +355,9 @@ class CloudAsset {
     constexpr double kWhite = 65535;
     if (greatest < kWhite / 4) {
       warn(
-          fmt::format("{}: its greatest colour is {}, but {} is taken as white: scale the colours in the file to 8 or "
-                      "16 bits",
-                      file_.string(), greatest, kWhite));
+          "{}: its greatest colour is {}, but {} is taken as white: scale the colours in the file to 8 or "
+          "16 bits",
+          file_.string(), greatest, kWhite);
     }
     return kWhite;
   }

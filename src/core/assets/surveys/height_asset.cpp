@@ -48,12 +48,12 @@ class HeightAsset {
       for (int column = 0; column + 1 < heights_.width; ++column) addCell(column, row);
     }
     if (outsideImage_ > 0) {
-      warn(fmt::format("{}: does not cover {} of the vertices of {}, which have the colour of its edge",
-                       imageFile_.string(), grouped(outsideImage_), file_.string()));
+      warn("{}: does not cover {} of the vertices of {}, which have the colour of its edge", imageFile_.string(),
+           grouped(outsideImage_), file_.string());
     }
     if (unclassed_ > 0) {
-      warn(fmt::format("{}: has no class for {} of the {} cells of {}, whose material is called 'no class'",
-                       classFile_.string(), grouped(unclassed_), grouped(cells_), file_.string()));
+      warn("{}: has no class for {} of the {} cells of {}, whose material is called 'no class'", classFile_.string(),
+           grouped(unclassed_), grouped(cells_), file_.string());
     }
     if (asset_.parts.empty()) fail("has no cell whose four samples all have heights");
     return std::move(asset_);
@@ -121,9 +121,9 @@ class HeightAsset {
     if (!(high - low > kSteepest * extent)) return;
     if (!heights_.system.definition.empty()) {
       warn(
-          fmt::format("{}: rises by {:.4g} m within {:.4g} units of its coordinate system: if its coordinates are "
-                      "degrees, say so by 'gdal_edit.py -a_srs EPSG:4326'",
-                      file_.string(), high - low, extent));
+          "{}: rises by {:.4g} m within {:.4g} units of its coordinate system: if its coordinates are "
+          "degrees, say so by 'gdal_edit.py -a_srs EPSG:4326'",
+          file_.string(), high - low, extent);
       return;
     }
     fail(
@@ -152,9 +152,8 @@ class HeightAsset {
   Raster readBeside(const std::filesystem::path& file, RasterUse use, int band) const {
     Raster raster = readRaster(file, {.use = use, .band = band, .within = boundsOfHeights()});
     if (sameReference(heights_, raster)) return raster;
-    throw InputError(
-        {file.string()},
-        fmt::format("has another coordinate system than {}: convert it by `gdalwarp -t_srs`", file_.string()));
+    throw InputError({file.string()}, "has another coordinate system than {}: convert it by `gdalwarp -t_srs`",
+                     file_.string());
   }
 
   // Sets classes_. Throws InputError for classes that are no whole numbers.
@@ -163,12 +162,11 @@ class HeightAsset {
     const auto isFraction = [](float value) { return std::isfinite(value) && value != std::round(value); };
     const auto fraction = std::ranges::find_if(classes_->values, isFraction);
     if (fraction == classes_->values.end()) return;
-    throw InputError(
-        {classFile_.string()},
-        fmt::format("has {} samples that are no whole numbers, such as {:.6g}, but classes are: resample it "
-                    "by `gdalwarp -r near`, and leave out scale and offset by `gdal_translate -a_scale 1 "
-                    "-a_offset 0`",
-                    grouped(static_cast<std::size_t>(std::ranges::count_if(classes_->values, isFraction))), *fraction));
+    throw InputError({classFile_.string()},
+                     "has {} samples that are no whole numbers, such as {:.6g}, but classes are: resample it "
+                     "by `gdalwarp -r near`, and leave out scale and offset by `gdal_translate -a_scale 1 "
+                     "-a_offset 0`",
+                     grouped(static_cast<std::size_t>(std::ranges::count_if(classes_->values, isFraction))), *fraction);
   }
 
   // Returns the x and y bounds of the height samples, extended by one sample on each side.
@@ -198,9 +196,9 @@ class HeightAsset {
     constexpr double kWhite = 65535;
     if (greatest < kWhite / 4 || greatest > kWhite) {
       warn(
-          fmt::format("{}: its brightest value is {:.6g}, but white is 65535 in an image of more than 8 bits: scale it "
-                      "by 'gdal_translate -ot Byte -scale'",
-                      imageFile_.string(), greatest));
+          "{}: its brightest value is {:.6g}, but white is 65535 in an image of more than 8 bits: scale it "
+          "by 'gdal_translate -ot Byte -scale'",
+          imageFile_.string(), greatest);
     }
     return kWhite;
   }
@@ -236,7 +234,7 @@ class HeightAsset {
       colorless += isColorless ? 1 : 0;
     }
     if (colorless > 0) {
-      warn(fmt::format("{}: {} samples have no colour and count as black", image->file, grouped(colorless)));
+      warn("{}: {} samples have no colour and count as black", image->file, grouped(colorless));
     }
     image_ = std::move(image);
   }

@@ -69,7 +69,7 @@ class UrdfReader {
     for (const auto& [child, joint] : joints_) {
       for (const std::string& link : {child, joint.parent}) {
         if (!links_.contains(link)) {
-          throw InputError(joint.where, fmt::format("<joint> names the link '{}', but this link does not exist", link));
+          throw InputError(joint.where, "<joint> names the link '{}', but this link does not exist", link);
         }
       }
     }

@@ -146,9 +146,9 @@ class WorldAsset {
       for (const Vec3f& p : part.positions) box.add(Vec3d(p));
     }
     if (submeshParts.empty()) {
-      throw InputError(where, fmt::format("'{}' has no submesh '{}', {}", file.path.string(), file.submesh,
-                                          names.empty() ? "since none of its parts has a name: leave out <submesh>"
-                                                        : fmt::format("but has {}", fmt::join(names, ", "))));
+      throw InputError(where, "'{}' has no submesh '{}', {}", file.path.string(), file.submesh,
+                       names.empty() ? "since none of its parts has a name: leave out <submesh>"
+                                     : fmt::format("but has {}", fmt::join(names, ", ")));
     }
     for (AssetPart& part : submeshParts) {
       for (Vec3f& p : part.positions) p = file.centred ? Vec3f(Vec3d(p) - box.center()) : p;
@@ -167,7 +167,7 @@ class WorldAsset {
     options.allowOutside = options_.allowOutside;
     options.textureFolders = options_.textureFolders;
     const AssetReader reader = readerOf(path);
-    if (reader == AssetReader::World) throw InputError(where, fmt::format("'{}' is not a mesh", path.string()));
+    if (reader == AssetReader::World) throw InputError(where, "'{}' is not a mesh", path.string());
     // Gazebo and ROS ignore the up axis that a file declares, except for glTF.
     if (reader == AssetReader::Mesh) options.up = 'z';
     try {

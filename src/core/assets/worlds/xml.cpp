@@ -31,7 +31,7 @@ class Reader {
       throw InputError(locationOf(result.offset), "is a template: expand it first, by `erb FILE.erb > FILE`");
     }
     if (!result) {
-      throw InputError(locationOf(result.offset), fmt::format("is not XML: {}", result.description()));
+      throw InputError(locationOf(result.offset), "is not XML: {}", result.description());
     }
     const pugi::xml_node root = document.document_element();
     if (!root) throw InputError({file_}, "is not XML: it has no element");
@@ -49,8 +49,7 @@ class Reader {
     XmlNode node;
     node.where = locationOf(element.offset_debug());
     if (depth > kDeepestElement)
-      throw InputError(node.where,
-                       fmt::format("has elements that are nested more than {} levels deep", kDeepestElement));
+      throw InputError(node.where, "has elements that are nested more than {} levels deep", kDeepestElement);
     node.name = element.name();
     if (node.name == "xi:include") node.fail("names another file: expand it first, by `xmllint --xinclude FILE`");
     std::string text;  // comments may split the text into several pieces
@@ -95,7 +94,7 @@ std::string XmlNode::textOf(std::string_view childName, std::string_view fallbac
 }
 
 void XmlNode::fail(const std::string& problem) const {
-  throw InputError(where, fmt::format("<{}> {}", name, problem));
+  throw InputError(where, "<{}> {}", name, problem);
 }
 
 XmlNode readXml(const std::filesystem::path& file) {

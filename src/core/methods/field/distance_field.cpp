@@ -1,7 +1,5 @@
 #include "methods/field/distance_field.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -107,9 +105,9 @@ class Builder {
       }
       if (listsEnd >= kNoTriangle) {
         throw Error(
-            fmt::format("particle: voxels of {:g} m give more than 4 billion entries in lists of triangles: choose "
-                        "larger voxels (voxel_m), or `refine: none`",
-                        field_->shape.voxel));
+            "particle: voxels of {:g} m give more than 4 billion entries in lists of triangles: choose "
+            "larger voxels (voxel_m), or `refine: none`",
+            field_->shape.voxel);
       }
       if (pool_->lists.empty()) {
         pool_->lists.resize(earlierPool_ == nullptr ? listsEnd
@@ -225,9 +223,9 @@ class Builder {
     }
     if (reusedBricks_ + newEntries_.size() <= kMostBricks) return;
     throw Error(
-        fmt::format("particle: voxels of {:g} m give more than {} million bricks near surfaces: choose larger voxels "
-                    "(voxel_m) or fewer (voxels)",
-                    field_->shape.voxel, kMostBricks / 1'000'000));
+        "particle: voxels of {:g} m give more than {} million bricks near surfaces: choose larger voxels "
+        "(voxel_m) or fewer (voxels)",
+        field_->shape.voxel, kMostBricks / 1'000'000);
   }
 
   // Gives new bricks indices in the pool of the earlier fields, after the bricks that the pool already contains.

@@ -1,7 +1,5 @@
 #include "methods/gpu/device_resolver.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -78,8 +76,8 @@ class MaterialTables {
     const Texture& texture = *material.texture;
     constexpr std::uint32_t kMostTexels = 0xFFFF;  // along a side, since a word has both sizes
     if (texture.width > kMostTexels || texture.height > kMostTexels) {
-      throw Error(fmt::format("the texture '{}' has more than {} texels per side, too many for a graphics card",
-                              texture.file, kMostTexels));
+      throw Error("the texture '{}' has more than {} texels per side, too many for a graphics card", texture.file,
+                  kMostTexels);
     }
     const auto key = std::tuple(&texture, base.textureGain, base.reflectance, hasHoles ? material.alphaCutoff : -1.0f);
     const auto [firstTexel, isNew] = firstTexels_.emplace(key, static_cast<std::uint32_t>(tables_.texels.size()));

@@ -1,7 +1,5 @@
 #include "methods/particle/options.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -25,9 +23,8 @@ constexpr std::pair<const char*, Refine> kRefines[] = {{"none", Refine::None}, {
 std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
   const auto voxels = static_cast<std::uint32_t>(fields.integer("voxels", kFewestVoxels, kMostVoxels, fallback));
   if (voxels % kVoxelsStep != 0) {
-    throw InputError(fields.require("voxels").where,
-                     fmt::format("voxels must be a multiple of {}: {} or {}, not {}", kVoxelsStep,
-                                 voxels / kVoxelsStep * kVoxelsStep, (voxels / kVoxelsStep + 1) * kVoxelsStep, voxels));
+    throw InputError(fields.require("voxels").where, "voxels must be a multiple of {}: {} or {}, not {}", kVoxelsStep,
+                     voxels / kVoxelsStep * kVoxelsStep, (voxels / kVoxelsStep + 1) * kVoxelsStep, voxels);
   }
   return voxels;
 }
@@ -47,9 +44,9 @@ Corner nearestBrickCorner(const Vec3d& point, double voxel) {
     const double index = std::floor(coordinate / (kBrickVoxels * voxel) + 0.5);
     if (std::fabs(index) < kFarthestBrick) return static_cast<std::int64_t>(index);
     throw Error(
-        fmt::format("particle: a sensor is {:g} m from the scene's origin, too far for voxels of {:g} m: take larger "
-                    "voxels (voxel_m)",
-                    coordinate, voxel));
+        "particle: a sensor is {:g} m from the scene's origin, too far for voxels of {:g} m: take larger "
+        "voxels (voxel_m)",
+        coordinate, voxel);
   };
   return {nearest(point.x), nearest(point.y), nearest(point.z)};
 }
@@ -128,10 +125,10 @@ void checkField(const ParticleOptions& options, double memory) {
   if (bytes <= kTolerance * memory) return;
   const auto mostVoxels = static_cast<std::uint32_t>(options.voxels / std::sqrt(bytes / memory));
   throw InputError(options.where,
-                   fmt::format("particle: the distance field would take about {}, but this process may take {}: choose "
-                               "`voxels: {}` or fewer",
-                               shortBytes(bytes), shortBytes(memory),
-                               std::max(mostVoxels, kFewestVoxels) / kVoxelsStep * kVoxelsStep));
+                   "particle: the distance field would take about {}, but this process may take {}: choose "
+                   "`voxels: {}` or fewer",
+                   shortBytes(bytes), shortBytes(memory),
+                   std::max(mostVoxels, kFewestVoxels) / kVoxelsStep * kVoxelsStep);
 }
 
 Box marchBox(const FieldShape& shape) {

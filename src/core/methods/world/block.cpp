@@ -156,8 +156,8 @@ std::unique_ptr<TriangleBlock> blockOf(const Scene& scene, const Mesh& mesh) {
 void checkEmbree(RTCDevice device, const char* what) {
   const RTCError code = rtcGetDeviceError(device);
   if (code == RTC_ERROR_NONE) return;
-  throw Error(fmt::format("Embree could not {}: {}", what,
-                          code == RTC_ERROR_OUT_OF_MEMORY ? "out of memory" : fmt::format("error {}", int(code))));
+  throw Error("Embree could not {}: {}", what,
+              code == RTC_ERROR_OUT_OF_MEMORY ? "out of memory" : fmt::format("error {}", int(code)));
 }
 
 }  // namespace scanmill

@@ -191,7 +191,7 @@ class BlenderRenderer : public PassRenderer {
       const auto channel = std::ranges::find_if(reader.channels(), [&](const ExrChannel& candidate) {
         return candidate.name.ends_with(nameEnd) && candidate.type == ExrType::Float32;
       });
-      if (channel == reader.channels().end()) throw Error(fmt::format("Blender's image lacks the channel {}", nameEnd));
+      if (channel == reader.channels().end()) throw Error("Blender's image lacks the channel {}", nameEnd);
       return ExrTarget{&*channel, &(pixels.data()->*member), sizeof(BlenderPixel)};
     };
     reader.read(
@@ -214,9 +214,9 @@ class BlenderRenderer : public PassRenderer {
     if (drawnPixels > kFewestWithoutIds &&
         std::ranges::none_of(pixels, [](const BlenderPixel& p) { return p.objectLow > 0 || p.objectHigh > 0; })) {
       throw Error(
-          fmt::format("Blender drew {} pixels and wrote no object's number for any: this version of Blender does "
-                      "not fill the pass 'ids' as 3.4 to 4.3 do; SCANMILL_BLENDER names another one",
-                      drawnPixels));
+          "Blender drew {} pixels and wrote no object's number for any: this version of Blender does "
+          "not fill the pass 'ids' as 3.4 to 4.3 do; SCANMILL_BLENDER names another one",
+          drawnPixels);
     }
     const ExactDepth exact(scene_, camera);
     parallelFor(camera.height, 1 + kFrameGrain / camera.width, [&](std::size_t begin, std::size_t end) {

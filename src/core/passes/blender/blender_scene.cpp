@@ -1,7 +1,5 @@
 #include "passes/blender/blender_scene.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -45,7 +43,7 @@ class Arrays {
 
   void finish() {
     out_.close();
-    if (!out_) throw Error(fmt::format("{}: cannot be written: {}", file_.string(), std::strerror(errno)));
+    if (!out_) throw Error("{}: cannot be written: {}", file_.string(), std::strerror(errno));
   }
 
  private:

@@ -57,7 +57,7 @@ class CameraReader {
 
  private:
   [[noreturn]] void refuse(const char* attribute, const std::string& why) const {
-    throw InputError({file_.name()}, fmt::format("attribute '{}': {}", attribute, why));
+    throw InputError({file_.name()}, "attribute '{}': {}", attribute, why);
   }
 
   // Returns an attribute's value; null if the file lacks the attribute. Throws InputError if it has another type.

@@ -62,7 +62,7 @@ class MemoryInput : public Imf::IStream {
 };
 
 [[noreturn]] void refuseDamage(const std::string& name, std::string_view what) {
-  throw InputError({name}, fmt::format("is damaged or truncated ({}): write it again", what));
+  throw InputError({name}, "is damaged or truncated ({}): write it again", what);
 }
 
 // Checks a file's headers before OpenEXR reads them, because OpenEXR allocates as much memory as an attribute asks for.
@@ -169,9 +169,10 @@ std::pair<std::uint32_t, std::uint32_t> sizeOf(const std::string& name, const Im
   const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
   if (width < 1 || height < 1 || width > kMostAcross || height > kMostAcross ||
       static_cast<std::uint64_t>(width * height) > kMostPixels) {
-    throw InputError({name}, fmt::format("its data window is {} x {} pixels: at most {} x {} and {} million in all are "
-                                         "read",
-                                         width, height, kMostAcross, kMostAcross, kMostPixels / 1'000'000));
+    throw InputError({name},
+                     "its data window is {} x {} pixels: at most {} x {} and {} million in all are "
+                     "read",
+                     width, height, kMostAcross, kMostAcross, kMostPixels / 1'000'000);
   }
   return {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
 }
@@ -254,14 +255,16 @@ void guarded(const std::string& name, Work&& work) {
 void requireWindow(const std::string& name, const Imf::Header& header, const std::optional<Imath::Box2i>& firstPart) {
   const Imath::Box2i& data = header.dataWindow();
   if (data != header.displayWindow()) {
-    throw InputError({name}, fmt::format("its data window {} is not its display window {}: render the whole image, "
-                                         "without crop or overscan",
-                                         windowText(data), windowText(header.displayWindow())));
+    throw InputError({name},
+                     "its data window {} is not its display window {}: render the whole image, "
+                     "without crop or overscan",
+                     windowText(data), windowText(header.displayWindow()));
   }
   if (firstPart && data != *firstPart) {
-    throw InputError({name}, fmt::format("its parts differ in size, {} and {}: write all passes of a camera with the "
-                                         "same size",
-                                         windowText(*firstPart), windowText(data)));
+    throw InputError({name},
+                     "its parts differ in size, {} and {}: write all passes of a camera with the "
+                     "same size",
+                     windowText(*firstPart), windowText(data));
   }
 }
 
@@ -270,8 +273,7 @@ std::uint32_t rowsDecodedTogether(const std::string& name, const Imf::Header& he
   if (!header.hasTileDescription()) return 1;
   const Imf::TileDescription& tile = header.tileDescription();
   if (std::uint64_t{tile.xSize} * tile.ySize > kMostTilePixels) {
-    throw InputError(
-        {name}, fmt::format("its tiles of {} x {} pixels are too large: write scan lines", tile.xSize, tile.ySize));
+    throw InputError({name}, "its tiles of {} x {} pixels are too large: write scan lines", tile.xSize, tile.ySize);
   }
   return tile.ySize;
 }
@@ -285,8 +287,8 @@ std::vector<ExrChannel> channelsOf(const std::string& name, const Imf::MultiPart
     const Imf::Channel& channel = entry.channel();
     channels.push_back({prefix + entry.name(), typeOf(channel.type), part, entry.name()});
     if (channel.xSampling == 1 && channel.ySampling == 1) continue;
-    throw InputError({name}, fmt::format("channel '{}': has fewer samples than the image has pixels: write every pixel",
-                                         channels.back().name));
+    throw InputError({name}, "channel '{}': has fewer samples than the image has pixels: write every pixel",
+                     channels.back().name);
   }
   return channels;
 }
@@ -404,8 +406,7 @@ std::string_view exrTypeName(ExrType type) {
 
 void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
               const ExrAttributes& attributes, std::span<const ExrPlane> planes, ExrCompression compression) {
-  if (width == 0 || height == 0)
-    throw Error(fmt::format("{}: an image without pixels cannot be written", path.string()));
+  if (width == 0 || height == 0) throw Error("{}: an image without pixels cannot be written", path.string());
   AtomicFile file(path);
   MemoryOutput stream(path.c_str());
   try {
@@ -425,7 +426,7 @@ void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint3
     out.setFrameBuffer(frame);
     out.writePixels(static_cast<int>(height));
   } catch (const std::exception& error) {
-    throw Error(fmt::format("{}: cannot be written as EXR: {}", path.string(), reasonOf(error)));
+    throw Error("{}: cannot be written as EXR: {}", path.string(), reasonOf(error));
   }
   file.write(stream.bytes());
   file.commit();

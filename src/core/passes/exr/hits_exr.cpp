@@ -62,7 +62,7 @@ class HitsReader {
 
  private:
   [[noreturn]] void refuse(const char* channel, const std::string& why) const {
-    throw InputError({file_.name()}, fmt::format("channel '{}': {}", channel, why));
+    throw InputError({file_.name()}, "channel '{}': {}", channel, why);
   }
 
   const ExrChannel& require(const char* name, ExrType type) const {
@@ -144,8 +144,7 @@ void writeHits(const std::filesystem::path& path, const Hits& hits) {
   std::vector<ExrPlane> planes;
   const auto checkSize = [&](const char* name, std::size_t size) {
     if (size == hits.size()) return;
-    throw Error(fmt::format("{}: the column '{}' has {} entries, not {} x {}", path.string(), name, size, hits.rings,
-                            hits.columns));
+    throw Error("{}: the column '{}' has {} entries, not {} x {}", path.string(), name, size, hits.rings, hits.columns);
   };
   std::map<std::string, std::vector<std::uint32_t>> words;  // the channels whose columns are not of 32-bit values
   forColumns(hits, [&]<class T>(const char* name, const std::vector<T>& column) {

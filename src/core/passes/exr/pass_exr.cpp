@@ -54,9 +54,8 @@ const ExrChannel* findInAnyLayer(const ExrReader& file, const std::string& name)
   for (const ExrChannel& channel : file.channels()) {
     if (!channel.name.ends_with("." + name)) continue;
     if (layered != nullptr) {
-      throw InputError({file.name()},
-                       fmt::format("channels '{}' and '{}' could both be meant: keep one, or rename it '{}'",
-                                   layered->name, channel.name, name));
+      throw InputError({file.name()}, "channels '{}' and '{}' could both be meant: keep one, or rename it '{}'",
+                       layered->name, channel.name, name);
     }
     layered = &channel;
   }
@@ -85,8 +84,7 @@ std::string channelList(const ExrReader& file) {
 }
 
 [[noreturn]] void refuseAbsence(const ExrReader& file, std::string_view channel, std::string_view remedy) {
-  throw InputError({file.name()},
-                   fmt::format("channel '{}' is absent: write {}; there are {}", channel, remedy, channelList(file)));
+  throw InputError({file.name()}, "channel '{}' is absent: write {}; there are {}", channel, remedy, channelList(file));
 }
 
 // Returns the channel of a pass ("instance", "reflectance" ...); null if the file has none. Throws InputError if
@@ -188,7 +186,7 @@ class PassReader {
   };
 
   [[noreturn]] void refuse(const std::string& channel, const std::string& why) const {
-    throw InputError({file_.name()}, fmt::format("channel '{}': {}", channel, why));
+    throw InputError({file_.name()}, "channel '{}': {}", channel, why);
   }
 
   [[noreturn]] void refusePixel(const std::string& channel, std::size_t pixel, const std::string& why) const {
@@ -368,13 +366,13 @@ void writePasses(const std::filesystem::path& path, const PassImage& image) {
   const auto add = [&](const char* channel, ExrType type, const auto& pass, const void* data, std::size_t stride) {
     if (pass.empty()) return;
     if (pass.size() != image.camera.pixels()) {
-      throw Error(fmt::format("{}: the pass '{}' has {} pixels, its camera {} x {}", path.string(), channel,
-                              pass.size(), image.camera.width, image.camera.height));
+      throw Error("{}: the pass '{}' has {} pixels, its camera {} x {}", path.string(), channel, pass.size(),
+                  image.camera.width, image.camera.height);
     }
     planes.push_back({channel, type, data, stride});
   };
   std::vector<float> depth(passes.depth);
-  if (depth.empty()) throw Error(fmt::format("{}: an image without depth cannot be written", path.string()));
+  if (depth.empty()) throw Error("{}: an image without depth cannot be written", path.string());
   for (float& z : depth) z = z < kLeastNoDepth ? z : kWrittenNoDepth;
   add("Z", ExrType::Float32, depth, depth.data(), sizeof(float));
   for (std::size_t axis = 0; axis < 3 && !passes.normal.empty(); ++axis) {

@@ -1,7 +1,5 @@
 #include "passes/vtk/vtk_geometry.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -204,9 +202,9 @@ ChunkRange append(ViewBatch& batch, ViewBatch&& meshBatch) {
 void reserve(ViewBatch& batch, std::uint64_t triangles, bool cut, std::uint64_t limit) {
   if (triangles > limit) {
     throw Error(
-        fmt::format("the scene has {} triangles, more than the {} that can be drawn at once: take ray tracing, "
-                    "or a smaller scene",
-                    triangles, limit));
+        "the scene has {} triangles, more than the {} that can be drawn at once: take ray tracing, "
+        "or a smaller scene",
+        triangles, limit);
   }
   batch.positions.reserve(triangles * 9);
   batch.original.reserve(triangles);

@@ -255,9 +255,9 @@ class DrawnView {
     }
     if (nextNumber_ > std::numeric_limits<std::uint32_t>::max()) {
       throw Error(
-          fmt::format("the camera '{}' has {} triangles in view, more than can be told apart: take a smaller "
-                      "range, or ray tracing",
-                      camera_.name, nextNumber_));
+          "the camera '{}' has {} triangles in view, more than can be told apart: take a smaller "
+          "range, or ray tracing",
+          camera_.name, nextNumber_);
     }
   }
 
@@ -283,11 +283,10 @@ decltype(auto) withErrorWords(const Work& work) {
   } catch (const std::bad_alloc&) {
     throw Error("images cannot be drawn, memory is out: take smaller images or a smaller scene");
   } catch (const NoDevice& e) {
-    throw Error(
-        fmt::format("images cannot be drawn, this machine has no OpenGL 4.3 by EGL ({}): {}, or take ray tracing",
-                    e.what(), kInstallOpenGl));
+    throw Error("images cannot be drawn, this machine has no OpenGL 4.3 by EGL ({}): {}, or take ray tracing", e.what(),
+                kInstallOpenGl);
   } catch (const std::exception& e) {
-    throw Error(fmt::format("images cannot be drawn: {}", e.what()));
+    throw Error("images cannot be drawn: {}", e.what());
   }
 }
 
@@ -377,7 +376,7 @@ class VtkRenderer : public PassRenderer {
   explicit VtkRenderer(const Scene& scene) : scene_(scene), device_(scene) {}
 
   std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits, PassChoice) override {
-    if (cameras.size() > kVtkImages) throw Error(fmt::format("at most {} images can be drawn at once", kVtkImages));
+    if (cameras.size() > kVtkImages) throw Error("at most {} images can be drawn at once", kVtkImages);
     const std::uint32_t largestSide = device_.plugin->limits().imageSize;  // px
     for (const Camera& camera : cameras) {
       if (camera.width <= largestSide && camera.height <= largestSide) continue;

@@ -105,9 +105,9 @@ void checkBeams(const Recording& recording, const MountedSensor& sensor, const B
   for (const RecordedSensor& recorded : recording.sensors) {
     if (recorded.name != sensor.name || recorded.beams.empty() || recorded.beams == beamsHash(beams)) continue;
     throw InputError(sensor.description.where,
-                     fmt::format("the beams of '{}' differ in directions, origins or range limits from those of the "
-                                 "recording in {}: use the sensor that made the recording",
-                                 sensor.name, recording.folder.string()));
+                     "the beams of '{}' differ in directions, origins or range limits from those of the "
+                     "recording in {}: use the sensor that made the recording",
+                     sensor.name, recording.folder.string());
   }
 }
 
@@ -161,8 +161,8 @@ PlannedSensor planSensor(const Pipeline& pipeline, std::size_t index) {
   const std::shared_ptr<const BeamTable> beams = makeBeams(sensor.description);
   if (pipeline.recording != nullptr) checkBeams(*pipeline.recording, sensor, *beams);
   if (pipeline.motion.kind == MotionKind::Steps && pipeline.motion.steps > beams->columns) {
-    throw InputError(pipeline.motion.where, fmt::format("{} steps are more than the {} columns of '{}'",
-                                                        pipeline.motion.steps, beams->columns, sensor.name));
+    throw InputError(pipeline.motion.where, "{} steps are more than the {} columns of '{}'", pipeline.motion.steps,
+                     beams->columns, sensor.name);
   }
   for (const Effects* effects : pipeline.effectCases(index)) {
     for (const ChosenEffect& effect : *effects) effect->check(*beams);
@@ -171,10 +171,10 @@ PlannedSensor planSensor(const Pipeline& pipeline, std::size_t index) {
   if (rays == 1) return {beams, nullptr};
   if (beams->rosette() == nullptr) return {beams, std::make_shared<const Footprint>(makeFootprint(*beams, rays))};
   throw InputError(sensor.description.where,
-                   fmt::format("the effect footprint cannot be applied to '{0}', whose beams change from revolution "
-                               "to revolution: leave it out, or write `effects: sensor` and give each sensor its "
-                               "own `effects`, without footprint for '{0}'",
-                               sensor.name));
+                   "the effect footprint cannot be applied to '{0}', whose beams change from revolution "
+                   "to revolution: leave it out, or write `effects: sensor` and give each sensor its "
+                   "own `effects`, without footprint for '{0}'",
+                   sensor.name);
 }
 
 }  // namespace

@@ -89,9 +89,9 @@ void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
 void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& datasetFolder) {
   const auto refuse = [&](const std::string& difference) {
     throw InputError({(datasetFolder / kManifestName).string()},
-                     fmt::format("its pipeline now gives {}: files that it names or the program (then {}) have changed "
-                                 "since, or the dataset was made from a recording",
-                                 difference, manifest.programVersion));
+                     "its pipeline now gives {}: files that it names or the program (then {}) have changed "
+                     "since, or the dataset was made from a recording",
+                     difference, manifest.programVersion);
   };
   const std::vector<ShardJob> jobs = shardJobs(plan);
   if (manifest.programVersion == kVersion && !manifest.planSha256.empty() &&

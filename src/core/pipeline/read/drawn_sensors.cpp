@@ -77,10 +77,10 @@ void DrawnSensors::checkCases() const {
       if (sameRays && intensityFullScale(effects) == intensityFullScale(firstCase)) continue;
       throw InputError(
           written_.effects.where,
-          fmt::format("the random effects of '{1}' change {0}, but all scans of a dataset must agree in this: make all "
-                      "choices agree, or make a dataset of each with --sweep",
-                      sameRays ? "the existence or the unit of its intensity" : "the number of rays per beam",
-                      Fields(written_.descriptions[s], "sensor").text("model", fmt::format("sensor {}", s))));
+          "the random effects of '{1}' change {0}, but all scans of a dataset must agree in this: make all "
+          "choices agree, or make a dataset of each with --sweep",
+          sameRays ? "the existence or the unit of its intensity" : "the number of rays per beam",
+          Fields(written_.descriptions[s], "sensor").text("model", fmt::format("sensor {}", s)));
     }
   }
 }

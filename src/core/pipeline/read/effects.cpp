@@ -42,9 +42,10 @@ void resolveLabel(Value& label, const EffectClasses& classes) {
   }
   const std::int64_t id = readInteger(label, "label", 0, 65535);
   if (ontology == nullptr || ontology->find(static_cast<std::uint16_t>(id)) != nullptr) return;
-  throw InputError(label.where, fmt::format("label: no class of the ontology '{}' has the id {}: give an id or a name "
-                                            "of one of its classes, or 0 for none",
-                                            ontology->name, id));
+  throw InputError(label.where,
+                   "label: no class of the ontology '{}' has the id {}: give an id or a name "
+                   "of one of its classes, or 0 for none",
+                   ontology->name, id);
 }
 
 // Resolves the key `label`; removes it if `classes` is null.
@@ -66,9 +67,10 @@ std::vector<ListedEffect> listedEffects(const std::vector<Value>& items, const E
     const EffectEntry& entry = requireEffect(named.name, named.where);
     const auto earlier = std::ranges::find_if(effects, [&](const ListedEffect& e) { return e.entry == &entry; });
     if (earlier != effects.end()) {
-      throw InputError(named.where, fmt::format("the effect '{}' is listed twice, here and at {}:{}: both would use "
-                                                "the same random numbers; leave one out",
-                                                named.name, earlier->where.file, earlier->where.line));
+      throw InputError(named.where,
+                       "the effect '{}' is listed twice, here and at {}:{}: both would use "
+                       "the same random numbers; leave one out",
+                       named.name, earlier->where.file, earlier->where.line);
     }
     if (meansNone(named)) continue;  // `EFFECT: none` changes nothing in a list without the word `sensor`
     resolveLabels(named, entry, classes);
@@ -184,7 +186,7 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
     const NamedOptions change = readNamed(item, "an effect");
     requireEffect(change.name, change.where);
     if (!changed.insert(change.name).second) {
-      throw InputError(change.where, fmt::format("the effect '{}' is listed twice beside `sensor`", change.name));
+      throw InputError(change.where, "the effect '{}' is listed twice beside `sensor`", change.name);
     }
     const auto effect =
         std::ranges::find_if(expanded, [&](const Value& e) { return readNamed(e, "an effect").name == change.name; });
@@ -195,9 +197,10 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
     } else if (change.options.kind == Value::Kind::Map) {
       *effect = withKeysOf(readNamed(*effect, "an effect"), change);
     } else if (change.options.kind != Value::Kind::Null) {
-      throw InputError(change.options.where, fmt::format("effect {}: give a map of the keys to change, or `none` to "
-                                                         "leave out the effect of the sensor's file",
-                                                         change.name));
+      throw InputError(change.options.where,
+                       "effect {}: give a map of the keys to change, or `none` to "
+                       "leave out the effect of the sensor's file",
+                       change.name);
     }
   }
   return expanded;
@@ -277,9 +280,9 @@ void readEffects(const Value& written, Pipeline& pipeline) {
     const auto hasIntensity = [](const MountedSensor& s) { return intensityFullScale(*s.effects) > 0; };
     if (hasIntensity(sensor) == hasIntensity(pipeline.sensors.front())) continue;
     throw InputError(written.where,
-                     fmt::format("only one of the sensors '{}' and '{}' has an intensity, but all scans of a dataset "
-                                 "have the same columns: add `intensity` to the effects of the other sensor",
-                                 pipeline.sensors.front().name, sensor.name));
+                     "only one of the sensors '{}' and '{}' has an intensity, but all scans of a dataset "
+                     "have the same columns: add `intensity` to the effects of the other sensor",
+                     pipeline.sensors.front().name, sensor.name);
   }
 }
 

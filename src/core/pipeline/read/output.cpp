@@ -1,7 +1,5 @@
 // Reads the key `output` of a pipeline: the contents and formats of samples, and their distribution over shards.
 
-#include <fmt/core.h>
-
 #include <array>
 #include <cmath>
 #include <optional>
@@ -27,15 +25,15 @@ VoxelGrid readVoxelGrid(const Value& value) {
   double voxelCount = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (lengths[axis] <= 0) {
-      throw InputError(
-          value.where,
-          fmt::format("voxels: `to` must be greater than `from` along x, y and z, but is not along {}", "xyz"[axis]));
+      throw InputError(value.where, "voxels: `to` must be greater than `from` along x, y and z, but is not along {}",
+                       "xyz"[axis]);
     }
     const double count = std::round(lengths[axis] / grid.size);
     if (count < 1 || std::abs(count * grid.size - lengths[axis]) > kRounding * grid.size * count) {
-      throw InputError(value.where, fmt::format("voxels: the {:g} m along {} are not a whole number of voxels of {:g} "
-                                                "m: change `from`, `to` or `size`",
-                                                lengths[axis], "xyz"[axis], grid.size));
+      throw InputError(value.where,
+                       "voxels: the {:g} m along {} are not a whole number of voxels of {:g} "
+                       "m: change `from`, `to` or `size`",
+                       lengths[axis], "xyz"[axis], grid.size);
     }
     voxelCount *= count;
     constexpr double kMostVoxels = 64e6;
@@ -93,7 +91,7 @@ Output readOutput(const Value& value) {
     options.alsoDescribed(entry.keys).finish();
     output.formats.push_back({&entry, entry.make(options)});
     if (!suffixes.insert(std::string(entry.suffix)).second) {
-      throw InputError(named.where, fmt::format("two formats write '.{}' files", entry.suffix));
+      throw InputError(named.where, "two formats write '.{}' files", entry.suffix);
     }
   }
   output.shards.bytes = static_cast<std::uint64_t>(fields.number("shard_mb", {1, 1e6}, 256) * 1e6);

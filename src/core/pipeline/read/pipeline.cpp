@@ -40,12 +40,12 @@ const RecordedSensor& recordedSensor(const Recording& recording, const MountedSe
     recordedNames.push_back(recorded.name);
     if (recorded.name != sensor.name) continue;
     if (recorded.rings == sensor.size.rings && recorded.columns == sensor.size.columns) return recorded;
-    throw InputError(where, fmt::format("the sensor '{}' has {} x {} beams, but the recording in {} has {} x {} of it",
-                                        sensor.name, sensor.size.rings, sensor.size.columns, recording.folder.string(),
-                                        recorded.rings, recorded.columns));
+    throw InputError(where, "the sensor '{}' has {} x {} beams, but the recording in {} has {} x {} of it", sensor.name,
+                     sensor.size.rings, sensor.size.columns, recording.folder.string(), recorded.rings,
+                     recorded.columns);
   }
-  throw InputError(where, fmt::format("the recording in {} has no sensor '{}'{}", recording.folder.string(),
-                                      sensor.name, suggestion(sensor.name, recordedNames)));
+  throw InputError(where, "the recording in {} has no sensor '{}'{}", recording.folder.string(), sensor.name,
+                   suggestion(sensor.name, recordedNames));
 }
 
 // Sets the mounts of the sensors to the recorded ones. Throws InputError if the pipeline gives other sensors or mounts.
@@ -80,7 +80,7 @@ std::string readSensorName(Fields& fields, const std::string& fallback, const st
                                  keyPart(name)));
   }
   if (std::ranges::any_of(earlier, [&](const MountedSensor& sensor) { return sensor.name == name; })) {
-    throw InputError(fields.where(), fmt::format("two sensors are named '{}'", name));
+    throw InputError(fields.where(), "two sensors are named '{}'", name);
   }
   return name;
 }
@@ -131,11 +131,10 @@ void checkRays(const Pipeline& pipeline, std::uint64_t frameCount, double perFra
                std::string_view atLeast = "") {
   const double rays = static_cast<double>(frameCount) * perFrame;
   if (rays <= pipeline.maxRays) return;
-  throw InputError(
-      {pipeline.file.string()},
-      fmt::format("{}{} frames x {:.0f} {} = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million rays a "
-                  "second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the limit",
-                  atLeast, frameCount, perFrame, unit, rays, pipeline.maxRays, rays / kTypicalRaysPerSecond / 3600));
+  throw InputError({pipeline.file.string()},
+                   "{}{} frames x {:.0f} {} = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million rays a "
+                   "second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the limit",
+                   atLeast, frameCount, perFrame, unit, rays, pipeline.maxRays, rays / kTypicalRaysPerSecond / 3600);
 }
 
 // Reads Pipeline::about; empty for null.
@@ -181,12 +180,11 @@ void countRevolutions(Pipeline& pipeline) {
     for (const Sequence& sequence : pipeline.sequences) {
       const std::uint32_t revolutions = sequence.mostRevolutions(sensor.period, pipeline.periods);
       if (revolutions > Shot::kMostRevolutions) {
-        throw InputError(
-            sensor.description.where,
-            fmt::format("a sample would hold {} revolutions of the sensor '{}', which turns in {:g} s, "
-                        "beside one of the slowest sensor, which takes {:g} s; at most {} are possible: "
-                        "scan with these sensors in two pipelines",
-                        revolutions, sensor.name, sensor.period, pipeline.periods.longest, Shot::kMostRevolutions));
+        throw InputError(sensor.description.where,
+                         "a sample would hold {} revolutions of the sensor '{}', which turns in {:g} s, "
+                         "beside one of the slowest sensor, which takes {:g} s; at most {} are possible: "
+                         "scan with these sensors in two pipelines",
+                         revolutions, sensor.name, sensor.period, pipeline.periods.longest, Shot::kMostRevolutions);
       }
       sensor.revolutions = std::max(sensor.revolutions, revolutions);
     }

@@ -48,9 +48,9 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
       const auto [entry, isNew] = nameByKeyPart.emplace(keyPart(trajectory->name()), trajectory->name());
       if (isNew) continue;
       throw InputError(items[i].where,
-                       fmt::format("two trajectories are named '{}' and '{}', both '{}' in file names: give one "
-                                   "another name",
-                                   entry->second, trajectory->name(), entry->first));
+                       "two trajectories are named '{}' and '{}', both '{}' in file names: give one "
+                       "another name",
+                       entry->second, trajectory->name(), entry->first);
     }
   }
   return trajectories;
@@ -68,8 +68,7 @@ std::vector<std::uint64_t> readSeeds(const Value* value) {
   std::set<std::int64_t> distinctSeeds;
   for (const PlacedInteger& seed : placedSeeds) {
     if (!distinctSeeds.insert(seed.value).second) {
-      throw InputError(seed.where,
-                       fmt::format("seed {} is listed twice: both sequences would be the same", seed.value));
+      throw InputError(seed.where, "seed {} is listed twice: both sequences would be the same", seed.value);
     }
     seeds.push_back(static_cast<std::uint64_t>(seed.value));
   }
@@ -178,9 +177,9 @@ std::vector<Sequence> readSequences(Fields& fields, double period,
         frames += trajectory->frames();
         if (!keys.insert(sequences.back().key()).second) {
           throw InputError(item.where,
-                           fmt::format("two sequences have the key '{}': list the scene once, or give one scene "
-                                       "file another name",
-                                       sequences.back().key()));
+                           "two sequences have the key '{}': list the scene once, or give one scene "
+                           "file another name",
+                           sequences.back().key());
         }
       }
     }

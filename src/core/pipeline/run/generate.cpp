@@ -203,8 +203,8 @@ class DatasetRun {
   void checkStop() const {
     if (options_.stop == nullptr || !*options_.stop) return;
     if (!folder_.hasRecords()) throw Error("stopped before a shard was complete: no shard was kept");
-    throw Error(fmt::format("stopped: the dataset is unfinished, so the folder has no manifest; {}",
-                            shared() ? "the same command continues it" : "--resume continues it"));
+    throw Error("stopped: the dataset is unfinished, so the folder has no manifest; {}",
+                shared() ? "the same command continues it" : "--resume continues it");
   }
 
   void waitForOthers(std::size_t shards) {
@@ -241,8 +241,7 @@ class DatasetRun {
     for (const ShardJob& job : jobs_) {
       std::optional<DatasetPart> part = folder_.findRecord(job.file, DatasetFolder::Check::Size);
       if (!part) {
-        throw Error(
-            fmt::format("{} has vanished from {}: --resume makes it again", job.file, folder_.staging().string()));
+        throw Error("{} has vanished from {}: --resume makes it again", job.file, folder_.staging().string());
       }
       parts.push_back(std::move(*part));
     }
@@ -366,8 +365,8 @@ std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::files
   DatasetFolder::tidy(folder);
   for (const ShardRecord& shard : manifest.shards) {
     if (std::filesystem::file_size(folder / shard.file, failure) == shard.bytes) continue;
-    throw InputError({folder.string()}, fmt::format("{} is missing or damaged: `scanmill regenerate {}` makes it again",
-                                                    shard.file, folder.string()));
+    throw InputError({folder.string()}, "{} is missing or damaged: `scanmill regenerate {}` makes it again", shard.file,
+                     folder.string());
   }
   return manifest;
 }

@@ -1,7 +1,5 @@
 // Recreates parts of a dataset from its manifest, byte for byte.
 
-#include <fmt/core.h>
-
 #include <map>
 #include <utility>
 
@@ -27,9 +25,9 @@ constexpr const char* kScratch = "again";  // name of the scratch folder within 
 
 [[noreturn]] void failDifferent(const std::string& what, const Manifest& manifest) {
   throw Error(
-      fmt::format("{}: made again, its bytes differ from the manifest, since the scenes, files that they name or the "
-                  "program (then {}, now {}) have changed; nothing was replaced",
-                  what, manifest.programVersion, kVersion));
+      "{}: made again, its bytes differ from the manifest, since the scenes, files that they name or the "
+      "program (then {}, now {}) have changed; nothing was replaced",
+      what, manifest.programVersion, kVersion);
 }
 
 // Locks a dataset and creates a scratch folder within the dataset's hidden folder. The destructor removes the scratch

@@ -365,9 +365,8 @@ std::vector<Vec3d> findRandomPath(const SceneProbe& probe, const RandomPath& req
   const std::string classNames = fmt::format("{}", fmt::join(request.classes, ", "));
   const FlatTriangles flat = flatTriangles(scene, classes);
   if (flat.triangles.empty()) {
-    throw InputError(request.where,
-                     fmt::format("scene {}: has no surface of {} to drive on that is less than 60 degrees steep",
-                                 scene.name, classNames));
+    throw InputError(request.where, "scene {}: has no surface of {} to drive on that is less than 60 degrees steep",
+                     scene.name, classNames);
   }
   const FreeSurface surface(probe, classes);
   RandomNumbers random(seed, name);
@@ -382,14 +381,13 @@ std::vector<Vec3d> findRandomPath(const SceneProbe& probe, const RandomPath& req
   const double longestLength = longest.empty() ? 0 : static_cast<double>(longest.size() - 1) * kArcLength;
   constexpr double kSmallScene = 20;  // m, size below which the unit of the scene may be wrong
   const Vec3d size = probe.bounds().high - probe.bounds().low;
-  throw InputError(
-      request.where,
-      fmt::format("scene {}: the longest drive that was found on {} is {:g} m, but {:.4g} m are needed: "
-                  "take fewer frames, a lower speed, or more classes{}",
-                  scene.name, classNames, longestLength, request.length,
-                  std::max(size.x, size.y) > kSmallScene
-                      ? ""
-                      : fmt::format("; the scene measures {:.3g} x {:.3g} m: is its `unit` right?", size.x, size.y)));
+  throw InputError(request.where,
+                   "scene {}: the longest drive that was found on {} is {:g} m, but {:.4g} m are needed: "
+                   "take fewer frames, a lower speed, or more classes{}",
+                   scene.name, classNames, longestLength, request.length,
+                   std::max(size.x, size.y) > kSmallScene
+                       ? ""
+                       : fmt::format("; the scene measures {:.3g} x {:.3g} m: is its `unit` right?", size.x, size.y));
 }
 
 }  // namespace scanmill

@@ -25,9 +25,9 @@ void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hi
   const bool anyHit = std::ranges::any_of(hits.range, [](float r) { return r < kMiss; });
   if (largestIndex < materialCount || !anyHit) return;
   throw InputError({(recording.folder / "recording.json").string()},
-                   fmt::format("/materials/{}: has {} materials, but {} of '{}' has the material index {}: list all "
-                               "materials, or give the images roughness, metallic and retroreflectance",
-                               tableIndex, materialCount, shot.sample, shot.sensorName, largestIndex));
+                   "/materials/{}: has {} materials, but {} of '{}' has the material index {}: list all "
+                   "materials, or give the images roughness, metallic and retroreflectance",
+                   tableIndex, materialCount, shot.sample, shot.sensorName, largestIndex);
 }
 
 // Returns the hits of a recording.
@@ -42,9 +42,8 @@ class RecordedHits : public Method {
     const auto file = recording_->folder / recording_->shot(shot.sample, shot.sensorName).hits;
     readHits(file, channels, hits);
     if (hits.rings != shot.beams->rings || hits.columns != shot.beams->columns) {
-      throw InputError({file.string()},
-                       fmt::format("holds {} x {} beams, but '{}' has {} x {}", hits.rings, hits.columns,
-                                   shot.sensorName, shot.beams->rings, shot.beams->columns));
+      throw InputError({file.string()}, "holds {} x {} beams, but '{}' has {} x {}", hits.rings, hits.columns,
+                       shot.sensorName, shot.beams->rings, shot.beams->columns);
     }
     checkMaterials(*recording_, shot, hits);
     return {{{"read_hits", timer.seconds()}}, {}};

@@ -98,9 +98,9 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
   options.alsoDescribed(choice.entry->keys).finish();
   if (scene.moves() && !choice.entry->can.moving) {
     throw InputError({scene.file.string()},
-                     fmt::format("objects of this scene move, but the method {} cannot trace moving objects: write "
-                                 "`moving: false` beside the scene in the pipeline, or take `method: {}`",
-                                 choice.entry->name, firstMethodThat(&MethodCapabilities::moving).name));
+                     "objects of this scene move, but the method {} cannot trace moving objects: write "
+                     "`moving: false` beside the scene in the pipeline, or take `method: {}`",
+                     choice.entry->name, firstMethodThat(&MethodCapabilities::moving).name);
   }
   return choice.entry->make(scene, options);
 }
@@ -156,14 +156,13 @@ Scene ShotSource::recordedScene(std::size_t sequence) const {
   const bool hasTwoOntologies = !pipeline_.ontology.empty() && !recording.ontology.classes.empty();
   if (hasTwoOntologies && !sameClasses(scene.ontology, recording.ontology)) {
     throw InputError({pipeline_.ontology.string()},
-                     fmt::format("has other classes than the ontology '{}' of the recording in {}, whose class ids "
-                                 "cannot be converted: leave out `labels`",
-                                 recording.ontology.name, recording.folder.string()));
+                     "has other classes than the ontology '{}' of the recording in {}, whose class ids "
+                     "cannot be converted: leave out `labels`",
+                     recording.ontology.name, recording.folder.string());
   }
   if (scene.ontology.classes.empty()) {
-    throw InputError(
-        {pipeline_.file.string()},
-        fmt::format("the recording in {} has no ontology: name one by the key `labels`", recording.folder.string()));
+    throw InputError({pipeline_.file.string()}, "the recording in {} has no ontology: name one by the key `labels`",
+                     recording.folder.string());
   }
   return scene;
 }

@@ -129,8 +129,7 @@ class Examination {
     }
     if (!countedScans.empty() && report_.summary.scansRead == 0) {
       const std::vector<std::string>& faults = faults_.shards.empty() ? faults_.scans : faults_.shards;
-      throw Error(fmt::format("{}: none of its scans can be read{}", folder_.string(),
-                              faults.empty() ? "" : ": " + faults.front()));
+      throw Error("{}: none of its scans can be read{}", folder_.string(), faults.empty() ? "" : ": " + faults.front());
     }
     report_.warnings = warningsOf(report_.summary, faults_);
   }

@@ -214,7 +214,7 @@ void prepareReportFolder(const fs::path& folder, const std::string& result, bool
     fs::create_directories(folder);
     if (fs::is_empty(folder)) return;
     if (!fs::exists(folder / result)) {
-      throw InputError({folder.string()}, fmt::format("has files, but no {}: name another folder", result));
+      throw InputError({folder.string()}, "has files, but no {}: name another folder", result);
     }
     if (!overwrite) throw InputError({folder.string()}, "has a report: add --overwrite, or name another folder");
   } catch (const fs::filesystem_error& error) {
@@ -225,7 +225,7 @@ void prepareReportFolder(const fs::path& folder, const std::string& result, bool
 void beginReport(const fs::path& folder, const std::string& result) {
   std::error_code failure;
   fs::remove(folder / result, failure);
-  if (failure) throw Error(fmt::format("{}: cannot be removed: {}", (folder / result).string(), failure.message()));
+  if (failure) throw Error("{}: cannot be removed: {}", (folder / result).string(), failure.message());
 }
 
 }  // namespace scanmill

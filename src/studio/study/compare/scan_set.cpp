@@ -1,5 +1,3 @@
-#include <fmt/core.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -258,7 +256,7 @@ double spreadOverRows(const Patches& patches, const std::vector<float>& values) 
 
 double& figureNamed(ScanSet& set, std::string_view name) {
   const auto found = std::ranges::find(kSetFigures, name, &ComparedFigure::name);
-  if (found == kSetFigures.end()) throw Error(fmt::format("no figure '{}'", name));
+  if (found == kSetFigures.end()) throw Error("no figure '{}'", name);
   return set.figures[static_cast<std::size_t>(found - kSetFigures.begin())];
 }
 

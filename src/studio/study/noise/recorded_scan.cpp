@@ -1,5 +1,3 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -84,9 +82,10 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
                      "of its points are unknown");
   }
   if (scan.organised && (scan.rings != beams.rings || scan.columns != beams.columns)) {
-    throw InputError(where, fmt::format("has {} x {} beams, but the sensor {} has {} rings x {} columns: give the "
-                                        "sensor, in the mode, that made the recording",
-                                        scan.rings, scan.columns, beams.model, beams.rings, beams.columns));
+    throw InputError(where,
+                     "has {} x {} beams, but the sensor {} has {} rings x {} columns: give the "
+                     "sensor, in the mode, that made the recording",
+                     scan.rings, scan.columns, beams.model, beams.rings, beams.columns);
   }
   std::vector<BeamPoint> points;
   // True for beams with an entry in `points`. If returns are not numbered, a beam's first point in the file counts.
@@ -94,9 +93,8 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const PointKey key = keyOf(scan, i);
     if (key.ring >= beams.rings || key.column >= beams.columns) {
-      throw InputError(where,
-                       fmt::format("point {} has the ring {} and the column {}, but the sensor {} has {} x {} beams", i,
-                                   key.ring, key.column, beams.model, beams.rings, beams.columns));
+      throw InputError(where, "point {} has the ring {} and the column {}, but the sensor {} has {} x {} beams", i,
+                       key.ring, key.column, beams.model, beams.rings, beams.columns);
     }
     if (!isFinite(scan.position[i]) || scan.position[i] == Vec3f{}) continue;  // some recordings store misses as zeros
     const std::size_t beam = std::size_t{key.ring} * beams.columns + key.column;
@@ -245,19 +243,17 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
   const bool hasOnlyRings = !knowsBeams(scan) && !scan[kRing].empty() && beams.onCones();
   const std::vector<BeamPoint> points = firstReturns(hasOnlyRings ? withColumns(scan, beams) : scan, beams, where);
   if (points.size() < kFewestReturns) {
-    throw InputError(
-        where, fmt::format("has {} returns, but noise is measured on at least {}", points.size(), kFewestReturns));
+    throw InputError(where, "has {} returns, but noise is measured on at least {}", points.size(), kFewestReturns);
   }
   RecordedScan recorded;
   recorded.name = name;
   recorded.scanFromSensor = alignedFrame(points, beams);
   const double error = medianAngle(points, beams, recorded.scanFromSensor);
   if (!(error < halfBeamSpacing(beams))) {
-    throw InputError(
-        where,
-        fmt::format("its points do not lie on the beams of {}: half of them are off by more than {:.3g} deg; give the "
-                    "sensor that made the recording, and scans in its frame (not deskewed, not in world coordinates)",
-                    beams.model, degrees(error)));
+    throw InputError(where,
+                     "its points do not lie on the beams of {}: half of them are off by more than {:.3g} deg; give the "
+                     "sensor that made the recording, and scans in its frame (not deskewed, not in world coordinates)",
+                     beams.model, degrees(error));
   }
   recorded.range.assign(beams.size(), kNoReturn);
   const bool hasIntensities = scan[kIntensity].size() == scan.size();

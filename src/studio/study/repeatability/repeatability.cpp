@@ -52,7 +52,7 @@ const BoxedObject& objectToScan(const std::vector<BoxedObject>& objects, const s
     throw InputError({scene.file.string()},
                      "has no thing to scan repeatedly: give an object a class of things, such as `object` or `car`");
   }
-  throw InputError({scene.file.string()}, fmt::format("has no thing '{}'{}", name, suggestion(name, objectNames)));
+  throw InputError({scene.file.string()}, "has no thing '{}'{}", name, suggestion(name, objectNames));
 }
 
 using ObjectCloud = std::vector<Vec3f>;  // points relative to the object's centre, along the world's axes (m)

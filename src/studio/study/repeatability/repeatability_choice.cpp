@@ -1,5 +1,3 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 
 #include "base/error.h"
@@ -23,9 +21,10 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
                      "{name: 1 cm, effects: [{shell: {scale_m: 0.01}}]}");
   }
   if (list.items.size() > kMostLevels) {
-    throw InputError(list.where, fmt::format("repeatability.noise: {} levels are too many: at most {} are possible, "
-                                             "since each is compared with every other",
-                                             list.items.size(), kMostLevels));
+    throw InputError(list.where,
+                     "repeatability.noise: {} levels are too many: at most {} are possible, "
+                     "since each is compared with every other",
+                     list.items.size(), kMostLevels);
   }
   std::vector<NoiseLevel> levels;
   for (const Value& item : list.items) {
@@ -40,7 +39,7 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
           std::make_shared<const Effects>(readSensorEffects(effects, EffectClasses(pipeline), sensor)));
     }
     if (std::ranges::find(levels, level.name, &NoiseLevel::name) != levels.end())
-      throw InputError(item.where, fmt::format("two noise levels are named '{}'", level.name));
+      throw InputError(item.where, "two noise levels are named '{}'", level.name);
     levels.push_back(std::move(level));
   }
   return levels;
@@ -53,8 +52,7 @@ std::size_t readReference(const Value& value, const std::vector<NoiseLevel>& lev
     if (level.name == name) return names.size();
     names.push_back(level.name);
   }
-  throw InputError(value.where,
-                   fmt::format("repeatability.reference: unknown noise level '{}'{}", name, suggestion(name, names)));
+  throw InputError(value.where, "repeatability.reference: unknown noise level '{}'{}", name, suggestion(name, names));
 }
 
 IcpOptions readIcp(const Value& value) {

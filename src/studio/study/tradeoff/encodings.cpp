@@ -1,5 +1,3 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 
 #include "base/stage_clock.h"
@@ -19,13 +17,12 @@ double shortestSeconds(int repeats, const auto& work) {
 // points or misses were lost.
 double largestError(const Scan& scan, const Scan& decoded) {
   if (scan.size() != decoded.size()) {
-    throw Error(fmt::format("{} of {} points were decoded", decoded.size(), scan.size()));
+    throw Error("{} of {} points were decoded", decoded.size(), scan.size());
   }
   double largest = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (isFinite(scan.position[i]) != isFinite(decoded.position[i])) {
-      throw Error(
-          fmt::format("point {} {}", i, isFinite(scan.position[i]) ? "was lost" : "was a miss and became a hit"));
+      throw Error("point {} {}", i, isFinite(scan.position[i]) ? "was lost" : "was a miss and became a hit");
     }
     if (!isFinite(scan.position[i])) continue;
     largest = std::max(largest, length(Vec3d(decoded.position[i]) - Vec3d(scan.position[i])));

@@ -164,9 +164,9 @@ class StudyRun {
     truth_ = trueShots(scene_, std::move(shots), measureOptions_);
     if (!anyHit(truth_)) {
       throw InputError({plan_.pipeline.file.string()},
-                       fmt::format("no beam of {} scans of {} hits anything, so that nothing can be compared: check "
-                                   "the trajectory and the sensor's mount, or name another `tradeoff.sequence`",
-                                   truth_.size(), sequence_.key()));
+                       "no beam of {} scans of {} hits anything, so that nothing can be compared: check "
+                       "the trajectory and the sensor's mount, or name another `tradeoff.sequence`",
+                       truth_.size(), sequence_.key());
     }
     std::uint64_t beams = 0;
     for (const TrueShot& t : truth_) beams += t.truth.hits.size();

@@ -42,7 +42,7 @@ std::vector<StudyEncoding> readEncodings(const Value& list) {
       fields.alsoDescribed(entry.keys).finish();
       StudyEncoding encoding{settingName(named.name, options), flowText(options), {&entry, entry.make(fields)}};
       if (std::ranges::find(encodings, encoding.name, &StudyEncoding::name) != encodings.end())
-        throw InputError(item.where, fmt::format("tradeoff.encodings: '{}' is listed twice", encoding.name));
+        throw InputError(item.where, "tradeoff.encodings: '{}' is listed twice", encoding.name);
       encodings.push_back(std::move(encoding));
     }
   }
@@ -56,8 +56,7 @@ std::size_t readSequence(const Value& value, const Pipeline& pipeline) {
     keys.push_back(pipeline.sequences[s].key());
     if (keys.back() == key) return s;
   }
-  throw InputError(value.where,
-                   fmt::format("tradeoff.sequence: the pipeline has no sequence '{}'{}", key, suggestion(key, keys)));
+  throw InputError(value.where, "tradeoff.sequence: the pipeline has no sequence '{}'{}", key, suggestion(key, keys));
 }
 
 }  // namespace

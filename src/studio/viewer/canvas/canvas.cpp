@@ -24,8 +24,8 @@ std::filesystem::path savePictureOf(Canvas& canvas) {
     writeFile(file, encodePng(canvas.read()));
     return file;
   }
-  throw Error(fmt::format("{}: scanmill_view_000.png to scanmill_view_{}.png exist already: move some away",
-                          folder.string(), kMost - 1));
+  throw Error("{}: scanmill_view_000.png to scanmill_view_{}.png exist already: move some away", folder.string(),
+              kMost - 1);
 }
 
 }  // namespace scanmill

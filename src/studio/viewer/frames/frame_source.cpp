@@ -56,10 +56,10 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
   if (inputIsFile && suffix != ".tar" && !isScan(input.path)) {
     throw InputError(
         {input.path.string()},
-        fmt::format(
-            "is neither a dataset's folder nor a shard or scan (.tar, {}) nor a scene (.yaml); of a model, `scanmill "
-            "draft` makes a scene",
-            scanSuffixes()));
+
+        "is neither a dataset's folder nor a shard or scan (.tar, {}) nor a scene (.yaml); of a model, `scanmill "
+        "draft` makes a scene",
+        scanSuffixes());
   }
   if (!input.scene.empty()) requireScene(input.scene);
   return std::make_unique<StoredFrames>(input);
@@ -90,8 +90,8 @@ void requireScene(const fs::path& file) {
   if (kind == FileKind::Scene) return;
   if (kind == FileKind::Pipeline) {
     throw InputError({file.string()},
-                     fmt::format("is a pipeline: `scanmill generate {} -o DIR` makes the dataset that can be viewed",
-                                 file.string()));
+                     "is a pipeline: `scanmill generate {} -o DIR` makes the dataset that can be viewed",
+                     file.string());
   }
   expectKind(root, FileKind::Scene);
   throw InputError({file.string()}, "is no scene: that has a list of `objects`");

@@ -121,25 +121,25 @@ void StoredFrames::checkJoins() const {
     }
     for (std::size_t i = 1; i < stores_.size(); ++i) {
       if (!stores_[i].scans->single()) {
-        throw InputError({where}, fmt::format("is a single scan and has no key to find in {}: give the dataset first, "
-                                              "and the scan with --over",
-                                              stores_[i].scans->path().string()));
+        throw InputError({where},
+                         "is a single scan and has no key to find in {}: give the dataset first, "
+                         "and the scan with --over",
+                         stores_[i].scans->path().string());
       }
     }
     if (reference_ != nullptr && !reference_->single()) {
       throw InputError({where},
-                       fmt::format("is a single scan and has no key to find in {}: its reference must be a single "
-                                   "scan too",
-                                   reference_->path().string()));
+                       "is a single scan and has no key to find in {}: its reference must be a single "
+                       "scan too",
+                       reference_->path().string());
     }
     return;
   }
   if (input_.sensor.empty()) return;
   const std::vector<std::string> sensors = mainStore().sensors();
   if (std::ranges::none_of(sensors, [&](const std::string& name) { return isSameName(name, input_.sensor); })) {
-    throw InputError({where},
-                     fmt::format("has no sensor '{}'; it has {}", input_.sensor,
-                                 sensors.empty() ? "none with a name" : fmt::format("{}", fmt::join(sensors, ", "))));
+    throw InputError({where}, "has no sensor '{}'; it has {}", input_.sensor,
+                     sensors.empty() ? "none with a name" : fmt::format("{}", fmt::join(sensors, ", ")));
   }
 }
 

@@ -1,7 +1,6 @@
 // The plug-in libscanmill_viewer.so, which implements CanvasModule (viewer/canvas/canvas.h): canvases in a GLFW window
 // or, without a window, with EGL.
 
-#include <fmt/format.h>
 #include <vtkAutoInit.h>
 
 #include <new>
@@ -28,10 +27,9 @@ decltype(auto) withCanvasErrors(const auto& work) {
   } catch (const NoDisplay&) {
     throw;
   } catch (const NoDevice& e) {
-    throw Error(
-        fmt::format("nothing can be shown, there is no OpenGL that will do ({}): {}", e.what(), kInstallOpenGl));
+    throw Error("nothing can be shown, there is no OpenGL that will do ({}): {}", e.what(), kInstallOpenGl);
   } catch (const std::exception& e) {
-    throw Error(fmt::format("the viewer's canvas: {}", e.what()));
+    throw Error("the viewer's canvas: {}", e.what());
   }
 }
 

@@ -54,8 +54,7 @@ class Collada {
   explicit Collada(const std::filesystem::path& file) : bytes_(readFile(file)) {
     const pugi::xml_parse_result result = document_.load_buffer(bytes_.data(), bytes_.size());
     if (!result) {
-      throw Error(fmt::format("is not XML: {}, in line {}; {}", result.description(), lineOf(result.offset),
-                              remedyFor(".dae")));
+      throw Error("is not XML: {}, in line {}; {}", result.description(), lineOf(result.offset), remedyFor(".dae"));
     }
     root_ = document_.child("COLLADA");
   }
@@ -66,8 +65,8 @@ class Collada {
     for (const auto& [xpath, remedy] : kRefused) {
       const pugi::xml_node refused = root_.select_node(xpath).node();
       if (!refused) continue;
-      throw Error(fmt::format("has <{}> in line {}, which cannot be read: {}", refused.name(),
-                              lineOf(refused.offset_debug()), remedy));
+      throw Error("has <{}> in line {}, which cannot be read: {}", refused.name(), lineOf(refused.offset_debug()),
+                  remedy);
     }
     readAxisAndUnit();
     countUnread();
@@ -176,7 +175,7 @@ class Collada {
       const auto& [id, node] = *original;
       const auto [copied, isNew] = nodesInCopy_.try_emplace(id, kBeingCounted);
       if (isNew) copied->second = 1 + nodesIn(node);
-      if (copied->second == kBeingCounted) throw Error(fmt::format("copies the node '{}' into itself", id));
+      if (copied->second == kBeingCounted) throw Error("copies the node '{}' into itself", id);
       count += copied->second;
     }
     return count;

@@ -2,7 +2,6 @@
 #include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <assimp/DefaultLogger.hpp>
@@ -160,7 +159,7 @@ class Importer {
   }
 
   [[noreturn]] void failReading(const std::string& reason) const {
-    throw Error(fmt::format("cannot be read: {}; {}", reason, remedyFor(kind_)));
+    throw Error("cannot be read: {}; {}", reason, remedyFor(kind_));
   }
 
   // Counts what the importer has read and is not used.
@@ -254,7 +253,7 @@ class Importer {
       if (mesh.mNumVertices == 0 || mesh.mVertices == nullptr || mesh.mNumFaces == 0) continue;
       triangles_ += mesh.mNumFaces;
       if (triangles_ > kMostTriangles)
-        throw Error(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
+        throw Error("has more than {} triangles, with all copies: split it", kMostTriangles);
       const unsigned number = mesh.mMaterialIndex;
       const ImportedMaterial& material =
           number < imported_.materials.size() ? imported_.materials[number] : kNoMaterial;

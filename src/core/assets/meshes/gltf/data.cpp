@@ -277,12 +277,12 @@ DracoMesh decodeDraco(std::string_view bytes, const std::map<std::string, std::u
   buffer.Init(bytes.data(), bytes.size());
   draco::Decoder decoder;
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) throw Error(fmt::format("Draco: {}", decoded.status().error_msg_string()));
+  if (!decoded.ok()) throw Error("Draco: {}", decoded.status().error_msg_string());
   const draco::Mesh& mesh = *decoded.value();
   DracoMesh decodedMesh;
   for (const auto& [name, id] : ids) {
     const draco::PointAttribute* const attribute = mesh.GetAttributeByUniqueId(id);
-    if (attribute == nullptr) throw Error(fmt::format("Draco: the attribute {} ({}) is missing", id, name));
+    if (attribute == nullptr) throw Error("Draco: the attribute {} ({}) is missing", id, name);
     decodedMesh.attributes[name] = valuesOf(mesh, *attribute);
   }
   decodedMesh.indices.reserve(mesh.num_faces() * std::size_t{3});

@@ -201,7 +201,7 @@ double Statements::number(std::string_view word) const {
 }
 
 void Statements::fail(const std::string& problem) const {
-  throw InputError({file_, line_}, fmt::format("{}: {}", keyword_.substr(0, 40), problem));
+  throw InputError({file_, line_}, "{}: {}", keyword_.substr(0, 40), problem);
 }
 
 }  // namespace scanmill::obj
