@@ -9,7 +9,7 @@
 
 namespace scanmill::models {
 
-constexpr double kReveal = 0.14;  // m, how far windows and doors are set back
+constexpr double kReveal = 0.14;  // m, depth of windows and doors behind the wall's face
 
 struct Opening {
   Span u, v;  // extents along the wall and upwards, m
@@ -39,7 +39,7 @@ struct HouseMeasures {
   double windowWidth = 1.2, windowHeight = 1.4;
 };
 
-// Adds rooms behind the glass, bands, corner stones, bays, porches, ivy, awnings and a garage, in the house's frame.
+// Adds rooms and, in many houses, bands, corner stones, bays, porches, ivy, awnings and a garage (house's frame).
 void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const FacadeLook& look,
                      const HouseMeasures& measures);
 

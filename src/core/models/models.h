@@ -93,7 +93,7 @@ double smooth(double t);  // smoothstep of t, with t clamped to [0, 1]
 
 Affine at(const Vec3d& position);
 Affine at(const Vec3d& position, double yaw);
-// Returns the frame of a drawing that is seen from the right-hand side: x forward, y up, z to the right (-y).
+// Returns the frame of a side view from the right: the drawing's x is forward (+x), y is up (+z), z is right (-y).
 Affine sideView(const Vec3d& origin);
 
 // A mesh of the scene and its bounding box (m).
@@ -104,7 +104,7 @@ struct Model {
   double width() const { return bounds.high.y - bounds.low.y; }
 };
 
-// Whether the last of a row of points is joined to the first.
+// Whether the last point of a row is joined to the first point.
 enum class Loop { Open, Closed };
 
 // A mesh under construction. `frame` transforms everything that is appended. Lengths are in metres.
@@ -124,25 +124,25 @@ class Shape {
   void box(SurfaceIndex surface, const Vec3d& center, const Vec3d& size);
   void boxAt(SurfaceIndex surface, const Affine& pose, const Vec3d& size);
   void ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, int segments = 12);
-  // Appends a pipe with closed ends along a polyline. `radii` has the radius at each point, or `radius` is that of all.
+  // Appends a pipe with closed ends along a polyline. `radii`: the radius at each point; `radius`: at all points.
   void pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments = 8);
   void pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, double radius, int segments = 8);
-  // tube() appends a straight pipe from a to b, rod() one with the same radius at both ends.
+  // tube() appends a straight pipe from `a` to `b`; rod(), a straight pipe with the same radius at both ends.
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
   void rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments = 8);
   // Appends the surface of a profile of (radius, z) that rotates about the z axis. It faces to the right of the
-  // profile's direction: outwards where the profile goes upwards. `loop`: of the profile.
+  // profile's direction: outwards where the profile goes upwards. `loop`: whether the profile is closed.
   void revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
                Loop loop = Loop::Open);
-  // `thickness`: m, radius of the ring's cross section, which has `corners` corners.
+  // `thickness`: radius of the ring's cross section (m); `corners`: number of its corners.
   void torus(SurfaceIndex surface, const Affine& pose, double radius, double thickness, int segments, int corners = 8);
   // Appends a prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. The top has the
   // surface `front`; the sides and the bottom have the surface `rim`.
   void prism(SurfaceIndex front, SurfaceIndex rim, const Affine& pose, const std::vector<Point2>& polygon,
              double thickness);
-  // Appends quads between rows of points; all rows have the same number of points. `loop`: of a row; `surfaceAt`
-  // returns the surface of a quad. A quad with two equal corners becomes a triangle. Seen from outside, a quad is
-  // counter-clockwise and its first side leads from a point to the next point of the same row.
+  // Appends quads between successive rows, which have equal numbers of points. `loop`: whether each row is closed;
+  // `surfaceAt` returns the surface of a quad. A quad with two equal corners becomes a triangle. Seen from outside, the
+  // corners are counter-clockwise: a point, the next point of the same row, then the points of the next row.
   void grid(const std::vector<std::vector<Vec3d>>& rows, Loop loop,
             const std::function<SurfaceIndex(int row, int column)>& surfaceAt);
   void grid(const std::vector<std::vector<Vec3d>>& rows, Loop loop, SurfaceIndex surface) {
@@ -168,7 +168,7 @@ struct Span {
   bool holds(double v) const { return v > low && v < high; }
 };
 
-// Garages of houses (m): the distances behind the house's front and beside its right wall, and the size.
+// Garages (m): distance behind the front of the house, gap beside its right wall, width and depth.
 constexpr double kGarageFrom = 6.2, kGarageBeside = 0.25, kGarageWidth = 3.3, kGarageDepth = 5.8;
 
 enum class Roof { Flat, Gable, CrossGable, Hip };
@@ -182,10 +182,10 @@ struct House {
   Roof roof = Roof::Gable;
   bool shop = false;
   std::uint32_t number = 0;
-  std::int64_t relation = 0;     // the houses and blocks of one relation of a map are one thing; 0: none
+  std::int64_t relation = 0;     // id of a map's relation, whose buildings are one object instance; 0: none
   std::optional<double> top{};   // m, top of the roof; not set: the height follows from floors and slope
   std::optional<double> rise{};  // m, height of a pitched roof if `top` is set; not set: it follows from a random slope
-  double forecourt = 0;          // m, depth of the ground in front of the house that details may cover, see facade.h
+  double forecourt = 0;          // m, depth of the ground in front of the house that a bay or porch may cover
   bool garage = false, ivy = false;
 
   double doorX() const { return width * (doorColumn + 0.5) / columns; }
@@ -199,8 +199,8 @@ struct Block {
   int floors = 2;                           // number of floors; 0: the building is a shed without windows
   double base = 0;                          // m, underside of a block that hangs above the ground; 0: on the ground
   double height = 0;                        // m, top of the walls; 0: follows from `floors`
-  // A pitched roof rises by `rise` (m) from the walls to the ridge between two points; the points may be equal. Each
-  // corner of the outline leads to the end of the ridge that is nearest to it. 0: the roof is flat.
+  // A pitched roof rises by `rise` (m) from the walls to a ridge, whose ends may be equal. Each corner of the outline
+  // is joined to the nearest end of the ridge. If `rise` is 0, the roof is flat.
   double rise = 0;
   std::array<Point2, 2> ridge{};
   bool parapet = true;  // true: a flat roof over floors has a parapet
@@ -214,8 +214,8 @@ struct Block {
 
 enum class Fencing { None, Pickets, Bars, Brick, Hedge, Boards, Wire, GuardRail, Barrier, Count };
 
-// The functions make...() below add a mesh to the scene. It depends on the seed and on `form` or `number`, the index of
-// a variant of the object.
+// The functions make...() below add a mesh to the scene. The mesh depends on the seed and on `form` or `number`, which
+// number the variants of an object.
 
 // Returns a house of this size with random windows and a random roof.
 House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors);
@@ -229,12 +229,12 @@ struct TreeModel {
 constexpr int kTreeForms = 8;
 constexpr int kBroadleafForms = 6;  // number of broadleaf forms; they come first among the kTreeForms forms
 // Builds a tree. `form`: its species; trees whose forms differ by kTreeForms are different trees of one species.
-// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: fraction of the leaves that are
-// still on a broadleaf tree, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown: 0 is
-// round, 1 is heavier on one side, with limbs that protrude and gaps between them.
+// `detail`: factor on the number of leaves; the total leaf area stays the same. `foliage`: fraction of the leaves that
+// are still on a broadleaf tree, 0 to 1; below 0.6, twigs are added. `ragged`: irregularity of a broadleaf's crown: 0
+// is a round crown; 1 is a crown that is heavier on one side, with protruding limbs and gaps between them.
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage);
-// Builds 2 m of hedgerow along x, filled with leaves. Height and depth depend on the form.
+// Builds 2 m of hedgerow along x, filled with leaves. Height and depth follow from `seed` and `form`.
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form);
 // Builds a group of shrubs 1.4 to 3.2 m high.
 Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage);
@@ -255,7 +255,7 @@ void appendWheels(Shape& shape, std::string_view className, double x, double y, 
 struct RiderFit {
   Vec3d saddle, leftGrip, rightGrip, leftPedal, rightPedal;
 };
-// Build a vehicle that is ridden and set `fit`; if `fit` is null, they build a parked one.
+// Build a vehicle for a rider and set `fit`; if `fit` is null, build a parked vehicle.
 Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit = nullptr);
 Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit* fit = nullptr);
 
@@ -266,7 +266,7 @@ struct Walker {
   double stride = 1.3;  // m walked in one cycle of all moments
 };
 Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form);
-// A bicycle or motorcycle and its rider, who sits on it if both have the same pose.
+// A bicycle or motorcycle and its rider. With the same pose, the rider sits on the vehicle.
 struct Ridden {
   Model vehicle, rider;
 };
@@ -274,7 +274,7 @@ Ridden makeCyclist(SceneBuilder& builder, std::uint64_t seed, int form);
 Ridden makeMotorcyclist(SceneBuilder& builder, std::uint64_t seed, int form);
 
 constexpr int kAnimalForms = 6;
-constexpr int kPetForms = 3;  // number of forms of dogs and cats; these come first, then the grazing animals
+constexpr int kPetForms = 3;  // number of forms of dogs and cats; the forms after them are grazing animals
 Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number);
 
 enum class TrafficSign { SpeedLimit, Warning, Priority, Stop, Parking, GiveWay };
@@ -282,7 +282,7 @@ constexpr int kSigns = 6;
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number);  // the sign faces +x
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);                      // the arm reaches to +x
 Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);                        // the lights face +x
-// A wooden pole with its crossarm along y, and the points where its wires are attached (m).
+// A wooden utility pole, whose crossarm is along y, and the points where wires are attached (m).
 struct UtilityPole {
   Model model;
   std::vector<Vec3d> insulators;
@@ -292,11 +292,11 @@ UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed);
 
 enum class Furnishing { Bin, WheelieBin, Hydrant, Bench, LetterBox, PowerBox, BicycleRack, Bollard, Planter, Count };
 Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing kind);
-// A barrier extends along x, the door of a shed faces -y. The shapes that a seed generates depend on the values.
+// A barrier extends along x; a shed's door faces -y. Values select random streams: append new ones, never renumber.
 enum class Clutter { Cone, Barrier, Skip, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter clutter, int number);
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed);  // its open side faces -y
-// Builds a panel of 2 m along x, whose middle is the origin.
+// Builds a panel 2 m long along x; its middle is at the origin.
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing kind, int form = 0);
 
 }  // namespace scanmill::models

@@ -41,7 +41,7 @@ Footprint footprint(const Model& model, const Spot& spot, double margin);
 // Returns the pose of a model at a spot, with its origin at the height `z` (m).
 Affine poseOf(const Spot& spot, double z);
 
-// Returns the column or row of a coordinate in a grid over the ground with cells of `side` metres.
+// Returns the column (for an x) or row (for a y) that contains a coordinate, in a grid with cells of `side` metres.
 inline std::int64_t cellOf(double v, double side) {
   return static_cast<std::int64_t>(std::floor(v / side));
 }
@@ -66,7 +66,7 @@ void forCells(const Point2& low, const Point2& high, double reach, double side, 
   }
 }
 
-// Finds what is near a point: indices by the cells of a grid.
+// A grid over the ground with a list of indices in each cell, to find the objects near a point.
 class CellIndex {
  public:
   explicit CellIndex(double side) : side_(side) {}  // m, side of a cell
@@ -76,7 +76,7 @@ class CellIndex {
   void add(const Point2& low, const Point2& high, double reach, std::uint32_t index) {
     forCells(low, high, reach, side_, [&](std::uint64_t key) { cells_[key].push_back(index); });
   }
-  // Return the indices of a cell, or of the cell that contains a point, in the order in which they were added.
+  // inCell() returns the indices of a cell, at() those of the cell that contains a point, in the order of adding.
   std::span<const std::uint32_t> inCell(std::uint64_t key) const {
     const auto cell = cells_.find(key);
     return cell == cells_.end() ? std::span<const std::uint32_t>() : cell->second;
@@ -88,7 +88,7 @@ class CellIndex {
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
 };
 
-// A set of rectangles. isFree() is true if a rectangle overlaps none of them.
+// A set of rectangles. isFree() returns true if a rectangle overlaps no rectangle of the set.
 class Occupancy {
  public:
   bool isFree(const Footprint& rectangle) const;
@@ -97,7 +97,7 @@ class Occupancy {
  private:
   static constexpr double kCell = 8;  // m, side of a grid cell
   std::vector<Footprint> rectangles_;
-  CellIndex cells_{kCell};  // of indices in rectangles_, by the circumcircles of the rectangles
+  CellIndex cells_{kCell};  // of indices in rectangles_, in all cells that their circumcircles may overlap
 };
 
 }  // namespace scanmill::models

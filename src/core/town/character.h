@@ -1,6 +1,6 @@
 #pragma once
 
-// The character of a town: the keys of a scene file, and the properties that the seed selects within their limits.
+// The character of a town: its keys in a scene file, and the properties that the seed selects within limits.
 
 #include <cstdint>
 #include <filesystem>
@@ -23,7 +23,7 @@ struct Parameters {
   std::string season = "summer";  // "summer", "autumn" or "winter"; "any": random
   std::filesystem::path map;      // an OpenStreetMap extract; empty: roads and buildings are random
   std::string road;               // name of the main road on the map; empty: random
-  bool keepsLeft = false;         // true: left-hand traffic; the town is laid out for right-hand traffic and mirrored
+  bool keepsLeft = false;         // true: left-hand traffic: the town is laid out for right-hand traffic, then mirrored
   double length = 300;            // m, length of the main road from its first to its last plot
   double slope = 1;               // factor on the heights of hills and banks
   double greenery = 1;
@@ -35,7 +35,7 @@ struct Parameters {
 
 Parameters readParameters(Fields& fields);
 
-// Traits of a kind of place, which the key or the seed selects. A new kind is a row and a column in character.cpp.
+// The traits of a district. The key `district` or the seed selects one. The districts are listed in character.cpp.
 struct DistrictTraits {
   std::string_view name;    // value of the key
   bool country = false;     // outside of towns, with few lamps, without crossings and shelters
@@ -44,7 +44,7 @@ struct DistrictTraits {
   bool terraced = false;    // houses stand wall to wall at the pavement, with shops; the ground around them is paved
   bool cobbled = false;     // roads are paved with stones
   bool commercial = false;  // halls with flat roofs, large parking lots, fences of wire
-  // Every method can trace the place: a straight road, flat ground, mown grass, no wires, and nothing moves.
+  // true: simple enough for every tracing method: a straight road, flat ground, mown grass, no wires, nothing moves.
   bool plain = false;
 };
 
@@ -56,9 +56,9 @@ struct Character : DistrictTraits {
 
   Season season = Season::Summer;
   double foliage = 1;    // fraction of the leaves that are still on the trees
-  double snow = 0;       // m, depth of snow where it is not cleared
+  double snow = 0;       // m, depth of snow on ground that is not cleared
   double snowBanks = 0;  // m, height of the snow banks that ploughs leave beside roads
-  double wear = 0;       // wear of the roads, 0 to 1; it sets the number of potholes and repairs
+  double wear = 0;       // wear of the roads, 0 to 1: more wear, more potholes and repairs
   CrossSection main, side;
   int sideRoads = 3;
   double bend = 0.4;                      // rad, amplitude of the variation of the main road's heading
@@ -74,9 +74,9 @@ struct Character : DistrictTraits {
   double gardenTrees = 1;             // trees per garden
   double gardenBushes = 3;            // bushes per garden
   double woods = 0.3;                 // fraction of the free land that is wooded
-  double forecourts = 0;              // fraction of the houses behind ground that is paved up to the sidewalk
+  double forecourts = 0;              // fraction of the houses with paved ground between house and sidewalk
   double parked = 0.3;                // fraction of the parking bays and curbside places that are occupied
-  double traffic = 1;                 // vehicles on the lanes, per 100 m of road and lane
+  double traffic = 1;                 // vehicles per 100 m of each lane
   double speed = 12;                  // m/s, speed limit of the main road
   double people = 4;                  // people per 100 m of road
   double clutter = 6;                 // benches, bins, boxes, bollards, ... per 100 m of road

@@ -8,16 +8,16 @@
 
 namespace scanmill::town {
 
-// The part of a route that uses a lane, which routes can share: d m along the route are d + shift m along the lane.
+// The part of a route on one lane; routes can share lanes. d m along the route is at d + shift m along the lane.
 struct Leg {
   std::uint32_t lane = 0;
   double from = 0, to = 0;  // m along the route, ends of this part
   double shift = 0;
 };
 
-// When a stop line is closed: always, while a traffic light is red, or while a lane to which it gives way is occupied.
+// Rules of a stop line, by which it is closed: always, while a light is red, or while a lane with priority is occupied.
 struct AlwaysClosed {};
-// From the time `offset` (s) on, the light is red during the first `red` seconds of every `period` seconds.
+// The light is red during the first `red` seconds of each period of `period` seconds; a period begins at `offset` (s).
 struct TrafficLight {
   double period = 0, red = 0, offset = 0;
 };
@@ -60,8 +60,8 @@ struct DriverModel {
   double gap = 2;             // m between stationary vehicles
 };
 
-// Returns speeds (m/s) at 0, kLimitStep, ... m along a route. They are at most `fastest`, and keep the lateral
-// acceleration in bends and the braking before bends comfortable. `curvature`: of the route (1/m), at the same places.
+// Returns the speed limits (m/s) at 0, kLimitStep, ... m along a route: at most `fastest`, and low enough for a
+// comfortable lateral acceleration in bends and braking before bends. `curvature`: 1/m, at the same distances.
 std::vector<double> inBends(const std::vector<double>& curvature, double fastest);
 
 // Returns for each driver the distances along the route (m) at the times 0, interval, ... up to `duration` (s), after a

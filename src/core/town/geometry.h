@@ -1,6 +1,6 @@
 #pragma once
 
-// Lines and polygons on the ground, in metres, and smooth random fields over it, such as the unevenness of the ground.
+// Lines and polygons on the ground (m), and smooth random fields over the ground, such as its unevenness.
 
 #include <cstdint>
 #include <vector>
@@ -21,7 +21,7 @@ std::vector<Point2> relativeTo(const Point2& origin, std::vector<Point2> points)
 struct Extent {
   Point2 low, high;
 };
-Extent extentOf(const std::vector<Point2>& points);  // of at least one point
+Extent extentOf(const std::vector<Point2>& points);  // `points`: at least one
 
 double lengthOf(const Line& line);
 Point2 pointAt(const Line& line, double along);        // returns the line's end if `along` exceeds its length
@@ -37,11 +37,11 @@ Nearest nearestOn(const Line& line, const Point2& p);
 
 // Returns points on the line about `step` apart, including both ends.
 [[nodiscard]] Line evenLine(const Line& line, double step);
-// Returns the line's points, except points within 2 cm of the point before, and points between them about `step` apart.
+// Returns the line with more points, about `step` apart, and without points less than 2 cm from their predecessor.
 [[nodiscard]] Line denseLine(const Line& line, double step);
 // Returns points on the line about `step` apart, averaged with their neighbours to round the corners; the ends stay.
 [[nodiscard]] Line smoothLine(const Line& line, double step);
-// Returns each run of successive points of a line in the square about the origin with sides of 2 * half.
+// Returns the runs of successive points that are in the square about the origin with sides of 2 * half.
 std::vector<Line> runsWithin(const Line& line, double half);
 
 // True if the point is inside by the even-odd rule over all rings.
@@ -55,7 +55,7 @@ double areaOf(const Polygon& ring);  // m^2; negative if the ring is clockwise
 models::Footprint rectangleAbout(const Polygon& ring);
 Polygon cornersOf(const models::Footprint& f);
 // Returns the part of a polygon in the square about the origin with sides of 2 * half, by Sutherland and Hodgman,
-// "Reentrant polygon clipping", Communications of the ACM 17 (1974). Separated parts stay connected along the sides.
+// "Reentrant polygon clipping", Communications of the ACM 17 (1974). Edges along the sides connect separated parts.
 [[nodiscard]] Polygon clipped(Polygon ring, double half);
 
 // The purpose of a random field. Each value is used in one place of the code. The towns of a seed depend on the values:

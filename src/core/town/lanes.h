@@ -9,7 +9,7 @@
 
 namespace scanmill::town {
 
-constexpr int kRoadCyclistForms = 3;  // number of forms of cyclists on roads; those on sidewalks have the next ones
+constexpr int kRoadCyclistForms = 3;  // number of forms of cyclists on roads; the next forms are for sidewalks
 constexpr double kMiddle = 0.4;       // m, least distance between a vehicle and the centre line
 
 // A part of a road in the direction of driving: from `from` to `to` (m along the road's line).
@@ -25,7 +25,7 @@ struct LanePath {
 };
 
 struct LanePoints {
-  std::vector<Vec3d> points;  // in the town's frame, on the ground or hidden below it
+  std::vector<Vec3d> points;  // in the town's frame, on the ground; hidden points are below
   struct RoadPosition {
     std::uint32_t road;
     double along;  // m
@@ -34,8 +34,8 @@ struct LanePoints {
   std::size_t firstOnRoad = 0;
 };
 
-// Returns the points of a path. Vehicles keep to the right: `out` m farther from the centre line than the middle of
-// their lane and at least `leastLateral` m from this line; on one-way roads `out` m to the right of the centre line.
+// Returns the points of a path: `out` m to the right of the middle of the rightmost lane, but at least `leastLateral` m
+// to the right of the centre line; on one-way roads, `out` m to the right of the centre line.
 LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double leastLateral);
 
 // Distances along a side road (m) at which its lanes begin and end, and at which vehicles that leave it stop.
@@ -53,7 +53,7 @@ inline double turnStart(const Road& sideRoad) {
   return sideRoad.section.half + 6;
 }
 
-// The side roads at the right from which the ego vehicle comes and into which it turns; without other traffic.
+// The side roads, at the right of the main road, that the ego vehicle leaves and enters when it drives with turns.
 struct EgoRoads {
   const Road* from = nullptr;  // null: there is no such road
   const Road* into = nullptr;

@@ -28,7 +28,7 @@ class Areas {
   void add(MapArea area);
   const std::vector<MapArea>& list() const { return areas_; }
 
-  // Return the kind and the index in list() of the smallest area at a point; nullopt if no area contains the point.
+  // landAt() returns the kind of the smallest area that contains a point, indexAt() its index in list(); nullopt: none.
   std::optional<Land> landAt(const Point2& p) const;
   std::optional<std::uint32_t> indexAt(const Point2& p) const;
   // Returns the distance (m) to the nearest water, parking lot or square: negative inside of it, at most kReach.
@@ -43,11 +43,11 @@ class Areas {
 
 enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn, Water, Lot, Paved };
 
-// A rectangle with the sine and cosine of its yaw, for many points.
+// A rectangle that stores the sine and cosine of its yaw, so that many points can be tested quickly.
 struct TurnedRectangle : models::Footprint {
   explicit TurnedRectangle(const models::Footprint& f) : Footprint(f), cosine(std::cos(yaw)), sine(std::sin(yaw)) {}
 
-  // Returns how far a point is outside of the rectangle (m, negative inside): the larger distance along its two axes.
+  // Returns how far a point is outside along the rectangle's x or y axis, whichever is larger (m; negative inside).
   double outside(const Point2& p) const {
     const double dx = p.x - center.x;
     const double dy = p.y - center.y;
@@ -85,7 +85,7 @@ struct PlacedBlock {
   double height = 0;        // m, height of the ground at the entrance
 };
 
-// A rectangle in which the ground is level: under a building and half a metre around it.
+// A rectangle of level ground, under a building and up to half a metre around it.
 struct Terrace {
   TurnedRectangle rectangle;
   double height = 0;  // m
@@ -113,7 +113,7 @@ class Layout {
   const std::vector<Road>& roads() const { return network_.roads(); }  // the main road comes first
   const Road& mainRoad() const { return roads().front(); }
   Beside besideAt(const Point2& p) const { return network_.at(p); }
-  // Returns the place at a distance along a plot's road, `depth` metres beyond the edge of the plot; see besideRoad().
+  // Returns the spot `along` metres along a plot's road and `depth` metres into the plot; its yaw is the road's.
   models::Spot inPlot(const Plot& plot, double along, double depth) const {
     const Road& road = roads()[plot.road];
     return besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth));
@@ -167,22 +167,22 @@ class Layout {
   void addGroundInFront(const models::House& house, double yaw, double width, double outer, Draw& draw);
   bool addDriveway(const models::House& house, double yaw, double outer, Draw& draw);
   models::Fencing drawFencing(Draw& draw, double setback) const;
-  // Adds a strip of ground from a point at a house with this yaw towards the road. `half`: half of its width (m).
+  // Adds a strip of ground from the point `inner` at a house towards the road. `yaw`: of the house; `half`: half width.
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
   // Sets the water level of each area that is water: the level is below the lowest point of the area's shore.
   void findWaterLevels();
-  // The last step of building a layout: sets water levels and buildings' heights, and levels the ground at buildings.
+  // The constructor's last step: sets water levels and the heights of buildings, and levels the ground at buildings.
   void setLevels();
   void takeRoads(const MapPlace& map);
   void takeBuildings(const MapPlace& map);
   void cover(const MapBuilding& building, const models::Footprint& around);
   void arrangePlots();
   double addBarePlots(const Road& road, int side, double from, double to);
-  // True if points of the rectangle, `step` half sides apart, are at least `gap` m from roads and sidewalks.
+  // True if a grid of points in the rectangle is at least `gap` m from roads and sidewalks. `step`: in half sides.
   bool isOffRoads(const models::Footprint& f, double gap, double step = 1) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;
-  // Parts of heightAt(), in m; layout.cpp describes them.
+  // The terms of heightAt() (m), described in layout.cpp.
   double hillsAt(const Point2& p) const;
   double carriagewayHeight(double inside, const Point2& p) const;
   double rollingOfLand(const Beside& beside, double edge, double hard, const Point2& p) const;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A place on an OpenStreetMap extract, from which a town can be laid out; with "Simple 3D Buildings". Frame: metres, x
+// Reads an OpenStreetMap extract, with the tags of "Simple 3D Buildings", and cuts out a place for a town. Frame: m, x
 // east, y north, in the plane that touches the WGS 84 ellipsoid in the middle of the extract's roads.
 
 #include <array>
@@ -38,7 +38,7 @@ struct MapRoad {
   std::optional<double> width;  // m, width of the carriageway without parking lanes
   std::optional<bool> sidewalk;
   std::optional<bool> parking;
-  // For side roads of the main road: the distance along the main road at which this road begins (m), and at which side.
+  // For side roads: distance along the main road at which this road begins (m), and whether at the main road's left.
   std::optional<double> joins;
   bool joinsLeft = false;
 
@@ -52,17 +52,17 @@ struct MapBuilding {
   double base = 0;                   // m, underside above the ground
   std::optional<double> top;         // m, top of the roof above the ground
   std::optional<int> floors;         // number of floors above the ground
-  std::optional<models::Roof> roof;  // a house's roof; not set: the map gives no shape, or a shape that houses lack
-  // Ends of the ridge of a pitched roof of a building that is no house; equal: of a pyramid. Not set: the roof is flat.
+  std::optional<models::Roof> roof;  // for houses; not set: the map gives no shape, or none that houses can have
+  // Ends of the ridge of a pitched roof; equal: a pyramid. Not set: the roof is flat or, for a house, random.
   std::optional<std::array<Point2, 2>> ridge;
   double rise = 0;          // m, height of the roof
   bool riseMapped = false;  // true: the map gives the height of the roof; false: `rise` is a usual height
   bool shop = false;
   bool shed = false;  // true: a garage, shed or similar building without windows
-  // Not empty: these parts are built, and the outline is not.
+  // If not empty, these parts are built instead of the outline.
   std::vector<MapBuilding> parts;
   std::int64_t relation = 0;  // see OsmArea::building
-  std::string difference;     // how the roof that is built differs from the map's; empty: it does not
+  std::string difference;     // how the roof of the town differs from the map's; empty: no difference
 
   // Returns the height of the top of the walls (m); nullopt if the map does not give the top of the roof.
   std::optional<double> eaves() const;
@@ -77,7 +77,7 @@ struct MapArea {
   Land land = Land::Grass;
   Polygon outline;
   std::vector<Polygon> holes;
-  bool square = true;  // paved areas: benches and fountains may stand there
+  bool square = true;  // for paved areas; true: benches and fountains may be placed on it
 };
 
 struct MapBarrier {
@@ -107,16 +107,16 @@ struct MapContents {
 
 struct Map : MapContents {
   std::filesystem::path file;
-  OsmNode origin;              // of the frame
+  OsmNode origin;              // origin of the map's frame
   bool mirrored = false;       // true: y points south
   std::vector<MapRoad> roads;  // joined by joinRoads()
-  LeftOut leftOut;             // features of the map that the town lacks or has otherwise
+  LeftOut leftOut;             // features of the map that the town lacks or shows differently
 };
 
-// A square of a map, with its contents in a frame of its own (m; x east, y north).
+// A square cut out of a map. Its frame has another origin than the map's (m; x east, y north).
 struct MapPlace : MapContents {
   OsmNode origin;  // origin of the place's frame, on the main road
-  // The main road comes first. Lines are smoothed, in steps of about kRoadStep; roads have no nodes.
+  // The main road comes first. Lines are smoothed, with points about kRoadStep apart; `nodes` is empty.
   std::vector<MapRoad> roads;
   std::vector<Point2> joints;         // points where roads meet
   double mainFrom = 0, mainTo = 0;    // m along the main road, the ends of its built-up part
@@ -129,7 +129,7 @@ const FormatSupport& osmFormat();
 // Returns the latitude and longitude (degrees) of a point in the map's frame.
 OsmNode degreesAt(const Map& map, const Point2& p);
 
-// Reads an extract; warns of what is left out. Throws an InputError at `where` if it is unreadable or has no road.
+// Reads a file and warns of features left out. Throws InputError at `where` if the file is unreadable or has no road.
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
 // Builds a map from an extract in memory. `mirrored`: y points south.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
@@ -149,7 +149,7 @@ std::optional<bool> sidewalkOf(const OsmTags& tags);
 std::optional<bool> parkingOf(const OsmTags& tags);
 
 bool isPath(const OsmTags& tags);
-// True if a path is the pavement of a road, with which it is built.
+// True if a path is a road's pavement, which is built as part of the road.
 bool isSidewalk(const OsmTags& tags);
 // True if an object is on the ground. Objects that are not, such as tunnels and bridges, are left out.
 bool onGround(const OsmTags& tags);
@@ -157,26 +157,26 @@ bool onGround(const OsmTags& tags);
 bool isAbsent(const OsmTags& tags);
 // True if the map gives one of these values of surface, or no surface.
 bool hasSurface(const OsmTags& tags, std::initializer_list<std::string_view> values);
-// True if an element with the key highway is an area, unless its outline is not closed.
+// True if an element has the key highway and is tagged as an area; its outline may still be open.
 bool isHighwayArea(const OsmTags& tags);
-// True for roofs without walls, which are left out, since they would get walls; not for parts of buildings that hang.
+// True for a roof without walls, which is left out because it would get walls. False for parts with a min_height.
 bool isOpenRoof(const OsmTags& tags);
-// True if the map gives the look or the state of a building.
+// True if the map gives a building's material or colour, or says that it is a ruin, abandoned or being built.
 bool hasLook(const OsmTags& tags);
-// True if a road has sidewalks, parking, cycleways or embankments that a town's road, alike on both sides, lacks.
+// True if a road has features that a town's road cannot have, such as cycleways, or a sidewalk on only one side.
 bool differsFromTownRoads(const OsmTags& tags);
 
-// Returns the first tag, such as "highway=street_lamp", that stands for a shape on the ground; empty: no tag does.
+// Returns the first tag of an object with a shape on the ground, such as "highway=street_lamp"; empty if there is none.
 std::string shapeTagOf(const OsmTags& tags);
 
 // Returns the building, or part of a building, with these tags. `mirrored`: y points south.
 MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,
                          TagNumbers& numbers);
 
-// True if the outline covers 90 % of the rectangle about it, or 98 % if it has more than four corners.
+// True if the outline covers more than 90 % of the rectangle `about`, or 98 % if it does not have four corners.
 bool isRectangular(const Polygon& outline, const models::Footprint& about);
 
-// Puts parts into the buildings that contain them, by relations or by place; a part outside of all buildings becomes a
+// Moves each part into its building, found by relation or position; a part outside of all buildings becomes a
 // building. If the parts of a building do not cover its outline, adds the uncovered regions as further parts. Removes
 // buildings and parts without a height, and counts in `leftOut` those that differ from the map.
 void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> parts, LeftOut& leftOut);

@@ -61,19 +61,19 @@ struct OsmArea {
   std::vector<OsmNode> outer;
   std::vector<std::vector<OsmNode>> inner;
   std::string fault;  // why the area has no rings, such as "missing nodes"; empty: it has rings
-  // Areas with the same id are one building: the id of the relation with `type: building` that has the area as a
-  // member, or else of the multipolygon, if it has several outer rings; 0: neither.
+  // Areas with the same id are one building. It is the id of the relation with `type: building` that has the area as a
+  // member; otherwise, of the multipolygon if that has several outer rings; otherwise 0.
   std::int64_t building = 0;
 };
 
 struct OsmExtract {
   std::vector<OsmPoint> points;  // nodes with tags
-  std::vector<OsmWay> ways;      // ways with one of kMappedKeys that are no areas, or have the key barrier
-  // Closed ways with the keys building, building:part, landuse, landcover, leisure, natural and amenity, with `area:
-  // yes` and the keys highway, aeroway or barrier, and with some values of aeroway and waterway; multipolygons with any
-  // of the keys.
+  std::vector<OsmWay> ways;      // lines with one of kMappedKeys; areas only with the key barrier or highway
+  // Closed ways that have one of the keys building, building:part, landuse, landcover, leisure, natural and amenity; or
+  // `area: yes` and one of the keys highway, aeroway and barrier; or some values of aeroway and waterway. Multipolygons
+  // that have a building key or one of kMappedKeys.
   std::vector<OsmArea> areas;
-  std::map<std::string, std::uint64_t> leftOut;  // numbers of elements that were left out, by what they are
+  std::map<std::string, std::uint64_t> leftOut;  // numbers of elements left out, by a description of the kind
 };
 
 class OsmModule {
@@ -83,7 +83,7 @@ class OsmModule {
                                     "libexpat1 and liblz4-1)"};
 
   virtual ~OsmModule() = default;
-  // Reads a file: nodes, ways and relations in this order, each by their ids. Throws std::exception with the fault.
+  // Reads a file that is sorted: nodes, ways, relations, each by id. Throws std::exception that names the fault.
   virtual OsmExtract read(const std::string& file) const = 0;
 };
 
@@ -94,16 +94,16 @@ bool isOneOf(std::string_view value, std::initializer_list<std::string_view> wor
 std::optional<double> metresOf(std::string_view value);
 // Returns the number that the value consists of, without a unit; nullopt for other values.
 std::optional<double> numberOf(std::string_view value);
-// Returns the direction (degrees clockwise from north) of "90" or "ESE"; nullopt for other values.
+// Returns the direction (degrees clockwise from north) of a value such as "90" or "ESE"; nullopt for other values.
 std::optional<double> compassOf(std::string_view value);
 
 // Reads the tags whose values are numbers, and counts the values that cannot be used.
 class TagNumbers {
  public:
   using Parse = std::optional<double> (*)(std::string_view value);
-  // Returns a tag's value; nullopt if there is none, or if it is unusable or out of range, which is counted.
+  // Returns a tag's value; nullopt if the tag is missing, or (this is counted) unusable or outside [least, most].
   std::optional<double> read(const OsmTags& tags, const char* key, Parse parse, double least, double most);
-  // Adds the numbers of unusable values, with an example of each key.
+  // Adds the number of unusable values of each key to `leftOut`, with an example.
   void report(LeftOut& leftOut) const;
 
  private:

@@ -37,7 +37,7 @@ class Placer {
   bool tryPark(const Model& m, const Spot& s, const std::string& name);
   // Places a model on wheels even if the spot is not free.
   void park(const Model& m, const Spot& s, const std::string& name);
-  // Places a model that moves. In a plain town it stands still, or is left out if it begins below the ground.
+  // Places a moving model. In a plain town the model stands still, or is left out if its path begins below the ground.
   void putMoving(std::uint32_t mesh, const std::string& name, const std::shared_ptr<const Movement>& movement,
                  const std::shared_ptr<const Animation>& animation = nullptr);
   // Adds a mesh whose points are in the town's frame.
@@ -45,7 +45,7 @@ class Placer {
     const std::string name = shape.mesh.name;
     builder.place(shape.finish().mesh, worldFromTown, name);
   }
-  // Calls tryPlace("PREFIX NUMBER") with the next number, which is used up if it returns true. Returns the same.
+  // Returns the result of tryPlace("PREFIX NUMBER") with the next free number; true uses up the number.
   template <class TryPlace>
   bool tryNumbered(const std::string& prefix, const TryPlace& tryPlace) {
     int& number = numbers[prefix];
@@ -80,20 +80,20 @@ class Placer {
     static constexpr double kPeriod = 44;  // s, period of the light
     static constexpr double kRed = 16;     // s, duration of red in each period
     double stopAgainstLine;                // m along the road, where vehicles stop that drive against its line
-    double stopWithLine;                   // the same for vehicles that drive in the direction of the line
+    double stopWithLine;                   // m, for vehicles that drive in the direction of the line
     double offset;                         // s, time at which a period begins
     bool marked;                           // true: there is a stop line on the road
   };
   std::vector<Light> lights;
 
-  // Returns the model of a kind of object and a form of it. `make` builds the model when it is first needed.
+  // Returns the model of a form of a kind of object. The first call for a form builds the model with `make`.
   template <class Make>
   const Model& model(models::Kind kind, int form, const Make& make) {
     const auto [found, isNew] = models_.try_emplace({kind, form});
     if (isNew) found->second = make();
     return found->second;
   }
-  // Models of trees that have been built, by form, number of the variant, and whether the tree is far from roads.
+  // The models of trees built so far, by form, variant, and whether the tree is far from roads.
   std::map<std::tuple<int, int, bool>, std::optional<models::TreeModel>> trees;
   std::map<std::string, int> numbers;  // numbers that tryNumbered() has used up, by prefix
 
@@ -101,12 +101,12 @@ class Placer {
   std::map<std::pair<models::Kind, int>, Model> models_;
 };
 
-// Return a random model of the vehicles that drive and park in the town.
+// Return the model of a random car, a random lorry, and the bus.
 const Model& anyCar(Placer& placer, Draw& draw);
 const Model& anyTruck(Placer& placer, Draw& draw);
 const Model& busOf(Placer& placer);
 
-// Appends paint on a road: a quad with extents along the road's line (m) and across it (m to the left of the line).
+// Appends a quad of paint on a road. `along`: m along the road's line; `lateral`: m to the left of the line.
 void paintBar(models::Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road,
               const models::Span& along, const models::Span& lateral);
 
@@ -122,10 +122,10 @@ void placeFixtures(Placer& placer);
 void placeWires(Placer& placer);
 void placeClutter(Placer& placer);
 void placeAnimals(Placer& placer);
-void placeVehicles(Placer& placer);  // those that stand
+void placeVehicles(Placer& placer);  // stationary vehicles
 void placeTraffic(Placer& placer);   // vehicles and cyclists that drive
 void placePeople(Placer& placer);
-void placeMapTrees(Placer& placer);  // before all objects that the map does not have
+void placeMapTrees(Placer& placer);  // called before objects are placed that the map lacks
 void placeTrees(Placer& placer);
 void placeWoods(Placer& placer);
 void placeBushes(Placer& placer);

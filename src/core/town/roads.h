@@ -29,7 +29,7 @@ struct CrossSection {
 
   double outer() const { return curb + verge + sidewalk; }               // width from the road's edge to the plots
   double paved() const { return outer() + (sidewalk > 0 ? apron : 0); }  // width from the road's edge to unpaved ground
-  // Returns the width from the road's edge to fences and hedges, which stand beyond narrow aprons and on wide ones.
+  // Returns the width from the road's edge to fences: they stand at the plots' edge, or behind an apron below 3 m.
   double fenced() const { return outer() + (apron < 3 ? apron : 0); }
   double laneWidth() const { return (half - parking - shoulder - median) / lanes; }
   bool operator==(const CrossSection&) const = default;
@@ -43,7 +43,7 @@ struct Road {
   bool main = false;
   bool minor = false;  // true: a service road or track, without lamps and without parked or waiting vehicles
   bool ring = false;   // true: a roundabout
-  // For side roads of the main road: the distance along the main road at which this road begins (m), and at which side.
+  // For side roads: distance along the main road at which this road begins (m), and whether at the main road's left.
   std::optional<double> joins{};
   bool joinsLeft = false;
   // `along` is true if vehicles may drive in the direction of the line, `against` if they may drive against it.
@@ -51,7 +51,7 @@ struct Road {
 
   double length() const { return at.back(); }
   bool oneWay() const { return !along || !against; }
-  // Returns the distance between the rightmost lane's middle and the centre line (m). One-way roads have a single lane.
+  // Returns the distance of the rightmost lane's middle from the centre line (m): 0 on one-way roads, with one lane.
   double laneMiddle() const { return oneWay() ? 0 : section.median + (section.lanes - 0.5) * section.laneWidth(); }
   Point2 point(double distance) const;
   // Returns the direction of the line (unit length) at a distance along it (m).
@@ -66,7 +66,7 @@ models::Spot besideRoad(const Road& road, double along, double lateral);
 // The position of a point relative to the nearest road. If `nearRoad` is false, the other members are not set.
 struct Beside {
   bool nearRoad = false;  // true: a road's centre line is within RoadNetwork::kReach
-  double edge = 1e9;      // m beyond the edge of the carriageway, negative on it; corners at joints are rounded
+  double edge = 1e9;      // m beyond the carriageway's edge; negative on the road; corners at joints are rounded
   std::uint32_t road = 0;
   double along = 0;      // m along the road's centre line
   double lateral = 0;    // m to the left of the centre line
@@ -81,7 +81,7 @@ class RoadNetwork {
   static constexpr double kReach = 48;  // m, largest distance from which at() finds a road's centre line
 
   void add(Road road);
-  // Adds a joint, where roads meet. Corners are rounded only near joints; elsewhere roads that touch are independent.
+  // Adds a point where roads meet. Corners between roads are rounded only near joints.
   void addJoint(const Point2& joint);
   const std::vector<Road>& roads() const { return roads_; }
 
@@ -104,7 +104,7 @@ class RoadNetwork {
   };
   struct RunOfCell {
     std::uint32_t run;
-    float least;  // m, no point of the cell is nearer to the run; may be negative
+    float least;  // m, lower bound of the distance from the cell's points to the run; may be negative
   };
   // The point of a road that is nearest to another point (m).
   struct NearestPoint {
@@ -114,7 +114,7 @@ class RoadNetwork {
     bool left;                    // true: the other point is to the left of the line
     double beyondEnd;             // beyond the road's first or last point, in the direction of its line
   };
-  void enterLastRun();  // adds the last of runs_ to cells_
+  void enterLastRun();  // adds the last run of runs_ to the cells near it
   // Sets `nearest` to the nearest point of each road within kReach, in the order of the roads.
   void findNearest(double x, double y, std::vector<NearestPoint>& nearest) const;
   void findNearestOnRun(const Run& run, double x, double y, std::vector<NearestPoint>& nearest) const;
@@ -126,7 +126,7 @@ class RoadNetwork {
   // The runs within kReach of a cell: roads in their order, and the runs of each road by RunOfCell::least.
   std::unordered_map<std::uint64_t, std::vector<RunOfCell>> cells_;
   std::vector<Point2> joints_;
-  models::CellIndex jointCells_{kCell};  // of joints whose rounding of corners reaches a cell
+  models::CellIndex jointCells_{kCell};  // of joints, in all cells in which they round corners
 };
 
 }  // namespace scanmill::town

@@ -19,12 +19,12 @@ struct Tiling {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// Covers the square from -half to half by a quadtree, whose leaves become triangles around their centres. A square with
-// this size and centre (x, y) is divided while divided() is true and the size is above `smallest` (m).
+// Covers the square from -half to half (m) by triangles: those of the leaves of a quadtree. A cell of the tree is
+// divided if its side is longer than `smallest` (m) and divided(), called with its centre and side, returns true.
 Tiling makeTiling(double half, double smallest, const std::function<bool(double x, double y, double size)>& divided);
 
-// Divides triangles along the line on which a field (m; by point, linear within each triangle) is zero, so that none
-// has corners on both sides. A corner is on the line if the absolute value of its field is below 0.1 mm.
+// Divides triangles along the line on which a field is zero, so that no triangle has corners on both sides. `field`: by
+// point (m), linear within each triangle; absolute values below 0.1 mm count as zero.
 void cutAlong(Tiling& tiling, std::vector<double> field);
 
 }  // namespace scanmill::town
