@@ -1,5 +1,5 @@
-// Builds houses, with pitched or flat roofs, chimneys and balconies, and blocks: buildings with any outline. Both have
-// walls with windows and doors that are set back, and rooms behind the windows.
+// Builds houses, with pitched or flat roofs, chimneys and balconies, and blocks, which are buildings with any outline.
+// Houses and blocks have recessed windows and doors, and rooms behind the windows.
 
 #include <algorithm>
 #include <boost/polygon/polygon.hpp>
@@ -12,15 +12,15 @@ namespace {
 
 constexpr double kStorey = 2.9;      // m, mean height of a storey
 constexpr double kThickness = 0.16;  // m, thickness of pitched roofs
-constexpr double kHipEaves = 0.45;   // m that hip roofs extend beyond the walls
-constexpr double kInRoof = 0.05;     // m that walls extend into hip roofs
+constexpr double kHipEaves = 0.45;   // m, overhang of hip roofs beyond the walls
+constexpr double kInRoof = 0.05;     // m, height of the part of a wall inside a hip roof
 
 class HouseMaker {
  public:
-  // Draws the looks and the sizes in a fixed order, then fits them to the map's height.
+  // Draws materials and sizes in a fixed order, then fits the sizes to the height on the map, if there is one.
   HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
       : h_(house), seed_(seed), draw_(seed, Kind::House, house.number), s_(builder, "house") {
-    // The kind of plaster has its own random stream, so that the shapes of houses do not depend on it.
+    // The kind of plaster has its own random stream, so that it does not change the other random values.
     const bool tinted = Draw(seed, Kind::Facade, house.number).chance(0.7);
     const char* const wall = draw_.chance(0.45) ? "brick" : tinted ? "plaster_tinted" : "plaster";
     look_ = facadeLook(s_, wall, draw_.chance(0.5) ? "wood" : "painted_metal");
@@ -60,7 +60,7 @@ class HouseMaker {
   }
 
   // Sets the storeys' height, the slope and the top of the walls so that the house is `top` metres high. Storeys are at
-  // least kLeastStorey high. Where the house would then be too high, the slope is reduced, to no less than 6 degrees.
+  // least kLeastStorey high. If the house would then be too high, the slope is reduced, but not below 6 degrees.
   void fitHeight(double top) {
     constexpr double kLeastStorey = 2.3;  // m
     const double leastSlope = std::tan(radians(6.0));
@@ -77,7 +77,7 @@ class HouseMaker {
     m_.windowHeight = std::min(m_.windowHeight, m_.storey - m_.sill - 0.3);
   }
 
-  // Adds the front wall, then the rear wall and the walls at the right and at the left, which have no shutters.
+  // Adds the front wall; then the rear wall and the walls at the right and the left, all three without shutters.
   void walls() {
     addFacade(s_, look_, sideView({0, 0, 0}), h_.width, frontOpenings());
     FacadeLook look = look_;
@@ -97,7 +97,7 @@ class HouseMaker {
     return {{u - half, u + half}, {floorZ + m_.sill, floorZ + m_.sill + m_.windowHeight}, Opening::Window};
   }
 
-  // Adds balconies and returns the front wall's openings: door, windows or shop windows beside it, balconies' doors.
+  // Adds balconies. Returns the front wall's openings: the door, windows, shop windows, and the doors to balconies.
   std::vector<Opening> frontOpenings() {
     std::vector<Opening> openings;
     const double pitch = h_.width / h_.columns;
@@ -121,7 +121,7 @@ class HouseMaker {
     return openings;
   }
 
-  // Returns the windows of a wall without a door; some of them are missing.
+  // Returns the windows of a wall without a door. At random, 15 % of the windows are left out.
   std::vector<Opening> windows(int columns, double width) {
     std::vector<Opening> openings;
     for (int floor = 0; floor < h_.floors; ++floor) {
@@ -133,7 +133,7 @@ class HouseMaker {
     return openings;
   }
 
-  // Adds a balcony at the front wall: a slab, a handrail and its bars. `u`: its middle; `z`: height of its floor (m).
+  // Adds a balcony at the front wall: slab, handrail and bars. `u`: position along the wall; `z`: height of the floor.
   void balcony(double u, double z) {
     constexpr double kWidth = 2.2, kOut = 1.2;  // m
     s_.box(look_.trim, {u, -kOut / 2 + 0.05, z}, {kWidth, kOut + 0.1, 0.16});
@@ -151,7 +151,7 @@ class HouseMaker {
     }
   }
 
-  // Adds a plinth that protrudes 3 cm from the walls, with a gap at the door; none if it would be low.
+  // Adds a plinth that protrudes 3 cm from the walls, with a gap at the door, unless the plinth would be too low.
   void plinth() {
     const double z = (m_.base - 0.12 + look_.foundation) / 2;
     const double height = m_.base - 0.12 - look_.foundation;
@@ -187,7 +187,7 @@ class HouseMaker {
     s_.rod(look_.metal, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 10);
   }
 
-  // Adds a slab of a roof, without its hidden side at the ridge. Counter-clockwise from outside: eaves a, b; ridge c, d
+  // Adds a slab of a roof, open at the ridge. Corners, counter-clockwise from outside: `a`, `b` at the eaves, `c`, `d`.
   void slab(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double thickness) {
     const Vec3d down{0, 0, -thickness};
     s_.quad(look_.tile, a, b, c, d);
@@ -197,11 +197,11 @@ class HouseMaker {
     s_.quad(look_.tile, d + down, a + down, a, d);
   }
 
-  // Adds a gable roof over a plan of width x depth; the ridge is along x of the given frame.
+  // Adds a gable roof. `rotation`, `origin`: frame of the roof, in which the ridge is along x and `depth` is along y.
   void gableRoof(const Mat3& rotation, const Vec3d& origin, double width, double depth) {
     const Affine outer = s_.frame;
     s_.frame = outer * Affine{rotation, origin};
-    constexpr double kEaves = 0.4, kRake = 0.3;  // m beyond the walls at the eaves and at the gables
+    constexpr double kEaves = 0.4, kRake = 0.3;  // m, overhang beyond the walls at the eaves and at the gables
     const double ridge = look_.top + depth / 2 * slope_;
     s_.triangle(look_.wall, {0, depth, look_.top}, {0, 0, look_.top}, {0, depth / 2, ridge});
     s_.triangle(look_.wall, {width, 0, look_.top}, {width, depth, look_.top}, {width, depth / 2, ridge});
@@ -268,7 +268,7 @@ class HouseMaker {
       s_.quad(look_.tile, p + down, q + down, q, p);
     }
     s_.quad(look_.trim, corner[0] + down, corner[3] + down, corner[2] + down, corner[1] + down);
-    // Each corner leads to the end of the ridge that is nearest to it.
+    // Each corner of the eaves is joined to the nearest end of the ridge.
     const auto endAt = [&](std::size_t k) { return (w >= d ? k % 4 == 1 || k % 4 == 2 : k % 4 >= 2) ? b : a; };
     for (std::size_t k = 0; k < 4; ++k) {
       const Vec3d r = endAt(k + 1);
@@ -292,7 +292,7 @@ class HouseMaker {
   Shape s_;
   FacadeLook look_;
   HouseMeasures m_;
-  double slope_ = 0;  // m/m, of pitched roofs
+  double slope_ = 0;  // m/m, slope of the pitched roof
   bool balconies_ = false;
 };
 
@@ -316,7 +316,7 @@ Ring ringOf(const std::vector<Point2>& points) {
   return ring;
 }
 
-// Returns the corners (m) of a polygon of Boost; corners that coincide after rounding are left out.
+// Returns the corners (m) of a polygon of Boost, without corners that coincide because of rounding.
 template <class Polygon>
 std::vector<Point2> pointsOf(const Polygon& polygon) {
   std::vector<Point2> points;
@@ -333,7 +333,7 @@ std::vector<Point2> pointsOf(const Polygon& polygon) {
 
 class BlockMaker {
  public:
-  // Draws the looks and the sizes in a fixed order; the map's height of the walls determines that of the storeys.
+  // Draws materials and sizes in a fixed order. If the map gives the height of the walls, the storeys' height follows.
   BlockMaker(Shape& shape, std::uint64_t seed, const Block& block)
       : b_(block), draw_(seed, Kind::Block, block.number), s_(shape) {
     constexpr double kLeastStorey = 2.3, kShedHeight = 2.2;  // m
@@ -374,7 +374,7 @@ class BlockMaker {
  private:
   bool hasParapet() const { return b_.floors > 0 && b_.parapet && b_.rise <= 0; }
 
-  // Returns the first corner of the wall whose middle is nearest to the entrance, as an element of the outline.
+  // Returns a pointer into the outline to the first corner of the wall whose middle is nearest to the entrance.
   const Point2* nearestWall() const {
     const Point2* nearest = b_.outline.data();
     double leastDistance = 1e18;
@@ -387,7 +387,7 @@ class BlockMaker {
     return nearest;
   }
 
-  // Adds the wall from a to b, with the coping of a parapet. The building is at the left of the direction from a to b.
+  // Adds the wall from `a` to `b`, with the coping of a parapet. Seen from `a` to `b`, the building is at the left.
   void wall(const Point2& a, const Point2& b, bool door) {
     const double width = std::hypot(b.x - a.x, b.y - a.y);
     const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};
@@ -397,7 +397,7 @@ class BlockMaker {
     s_.boxAt(look_.metal, frame * at({width / 2, look_.top, 0}), {width + 0.05, 0.05, 0.3});
   }
 
-  // Adds the faces between the walls and the ridge. Upright faces are gables, with the surface of a wall.
+  // Adds the faces between the walls and the ridge. Vertical faces, the gables, have the surface of the walls.
   void pitchedRoof() {
     const auto nearestRidgeEnd = [&](const Point2& p) -> const Point2& {
       const auto distance = [&](const Point2& end) { return std::hypot(p.x - end.x, p.y - end.y); };
@@ -417,7 +417,7 @@ class BlockMaker {
     });
   }
 
-  // Returns the openings of a wall: a row of windows in each storey, with the door in the lowest; of a shed the door.
+  // Returns the openings of a wall: a door if `door` is true and, except for sheds, a row of windows in each storey.
   std::vector<Opening> openings(double width, bool door) {
     std::vector<Opening> openings;
     if (b_.floors == 0) {
@@ -463,7 +463,7 @@ class BlockMaker {
   void innerWalls() {
     Region core = plan_;
     core.shrink(static_cast<unsigned>(kRoomDepth / kUnit));
-    // At spikes of the outline, shrink() returns corners far outside of it.
+    // At spikes of the outline, shrink() returns corners far outside the outline.
     using namespace gtl::operators;
     if (const Region outside = core - plan_; !gtl::empty(outside)) core &= plan_;
     std::vector<gtl::polygon_with_holes_data<int>> parts;

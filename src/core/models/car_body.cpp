@@ -1,5 +1,5 @@
-// A body is lofted: cross-sections along x follow a side profile (bonnet, windscreen, roof, rear) and leave out the
-// wheel arches. The position along x and around the cross-section determines the material.
+// Lofts a car's body: cross sections along x follow the side profile (bonnet, windscreen, roof, rear) and leave the
+// wheel arches open. The position along x and around the cross section determines the material.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace scanmill::models {
 namespace {
 
-// Returns the line with its corners cut `passes` times at a fifth of each side, but with the same ends: Chaikin, "An
+// Returns the line with its corners cut `passes` times, each cut at a fifth of the sides; the ends stay. Chaikin, "An
 // algorithm for high-speed curve generation", Computer Graphics and Image Processing 3 (1974), with other ratios.
 std::vector<Point2> rounded(std::vector<Point2> line, int passes) {
   for (int pass = 0; pass < passes; ++pass) {
@@ -46,7 +46,7 @@ class BodyMaker {
     trim();
   }
 
-  // Returns the height (m) of the upper edge of the body's side view at a distance x from its middle.
+  // Returns the height (m) of the body's upper edge in the side view at `x` (m, forward from the body's middle).
   double topAt(double x) const {
     for (std::size_t i = 0; i + 1 < top_.size(); ++i) {
       if (x <= top_[i + 1].x) {
@@ -60,7 +60,7 @@ class BodyMaker {
  private:
   // Points of section(), from mid-floor to mid-roof. Segment k is between the points k and k + 1.
   static constexpr int kPoints = 15;
-  static constexpr double kArchRadius = 1.16;  // radius of a wheel arch divided by that of the wheel
+  static constexpr double kArchRadius = 1.16;  // radius of a wheel arch divided by the radius of the wheel
 
   double halfWidth(double x) const {
     const double end = f_.length / 2;
@@ -69,7 +69,7 @@ class BodyMaker {
     return f_.width / 2 * (1 - f_.noseTaper * nose * nose * nose - f_.tailTaper * tail * tail * tail);
   }
 
-  // Returns the height (m) of the lower edge of the body's sides: it rises a little at both ends, and over the wheels.
+  // Returns the height (m) of the lower edge of the body's sides, which rises at both ends and over the wheels.
   double sill(double x) const {
     const double rise = smooth((std::abs(x) - f_.length / 2 + 0.6) / 0.6) * 0.06;
     double z = f_.floor + 0.05 + rise;
@@ -81,19 +81,19 @@ class BodyMaker {
     return z;
   }
 
-  // Returns the left half of a cross section: kPoints points from mid-floor over the side to mid-roof; shares by eye.
+  // Returns the left half of a cross section: kPoints points from mid-floor over the side to mid-roof. Ratios by eye.
   std::vector<Vec3d> section(double x) const {
     const double half = halfWidth(x);
     const double low = sill(x);
     const double top = topAt(x);
     const double belt = std::min(f_.belt - f_.beltRise * x, top - 0.07);  // lower edge of the windows
-    // 0 at the bonnet and at the boot, 1 where the roof is highest.
+    // `cabin` is 0 at the bonnet and at the boot, 1 where the roof is highest.
     const double cabin = std::clamp((top - belt - 0.1) / (roof_ - f_.belt - 0.1), 0.0, 1.0);
     const double shoulder = half * 0.955;  // half of the width at the belt
     const double taper = half / (f_.width / 2);
     const double roofEdge = lerp(shoulder * 0.86, f_.roofHalf * taper, cabin);       // half of the width of the top
     const double well = std::min(f_.width / 2 - f_.wheelWidth - 0.08, half - 0.12);  // inner side of the wheels
-    const double crown = lerp(0.03, 0.05, cabin);  // from the roof's edge to its middle
+    const double crown = lerp(0.03, 0.05, cabin);  // m, rise from the roof's edge to its middle
     std::vector<Vec3d> p{
         {x, 0, f_.floor},
         {x, well, f_.floor},
@@ -117,7 +117,7 @@ class BodyMaker {
     return p;
   }
 
-  // Returns the sorted x of the cross sections, at least 9 mm apart: dense at bumpers and wheel arches, and at windows.
+  // Returns the sorted x (m) of the cross sections, at least 9 mm apart: dense at bumpers, wheel arches and windows.
   std::vector<double> stations() const {
     const double end = f_.length / 2;
     std::vector<double> xs{-end, -end + 0.06, -end + 0.15, -end + 0.28, end - 0.28, end - 0.15, end - 0.06, end};
@@ -141,8 +141,8 @@ class BodyMaker {
     return apart;
   }
 
-  // Returns the surface of a segment of the cross section: from below 0 to 2 the floor and the wheel wells, 3 the sill,
-  // 4 to 8 the side below the windows, 9 to 11 the windows and their frame, 12 and 13 the roof or bonnet.
+  // Returns the surface of a segment of the cross section. Segments: 0 to 2 floor and wheel wells, 3 sill, 4 to 8 side
+  // below the windows, 9 to 11 windows and their frame, 12 and 13 roof or bonnet.
   SurfaceIndex surfaceAt(double x, int segment) const {
     if (segment < 3) return black_;
     if (segment == 3) return f_.floor > 0.28 ? paint_ : black_;
@@ -176,20 +176,20 @@ class BodyMaker {
     cap(left.back(), false);
   }
 
-  // Returns how far the bumpers protrude (m) at a height z and y from the middle: most at 0.48 m, less at the sides.
+  // Returns how far a bumper protrudes (m) at `y` and `z` (m): most at the height 0.48 m, less at the sides.
   double bulgeAt(double y, double z, double width) const {
     const double height = (z - 0.48) / 0.42;
     return f_.bulge * std::max(0.0, 1 - height * height) * (1 - 0.5 * std::pow(std::abs(y) / width, 4.0));
   }
 
-  // Closes the front or the rear between the left and the right half of its cross-section; `half` is the left half.
+  // Closes the body's front or rear end. `half`: the left half of the cross section there.
   void cap(const std::vector<Vec3d>& half, bool rear) {
     constexpr int kAcross = 8;
     const double end = rear ? -f_.length / 2 : f_.length / 2;
     const double width = halfWidth(end);
     std::vector<std::vector<Vec3d>> rows;
     for (std::size_t i = 1; i < half.size(); ++i) {
-      if (i == 2) continue;  // this point is as high as the next one
+      if (i == 2) continue;  // point 2 is as high as point 3
       std::vector<Vec3d> row;
       for (int c = 0; c <= kAcross; ++c) {
         const double y = lerp(half[i].y, -half[i].y, double(c) / kAcross) * (rear ? 1 : -1);
@@ -200,7 +200,7 @@ class BodyMaker {
     s_.grid(rows, Loop::Open, [&](int row, int) { return row < 1 ? black_ : paint_; });
   }
 
-  // Adds number plates, grille and lights, and on cars mirrors and door handles. Boxes are half sunk into the body.
+  // Adds number plates, grille and lights and, if `mirrors` is set, mirrors and door handles.
   void trim() {
     const double end = f_.length / 2;
     const double nose = std::min(topAt(end - 0.05), 0.95);
@@ -241,7 +241,7 @@ void appendBody(Shape& shape, const BodyForm& form) {
 
 void appendWheel(Shape& shape, std::string_view className, const Affine& pose, double radius, double width) {
   const auto [rubber, rim, dark] = shape.surfaces(className, "rubber", "metal_bare", "plastic_black");
-  // The axle is along y: z of the profile becomes the outward direction of the axle.
+  // Turns z, about which the profile rotates, to +y, the outward direction of the axle.
   const Affine axle = pose * Affine{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {}};
   const double w = width / 2;
   const double inner = radius * 0.64;  // m, radius where the tyre ends and the rim begins

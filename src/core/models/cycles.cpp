@@ -8,12 +8,12 @@
 namespace scanmill::models {
 namespace {
 
-// Returns a frame that rotates z to y, so that tori and wheels stand upright in a plane of constant y.
+// Returns a frame that rotates z to y: tori and revolved shapes about z then stand upright, with their axis along y.
 Affine upright(const Vec3d& center) {
   return {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, center};
 }
 
-// An arc over a wheel: from the angle `begin` to `end` (rad; 0 is forward, pi / 2 up), `radius` metres about the hub.
+// An arc about a wheel's hub, with `radius` in m, from the angle `begin` to `end` (rad; 0 is forward, pi / 2 up).
 struct WheelArc {
   Vec3d hub;
   double radius, begin, end;
@@ -32,7 +32,7 @@ void appendMudguard(Shape& s, SurfaceIndex surface, const WheelArc& arc, double 
   s.grid(rows, Loop::Closed, surface);
 }
 
-// Appends a tyre, a rim, a hub, and spokes that begin at the left and the right end of the hub in turn.
+// Appends tyre, rim, hub and spokes. Spokes begin alternately at the left and the right end of the hub.
 void appendBicycleWheel(Shape& s, const Vec3d& hub, double radius) {
   const auto [rubber, metal] = s.surfaces("bicycle", "rubber", "metal_bare");
   s.torus(rubber, upright(hub), radius - 0.019, 0.019, 36, 8);
@@ -45,7 +45,7 @@ void appendBicycleWheel(Shape& s, const Vec3d& hub, double radius) {
   }
 }
 
-// Appends a luggage rack of tubes above the rear wheel, up to `seatX` (m).
+// Appends a luggage rack of tubes above the rear wheel, with its front end at x = `seatX` (m).
 void appendRack(Shape& s, SurfaceIndex metal, const Vec3d& rear, double wheelRadius, double seatX) {
   const double rack = wheelRadius * 2 + 0.06;  // m, height of the rack
   for (const double y : {-0.055, 0.055}) {
@@ -72,7 +72,7 @@ void appendBasket(Shape& s, SurfaceIndex metal, const Vec3d& center) {
   }
 }
 
-// The points of a bicycle's frame (m). Lengths are by eye from usual city bicycles.
+// The points of a bicycle's frame (m), by eye from usual city bicycles.
 struct BicycleFrame {
   Vec3d rear, front;  // hubs
   Vec3d bracket{-0.06, 0, 0.285};
@@ -99,7 +99,7 @@ void appendBicycleFrame(Shape& s, const BicycleFrame& f, bool stepThrough) {
   s.ball(black, f.saddle + Vec3d{0.09, 0, 0.02}, {0.1, 0.03, 0.028}, 10);
 }
 
-// Appends the chain wheel, the chain guard, the cranks and the pedals. `crank`: from the bracket to the left pedal.
+// Appends chain wheel, chain guard, cranks and pedals. `crank`: vector from the bottom bracket to the left pedal (m).
 void appendCranks(Shape& s, const BicycleFrame& f, const Vec3d& crank, const Vec3d& leftPedal,
                   const Vec3d& rightPedal) {
   const auto [metal, black] = s.surfaces("bicycle", "metal_bare", "plastic_black");
@@ -154,7 +154,7 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderFit*
   appendBicycleFrame(s, f, stepThrough);
 
   s.rod(metal, f.headHigh, f.bar, 0.014, 8);
-  const double gripX = sporty ? 0.05 : -0.17;  // from the middle of the handlebar to the grips
+  const double gripX = sporty ? 0.05 : -0.17;  // m along x, from the middle of the handlebar to the grips
   const Vec3d left = f.bar + Vec3d{gripX, 0.29, 0.02};
   const Vec3d right = f.bar + Vec3d{gripX, -0.29, 0.02};
   s.pipe(metal, {right, f.bar + Vec3d{0.02, -0.2, 0.04}, f.bar, f.bar + Vec3d{0.02, 0.2, 0.04}, left}, 0.012, 7);
@@ -191,7 +191,7 @@ Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form, RiderF
   const double wheelbase = draw.in(1.36, 1.5);
   const Vec3d rear{-wheelbase / 2, 0, r};
   const Vec3d front{wheelbase / 2, 0, r};
-  // Each wheel is a wheel of a car and its mirror image, which shows the rim on the other side.
+  // Each wheel is two car wheels back to back, because a car wheel has a rim on only one side.
   appendWheel(s, kMotorcycle, at(rear), r, 0.16);
   appendWheel(s, kMotorcycle, at(rear + Vec3d{0, -0.002, 0}, kPi), r * 0.98, 0.15);
   appendWheel(s, kMotorcycle, at(front), r, 0.12);

@@ -13,8 +13,8 @@ class FacadeMaker {
  public:
   FacadeMaker(Shape& shape, const FacadeLook& look) : s_(shape), look_(look) {}
 
-  // Divides the wall along the edges of all openings and adds the rectangles that are in none of them, then the
-  // openings. Coordinates: u along the wall, v upwards, and the third outwards (m).
+  // Divides the wall into rectangles along the edges of all openings. Adds the rectangles that are in no opening, then
+  // the openings. Coordinates (m): u along the wall, v upwards, and the third outwards.
   void make(double width, const std::vector<Opening>& openings) {
     std::vector<double> us{0, width};
     std::vector<double> vs{look_.foundation, look_.top};
@@ -42,7 +42,7 @@ class FacadeMaker {
   }
 
  private:
-  // Adds the four faces between the wall and an opening that is set back.
+  // Adds the four faces between the wall's surface and the recessed window or door.
   void reveal(const Opening& o) {
     const double w = -kReveal;
     const auto [u0, u1] = o.u;
@@ -53,14 +53,14 @@ class FacadeMaker {
     s_.quad(look_.trim, {u1, v0, 0}, {u1, v1, 0}, {u1, v1, w}, {u1, v0, w});
   }
 
-  // Adds the glass of a window, its casing with bars, and unless it is a shop's, a sill and shutters.
+  // Adds a window's glass and its casing with bars; for windows that are not of a shop, also a sill and shutters.
   void window(const Opening& o) {
     const auto [u0, u1] = o.u;
     const auto [v0, v1] = o.v;
     constexpr double kFrame = 0.07;  // m, width of the casing
     const double w = -kReveal;
     s_.quad(look_.glass, {u0, v0, w}, {u1, v0, w}, {u1, v1, w}, {u0, v1, w});
-    // The casing extends a few millimetres into the wall and behind the glass: no two faces are in the same plane.
+    // The casing extends a few millimetres into the wall and behind the glass, so that no two faces are coplanar.
     const double middleU = (u0 + u1) / 2;
     const double middleV = (v0 + v1) / 2;
     const double innerHeight = v1 - v0 - kFrame * 2;
@@ -87,7 +87,7 @@ class FacadeMaker {
     }
   }
 
-  // Adds a door leaf with panels, a pane and a handle; steps down to the path; and a small roof.
+  // Adds a door leaf with panels, a pane and a handle, steps from the door down to the path, and a small roof.
   void door(const Opening& o) {
     const auto [u0, u1] = o.u;
     const auto [v0, v1] = o.v;
@@ -114,7 +114,7 @@ class FacadeMaker {
 
 constexpr double kWall = 0.25;  // m, thickness of the outer walls
 
-// Adds the details of one house. All sizes are in metres and by eye.
+// Adds the details of one house. Sizes (m) are by eye.
 class Details {
  public:
   Details(Shape& shape, std::uint64_t seed, const House& house, const FacadeLook& look, const HouseMeasures& measures)
@@ -143,7 +143,7 @@ class Details {
   double windowMiddle(int column) const { return (column + 0.5) * pitch(); }
   double floorHeight(int floor) const { return m_.base + floor * m_.storey; }
 
-  // Adds floors, a wall along the house, walls between some columns of windows, and furniture behind each window.
+  // Adds the floors, and in each storey a wall parallel to the front, walls between some windows, and furniture.
   void rooms() {
     const auto [inside, boards] = s_.surfaces("building", "plaster", "wood");
     const double x0 = kWall;
@@ -172,7 +172,7 @@ class Details {
     }
   }
 
-  // Adds curtains to a front window, or a blind that is partly or fully lowered, or neither.
+  // Adds curtains or a lowered blind to a front window, or neither.
   void curtains(int floor, int column) {
     if (floor == 0 && (h_.shop || column == h_.doorColumn)) return;
     if (!draw_.chance(0.6)) return;
@@ -188,7 +188,7 @@ class Details {
               {middle - half, y, high});
       return;
     }
-    constexpr int kFolds = 6;            // of each curtain
+    constexpr int kFolds = 6;            // folds of each curtain
     constexpr double kFoldDepth = 0.05;  // m
     const double width = half * draw_.in(0.3, 0.95);
     for (const double side : {-1.0, 1.0}) {
@@ -202,7 +202,7 @@ class Details {
     }
   }
 
-  // Adds protruding bands around the house: one below each upper floor, and a wider one under the eaves.
+  // Adds protruding bands around the house: a band below each upper floor, and a wider band under the eaves.
   void courses() {
     const double bandDepth = draw_.in(0.05, 0.12);
     const double height = draw_.in(0.12, 0.3);
@@ -219,7 +219,7 @@ class Details {
     }
   }
 
-  // Adds long and short stones in turn at the two front corners, from the ground floor to the eaves.
+  // Adds alternately long and short stones at the two front corners, from the ground floor to the eaves.
   void cornerStones() {
     const double out = draw_.in(0.03, 0.08);  // m beyond the walls
     const double height = draw_.in(0.25, 0.45);
@@ -233,7 +233,7 @@ class Details {
     }
   }
 
-  // Adds the wall of a bay between two points of its plan: in each of its `floors` storeys a window between two piers.
+  // Adds a bay's wall between two points of the bay's plan. The wall has a window between two piers in each storey.
   void bayWall(const Point2& a, const Point2& b, int floors) {
     const auto at = [&](double t, double z) { return Vec3d{lerp(a.x, b.x, t), lerp(a.y, b.y, t), z}; };
     const auto panel = [&](SurfaceIndex surface, double t0, double t1, double z0, double z1) {
@@ -242,9 +242,9 @@ class Details {
     for (int floor = 0; floor < floors; ++floor) {
       const double z0 = floor == 0 ? look_.foundation : floorHeight(floor);
       const double z1 = floorHeight(floor + 1) - (floor + 1 == floors ? 0.3 : 0);
-      const double low = floorHeight(floor) + m_.sill;  // heights of the window's edges
+      const double low = floorHeight(floor) + m_.sill;  // m, heights of the window's edges
       const double high = low + m_.windowHeight;
-      const double pier = 0.12;  // width as a fraction of the wall's
+      const double pier = 0.12;  // width of a pier divided by the width of the wall
       panel(look_.wall, 0, 1, z0, low);
       panel(look_.wall, 0, 1, high, z1);
       panel(look_.wall, 0, pier, low, high);
@@ -255,7 +255,7 @@ class Details {
     }
   }
 
-  // Adds a bay in front of a random column of windows beside the door, over one storey or all, with a roof.
+  // Adds a bay with a roof in front of a random column of windows without the door; it spans one storey or all.
   void bay() {
     const int column = (h_.doorColumn + 1 + draw_.below(h_.columns - 1)) % h_.columns;
     const double middle = windowMiddle(column);
@@ -263,7 +263,7 @@ class Details {
     const double out = std::min(draw_.in(0.5, 1.1), h_.forecourt - 0.5);
     const double splay = draw_.chance(0.5) ? std::min(0.45, half / 2) : 0.0;
     const int floors = draw_.chance(0.5) ? 1 : h_.floors;
-    // The plan from left to right; the side walls are oblique if `splay` is not 0.
+    // Corners of the bay's plan from left to right; the side walls are oblique if `splay` is not 0.
     const std::array<Point2, 4> plan{Point2{middle - half, 0}, Point2{middle - half + splay, -out},
                                      Point2{middle + half - splay, -out}, Point2{middle + half, 0}};
     for (std::size_t k = 0; k < 3; ++k) bayWall(plan[k], plan[k + 1], floors);
@@ -287,7 +287,7 @@ class Details {
     s_.box(look_.wood, {x, -out + 0.06, top - 0.06}, {2 * half - 0.02, 0.1, 0.12});
   }
 
-  // Adds leaves of ivy up to 0.35 m in front of the front wall, from the ground upwards. Windows and door stay free.
+  // Adds leaves of ivy in front of the front wall (up to 0.35 m), from the ground upwards. Windows and door stay free.
   void ivy() {
     const SurfaceIndex leaf = s_.surface("vegetation", "leaf");
     constexpr double kLeavesPerArea = 70;  // 1/m^2
@@ -321,7 +321,7 @@ class Details {
     return aboveFloor > m_.sill && aboveFloor < m_.sill + m_.windowHeight;
   }
 
-  // Adds the name board to a shop's front, and often an awning (a slanted cloth on a frame) and a protruding sign.
+  // Adds the name board of a shop, and in many cases an awning (a slanted cloth on a frame) and a protruding sign.
   void awning() {
     const SurfaceIndex cloth = s_.surface("building", "cloth");
     const double z = m_.base + 2.55;
@@ -360,7 +360,7 @@ class Details {
     }
   }
 
-  // Adds a garage at the right of the house as seen from the street, kGarageFrom behind the house's front.
+  // Adds a garage at the right of the house (seen from the street), kGarageFrom behind the front of the house.
   void garage() {
     constexpr double kWallFoot = -1.5;   // m, lower edge of the walls, low enough for sloping ground
     constexpr double kGateHeight = 2.1;  // m

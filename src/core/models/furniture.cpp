@@ -1,4 +1,4 @@
-// Street furniture, fences, and objects of roadworks, gardens and squares. Bases extend a little below the ground.
+// Builds street furniture, fences, and objects of roadworks, gardens and squares. Bases extend a little below z = 0.
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSunk = 0.06;  // m, depth to which posts and bases extend below the ground
 
-// The functions below append one object each, about the origin. Its sizes (m) are by eye from usual products.
+// Each function below appends one object about the origin. Sizes (m) are by eye from usual products.
 
 void appendBench(Shape& s, Draw&) {
   const auto [wood, metal] = s.surfaces("object", "wood", "painted_metal");
@@ -144,7 +144,7 @@ void appendBoardsFence(Shape& s, Draw& draw) {
   }
 }
 
-// Chain link: wires of 3 mm in two directions, 0.1 m apart, which let most of a beam pass.
+// Appends a chain-link fence: wires 3 mm thick in two directions, 0.1 m apart. Most of a beam passes through.
 void appendWireFence(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface("fence", "metal_weathered");
   const double h = draw.in(1.1, 2.0);
@@ -163,7 +163,7 @@ void appendWireFence(Shape& s, Draw& draw) {
   }
 }
 
-// A beam of W-shaped steel on posts, as along motorways.
+// Appends a guard rail, as along motorways: a steel beam with a W-shaped profile on posts.
 void appendGuardRail(Shape& s, Draw& /*draw*/) {
   const SurfaceIndex metal = s.surface("fence", "metal_weathered");
   s.box(metal, {-kHalfPanel + 0.06, 0.06, 0.25}, {0.06, 0.1, 0.8});
@@ -176,7 +176,7 @@ void appendGuardRail(Shape& s, Draw& /*draw*/) {
   }
 }
 
-// A concrete step barrier.
+// Appends a concrete safety barrier, wider at its foot.
 void appendBarrierPanel(Shape& s, Draw& /*draw*/) {
   const SurfaceIndex concrete = s.surface("fence", "concrete");
   const Affine across{{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {-kHalfPanel, 0, 0}};
@@ -276,7 +276,7 @@ void appendShed(Shape& s, Draw& draw) {
   s.box(wood, {0, -y - 0.02, 0.85}, {0.8, 0.04, 1.7});
 }
 
-// Appends a pond, or a fountain with a column in its middle: a basin with a stone rim.
+// Appends a basin with a stone rim: a pond, or a fountain with a column in the middle.
 template <bool Fountain>
 void appendBasin(Shape& s, Draw& draw) {
   const SurfaceIndex stone = s.surface(Fountain ? "structure" : "object", "concrete");
@@ -304,7 +304,7 @@ void appendSwing(Shape& s, Draw&) {
   }
 }
 
-// Appends a pile of logs along y; the logs of a row lie in the gaps between those of the row below.
+// Appends a pile of logs along y. The logs of a row lie in the gaps between the logs of the row below.
 void appendWoodPile(Shape& s, Draw& draw) {
   const SurfaceIndex bark = s.surface("object", "bark");
   const int rows = 3 + draw.below(5);
@@ -320,7 +320,7 @@ void appendWoodPile(Shape& s, Draw& draw) {
   }
 }
 
-// The functions that build each kind of clutter, by the values of Clutter.
+// The functions that append clutter, in the order of Clutter.
 constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Clutter::Count)> kAppendClutter{
     appendCone, appendBarrier,      appendSkip,        appendPallets, appendHeap,
     appendShed, appendBasin<false>, appendBasin<true>, appendSwing,   appendWoodPile};
@@ -357,7 +357,7 @@ Model makeShelter(SceneBuilder& builder, std::uint64_t seed) {
 
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing kind, int form) {
   constexpr int kKinds = static_cast<int>(Fencing::Count);
-  // In the order of Fencing; there are no panels without fencing. Hedges have models of their own: makeHedgerow().
+  // In the order of Fencing. Fencing::None has no panels, and makeHedgerow() builds hedges: these entries are not used.
   constexpr std::array<void (*)(Shape&, Draw&), kKinds> kPanels{
       appendWall,        appendPicketsFence, appendBarsFence, appendWall,        appendWall,
       appendBoardsFence, appendWireFence,    appendGuardRail, appendBarrierPanel};
@@ -368,7 +368,7 @@ Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing kind, in
 }
 
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter clutter, int number) {
-  // The numbers of the draws leave out 3, so that towns keep their shapes.
+  // Skips the number 3, which is no longer used, so that the clutter of existing seeds stays the same.
   const int kind = static_cast<int>(clutter) + (clutter > Clutter::Skip ? 1 : 0);
   Draw draw(seed, Kind::Clutter, kind * 100 + number);
   Shape s(builder, "clutter");

@@ -5,7 +5,7 @@
 namespace scanmill::models {
 namespace {
 
-// True if the two rectangles overlap when projected onto each of the two axes of `a`.
+// True if the projections of the two rectangles onto each of the two axes of `a` overlap.
 bool overlapOnAxes(const Footprint& a, const Footprint& b) {
   const double c = std::cos(b.yaw - a.yaw);
   const double s = std::sin(b.yaw - a.yaw);

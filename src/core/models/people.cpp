@@ -1,4 +1,4 @@
-// Builds people from limbs, whose elbows and knees follow from hands and feet, and standing and grazing animals.
+// Builds people and animals. The positions of a person's elbows and knees follow from those of hands and feet.
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kPoseHeight = 1.75;  // m, height of the person of a Pose; other people are scaled
+constexpr double kPoseHeight = 1.75;  // m, height of a person in a Pose; other people are scaled
 
 // Positions of joints in the person's frame (x forward, y left, z up; m). Lengths of limbs are by eye.
 struct Pose {
@@ -18,7 +18,7 @@ struct Pose {
   Vec3d head{0.02, 0, 1.64};
   Vec3d leftAnkle{0, 0.1, 0.09}, rightAnkle{0, -0.1, 0.09};
   Vec3d leftHand{0.04, 0.27, 0.83}, rightHand{0.04, -0.27, 0.83};
-  double leftPitch = 0, rightPitch = 0;  // rad, of the feet; positive lifts the heel
+  double leftPitch = 0, rightPitch = 0;  // rad, pitch of the feet; positive: the heel is lifted
   Vec3d elbowDirection{-1, 0, -0.2};     // direction in which elbows point
 };
 
@@ -29,7 +29,7 @@ struct Clothes {
   double girth = 1;  // factor on the width of the trunk and the limbs
 };
 
-// Returns the elbow or knee of a limb from a to b, on the side of `outwards`. `upper`, `lower`: lengths of parts (m).
+// Returns the elbow or knee of a limb from `a` to `b`, bent towards `outwards`. `upper`, `lower`: lengths of parts (m).
 Vec3d middleJoint(const Vec3d& a, const Vec3d& b, double upper, double lower, const Vec3d& outwards) {
   const double reach = std::min(length(b - a), (upper + lower) * 0.999);
   const Vec3d axis = normalized(b - a);
@@ -49,7 +49,7 @@ class PersonMaker {
         dark_(s_.surface(className, "cloth_dark")),
         plastic_(s_.surface(className, "plastic_black")) {}
 
-  // Adds the body in a pose, then what the person carries.
+  // Adds the body in a pose, then a backpack and a bag if the person has them.
   void make(const Pose& p) {
     torso(p);
     head(p);
@@ -72,7 +72,7 @@ class PersonMaker {
   }
 
  private:
-  // Adds the trunk, as elliptic rings from the seat (with a coat: from the thighs) to the neck; a skirt; and the neck.
+  // Adds the trunk or coat (elliptic rings from the seat, or from the thighs, up to the neck), the neck, and a skirt.
   void torso(const Pose& p) {
     const Vec3d up = normalized(p.shoulders - p.hips);
     const Vec3d left{0, 1, 0};
@@ -112,7 +112,7 @@ class PersonMaker {
     s_.tube(skin_, p.shoulders + up * 0.02, p.head - up * 0.05, 0.055, 0.052, 12);
   }
 
-  // Adds the head with nose and ears, and on top of it hair or a helmet, and perhaps a hat.
+  // Adds the head with nose and ears, hair or a helmet, and sometimes a hat.
   void head(const Pose& p) {
     s_.ball(skin_, p.head, {0.098, 0.078, 0.122}, 20);
     s_.ball(skin_, p.head + Vec3d{0.096, 0, -0.015}, {0.022, 0.014, 0.024}, 8);  // nose
@@ -128,7 +128,7 @@ class PersonMaker {
     }
   }
 
-  // Adds a leg and its shoe. `pitch`: rad, rotation of the shoe about the ankle; its sole is flat.
+  // Adds a leg and a shoe with a flat sole. `pitch`: rotation of the shoe about the ankle (rad).
   void leg(const Vec3d& hip, const Vec3d& ankle, double pitch) {
     const Vec3d knee = middleJoint(hip, ankle, 0.43, 0.43, {1, 0, 0.15});
     s_.pipe(lower_, {hip, hip + (knee - hip) * 0.35, knee, knee + (ankle - knee) * 0.35, ankle},
@@ -168,7 +168,7 @@ void mirror(Pose& p) {
 }
 
 // Returns the pose at a phase (rad) of a walking cycle: the left foot touches the ground in front of the body at 0 and
-// leaves it at pi. `reach`, `swing`: of feet and hands to each side; `lean`: of the shoulders forwards (m).
+// leaves it at pi. `reach`, `swing`: amplitudes of feet and hands along x; `lean`: x of the shoulders (m).
 Pose striding(double phase, double reach, double swing, double lean) {
   Pose p;
   p.hips.z = 0.89 + 0.02 * std::pow(std::sin(phase), 2);
@@ -201,13 +201,13 @@ Clothes drawClothes(Draw& draw) {
   return c;
 }
 
-// Builds a rider who sits on a vehicle with this fit, in the vehicle's frame.
+// Builds a rider who sits on a vehicle and touches it at the points `fit`, in the vehicle's frame.
 Model makeRider(SceneBuilder& builder, Draw draw, const RiderFit& fit, std::string_view className) {
   Shape s(builder, "rider");
   Pose p;
   p.hips = fit.saddle + Vec3d{0.02, 0, 0.1};
   const Vec3d grips = (fit.leftGrip + fit.rightGrip) * 0.5;
-  const double lowBar = std::clamp(1.12 - grips.z, 0.0, 0.25);  // m; low handlebars make the rider lean
+  const double lowBar = std::clamp(1.12 - grips.z, 0.0, 0.25);  // m below 1.12 m; the rider leans forward
   p.shoulders = p.hips + normalized(Vec3d{0.3 + lowBar * 1.4, 0, 1}) * 0.5;
   p.head = p.shoulders + Vec3d{0.08, 0, 0.2};
   p.leftAnkle = fit.leftPedal + Vec3d{-0.06, -0.02, 0.1};
@@ -304,12 +304,12 @@ Ridden makeMotorcyclist(SceneBuilder& builder, std::uint64_t seed, int form) {
 Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number) {
   const AnimalForm& f = kForms[static_cast<std::size_t>(form)];
   Draw draw(seed, Kind::Animal, form * 100 + number);
-  const double size = draw.in(0.85, 1.12);  // young animals are smaller
+  const double size = draw.in(0.85, 1.12);  // factor on the size of an adult
   const bool grazes = form >= kPetForms && draw.chance(0.6);
   Shape s(builder, "animal");
   const SurfaceIndex coat = s.surface("animal", draw.chance(0.5) ? "cloth" : "cloth_dark");
   s.frame.linear = Mat3::scale(Vec3d{1, 1, 1} * size);
-  const double middle = f.height - f.depth / 2;  // height of the trunk's axis
+  const double middle = f.height - f.depth / 2;  // m, height of the trunk's axis
   const double half = f.length / 2;
   s.pipe(coat,
          {{-half - 0.08 * f.length, 0, middle + 0.1 * f.depth},
@@ -320,7 +320,7 @@ Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number
           {half + 0.1 * f.length, 0, middle + 0.1 * f.depth}},
          {0.3 * f.width, 0.85 * f.width, 0.9 * f.width, f.width, 0.9 * f.width, 0.4 * f.width}, 12);
   s.ball(coat, {0.05 * f.length, 0, middle}, {0.5 * f.length, f.width, f.depth / 2}, 14);
-  // The neck leads from the chest to the poll (the top of the head), the head from there in the direction of the face.
+  // The neck leads from the chest to the poll (the top of the head); the head leads from the poll along `face`.
   const Vec3d chest{half, 0, middle + 0.2 * f.depth};
   const Vec3d poll =
       chest + (grazes ? Vec3d{0.75 * f.neck, 0, -0.8 * f.height + 0.5 * f.head} : Vec3d{0.6 * f.neck, 0, 0.8 * f.neck});
@@ -332,7 +332,7 @@ Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number
   for (const double side : {-1.0, 1.0}) {  // an ear, a hind leg and a foreleg
     s.tube(coat, poll + Vec3d{0, side * 0.25 * f.width, 0.02}, poll + Vec3d{-0.2 * f.ear, side * 0.5 * f.width, f.ear},
            0.3 * f.ear, 0.08 * f.ear, 6);
-    const double stride = draw.in(-0.16, 0.16) * f.height * (grazes ? 0.5 : 1);  // m, of the foot along x
+    const double stride = draw.in(-0.16, 0.16) * f.height * (grazes ? 0.5 : 1);  // m, offset of a foot along x
     for (const double end : {-1.0, 1.0}) {
       const double x = end * (half - 0.06 * f.length);
       const double y = side * 0.6 * f.width;

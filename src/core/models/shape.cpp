@@ -120,12 +120,12 @@ void Shape::ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, 
   appendSphere(mesh, surface, frame * Affine{Mat3::scale(radii), center}, 1.0, segments);
 }
 
-// The first and the last row are a single point each and close the ends.
+// All points of the first row are equal, and so are those of the last row: these two rows close the ends.
 void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii,
                  int segments) {
   const std::size_t last = points.size() - 1;
   const Vec3d start = normalized(points[1] - points[0]);
-  // u and v span the plane across the pipe. Parallel transport of u along the pipe keeps the pipe from twisting.
+  // u and v are unit vectors across the pipe. Parallel transport of u along the pipe avoids a twist of the pipe.
   Vec3d u = normalized(cross(start, std::abs(start.z) < 0.8 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
   std::vector<std::vector<Vec3d>> rows{std::vector<Vec3d>(static_cast<std::size_t>(segments), points.front())};
   for (std::size_t i = 0; i <= last; ++i) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSignSunk = 0.1;  // m that posts extend below the ground
 
-// Returns a frame in which a drawing in the x, y plane stands upright and faces +x: its x becomes y, its y becomes z.
+// Returns a frame in which a drawing in the x, y plane is upright and faces +x: the drawing's x is y, its y is z.
 Affine facing(const Vec3d& center) {
   return {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, center};
 }
@@ -24,10 +24,10 @@ struct SignForm {
   int corners;        // 0: a square
   double radius;      // m, distance of a polygon's corners from its middle
   double firstAngle;  // rad, direction from the middle to one of the corners
-  double halfHeight;  // m, upper bound of the distance from the middle to the top and to the bottom
+  double halfHeight;  // m, upper bound of half the height of the board
 };
 
-// The boards in the order of TrafficSign. Sizes are about those of the German signs for 50 km/h.
+// The boards in the order of TrafficSign. Sizes are about the sizes of German signs on roads with 50 km/h.
 constexpr std::array<SignForm, kSigns> kSignForms{{{24, 0.3, 0, 0.3},
                                                    {3, 0.42, kPi / 2, 0.42},
                                                    {4, 0.36, 0, 0.36},
@@ -37,7 +37,7 @@ constexpr std::array<SignForm, kSigns> kSignForms{{{24, 0.3, 0, 0.3},
 
 }  // namespace
 
-// Builds a sign on its post, in some cases with a rectangular plate below it.
+// Builds a traffic sign on a post, in some cases with a rectangular plate below the sign.
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number) {
   Draw draw(seed, Kind::Sign, number);
   Shape s(builder, "traffic sign");
@@ -59,7 +59,7 @@ Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int 
   return s.finish();
 }
 
-// Builds a lamp. Form 0 has an arm over the road, other forms have a lantern on top.
+// Builds a street lamp. Form 0 has an arm along +x; the other forms have a lantern on top.
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Lamp, form);
   Shape s(builder, "street lamp");

@@ -1,6 +1,6 @@
-// Builds trees, bushes and hedges. Each leaf is a small folded polygon, so that no alpha testing is needed. Leaves are
-// denser towards the outside of a crown. A leaf polygon is about 15 cm long and represents several leaves, so that a
-// crown of 6000 polygons has the leaf area of a tree (leaf area index 3 to 5).
+// Builds trees, bushes and hedges. Leaves are small folded polygons, so that no alpha testing is needed. Leaves are
+// denser towards the outside of a crown. A polygon is about 15 cm long and represents several leaves: a crown of 6000
+// polygons has the leaf area of a real tree (leaf area index 3 to 5).
 
 #include <algorithm>
 #include <cmath>
@@ -19,11 +19,11 @@ struct Habit {
   int clusters;                           // number of clusters of leaves
   double clusterSize;                     // radius of a cluster as a fraction of the crown's radius
   int leaves;                             // number of leaf polygons
-  double leafLength;                      // m, of a leaf polygon
+  double leafLength;                      // m, mean length of a leaf polygon
 };
 
-constexpr double kGoldenAngle = 2.39996;  // rad; successive multiples are spread evenly over the circle
-constexpr double kBareBelow = 0.6;        // foliage below which twigs are visible and are added
+constexpr double kGoldenAngle = 2.39996;  // rad; its multiples are spread evenly over the circle
+constexpr double kBareBelow = 0.6;        // twigs are added if `foliage` is smaller
 
 // Typical trees along streets, by eye. Heights and crown radii vary by up to 12 % with the seed.
 constexpr std::array<Habit, kTreeForms> kHabits{{
@@ -47,12 +47,12 @@ void appendLeaf(Shape& s, SurfaceIndex surface, const Vec3d& stem, const Vec3d& 
   s.quad(surface, stem, middle - across, tip, middle + across);
 }
 
-// Returns a random unit vector in the plane with this normal.
+// Returns a random unit vector perpendicular to `normal`.
 Vec3d crossways(const Vec3d& normal, Draw& draw) {
   return normalized(cross(normal, draw.direction()));
 }
 
-// Appends leaves in the outer part of an ellipsoid. `flatness`: its height divided by its width; lengths in m.
+// Appends leaves in the outer part of an ellipsoid. `flatness`: the ellipsoid's height divided by its width.
 void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, double flatness,
                        int leaves, double leafLength) {
   for (int k = 0; k < leaves; ++k) {
@@ -75,7 +75,7 @@ double crownProfile(const Habit& habit, double t) {
                 : std::sqrt(std::sin(kPi * (t * 0.86 + 0.1)));
 }
 
-// Appends the twigs in a cluster of leaves, visible when leaves have fallen. `twigRadius`: where a twig begins (m).
+// Appends the twigs in a cluster, which are visible when leaves have fallen. `twigRadius`: at the twigs' start (m).
 void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, int count,
                  double twigRadius) {
   for (int k = 0; k < count; ++k) {
@@ -85,7 +85,7 @@ void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center
   }
 }
 
-// The irregularity of a crown. It has its own random stream, so that regular crowns do not depend on it.
+// The irregularity of a crown. Its random numbers have their own stream and so do not change regular crowns.
 class Raggedness {
  public:
   // `irregularity`: from 0 to 1, see makeTree().
@@ -95,13 +95,13 @@ class Raggedness {
     longAxis_ = draw_.in(0, 2 * kPi);
   }
 
-  // Returns a factor on the distance between the trunk and a cluster of leaves in the direction `angle` (azimuth, rad).
+  // Returns a factor on the distance from the trunk to a cluster of leaves. `angle`: azimuth of the cluster (rad).
   double reach(double angle) const {
     return 1 + irregularity_ * (0.3 * std::cos(angle - heavySide_) + 0.22 * std::cos(2 * (angle - longAxis_)));
   }
   // Returns a random factor on the radius of a cluster.
   double size() { return lerp(1, draw_.in(0.45, 1.4), irregularity_); }
-  // Returns how much a cluster is raised, as a fraction of the crown's height.
+  // Returns the random vertical offset of a cluster, as a fraction of the crown's height.
   double raised() { return irregularity_ * draw_.in(-0.13, 0.13); }
   bool missing() { return draw_.chance(0.22 * irregularity_); }
 
@@ -115,7 +115,7 @@ class Raggedness {
 struct TrunkAxis {
   std::vector<Vec3d> points;
 
-  // Returns the axis's point at the height z; above and below the trunk, its end.
+  // Returns the axis's point at the height `z`; above and below the axis, its upper or lower end.
   Vec3d at(double z) const {
     const std::size_t segments = points.size() - 1;
     const double t = std::clamp((z - points.front().z) / (points.back().z - points.front().z), 0.0, 1.0) *
@@ -131,7 +131,7 @@ struct Cluster {
   double radius;
 };
 
-// Appends a trunk that leans and bends a little. `base`: height of the crown's lower end, `crown`: its height (m).
+// Appends a trunk that leans and bends a little. `base`: z of the crown's lower end; `crown`: extent of the crown (m).
 TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, double crown) {
   constexpr int kSegments = 7;
   const double leanX = draw.in(-0.25, 0.25);
@@ -148,7 +148,7 @@ TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, dou
   return axis;
 }
 
-// Returns the clusters of a broadleaf's crown, in a spiral from its lower end to its top. `radius`: of the crown (m).
+// Returns the clusters of a broadleaf's crown, in a spiral from the lower end to the top. `radius`: the crown's (m).
 std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxis& trunk, double base, double crown,
                                   double radius, Raggedness ragged) {
   std::vector<Cluster> clusters;
@@ -166,7 +166,7 @@ std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxi
   return clusters;
 }
 
-// Appends a broadleaf: trunk, and for each cluster a branch, twigs and leaves. `radius`: of the crown (m).
+// Appends a broadleaf: the trunk, and for each cluster a branch, twigs and leaves. `radius`: the crown's (m).
 void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,
                      const Raggedness& ragged) {
   const double base = habit.crownBase * height / habit.height;
@@ -174,7 +174,7 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
   const TrunkAxis trunk = appendTrunk(s, draw, habit, base, crown);
   const auto [branch, leaf] = s.surfaces("tree", "bark", "leaf");
   const std::vector<Cluster> clusters = drawClusters(draw, habit, trunk, base, crown, radius, ragged);
-  double squares = 0;  // of all radii: a cluster's share of the leaves is its share of this sum
+  double squares = 0;  // sum of squared radii; leaves are distributed in proportion to them
   for (const Cluster& c : clusters) squares += c.radius * c.radius;
   for (const Cluster& c : clusters) {
     const double fork = std::max(base * 0.85, c.center.z - 0.35 * crown * draw.in(0.5, 1.0) - 0.2);  // m, height
@@ -198,7 +198,7 @@ struct Bough {
   double reach;
 };
 
-// Returns the boughs of a conifer, in whorls: they droop at the lower end of the crown and rise at its top.
+// Returns the boughs of a conifer, in whorls. Boughs droop at the lower end of the crown and rise at the top.
 std::vector<Bough> drawBoughs(Draw& draw, double base, double height, double radius) {
   constexpr double kWhorlDistance = 0.42;  // m
   std::vector<Bough> boughs;
@@ -220,14 +220,14 @@ std::vector<Bough> drawBoughs(Draw& draw, double base, double height, double rad
   return boughs;
 }
 
-// Appends a conifer: a trunk, and boughs with needles on both sides. `height`, `radius`: of tree and crown (m).
+// Appends a conifer: a trunk, and boughs with needles on both sides. `height`: the tree's; `radius`: the crown's (m).
 void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
   const SurfaceIndex bark = s.surface("trunk", "bark");
   const auto [branch, needles] = s.surfaces("tree", "bark", "leaf_conifer");
   s.pipe(bark, {{0, 0, -0.15}, {0, 0, 0.3}, {0.04, 0.02, height * 0.5}, {0, 0, height - 0.1}},
          {habit.trunkRadius * 1.3, habit.trunkRadius, habit.trunkRadius * 0.55, 0.015}, 12);
   const std::vector<Bough> boughs = drawBoughs(draw, habit.crownBase * height / habit.height, height, radius);
-  double totalReach = 0;  // m: a bough's share of the needles is its share of this sum
+  double totalReach = 0;  // m, sum over all boughs; a bough's needles are in proportion to its reach
   for (const Bough& b : boughs) totalReach += b.reach;
   for (const Bough& b : boughs) {
     s.tube(branch, b.root, b.tip, 0.022, 0.006, 4);
@@ -259,7 +259,7 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double d
   const double height = draw.around(habit.height, 0.12);
   const double radius = draw.around(habit.crownRadius, 0.12);
   const auto leaves = static_cast<std::size_t>(habit.leaves);
-  s.mesh.positions.reserve(5 * leaves);  // four vertices for each leaf, and those of the branches
+  s.mesh.positions.reserve(5 * leaves);  // four vertices for each leaf, the rest for branches
   s.mesh.triangles.reserve(3 * leaves);
   s.mesh.surfaceOf.reserve(3 * leaves);
   habit.conifer ? appendConifer(s, draw, habit, height, radius)
@@ -274,7 +274,7 @@ Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double folia
   Shape s(builder, "bush");
   const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
   const double size = draw.in(0.5, 0.95);  // m, about the bush's radius
-  const int balls = 4 + draw.below(4);     // balls of leaves; the first one is in the middle and on top
+  const int balls = 4 + draw.below(4);     // balls of leaves; the first ball is in the middle and on top
   for (int i = 0; i < balls; ++i) {
     const double angle = i * kGoldenAngle + draw.in(-0.4, 0.4);
     const double r = size * draw.in(0.42, 0.6);
@@ -298,14 +298,15 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
     const Vec3d tip{root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)};
     s.tube(bark, root, tip, 0.02, 0.006, 5);
   }
-  // Adds leaves, denser near the surface, of 4 times the hedge's area seen from the side, but at most 3500.
+  // Adds leaves, denser near the surface, with 4 times the area of the hedge's side (2 m long), but at most 3500. A
+  // leaf is 0.7 times as wide as long; its area is 0.6 times length times width.
   const double leafLength = draw.in(0.09, 0.14);
   const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * leafLength * leafLength));
   for (int k = 0; k < std::min(leaves, 3500); ++k) {
     const double across = draw.in(-1, 1);
     const double outwards = std::copysign(std::pow(std::abs(across), 0.15), across);
     const double z = height * (1 - std::pow(draw.next(), 1.2) * 0.98);
-    // The sides bulge by about a decimetre, and the top is uneven because it was cut long ago.
+    // The sides bulge by about 0.1 m, and the top is uneven, as if the hedge was cut long ago.
     const double x = draw.in(-1.03, 1.03);
     const double bulge = 1 + 0.12 * std::sin(5 * x + 3 * z) + 0.1 * std::sin(11 * x - 4 * z);
     const Vec3d position{x, outwards * depth / 2 * bulge, z * (1 + 0.05 * std::sin(7 * x))};

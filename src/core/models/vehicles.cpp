@@ -1,4 +1,4 @@
-// Cars, vans, trucks, buses, trailers, caravans, tractors and excavators. x is forward; sizes (m) are by eye.
+// Builds cars, vans, trucks, buses, trailers, caravans, tractors and excavators. x is forward; sizes (m) are by eye.
 
 #include <algorithm>
 #include <array>
@@ -10,11 +10,11 @@
 namespace scanmill::models {
 namespace {
 
-// The body of a kind of car and its side profile (m), before they vary at random; x is 0 in the middle.
+// The mean body of a kind of car and its side profile (m). x is 0 in the middle of the car.
 struct CarShape {
   double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm (facade.h)
-  double nose, hood, roof, tail;                // z: tip and base of the bonnet, top of the roof, boot
-  double windBase, windTop, roofEnd, rearBase;  // x: ends of windscreen, roof and rear window
+  double nose, hood, roof, tail;                // heights of the bonnet's front and rear end, the roof and the boot
+  double windBase, windTop, roofEnd, rearBase;  // x of the ends of windscreen, roof and rear window
 };
 
 // The bodies in the order of CarForm, by eye from usual cars of each kind.
@@ -31,7 +31,7 @@ constexpr std::array<CarShape, kCarForms> kCarShapes{{
 }};
 // clang-format on
 
-// Returns the body of a kind of car, with the windows that go with it. Length and height vary by a few percent.
+// Returns the body of a kind of car, with its windows. Length and height vary at random by a few percent.
 BodyForm carForm(CarForm kind, Draw& draw) {
   const CarShape& shape = kCarShapes[static_cast<std::size_t>(kind)];
   const double stretch = draw.in(0.97, 1.03);  // factor on all lengths
@@ -79,9 +79,9 @@ BodyForm carForm(CarForm kind, Draw& draw) {
   return f;
 }
 
-// Returns the material of a car's paint. The shares of black, grey with silver, and white are those of the cars that
-// were newly registered in Germany in 2012 (Kraftfahrt-Bundesamt: 29.5, 29.4 and 15.7 %). How the rest divides into
-// blue with green and brown, and red, and that half of the grey cars are silver, are estimates.
+// Returns the material of a random car paint. The shares of black (29.5 %), grey or silver (29.4 %) and white (15.7 %)
+// are those of new cars in Germany in 2012 (Kraftfahrt-Bundesamt). The shares of blue (also for green and brown) and
+// red, and equal shares of grey and silver, are estimates.
 const char* paintOf(std::uint64_t seed, int number) {
   constexpr std::array<std::pair<double, const char*>, 6> kPaints{{{0.147, "car_paint_grey"},
                                                                    {0.295, "car_paint_black"},
@@ -89,7 +89,7 @@ const char* paintOf(std::uint64_t seed, int number) {
                                                                    {0.177, "car_paint_blue"},
                                                                    {0.147, "car_paint_silver"},
                                                                    {0.077, "car_paint_red"}}};
-  double remaining = Draw(seed, Kind::Paint, number).next();  // of the cumulative share
+  double remaining = Draw(seed, Kind::Paint, number).next();  // cumulative share that is left
   for (const auto& [share, paint] : kPaints) {
     remaining -= share;
     if (remaining < 0) return paint;
@@ -97,9 +97,9 @@ const char* paintOf(std::uint64_t seed, int number) {
   return kPaints.back().second;
 }
 
-constexpr double kCabLength = 2.0;  // m, of a truck
+constexpr double kCabLength = 2.0;  // m, length of a truck's cab
 
-// Returns the cab of a truck whose cargo box is `cargoWidth` metres wide. Its sizes are by eye.
+// Returns the cab of a truck whose cargo box is `cargoWidth` metres wide. The cab's sizes are by eye.
 BodyForm truckCab(double cargoWidth) {
   return {.className = "truck",
           .length = kCabLength,
@@ -122,7 +122,7 @@ BodyForm truckCab(double cargoWidth) {
 
 constexpr const char* kClass = "other_vehicle";
 
-// Appends a trailer: a frame with its hitch and a box, sometimes with a cover.
+// Appends a trailer: a frame with a hitch, and an open box; half of the trailers have a cover.
 void appendTrailer(Shape& s, Draw& draw) {
   const auto [metal, black, reflector] =
       s.surfaces(kClass, "metal_galvanised", "plastic_black", "sign_retroreflective");
@@ -169,7 +169,7 @@ void appendCaravan(Shape& s, Draw& draw) {
   s.box(black, {e + 0.35, 0, 0.75}, {0.55, 0.8, 0.45});
 }
 
-// Appends a cab with posts and glass on all sides, and a seat in it.
+// Appends a driver's cab with posts, glass on all sides and a seat.
 void appendCab(Shape& s, const Vec3d& middle, const Vec3d& size) {
   const auto [paint, glass, seat] = s.surfaces(kClass, "painted_metal", "glass", "cloth_dark");
   s.box(paint, middle + Vec3d{0, 0, size.z / 2}, {size.x + 0.1, size.y + 0.1, 0.1});
@@ -201,11 +201,11 @@ void appendTractor(Shape& s, Draw& draw) {
   for (const double y : {-0.3, 0.3}) s.rod(black, {-1.2, y, 0.8}, {-1.75, y, 0.55}, 0.04, 6);
 }
 
-// Appends an excavator: two tracks, and on them the upper carriage, rotated at random, with cab, boom, arm and bucket.
+// Appends an excavator: two tracks, and an upper carriage with cab, boom, arm and bucket, turned by a random angle.
 void appendExcavator(Shape& s, Draw& draw) {
   const auto [paint, track, metal] = s.surfaces(kClass, "painted_metal", "rubber", "metal_weathered");
   for (const double y : {-0.75, 0.75}) {
-    std::vector<Point2> belt = regularPolygon(16, 0.32);  // two half circles about the ends of the track
+    std::vector<Point2> belt = regularPolygon(16, 0.32);  // in side view: a circle, whose halves are moved apart
     for (Point2& p : belt) p.x += p.x > 0 ? 0.95 : -0.95;
     s.prism(track, track, sideView({0, y + 0.2, 0.32}), belt, 0.4);
   }
@@ -214,7 +214,7 @@ void appendExcavator(Shape& s, Draw& draw) {
   s.box(paint, {-0.45, 0, 1.05}, {1.7, 1.7, 0.7});
   s.box(metal, {-1.25, 0, 1.0}, {0.35, 1.6, 0.8});  // counterweight
   appendCab(s, {0.3, 0.45, 1.75}, {1.2, 0.8, 1.4});
-  // The boom leads from its foot to the elbow, the arm from there to the wrist, where the bucket hangs.
+  // The boom leads from its foot to the elbow; the arm leads from the elbow to the wrist, where the bucket hangs.
   const Vec3d foot{0.6, -0.25, 1.2};
   const Vec3d elbow = foot + Vec3d{draw.in(1.2, 1.7), 0, draw.in(1.3, 1.8)};
   const Vec3d wrist = elbow + Vec3d{draw.in(0.5, 1.0), 0, draw.in(-1.9, -1.4)};
@@ -286,10 +286,10 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
   for (const double y : {0.72, 1.02}) appendWheels(shape, "truck", axle, y, 0.45, 0.26);
   shape.box(metal, {-end + 0.05, 0, 0.5}, {0.1, width - 0.1, 0.12});  // rear under-ride guard
   for (const double side : {-1.0, 1.0}) {
-    shape.box(metal, {-end + 0.1, side * 0.7, 0.7}, {0.06, 0.08, 0.45});                       // its support
+    shape.box(metal, {-end + 0.1, side * 0.7, 0.7}, {0.06, 0.08, 0.45});                       // the guard's support
     shape.box(reflector, {-end + 0.01, side * (width / 2 - 0.25), 0.66}, {0.06, 0.36, 0.14});  // rear lamp
     shape.box(metal, {-end - 0.012, side * 0.25, middleZ}, {0.04, 0.04, top - kBed - 0.1});    // bar of the doors
-    const double x = end - 0.4;                                                                // of the mirrors
+    const double x = end - 0.4;                                                                // x of the mirrors
     shape.rod(black, {x, side * (width / 2 - 0.12), 2.2}, {x + 0.1, side * (width / 2 + 0.14), 2.1}, 0.02, 6);
     shape.box(black, {x + 0.1, side * (width / 2 + 0.15), 1.85}, {0.08, 0.2, 0.5});
   }
