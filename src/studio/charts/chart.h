@@ -25,7 +25,7 @@ struct ChartAxis {
   std::string unit{};
   // The ends of the axis. If one is absent, the data determine it. If data lie beyond an end, the axis is extended.
   std::optional<double> low{}, high{};
-  // A logarithmic axis shows all values of zero and below at one place, in a band before its low end, with this label.
+  // The label of the band before the low end of a logarithmic axis, in which all values of zero and below are drawn.
   std::string zero = "0";
   // Labels for the values 0, 1, 2 and so on, instead of numbers. Value 0 of a y axis is at the top.
   std::vector<std::string> names{};
@@ -40,9 +40,9 @@ struct ChartSeries {
   // the shape of the marks and the dashes of the lines.
   std::size_t color = 0;
   ChartMark mark = ChartMark::Dots;
-  bool emphasised = false;   // drawn larger and above other series, for instance the Pareto front
-  bool labelsFirst = false;  // labels are placed before other series' labels, and farther away if there is little room
-  std::vector<Vec2d> points{};  // points that are not finite are left out; lines are interrupted there
+  bool emphasised = false;      // drawn larger and above other series, for instance the Pareto front
+  bool labelsFirst = false;     // labels are placed before those of other series, if necessary far from their points
+  std::vector<Vec2d> points{};  // points that are not finite are not drawn, and interrupt lines
   // Each of the following lists is empty or has one entry per point.
   std::vector<Vec2d> spans{};  // low and high end of an error bar in y
   // Texts that are drawn beside the point, or at the end of the bar, if there is room; an empty text is not drawn.
@@ -57,7 +57,7 @@ struct ChartSeries {
 };
 
 struct Chart {
-  std::string name{};  // name of the chart's file without suffix, and in the template of a page
+  std::string name{};  // name of the chart in the template of a page, and of its file without suffix
   std::string title{};
   std::string note{};  // text below the title: what is shown, from which data
   ChartAxis x{}, y{};
@@ -66,7 +66,7 @@ struct Chart {
   std::vector<ChartSeries> series{};
   bool stacked = false;  // the bars at one name of an axis are stacked; not for logarithmic axes
   int width = 860;       // width of the drawing in pixels
-  int height = 480;  // height of the drawing in pixels, to which that of a title and a legend of many lines is added
+  int height = 480;  // pixels; the drawing is higher if the title, the note and the legend have more than a line each
 };
 
 // True if at least one point is finite and can be drawn.

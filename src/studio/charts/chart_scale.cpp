@@ -28,7 +28,7 @@ ChartScale::ChartScale(const ChartAxis& axis, const std::vector<double>& values,
   for (const double v : values) {
     if (!log_ || v > 0) mappedValues.push_back(mapped(v));
   }
-  // Each name has a unit of the axis, in whose middle its value is.
+  // The name with index i covers the values from i - 0.5 to i + 0.5, so that the value i is in its middle.
   if (!axis.names.empty()) mappedValues = {-0.5, static_cast<double>(axis.names.size()) - 0.5};
   if (includesZero || mappedValues.empty()) mappedValues.push_back(0);
   const auto [least, greatest] = std::ranges::minmax(mappedValues);
@@ -57,12 +57,12 @@ double ChartScale::positionOf(double value) const {
   return hasBand_ ? kBand + (1 - kBand) * fraction : fraction;
 }
 
-// Adds a margin to both ends of the axis, but not below a linear axis that starts at or above zero, and rounds the ends
-// of a logarithmic axis to 1, 2 or 5 times powers of ten.
+// Adds a margin to both ends of the axis (of a linear axis without negative values: not below zero). Rounds the ends of
+// a logarithmic axis to 1, 2 or 5 times powers of ten.
 void ChartScale::widen(bool includesZero) {
-  constexpr double kEndMargin = 0.04;  // as a fraction of the axis
+  constexpr double kEndMargin = 0.04;  // fraction of the axis's length
   if (!(high_ > low_)) {
-    // All values are equal: the axis extends by a factor of 10 (logarithmic), by 10 % or by 1 to both sides.
+    // If all values are equal, extends the axis to both sides by the factor 10 (logarithmic), 10 %, or 1 (at 0).
     const double halfLength = log_ || low_ == 0 ? 1 : std::abs(low_) * 0.1;
     low_ -= halfLength, high_ += halfLength;
   }

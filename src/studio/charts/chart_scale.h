@@ -1,6 +1,6 @@
 #pragma once
 
-// The scale of a chart's axis: where values are along it, and which have a label.
+// The scale of a chart's axis: the positions of values along the axis, and the values that have a label.
 
 #include "charts/chart.h"
 
@@ -17,8 +17,8 @@ class ChartScale {
     std::string text;
   };
 
-  // `values`: coordinates along the axis of all that is drawn. `includesZero`: the axis includes 0, where bars begin
-  // (on a logarithmic axis 1). `labelRoom`: number of labels for which there is room.
+  // `values`: coordinates along the axis of all marks, bars and error bars. `includesZero`: the axis includes 0 (a
+  // logarithmic axis: 1), since it shows bars. `labelRoom`: number of labels for which there is room.
   ChartScale(const ChartAxis& axis, const std::vector<double>& values, bool includesZero, double labelRoom);
 
   double positionOf(double value) const;  // returns the position of a value

@@ -20,9 +20,9 @@ constexpr double kTitleLine = 1.2, kNoteLine = 1.35;  // height of a line as a m
 constexpr double kBaseline = 0.35;  // from the middle of a text down to its baseline, as a multiple of the font's size
 constexpr int kLeastWidth = 200, kLeastHeight = 160;          // of a chart (pixels)
 constexpr double kMarkRadius = 4.5, kEmphasisedRadius = 6.5;  // of the marks of points (pixels)
-constexpr double kMarkReach = 1.15;  // largest extent of most of kShapes, relative to the radius
+constexpr double kMarkReach = 1.15;  // extent of most of kShapes from their centre, divided by the radius
 constexpr double kBarShare = 0.76;   // fraction of the distance between two names that the bars at a name fill
-constexpr double kThickestBar = 26;  // pixels; bars at few names would be as wide as the chart otherwise
+constexpr double kThickestBar = 26;  // largest thickness (pixels), since bars at few names would be very wide
 constexpr double kNameAngle = 26;    // rotation (degrees) of names that are too long to fit side by side
 constexpr double kSwatch = 32;       // width of the mark before a name in the legend, with its margin (pixels)
 
@@ -124,7 +124,7 @@ class SvgDrawing {
         height_(std::max(chart.height, kLeastHeight)) {}
 
   std::string draw() {
-    double bottom = kMargin * 0.75;  // y of the lower end of what is drawn
+    double bottom = kMargin * 0.75;  // y of the lower end of all that is drawn so far
     const double textWidth = width_ - 2 * kMargin;
     for (const std::string& line : wrapSvgText(chart_.title, kTitleFont, textWidth, FontWeight::Bold)) {
       addText("title", kMargin, bottom += kTitleFont * kTitleLine, "start", line);
@@ -157,14 +157,14 @@ class SvgDrawing {
     out_ += fmt::format("<text class=\"{}\" x=\"{}\" y=\"{}\" text-anchor=\"{}\"{}>{}</text>\n", cssClass, svgNumber(x),
                         svgNumber(y), anchor, transform, escapeXml(text));
   }
-  // Adds a path; `commands`: the path in the language of SVG.
+  // Adds a path. `commands`: the path's attribute `d` in SVG.
   void addPath(const std::string& cssClass, const std::string& commands) {
     out_ += fmt::format("<path class=\"{}\" d=\"{}\"/>\n", cssClass, commands);
   }
   void addLine(const char* cssClass, double x0, double y0, double x1, double y1) {
     addPath(cssClass, fmt::format("M{},{}L{},{}", svgNumber(x0), svgNumber(y0), svgNumber(x1), svgNumber(y1)));
   }
-  // Adds a rectangle; `fill`: "#rrggbb" instead of the colour of its class; `detail`: text that the pointer shows.
+  // Adds a rectangle; `fill`: "#rrggbb", replaces the colour of `cssClass`. `detail`: text of the tooltip.
   void addRect(const std::string& cssClass, const ChartBox& b, const std::string& fill = "",
                const std::string& detail = "") {
     out_ += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}>{}</rect>\n", cssClass,
@@ -210,7 +210,7 @@ class SvgDrawing {
     return entries.empty() ? top : y + 12;
   }
 
-  // Draws the mark, line or bar of a series in the legend. `x`: its left end. `y`: its middle.
+  // Draws the mark, line or bar of a series in the legend. `x`: left end of the drawing. `y`: its middle.
   void drawSwatch(const ChartSeries& s, double x, double y) {
     constexpr double kLength = 26, kBarIndent = 8, kBarSide = 11;  // pixels; a bar is shown as a square
     const std::size_t color = s.color % kChartColors;
@@ -238,7 +238,7 @@ class SvgDrawing {
         if (i < s.spans.size() && isDrawn(s.spans[i])) ys.insert(ys.end(), {s.spans[i].x, s.spans[i].y});
       }
     }
-    constexpr double kLabelRoom = 1.12;  // the axis reaches so far beyond bars with labels
+    constexpr double kLabelRoom = 1.12;  // length of the axis divided by the longest bar, if bars have labels
     const bool hasBarLabels =
         std::ranges::any_of(chart_.series, [](const ChartSeries& s) { return isBars(s) && !s.labels.empty(); });
     if (!hasBarLabels || valueAxis().scale != AxisScale::Linear) return;
@@ -246,7 +246,7 @@ class SvgDrawing {
   }
 
   // Draws the axes and the series below the y `top`. Sets `area_`, `x_` and `y_`, which all functions below use: first
-  // the height of the plot, then the y axis, whose labels leave the width, then the x axis.
+  // the height of the plot, then the y axis, since its labels limit the width of the plot, then the x axis.
   void drawPlot(double top) {
     std::vector<double> xs, ys;
     addCoordinates(xs, ys);
@@ -256,7 +256,7 @@ class SvgDrawing {
     constexpr double kTitleHeight = 1.9;       // height of the title of the y axis, in sizes of its font
     constexpr double kRow = 2.8, kColumn = 5;  // room for a label of the y axis and of the x axis, in sizes of the font
     constexpr double kNameGap = 1.1,
-                     kYAxisWidth = 60;  // names need so many times their width; labels of y so many pixels
+                     kYAxisWidth = 60;  // room for a name divided by its width; room for labels of y (pixels)
     area_ = {kMargin, top, width_ - kMargin - kRightMargin, height_ - kMargin - kFont * kFooter};
     if (!chart_.y.title.empty()) {
       addText("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
@@ -301,7 +301,7 @@ class SvgDrawing {
   std::string tickText(const std::string& name) const { return shortened(name, width_ < 700 ? 30 : 40); }
   double tickWidth(const std::string& name) const { return svgTextWidth(tickText(name), kFont); }
 
-  // Return pixels of positions along the axes, from 0 to 1. If the y axis has names, the first is at the top.
+  // Return the pixel of a position (0 to 1) along an axis. If the y axis has names, the first name is at the top.
   double xAt(double position) const { return area_.left + position * (area_.right - area_.left); }
   double yAt(double position) const {
     const double distance = position * (area_.bottom - area_.top);
@@ -309,12 +309,12 @@ class SvgDrawing {
   }
   Vec2d pixel(const Vec2d& point) const { return {xAt(x_->positionOf(point.x)), yAt(y_->positionOf(point.y))}; }
 
-  // Exchanges x and y if bars are horizontal: returns {name, value} for a point of a bar, and the point for these.
+  // Exchanges x and y if bars are horizontal. Converts a point of a bar to {name, value} and back.
   Vec2d swapped(const Vec2d& p) const { return horizontal_ ? Vec2d{p.y, p.x} : p; }
   const ChartAxis& valueAxis() const { return horizontal_ ? chart_.x : chart_.y; }
 
   // Draws bars, then lines, marks and labels on top. Emphasised lines and marks are above others; their labels, and
-  // those of series with labelsFirst, get free space before others.
+  // those of series with labelsFirst, are placed before others.
   void drawSeries() {
     int slot = 0;  // index of the series among those with bars
     for (const ChartSeries& s : chart_.series) {
@@ -333,7 +333,7 @@ class SvgDrawing {
     }
   }
 
-  // Returns the series, those of least rank first; series of the same rank keep their order.
+  // Returns the series in ascending order of `rank`; series of the same rank keep their order.
   std::vector<const ChartSeries*> sortedBy(const auto& rank) const {
     std::vector<const ChartSeries*> sorted;
     for (const ChartSeries& s : chart_.series) sorted.push_back(&s);
@@ -375,8 +375,8 @@ class SvgDrawing {
     }
   }
 
-  // Draws the label of a bar at its end, unless it would overlap another label or leave the picture. `end`: pixel of
-  // the bar's name and end.
+  // Draws the label of a bar at its end, unless it would overlap another label or leave the picture. `end`: pixel at
+  // the end of the bar, at the position of its name.
   void drawBarLabel(const std::string& label, const ChartBox& bar, const Vec2d& end) {
     const double halfWidth = svgTextWidth(label, kFont) / 2;
     const ChartBox box = horizontal_ ? ChartBox{end.x + 4, bar.top, end.x + 4 + 2 * halfWidth, bar.bottom}
@@ -399,11 +399,11 @@ class SvgDrawing {
     }
   }
 
-  // Draws the line of a series, interrupted at points that are not finite. Records where an emphasised line is, so that
-  // labels avoid it: such lines are staircases, so the box of each segment has no width or no height.
+  // Draws the line of a series, interrupted at points that are not finite. Records the segments of emphasised lines as
+  // boxes, which labels avoid: such lines are staircases, so the boxes have no width or no height.
   void drawLine(const ChartSeries& s) {
     std::string commands;
-    Vec2d previous;  // pixel of the point before
+    Vec2d previous;  // pixel of the previous point
     bool isPreviousDrawn = false;
     for (const Vec2d& point : s.points) {
       const bool continues = isPreviousDrawn;
@@ -430,8 +430,8 @@ class SvgDrawing {
   }
 
   enum class CoverLines { No, Yes };
-  // Draws the label of a point in the nearest free space: inside of the plot, and not over marks, other labels or,
-  // unless they may be covered, emphasised lines. Returns false if there is none.
+  // Draws the label of a point in the nearest free space: inside the plot, not over marks and other labels and, with
+  // CoverLines::No, not over emphasised lines. Returns false if there is no free space.
   bool placeLabel(const ChartSeries& s, std::size_t point, CoverLines cover) {
     constexpr std::array<Vec2d, 8> kDirections{{{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}}};
     // Distances (pixels) between the mark and the label that are tried; most series use only those up to kNear.
@@ -469,7 +469,7 @@ class SvgDrawing {
   double width_, height_;
   ChartBox area_;  // rectangle of the plot, without title, legend and axis labels
   std::optional<ChartScale> x_, y_;
-  std::map<double, double> stacked_;  // for each name, the sum of the bars that have been drawn there
+  std::map<double, double> stacked_;  // for each name, the sum of the bars that have been drawn at the name
   std::vector<ChartBox> occupied_;    // boxes of marks and labels, which new labels must not overlap
   std::vector<ChartBox> lines_;       // boxes of emphasised lines, which labels avoid if there is room elsewhere
   std::string out_;

@@ -34,12 +34,12 @@ Utf8Character characterAt(std::string_view text, std::size_t byte) {
 }
 
 using Escape = std::pair<char32_t, std::string_view>;
-// The texts of code points that XML cannot hold as they are; U+FFFD stands for characters that it does not allow.
+// Replacements of characters in XML. Code 0 stands for characters that XML does not allow; it becomes U+FFFD.
 constexpr Escape kEscapes[]{{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"},
                             {'"', "&quot;"}, {'\'', "&#39;"}, {0, "\xEF\xBF\xBD"}};
 
-// Returns a character's width in thousandths of the font size; estimated for characters that are not ASCII: from U+1100
-// on, where the scripts of East Asia begin, they are about square.
+// Returns a character's width in thousandths of the font size. The widths of characters that are not ASCII are
+// estimated: from U+1100 on, where the scripts of East Asia begin, characters are about square.
 double widthOf(char32_t code) {
   if (code >= 32 && code < 127) return kWidths[code - 32];
   return code >= 0x1100 ? 1000 : 600;

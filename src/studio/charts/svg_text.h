@@ -19,8 +19,8 @@ enum class FontWeight { Normal, Bold };
 // fonts that may replace it.
 double svgTextWidth(std::string_view text, double fontSize, FontWeight weight = FontWeight::Normal);
 
-// Breaks text between words into lines of at most `width` pixels. A word that is wider gets a line of its own. Returns
-// no lines for an empty text.
+// Breaks text between words into lines of at most `width` pixels. A word wider than `width` gets a line of its own.
+// Returns no lines for an empty text.
 std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width,
                                      FontWeight weight = FontWeight::Normal);
 

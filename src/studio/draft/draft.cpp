@@ -9,7 +9,7 @@ namespace {
 
 // True if the models are parts of one place and share its coordinates: most of their boxes neither contain the origin
 // (x, y) nor have their centre in another box. Models of separate objects usually contain the origin of their file, or
-// overlap if all are equally far from it.
+// overlap if all are equally far from the origin.
 bool areOnePlace(const std::vector<GuessedFile>& models) {
   std::vector<Box> away;
   for (const GuessedFile& m : models) {

@@ -76,20 +76,20 @@ struct Draft {
 // Drafts a scene with one object per file. If most of the files are away from the origin, at different positions, all
 // files count as parts of one place and keep their coordinates. Otherwise several objects are placed side by side on
 // the ground. `folder`: future folder of the scene file, to which paths of assets are relative. `ontologyName`: the
-// ontology's name in the scene file. `name`: name of the scene. Throws as guessFiles().
+// ontology's name in the scene file. `name`: name of the scene. Throws InputError like guessFiles().
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
                  const std::filesystem::path& folder, const DraftOptions& options = {});
 
 // Reads 3D files and guesses their concepts, units and axes. The units and axes of files with the same format and
-// folder are guessed together. Throws InputError for a file that cannot be read and may not fail, and if no file can be
-// read.
+// folder are guessed together. Throws InputError if a file that is not in options.mayFail cannot be read, or if no file
+// can be read.
 std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& files,
                                     const std::vector<Concept>& concepts, const DraftOptions& options);
 
 // Returns the concepts that have a class in the ontology, and those that need no class, such as parts to be removed.
-// Example: if an ontology for rooms has no class for buildings, "office.glb" is not taken for a building. Names of the
-// ontology's classes are words, too.
+// Example: if an ontology for rooms has no class for buildings, "office.glb" is not taken for a building. The names of
+// the ontology's classes are added as words.
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology);
 
 // Returns the YAML of an object without its position. `folder`: future folder of the scene file, to which paths are

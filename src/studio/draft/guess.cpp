@@ -10,7 +10,7 @@ namespace scanmill::draft {
 namespace {
 
 // Returns the detail of `whole` that has the same words as `detail`; for instance, the wheels of a train instead of the
-// wheels of a car. Null if there is none, if `detail` is no detail, or if one of both is null.
+// wheels of a car. Null if there is no such detail, if `detail` is no detail, or if an argument is null.
 const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* detail, const Concept* whole) {
   if (detail == nullptr || whole == nullptr || detail->kind != ConceptKind::Detail) return nullptr;
   const auto found = std::ranges::find_if(concepts, [&](const Concept& c) {
@@ -20,9 +20,9 @@ const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* det
   return found == concepts.end() ? nullptr : &*found;
 }
 
-// Returns the concept with the most triangles; null if most triangles have none. If this concept is a detail, such as
-// wheels, and the asset also has wholes, such as a car, returns the whole with the most triangles. `partConcepts`: see
-// guessParts(); only Asset::parts count, not instances.
+// Returns the concept with the most triangles; null if most triangles have no concept. If this concept is a detail,
+// such as wheels, and the asset also has wholes, such as a car, returns the whole with the most triangles.
+// `partConcepts`: see guessParts(); only Asset::parts count, not instances.
 const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
   std::map<const Concept*, std::size_t> triangles, trianglesOfWholes;
   for (std::size_t i = 0; i < asset.parts.size(); ++i) {
@@ -42,8 +42,8 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
 }
 
 // True if the names of the parts, and of the file if `fileConcept` is not null, state at least three different objects
-// and grounds. The file then contains a place, such as a room, and not one object. Walls and doors of a file that is
-// called a house are the house's, since they may have its class.
+// and grounds. The file then contains a place, such as a room, and not one object. Parts that may have the class of the
+// file's concept, such as walls and doors of a house, do not count.
 bool isPlace(const std::vector<const Concept*>& partConcepts, const Concept* fileConcept = nullptr) {
   constexpr std::size_t kSeveral = 3;
   std::set<const Concept*> stated;
@@ -66,7 +66,7 @@ bool statesClasses(const Vocabulary& words, const Asset& asset) {
   return classes.size() > 1 || (!classes.empty() && words.conceptOf(*classes.begin()) != nullptr);
 }
 
-// Returns a folded name without some words.
+// Returns a folded name without the words in `ignored`.
 std::string withoutWords(const std::string& folded, const std::set<std::string>& ignored) {
   std::string shorter;
   for (const std::string_view word : wordsOf(folded)) {
@@ -92,10 +92,10 @@ bool isFlat(const Concept& c) {
 
 // Returns a score for y (`axis` 1) or z (2) as the up axis; the higher score wins. Objects usually start at 0 along the
 // up axis and are centred along the other axes. Trees are tall; cars, grounds and places are low. The shape counts more
-// than the origin; the scores and fractions were chosen by files of many programs. `low`: lower corner of the box.
+// than the origin; the scores and fractions were tuned on files of many programs. `low`: lower corner of the box.
 double upScoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
                  const FrameGuess& guess) {
-  constexpr double kAtZero = 0.03, kThin = 0.1;  // fractions of the extent along the axis and of the longest extent
+  constexpr double kAtZero = 0.03, kThin = 0.1;  // fractions of the extent along the axis; kThin: of the longest extent
   constexpr double kCentred = 0.1;               // fraction of the extent along the other axis
   constexpr double kStartsAtZeroScore = 1, kCentredScore = 0.5, kShapeScore = 2;
   double score = 0;
@@ -122,7 +122,7 @@ std::string nameOf(const SizedObject& object) {
   return object.shown == nullptr ? "it" : "a " + object.shown->name;
 }
 
-// True if the object's concept has a usual size, which all functions below require that compare sizes.
+// True if the object has a size and its concept has a usual size. Functions below that compare sizes require both.
 bool hasUsualSize(const SizedObject& object) {
   return object.shown != nullptr && object.shown->size && object.longest > 0;
 }
@@ -140,7 +140,7 @@ std::string sizeWith(const SizedObject& object, double unit) {
 }
 
 // Sets the unit of a file: metres if its concept then has a usual size, otherwise the common unit that gives a usual
-// size nearest to the middle of the range. If no unit does, keeps metres and marks them as doubtful.
+// size nearest to the middle of the range. If no unit gives a usual size, keeps metres and marks the unit as doubtful.
 void guessUnit(FrameGuess& guess) {
   const SizedObject& object = guess.object;
   if (fits(object, 1)) return;
@@ -190,7 +190,7 @@ std::vector<SizedObject> sizedObjects(const Asset& asset, const std::vector<cons
   return sized;
 }
 
-// Returns an object of a place by whose size the unit should be guessed: one that has no usual size in metres. Returns
+// Returns an object of a place whose size in metres is unusual, so that the unit is guessed by its size. Returns
 // nothing unless a common unit gives most objects usual sizes, and more than twice as many as metres do.
 std::optional<SizedObject> objectNotInMetres(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
   const std::vector<SizedObject> objects = sizedObjects(asset, partConcepts);
@@ -214,8 +214,8 @@ std::optional<SizedObject> objectNotInMetres(const Asset& asset, const std::vect
   return *std::ranges::find_if(mostFitting, [](const SizedObject& object) { return !fits(object, 1); });
 }
 
-// Returns the object or ground to which a part belongs: what its node's name states or, unless this is an object, the
-// object that the file contains. Null: unknown.
+// Returns the object or ground to which a part belongs: the object that its node's name states, otherwise the object
+// that the file contains, otherwise the ground that the node's name states. Null: unknown.
 const Concept* ownerOf(const Concept* node, const Concept* file) {
   const bool isObjectOrGround = node != nullptr && node->kind != ConceptKind::Detail;
   if (isObjectOrGround && node->kind == ConceptKind::Whole) return node;
@@ -247,7 +247,7 @@ const Concept* guessPart(const Vocabulary& words, const AssetPart& part, const C
   return file;
 }
 
-// Marks a stated unit as doubtful if the object's size is unusual with it.
+// Marks a stated unit as doubtful if it gives the object an unusual size.
 void doubtUnit(FrameGuess& guess) {
   FrameGuess withoutStated = guess;
   guessUnit(withoutStated);
@@ -260,8 +260,8 @@ void doubtUnit(FrameGuess& guess) {
 }
 
 // Considers the files whose concepts have usual sizes. If there are at least `leastFiles`, and one unit gives usual
-// sizes to most of them, sets this unit for all files and returns true; files that it would make far too large or small
-// get a unit of their own. Otherwise returns false.
+// sizes to most of them, sets this unit for all files and returns true; files whose objects this unit would make far
+// too large or small get a unit of their own. Otherwise returns false.
 bool guessSharedUnit(const std::vector<FrameGuess*>& files, std::ptrdiff_t leastFiles) {
   constexpr double kMost = 0.8;  // fraction of the files that a shared unit must suit
   const auto sizedFiles = std::ranges::count_if(files, hasUsualSize, &FrameGuess::object);
@@ -368,7 +368,7 @@ void Vocabulary::ignoreShared(const std::vector<std::string>& names) {
     if (2 * containing.size() <= distinctNames.size()) continue;
     const Concept* const stated = conceptOf(word);
     if (stated == nullptr || stated->kind == ConceptKind::Drop) continue;
-    std::vector<const Concept*> otherConcepts;  // those that the names state without the word
+    std::vector<const Concept*> otherConcepts;  // the concepts that the names state without the word
     for (const std::string& name : containing) {
       const std::string otherWords = withoutWords(name, {word});
       otherConcepts.push_back(otherWords.empty() ? nullptr : conceptOf(otherWords));

@@ -9,27 +9,28 @@
 
 namespace scanmill::draft {
 
-// The concepts by which names are understood.
+// Finds the concepts that names of nodes, materials, textures and files state.
 class Vocabulary {
  public:
   explicit Vocabulary(const std::vector<Concept>& concepts) : concepts_(concepts) {}
   explicit Vocabulary(std::vector<Concept>&&) = delete;  // the concepts must outlive the vocabulary
 
-  // Ignores from now on the words that most of the names share although these name several kinds of objects, such as
-  // the name of a project in all models of its world: they say nothing about one of them. `names`: all nodes, all
-  // materials, all textures or all files.
+  // In later calls, ignores words that most of the names contain although the names state several kinds of objects,
+  // such as a project's name in the names of all its models. `names`: all nodes, all materials, all textures or all
+  // files.
   void ignoreShared(const std::vector<std::string>& names);
   // Calls ignoreShared() for the nodes, the materials and the textures of an asset.
   void ignoreShared(const Asset& asset);
 
-  // Returns the concept of a name; see conceptOf() in scenefile/concepts.h. A name of ignored words alone keeps them.
+  // Returns the concept of a name; see conceptOf() in scenefile/concepts.h. In a name of only ignored words, they
+  // count.
   const Concept* conceptOf(std::string_view name) const;
-  // Returns the concepts of a name's words likewise; see conceptsIn() in scenefile/concepts.h.
+  // Like conceptOf(), but returns the concepts of all words; see conceptsIn() in scenefile/concepts.h.
   std::vector<const Concept*> conceptsIn(std::string_view name) const;
   const std::vector<Concept>& concepts() const { return concepts_; }
 
  private:
-  // Returns the folded name without ignored words or, if it has no others, the folded name.
+  // Returns the folded name without ignored words or, if it has no other words, the complete folded name.
   std::string tellingPart(std::string_view name) const;
 
   const std::vector<Concept>& concepts_;
@@ -60,10 +61,9 @@ std::string folderName(const std::filesystem::path& file);
 // contains a place: a file "house.obj" of a house with trees, a car and a lawn.
 const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset);
 
-// Returns the concept in folderName(). A folder may have the name of the model that it contains, but also of the place
-// of which it contains all models. So the result is null not only if folderName() states no concept, but also if the
-// file's own name states one, if the file itself states classes, or if the names of the parts state three or more kinds
-// of objects and grounds.
+// Returns the concept that folderName() states. Returns null if it states none, if the file's own name states a
+// concept, if the file itself states classes, or if the names of the parts state at least three kinds of objects and
+// grounds: such a folder may be named after the place whose models it contains.
 const Concept* conceptOfFolder(const Vocabulary& words, const Asset& asset);
 
 // An object by whose size a unit is guessed.
@@ -76,7 +76,7 @@ struct FrameGuess {
   char up = 'z';
   std::string whyUp;  // the reason for `up` in words; empty if the file or its format states the axis
   bool doubtfulUp = false;
-  bool statedUnit = false;  // true: the file or its format states the unit, which counts
+  bool statedUnit = false;  // true: the file or its format states the unit, which is not guessed
   double unit = 1;          // length of the file's unit (m)
   std::string whyUnit;
   bool doubtfulUnit = false;
@@ -93,8 +93,8 @@ FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& par
 // Guesses the units of files that have the same format and folder, such that the objects have usual sizes. If one unit
 // suits most of the files, they share it. Otherwise one unit is guessed for the tiles, which are files with about the
 // same footprint, and one for the remaining files. Files that no shared unit suits get a unit of their own. A file with
-// a doubtful up axis gets the axis of most other files. A unit that a file or its format states counts; an unusual size
-// makes it doubtful.
+// a doubtful up axis gets the axis of most other files. A unit that a file or its format states is kept, and marked as
+// doubtful if it gives an unusual size.
 void guessUnitsTogether(const std::vector<FrameGuess*>& files);
 
 // Returns the ground in the file's name if the name contains both a ground and an object, such as "grass-trees";

@@ -19,7 +19,7 @@ Box inMetres(const Box& box, const FrameGuess& frame) {
           Vec3d{box.high.x, -box.low.z, box.high.y} * frame.unit};
 }
 
-// Reads a file and guesses its concepts. `words`: a copy, since words are ignored that only this asset's names share.
+// Reads a file and guesses its concepts. `words`: a copy, in which the words that this asset's names share are ignored.
 // The result has no name yet, and its box is in the file's units.
 GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const DraftOptions& options) {
   const Asset asset = readAsset(
@@ -31,7 +31,7 @@ GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const
   const Concept* const byFolderName = conceptOfFolder(words, asset);  // null if the file's name states a concept
   model.fileConcept = byFileName == nullptr ? byFolderName : byFileName;
   model.conceptByFolder = byFolderName != nullptr;
-  // Colours of points say more than the name of the file, but less than the materials of their classes.
+  // Intensities make drafted materials needless; so do colours, unless classes are labelled and so have materials.
   model.measured = std::ranges::any_of(asset.parts, [&](const AssetPart& part) {
     return part.texture == kPointIntensity || (part.texture == kPointColor && model.fileConcept != nullptr);
   });
@@ -114,7 +114,7 @@ std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& fi
   words.ignoreShared(names);
   words.ignoreShared(folders);
   std::vector<GuessedFile> models;
-  std::exception_ptr firstFailure;  // of the files that may fail
+  std::exception_ptr firstFailure;  // first exception of a file that may fail
   for (const std::filesystem::path& file : files) {
     try {
       models.push_back(guessFile(file, words, options));

@@ -66,9 +66,9 @@ bool matchOnly(const Patterns& patterns, const std::vector<GuessedPart>& parts, 
                              [&](const auto& part) { return part.shows == shown || !matchesPart(patterns, part); });
 }
 
-// Returns patterns for all nodes of the model in a world to which the part belongs; empty patterns if nodes of the
-// model show several concepts. The name of a node in a world file consists of the names of the model and of models in
-// it, each followed by a slash, and the node's name; the outermost model whose nodes show one concept counts.
+// For a part of a world file, returns patterns that match all nodes of the part's outermost model whose nodes show only
+// one concept; empty patterns if there is no such model. A node's name in a world file consists of the names of the
+// model and of the models in it, each followed by a slash, and the node's own name.
 Patterns modelPatterns(const GuessedPart& part, const std::vector<GuessedPart>& parts) {
   for (std::size_t slash = part.node.find('/'); slash != std::string::npos; slash = part.node.find('/', slash + 1)) {
     const Patterns patterns{patternWithoutDigits(part.node.substr(0, slash)) + "/*", "", ""};
@@ -78,8 +78,8 @@ Patterns modelPatterns(const GuessedPart& part, const std::vector<GuessedPart>& 
 }
 
 // Returns the simplest patterns that match the part and no part with another concept; empty patterns if there are none.
-// Tries all nodes of a model in a world first, then names whose words state the part's concept, then other names, then
-// several names together.
+// Tries modelPatterns() first, then the name (node, material or texture) whose words state the part's concept, then the
+// other names, then combinations of names.
 Patterns patternsFor(const GuessedPart& part, const std::vector<GuessedPart>& parts,
                      const std::vector<Concept>& concepts) {
   if (const Patterns patterns = modelPatterns(part, parts); !patterns[0].empty()) return patterns;
@@ -92,7 +92,7 @@ Patterns patternsFor(const GuessedPart& part, const std::vector<GuessedPart>& pa
     for (const auto patternOf : {patternWithoutDigits, literalPattern}) {
       Patterns patterns;
       for (const std::size_t k : keys) patterns[k] = patternOf(nameOf(part, k));
-      // An empty name, or one of digits alone, would give a pattern that matches any name.
+      // An empty name, or a name of digits alone, would give a pattern that matches any name.
       const bool restricts =
           std::ranges::all_of(keys, [&](std::size_t k) { return !patterns[k].empty() && patterns[k] != "*"; });
       if (restricts && matchOnly(patterns, parts, part.shows)) return patterns;
@@ -101,7 +101,7 @@ Patterns patternsFor(const GuessedPart& part, const std::vector<GuessedPart>& pa
   return {};
 }
 
-// Returns the name of a class or material as a value of YAML, without quotes where it needs none.
+// Returns the name of a class or material as a value of YAML, quoted only if YAML requires it.
 std::string nameValue(const std::string& name) {
   Value value;
   value.kind = Value::Kind::Scalar;
@@ -115,19 +115,19 @@ using PartNames = std::array<std::string, 3>;  // names of a part, in the order 
 struct DraftedRules {
   // Rules for one key: for each concept and key (index in kKeys), patterns with their numbers of triangles.
   std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;
-  // Rules for several keys: for each patterns, the concept and the number of triangles.
+  // Rules for several keys: for each combination of patterns, the concept and the number of triangles.
   std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
   std::map<PartNames, std::uint64_t> unknown;  // triangles of parts whose names state no concept
   bool complete = true;                        // false: no rule matches some of the parts
 };
 
-// Appends the YAML of the classes of one file, as keys of an object, to its argument `yaml`.
+// Writes the classes of one file as keys of an object in YAML. Its functions append to their argument `yaml`.
 class ClassWriter {
  public:
   ClassWriter(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology)
       : model_(model), concepts_(concepts), ontology_(ontology) {}
 
-  // If all parts have the same class, writes this class; otherwise rules, then the class of what has no rule.
+  // If all parts have the same class, writes this class; otherwise rules, then the class of parts without a rule.
   void write(std::string& yaml) const {
     if (const Concept* const only = onlyConcept()) {
       writeClassOfRest(*only, model_.byFolder() > 0 ? "   # by the name of the folder" : "", yaml);
@@ -155,7 +155,7 @@ class ClassWriter {
   }
 
  private:
-  // Returns the concept that all parts have, unless they are to be dropped; null if their concepts differ.
+  // Returns the concept that all parts have; null if there is none, or if it means that parts are dropped.
   const Concept* onlyConcept() const {
     const std::vector<GuessedPart>& parts = model_.parts;
     const Concept* const shown = parts.empty() ? nullptr : parts.front().shows;
@@ -163,7 +163,7 @@ class ClassWriter {
     return isOnly && shown != nullptr && shown->kind != ConceptKind::Drop ? shown : nullptr;
   }
 
-  // Returns a rule for each part with a concept other than the file's.
+  // Returns rules for the parts whose concept differs from the file's.
   DraftedRules draftRules() const {
     DraftedRules rules;
     const Concept* const file = model_.fileConcept;
@@ -269,7 +269,7 @@ class ClassWriter {
 };
 
 // Returns the path of a file relative to `folder`, which need not exist. Symbolic links in the file's path are kept,
-// since textures may be beside a link. If a link in `folder` makes that path another file's, links are followed.
+// since textures may be beside a link. If a link in `folder` makes this path lead to another file, links are resolved.
 std::filesystem::path relativePath(const std::filesystem::path& file, const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::path base = std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal();
@@ -284,7 +284,7 @@ std::filesystem::path relativePath(const std::filesystem::path& file, const std:
 }  // namespace
 
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology) {
-  // Names that programs give to anything, though some ontologies have such a class.
+  // Default names of objects in modelling programs. They say nothing about the class, even if a class has such a name.
   static constexpr std::array<std::string_view, 2> kDefaultNames{"box", "object"};
   std::vector<Concept> usable;
   std::ranges::copy_if(concepts, std::back_inserter(usable),
