@@ -10,12 +10,12 @@ namespace {
 
 using models::Kind;
 
-// The ends of the interval from which a town draws a property.
+// The interval from which a property of a town is drawn.
 struct Between {
   double low = 0, high = 0;
 };
 
-// The kinds of places. The seed selects one of them, but never Street.
+// The kinds of districts. The seed selects any district except Street.
 enum class District { Rural, Suburban, Dense, Boulevard, OldTown, Arterial, Commercial, Motorway, Street };
 
 constexpr std::array<DistrictTraits, 9> kDistricts{{
@@ -32,17 +32,16 @@ constexpr std::array<DistrictTraits, 9> kDistricts{{
 
 using OfKinds = std::array<Between, kDistricts.size()>;  // by District
 
-// Widths and speeds are those of the German guidelines for urban roads (RASt 06), rural roads (RAL) and motorways
-// (RAA): lanes of 2.75 to 3.75 m, wider where there is no parking lane, pavements of at least 2.5 m, shoulders of 2.5
-// m. All else are estimates. Values without a unit are the fractions, numbers and probabilities that Character
-// describes.
+// Widths and speeds follow the German guidelines for urban roads (RASt 06), rural roads (RAL) and motorways (RAA):
+// lanes of 2.75 to 3.75 m, or wider without a parking lane, sidewalks of at least 2.5 m, shoulders of 2.5 m. All other
+// values are estimates. Values without a unit are fractions or numbers; see Character.
 // clang-format off
 namespace property {
 //                               rural        suburban     dense        boulevard    old_town     arterial     commercial   motorway     street
 constexpr OfKinds kLanes      {{{1, 1},      {1, 1},      {1, 1},      {2, 2},      {1, 1},      {1, 2},      {1, 1},      {2, 3},      {1, 1}}};  // in each direction
 constexpr OfKinds kLane       {{{2.8, 3.5},  {4, 5.4},    {3.4, 4.4},  {3, 3.4},    {2.2, 2.8},  {3.8, 4.8},  {4.2, 5.5},  {3.5, 3.75}, {3.5, 3.5}}};  // m, width
 constexpr OfKinds kShoulder   {{{0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {2.5, 2.5},  {0, 0}}};  // m
-constexpr OfKinds kMedian     {{{0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0.6, 1.5},  {0, 0}}};  // m, half of it
+constexpr OfKinds kMedian     {{{0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0, 0},      {0.6, 1.5},  {0, 0}}};  // m, half of the width
 constexpr OfKinds kBays       {{{0, 0},      {0.15, 0.15},{0.5, 0.5},  {1, 1},      {0, 0},      {0.15, 0.15},{0.15, 0.15},{0, 0},      {1, 1}}};  // probability of parking lanes
 constexpr OfKinds kWalks      {{{0.15, 0.15},{1, 1},      {1, 1},      {1, 1},      {1, 1},      {1, 1},      {1, 1},      {0, 0},      {1, 1}}};  // probability of sidewalks
 constexpr OfKinds kSidewalk   {{{1.2, 1.8},  {1.8, 3},    {2.4, 4.5},  {4, 7},      {0.8, 1.8},  {2, 3.8},    {1.8, 3.2},  {0, 0},      {2.5, 2.5}}};  // m
@@ -75,7 +74,7 @@ constexpr OfKinds kLights     {{{0, 0},      {0.15, 0.15},{0.6, 0.6},  {0.8, 0.8
 }  // namespace property
 // clang-format on
 
-// The kinds of successive seeds, so that any sixteen of them have each kind and most are residential.
+// The districts of successive seeds. Any sixteen successive seeds have all districts but Street; suburbs are frequent.
 constexpr std::array<District, 16> kOrder{
     District::Suburban,   District::Arterial, District::Suburban,   District::Rural,
     District::Commercial, District::Dense,    District::Suburban,   District::Boulevard,
@@ -89,14 +88,14 @@ std::size_t districtOf(const Parameters& p, std::uint64_t seed) {
   return static_cast<std::size_t>(kOrder[(seed + kOrder.size() - 1) % kOrder.size()]);
 }
 
-// Draws the properties of a district from their intervals.
+// Draws random properties from the intervals of a district.
 struct PropertyDraw {
   Draw& draw;
   std::size_t district;  // index in kDistricts
 
   const Between& interval(const OfKinds& property) const { return property[district]; }
   double number(const OfKinds& property) const { return draw.in(interval(property).low, interval(property).high); }
-  // Returns a random integer of an interval, both ends included.
+  // Returns a random integer of a property's interval, including both ends.
   int integer(const OfKinds& property) const {
     const int low = static_cast<int>(interval(property).low);
     return low + draw.below(static_cast<int>(interval(property).high - low) + 1);
@@ -104,7 +103,7 @@ struct PropertyDraw {
   bool chance(const OfKinds& probability) const { return draw.chance(interval(probability).low); }
 };
 
-// Returns the cross section of the main road.
+// Returns a random cross section of the main road.
 CrossSection drawMainSection(const PropertyDraw& random) {
   CrossSection s;
   s.lanes = random.integer(property::kLanes);
@@ -121,7 +120,7 @@ CrossSection drawMainSection(const PropertyDraw& random) {
   return s;
 }
 
-// Returns the cross section of side roads: like that of the main road, but narrower.
+// Returns a random cross section of side roads, narrower than `s`, the cross section of the main road.
 CrossSection drawSideSection(const PropertyDraw& random, CrossSection s, bool country) {
   constexpr double kWidestLane = 3.6;  // m
   const bool hasBays = !country && random.interval(property::kBays).low > 0;
@@ -159,7 +158,7 @@ Parameters readParameters(Fields& fields) {
   return p;
 }
 
-// The random stream draws the properties in the order of the code.
+// All properties are drawn from one random stream: their order decides what a seed generates.
 Character::Character(const Parameters& p, std::uint64_t seed) : DistrictTraits(kDistricts[districtOf(p, seed)]) {
   Draw draw(seed, Kind::Town);
   const PropertyDraw random{draw, districtOf(p, seed)};
@@ -184,7 +183,7 @@ Character::Character(const Parameters& p, std::uint64_t seed) : DistrictTraits(k
   gardenBushes = green * random.number(property::kBushes);
   woods = std::min(0.95, green * random.number(property::kWoods));
   forecourts = random.number(property::kForecourts);
-  const double fullness = draw.next();  // squared below, so that few towns are full of parked vehicles
+  const double fullness = draw.next();  // squared below: few towns are full of parked vehicles
   const auto& [leastParked, mostParked] = random.interval(property::kParked);
   parked = std::min(0.95, p.vehicles * models::lerp(leastParked, mostParked, fullness * fullness));
   traffic = p.vehicles * p.traffic * random.number(property::kTraffic);
@@ -195,7 +194,7 @@ Character::Character(const Parameters& p, std::uint64_t seed) : DistrictTraits(k
   drawSeason(p, seed);
 }
 
-// The season has its own random stream, so that everything else is the same in all seasons.
+// Draws from a random stream of its own, so that a town differs between seasons only in the properties set here.
 void Character::drawSeason(const Parameters& p, std::uint64_t seed) {
   Draw draw(seed, Kind::Season);
   const double share = draw.next();

@@ -1,4 +1,4 @@
-// Places everyday objects: roadworks, crossings with lights, objects in gardens and on squares, animals.
+// Places roadworks, crossings, traffic lights, objects in gardens and on squares, and animals.
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@ using models::Clutter;
 using models::Kind;
 using models::Shape;
 
-// Returns a random one of a few models of a kind of clutter.
+// Returns one of three models of a kind of clutter, at random.
 const Model& anyClutter(Placer& placer, Clutter what, Draw& draw) {
   constexpr int kForms = 3;
   const int form = draw.below(kForms);
@@ -23,7 +23,7 @@ const Model& anyClutter(Placer& placer, Clutter what, Draw& draw) {
                       [&] { return models::makeClutter(placer.builder, placer.layout.seed, what, form); });
 }
 
-// Returns a random distance along the main road (m) before `length` metres without junctions; nullopt if none is found.
+// Returns the start (m along the main road) of a random interval of `length` m without junctions; nullopt: none found.
 std::optional<double> drawFreeStretch(const Layout& l, Draw& draw, double length) {
   constexpr double kFromEnds = 25;  // m from the ends of the built-up part
   const Road& road = l.mainRoad();
@@ -37,8 +37,8 @@ std::optional<double> drawFreeStretch(const Layout& l, Draw& draw, double length
   return std::nullopt;
 }
 
-// Places two lights beside a road: at `first` for vehicles that drive in the direction of the road's line, at `last`
-// for vehicles that drive against it (m along the road). `marked`: the lights have stop lines.
+// Places two lights beside a road: at `first` (m along the road) for vehicles that drive in the direction of the road's
+// line, at `last` for vehicles that drive against the line. `marked`: true if the lights have stop lines.
 void putLights(Placer& placer, const Model& light, const Road& road, double first, double last, bool marked,
                const std::string& name) {
   const double out = road.section.half + road.section.curb + 0.45;
@@ -53,7 +53,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
                            .marked = marked});
 }
 
-// True if the heights of four points around the point differ by less than kLargest: a wide object can stand there.
+// True if the ground is level enough for a wide object: heights at four points around `p` differ by less than kLargest.
 bool isLevel(const Layout& l, const Point2& p) {
   constexpr double kAround = 1.2, kLargest = 0.35;  // m
   std::vector<double> heights;
@@ -62,13 +62,13 @@ bool isLevel(const Layout& l, const Point2& p) {
   return high - low < kLargest;
 }
 
-// Places roadworks, with an excavator and cones, in the lane of the main road that the ego vehicle does not use.
+// Places roadworks with an excavator and cones on the left lane of the main road; the ego vehicle uses the right lane.
 void placeRoadworks(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::Roadworks);
   const bool rural = l.character.country;
   const Road& road = l.mainRoad();
-  // A one-way road has only the lane that the ego vehicle uses.
+  // On a one-way road the ego vehicle needs the only lane.
   if (road.oneWay() || l.character.motorway) return;
   if (!draw.chance(rural ? 0.5 : 0.3)) return;
   const double length = draw.in(9, 18);
@@ -105,7 +105,7 @@ void placeRoadworks(Placer& placer, const Model& light) {
 // Places a pedestrian crossing on the main road: stripes and lights.
 void placeCrossing(Placer& placer, const Model& light) {
   constexpr double kLength = 3;                         // m along the road
-  constexpr double kStripe = 0.5, kStripeDistance = 1;  // m, width of a stripe, and from stripe to stripe
+  constexpr double kStripe = 0.5, kStripeDistance = 1;  // m, width of a stripe; m between the starts of two stripes
   constexpr double kFreeOfCars = 4;                     // m; vehicles do not park closer to the crossing
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::Crossing);
@@ -120,7 +120,7 @@ void placeCrossing(Placer& placer, const Model& light) {
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
   const double half = road.section.half - 0.3;
   for (const double lateral : models::steps(-half, half - kStripe, kStripeDistance)) {
-    constexpr int kPieces = 3;  // of a stripe, which follow the ground
+    constexpr int kPieces = 3;  // pieces of a stripe, so that it follows the ground
     for (int piece = 0; piece < kPieces; ++piece) {
       const auto along = [&](int k) { return *start + kLength * k / kPieces; };
       paintBar(s, paint, l, road, {along(piece), along(piece + 1)}, {lateral, lateral + kStripe});
@@ -139,13 +139,13 @@ void placeSignals(Placer& placer, const Model& light) {
     const double away = side.section.half + 5;
     putLights(placer, light, l.mainRoad(), *side.joins - away, *side.joins + away, true,
               fmt::format("light {}", side.number));
-    // The light of the side road, at its right as seen by those who come out.
+    // The side road's own light, at the right for vehicles that leave the side road.
     placer.tryPut(light, besideRoad(side, stopLineOfSideRoad(l), side.section.half + side.section.curb + 0.45),
                   fmt::format("light {}, out of the side road", side.number));
   }
 }
 
-// Tries to place an object at a random position along a plot, `depth` m from its front; false if it does not fit.
+// Tries to place an object at a random position along a plot, `depth` m from the plot's front. True if it is placed.
 bool tryPutInPlot(Placer& placer, const Plot& plot, Draw& draw, Clutter clutter, double depth, int& attempts) {
   const Layout& l = placer.layout;
   Spot spot = l.inPlot(plot, draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2)), depth);
@@ -160,7 +160,7 @@ bool tryPutInPlot(Placer& placer, const Plot& plot, Draw& draw, Clutter clutter,
 void placeGardenThings(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.character.motorway) return;
-  int attempts = 0;  // of placing an object on level ground; objects are numbered by it
+  int attempts = 0;  // attempts on level ground so far, which number the objects
   int waters = 0;    // number of ponds and fountains
   const auto tryPut = [&](const Plot& plot, Draw& draw, Clutter clutter, double depth) {
     const bool placed = tryPutInPlot(placer, plot, draw, clutter, depth, attempts);
@@ -185,7 +185,7 @@ void placeGardenThings(Placer& placer) {
       tryPut(plot, draw, fountain ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8));
     }
   }
-  // If no water has been placed, tries to add a pond at the main road, so that few towns have no water.
+  // If there is no pond or fountain so far, tries to add a pond at the main road, so that most towns have water.
   Draw draw(l.seed, Kind::TownPond);
   for (int attempt = 0; attempt < 4 * Placer::kTries && waters == 0 && !l.plots.empty(); ++attempt) {
     const Plot& plot = draw.itemOf(l.plots);
@@ -193,7 +193,7 @@ void placeGardenThings(Placer& placer) {
   }
 }
 
-// Places a fountain in the middle of about half of the squares, and benches and planters around the middle of each.
+// Places benches and planters around the middle of each square, and fountains in the middle of about half of them.
 void placeSquares(Placer& placer) {
   const Layout& l = placer.layout;
   const auto isSquare = [](const MapArea& area) { return area.land == Land::Paved && area.square; };
@@ -216,7 +216,7 @@ void placeSquares(Placer& placer) {
     for (int k = 0; k < count; ++k) {
       const Model& furnishing = draw.chance(0.6) ? bench : planter;
       const double angle = 2 * kPi * k / count;
-      const double share = draw.in(0.4, 0.8);  // of the way from the middle to the square's edge
+      const double share = draw.in(0.4, 0.8);  // distance from the middle, 1 at the edge
       const Point2 p = about.at(share * about.halfX * std::cos(angle), share * about.halfY * std::sin(angle));
       tryPut(furnishing, p, about.yaw + angle + kPi / 2);
     }
@@ -236,7 +236,7 @@ void placeClutter(Placer& placer) {
   placeSquares(placer);
 }
 
-// Places dogs and cats within 3 m of the main road's curb; in rural towns also herds within 28 m of this curb.
+// Places dogs and cats within 3 m of the main road's curb and, on farmland, herds within 28 m of the curb.
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.parameters.people <= 0 || l.character.motorway) return;

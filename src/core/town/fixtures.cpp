@@ -34,8 +34,8 @@ std::vector<FurnishedRoad> furnishedRoads(const Layout& l) {
   return parts;
 }
 
-// Tries to place `per100m` objects per 100 m of each road that is not minor. For each object, calls tryPlace(draw,
-// road, along, side) with random positions (m; side 1: left, -1: right) until it returns true, at most kTries times.
+// Tries to place `per100m` objects per 100 m of each road that is not minor: calls tryPlace(draw, road, along, side)
+// with random positions (`along`: m; `side`: 1 left, -1 right) until the result is true: at most kTries each.
 template <class TryPlace>
 void placeAlongRoads(const Layout& l, Kind kind, double per100m, const TryPlace& tryPlace) {
   for (const FurnishedRoad& part : furnishedRoads(l)) {
@@ -51,7 +51,7 @@ void placeAlongRoads(const Layout& l, Kind kind, double per100m, const TryPlace&
   }
 }
 
-// Returns the spot `out` m beyond the road's edge; nullopt if it is at another road, a parking lot, a square or water.
+// Returns the spot `out` m beyond the road's edge; nullopt if another road, a parking lot, a square or water is there.
 std::optional<Spot> beyondEdge(const Layout& l, const Road& road, double along, int side, double out) {
   const Spot spot = besideRoad(road, along, side * (road.section.half + out));
   if (l.besideAt(spot.at).edge <= out - 0.25 || l.areas.outsideHard(spot.at) <= 0.3) return std::nullopt;
@@ -61,7 +61,7 @@ std::optional<Spot> beyondEdge(const Layout& l, const Road& road, double along, 
 // Places lamps at one side of each road, evenly spaced, with their arms over the road.
 void placeLamps(Placer& placer, const std::vector<Model>& lamps) {
   const Layout& l = placer.layout;
-  constexpr double kHalfPost = 0.12;  // m; only the post needs ground: vehicles pass under the arm
+  constexpr double kHalfPost = 0.12;  // m; only the post needs free ground, not the arm above
   for (const FurnishedRoad& s : furnishedRoads(l)) {
     Draw draw(l.seed, Kind::RoadLamps, s.road.number);
     const double spacing = l.character.country ? draw.in(60, 120) : draw.in(16, 30);
@@ -79,7 +79,7 @@ void placeLamps(Placer& placer, const std::vector<Model>& lamps) {
   }
 }
 
-// Places signs along roads, facing the vehicles on their side, and at the ends of side roads. `signs`: by TrafficSign.
+// Places signs along roads and where side roads meet the main road; signs face the traffic. `signs`: by TrafficSign.
 void placeSigns(Placer& placer, const std::vector<Model>& signs) {
   const Layout& l = placer.layout;
   const auto modelOf = [&](TrafficSign sign) -> const Model& { return signs[static_cast<std::size_t>(sign)]; };
@@ -89,7 +89,7 @@ void placeSigns(Placer& placer, const std::vector<Model>& signs) {
   placeAlongRoads(l, Kind::RoadSigns, per100m, [&](Draw& draw, const Road& road, double along, int side) {
     std::optional<Spot> spot = beyondEdge(l, road, along, side, road.section.curb + draw.in(0.35, 0.7));
     if (!spot) return false;
-    // Vehicles at the right of the road's line drive in the line's direction.
+    // At the right of the road's line, vehicles drive in the direction of the line.
     spot->yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
     const Model& sign = modelOf(draw.itemOf(kAlongRoads));
     return placer.tryNumbered("sign", [&](const std::string& name) { return placer.tryPut(sign, *spot, name); });
@@ -104,7 +104,7 @@ void placeSigns(Placer& placer, const std::vector<Model>& signs) {
   }
 }
 
-// Places bus shelters on wide pavements; their open side faces the road.
+// Places bus shelters on wide pavements, with the open side towards the road.
 void placeShelters(Placer& placer) {
   constexpr double kRoom = 2.4;  // m, least width of verge and sidewalk
   const Layout& l = placer.layout;
@@ -135,9 +135,9 @@ void placeFurniture(Placer& placer, const std::vector<Model>& furnishings) {
 
 constexpr double kRailPanel = 2;  // m, length of a panel
 
-enum class Faces { Left, Right };  // of the main road's line
+enum class Faces { Left, Right };  // side of the main road's line
 
-// Places a row of panels along the main road (m), `lateral` m to its left. `heightFactor`: of the panels.
+// Places a row of panels `lateral` m to the left of the main road's line. `heightFactor`: factor on the panels' height.
 void placeRow(Placer& placer, const Model& panel, const models::Span& along, double lateral, Faces faces,
               double heightFactor, const std::string& name) {
   const Road& road = placer.layout.mainRoad();
@@ -156,7 +156,7 @@ void placeRow(Placer& placer, const Model& panel, const models::Span& along, dou
 constexpr double kFarthest = 60;  // m, largest distance between two poles that a wire connects
 constexpr double kToHouse = 26;   // m, largest distance between a pole and a house that a wire connects
 
-// Adds a wire between two points as a parabola, close to a catenary if the sag at its middle (m) is small.
+// Adds a wire between two points as a parabola, which is close to a catenary. `sag`: m, in the middle of the wire.
 void addWire(models::Shape& s, SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double sag, double radius) {
   constexpr int kPieces = 16;
   std::vector<Vec3d> points;
@@ -174,7 +174,7 @@ struct PlacedPole {
   double along = 0;  // m along the road
 };
 
-// True if lorries can pass under a straight wire from a to b wherever it crosses a road.
+// True if a straight wire from `a` to `b` is at least kClear above each road that it crosses: lorries can pass.
 bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
   constexpr double kClear = 5;  // m, least height of a wire above a road
   constexpr int kSamples = 24;
@@ -186,7 +186,7 @@ bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
   return true;
 }
 
-// Places poles beyond the pavement at one side of the main road, as evenly spaced as other objects allow.
+// Places poles behind the pavement at one side of the main road: evenly spaced, but moved where objects are in the way.
 std::vector<PlacedPole> placePoles(Placer& placer, Draw& draw, const UtilityPole& pole) {
   const Layout& l = placer.layout;
   const Road& road = l.mainRoad();
@@ -220,7 +220,7 @@ std::optional<TrafficSign> signAtMouth(const Layout& l, const Road& road) {
   return sign;
 }
 
-// Builds the models of lamps, signs and furniture, then places them in this order, with shelters before the furniture.
+// Builds the models first, then places lamps, signs, shelters and furniture, in this order.
 void placeFixtures(Placer& placer) {
   const std::vector<Model> lamps = placer.forms(2, models::makeLamp);
   const auto signs = placer.forms(models::kSigns, [](SceneBuilder& builder, std::uint64_t seed, int form) {
@@ -268,12 +268,12 @@ void placeRails(Placer& placer) {
   }
 }
 
-// Places poles in some towns, wires between successive poles, and wires from the nearest pole to most houses.
+// Places poles in some towns, wires between successive poles, and wires from most houses to the nearest pole.
 void placeWires(Placer& placer) {
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::Wire);
   const Character& c = l.character;
-  // Terraced streets and motorways have no poles: wires are underground, and there is no space between walls and road.
+  // Terraced districts and motorways have no poles: wires are underground, or there is no space beside the road.
   const double probability = c.farmland ? 0.7 : c.terraced || c.country || c.plain ? 0 : 0.4;
   if (!draw.chance(probability)) return;
   const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed);

@@ -10,7 +10,7 @@ namespace {
 constexpr double kSideways = 2;     // m/s^2, largest lateral acceleration in bends
 constexpr double kSlowing = 1.2;    // m/s^2, deceleration before bends
 constexpr double kHardest = 8;      // m/s^2, largest deceleration of a vehicle
-constexpr double kRunsAmber = 3.5;  // m/s^2; drivers who would have to brake harder pass a red light
+constexpr double kRunsAmber = 3.5;  // m/s^2; drivers who had to brake harder do not stop at a red light
 constexpr double kSight = 120;      // m, how far drivers look ahead
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
@@ -21,7 +21,7 @@ struct State {
   double speed = 0;  // m/s
 };
 
-// The state of all vehicles at one time, which step() advances.
+// The states of all vehicles. step() advances them in time.
 class Flow {
  public:
   // `begin`: s, time of the start of the simulation.
@@ -30,7 +30,7 @@ class Flow {
     for (const Driver& d : drivers) states_.push_back({d.at, d.starts <= begin ? firstSpeed(d) : 0});
   }
 
-  // Advances from `time` by `dt` seconds. All accelerations follow from the states at `time`.
+  // Advances all vehicles from `time` by `dt` (s). The accelerations follow from the states at `time`.
   void step(double time, double dt) {
     std::vector<double> accelerations;
     for (std::size_t i = 0; i < drivers_.size(); ++i) accelerations.push_back(acceleration(i, time));
@@ -54,7 +54,7 @@ class Flow {
     return std::min(d.speed, limit[static_cast<std::size_t>(cell)]);
   }
 
-  // Returns the speed (m/s) at the start: at most the limit, and low enough to stop at lines without a traffic light.
+  // Returns a vehicle's first speed (m/s): at most the limit, and low enough to stop at stop lines without a light.
   double firstSpeed(const Driver& d) const {
     double speed = limitAt(d, d.at);
     for (const StopLine& stop : routes_[d.route].stops) {
@@ -64,8 +64,8 @@ class Flow {
     return speed;
   }
 
-  // Returns the acceleration (m/s^2) by equation (3) of the driver model, with the desired gap of equation (4). `gap`:
-  // m to the vehicle in front; kNone: there is none. `approach`: m/s by which the vehicle in front is slower.
+  // Returns the acceleration (m/s^2) by equations (3) and (4) of the driver model. `gap`: m to the vehicle in front, or
+  // kNone if no vehicle is in front. `approach`: own speed minus the speed of the vehicle in front (m/s).
   double following(double speed, double desiredSpeed, double gap, double approach) const {
     const double freeTerm = std::pow(speed / desiredSpeed, 4);
     if (gap == kNone) return std::max(-kModel.braking, kModel.acceleration * (1 - freeTerm));
@@ -76,7 +76,7 @@ class Flow {
     return std::max(-kHardest, kModel.acceleration * (1 - freeTerm - gapRatio * gapRatio));
   }
 
-  // Returns the least acceleration (m/s^2) that the speed limit, the vehicles in front and closed stop lines allow.
+  // Returns the least of the accelerations (m/s^2) for the speed limit, the vehicles in front and closed stop lines.
   double acceleration(std::size_t i, double time) const {
     const Driver& d = drivers_[i];
     const State& s = states_[i];
@@ -97,13 +97,13 @@ class Flow {
       const double gap = stop.at - s.at - d.length / 2;
       if (gap < 0 || gap > kSight || !isClosed(stop, time)) continue;
       if (stop.hasLight() && s.speed * s.speed > 2 * kRunsAmber * gap) continue;
-      // The vehicle's front stops at the line or shortly before it.
+      // Vehicles stop about 0.5 m before a line, not kModel.gap as behind another vehicle.
       least = std::min(least, following(s.speed, desiredSpeed, gap + kModel.gap - 0.5, s.speed));
     }
     return least;
   }
 
-  // Calls visit(vehicle, position) for each vehicle on a lane; the position is in m along the lane.
+  // Calls visit(vehicle, position) for each vehicle on a lane. `vehicle`: its index; `position`: m along the lane.
   template <class Visit>
   void forVehiclesOn(std::uint32_t lane, const Visit& visit) const {
     for (std::size_t j = 0; j < drivers_.size(); ++j) {

@@ -15,7 +15,7 @@ std::uint64_t mixed(std::uint64_t v) {
   return v ^ (v >> 31);
 }
 
-// Returns the dot product of an offset (dx, dy) from a corner of the lattice and the gradient there, a unit vector.
+// Returns the dot product of the gradient at the lattice's corner (ix, iy), a unit vector, and the offset (dx, dy).
 double sloped(std::uint64_t lattice, std::int64_t ix, std::int64_t iy, double dx, double dy) {
   // The sines and cosines of 22.5 and 45 degrees.
   constexpr double kSin = 0.38268343236508977, kCos = 0.92387953251128674, kHalf = 0.70710678118654752;
@@ -29,7 +29,7 @@ double sloped(std::uint64_t lattice, std::int64_t ix, std::int64_t iy, double dx
   return g[0] * dx + g[1] * dy;
 }
 
-// Returns the quintic step from 0 to 1 of Perlin's improved noise.
+// Returns the quintic smooth step, from 0 to 1, of Perlin's improved noise.
 double faded(double t) {
   return t * t * t * (t * (t * 6 - 15) + 10);
 }
@@ -124,7 +124,7 @@ Line denseLine(const Line& line, double step) {
 
 Line smoothLine(const Line& line, double step) {
   Line points = evenLine(line, step);
-  constexpr int kPasses = 8;  // together the passes average over about two points on both sides
+  constexpr int kPasses = 8;  // all passes together average over about two points on each side
   for (int pass = 0; pass < kPasses; ++pass) {
     Line averaged = points;
     for (std::size_t i = 1; i + 1 < points.size(); ++i) {
@@ -133,7 +133,7 @@ Line smoothLine(const Line& line, double step) {
     }
     points = std::move(averaged);
   }
-  // Smoothed points may coincide where the line turns back.
+  // Removes points that coincide after smoothing, where the line turns back.
   constexpr double kLeastDistance = 0.1;  // m between two points of the result
   Line apart;
   for (const Point2& p : points) {
@@ -202,7 +202,7 @@ models::Footprint rectangleAbout(const Polygon& ring) {
     const double yaw = std::atan2(b.y - a.y, b.x - a.x);
     const double c = std::cos(yaw);
     const double s = std::sin(yaw);
-    Polygon rotated;  // in the axes of this side
+    Polygon rotated;  // coordinates along and across this side
     for (const Point2& p : ring) rotated.push_back({p.x * c + p.y * s, p.y * c - p.x * s});
     const auto [low, high] = extentOf(rotated);
     const double area = (high.x - low.x) * (high.y - low.y);
@@ -221,7 +221,7 @@ Polygon cornersOf(const models::Footprint& f) {
 
 Polygon clipped(Polygon ring, double half) {
   for (int side = 0; side < 4; ++side) {
-    // Returns the distance (m) between a point and the line through this side of the square, positive inside.
+    // Returns the signed distance (m) of a point from the line through this side of the square; positive inside.
     const auto inside = [&](const Point2& p) {
       return (side == 0 ? p.x : side == 1 ? -p.x : side == 2 ? p.y : -p.y) + half;
     };
@@ -240,7 +240,7 @@ Polygon clipped(Polygon ring, double half) {
 }
 
 double relief(const FieldAddress& address, double x, double y, double size) {
-  // Mixed twice, so that the lattices of different addresses are unrelated.
+  // Two rounds of mixing make the lattices of different addresses independent.
   const std::uint64_t lattice = mixed(
       mixed(address.seed + 1) ^ (std::uint64_t{address.number} << 32 | static_cast<std::uint32_t>(address.field)));
   const double u = x / size;
@@ -258,7 +258,7 @@ double relief(const FieldAddress& address, double x, double y, double size) {
   const double s = faded(dx);
   const double low = a + (b - a) * s;
   const double high = c + (d - c) * s;
-  constexpr double kSqrtTwo = 1.4142135623730951;  // scales the largest value, at a cell's centre, to 1
+  constexpr double kSqrtTwo = 1.4142135623730951;  // scales the largest value, which is at a cell's centre, to 1
   return (low + (high - low) * faded(dy)) * kSqrtTwo;
 }
 

@@ -1,5 +1,5 @@
-// Builds the ground of a town as one closed surface: a tiling that is fine near the roads, cut along the edges of road,
-// curb, verge, sidewalk and patches, with a height at each corner and vertical walls at the curbs.
+// Builds the ground of a town as one surface without gaps: triangles that are small near roads and are cut along the
+// edges of road, curb, verge, sidewalk and patches, with a height at each corner, and vertical walls at the curbs.
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr double kSmallest = 1;  // m, side of the smallest cells away from poth
 
 class GroundMaker {
  public:
-  // Adds the surfaces of all kinds of ground, which depend on the season and on random properties of the town.
+  // Adds a surface for each kind of ground. The materials depend on the season and on random properties of the town.
   GroundMaker(SceneBuilder& builder, const Layout& layout) : layout_(layout), shape_(builder, "ground") {
     const bool paved = Draw(layout.seed, models::Kind::Terrain).chance(0.5);
     const bool dry = Draw(layout.seed, models::Kind::DrySoil).chance(0.2);
@@ -43,7 +43,7 @@ class GroundMaker {
     set(GroundKind::Paved, "sidewalk", "paving");
   }
 
-  // Makes the tiling, cuts it along the five borders of roads, patches and hard areas, and adds its triangles.
+  // Makes the tiling, cuts it along the five borders of roads and the edges of patches and hard areas, adds triangles.
   models::Model make() {
     tile();
     for (const Road& road : layout_.roads()) sections_.push_back(road.section);
@@ -64,25 +64,25 @@ class GroundMaker {
   }
 
  private:
-  // Makes the tiling: cells of kSmallest / 8 at potholes, of kSmallest near roads and sharp edges, up to 8 m elsewhere.
+  // Makes the tiling. Cells are kSmallest / 8 at potholes, kSmallest near roads and sharp edges, elsewhere up to 8 m.
   void tile() {
     tiling_ = makeTiling(layout_.halfSide, kSmallest / 8, [&](double x, double y, double size) {
       const double radius = 0.71 * size;  // m, half of the cell's diagonal, rounded up
       if (size > kSmallest / 8 && layout_.nearPothole({x, y}, radius)) return true;
       if (size <= kSmallest * 1.0001) return false;
-      // Parking lots, squares, water and patches have sharp edges. Their distances are known up to about 4 m.
+      // Areas and patches have sharp edges. Distances from patches are known only up to kPatchReach (4 m).
       const double reach = std::min(radius, 3.9);
       if (std::abs(layout_.areas.outsideHard({x, y})) < reach) return true;
       if (std::abs(layout_.outsidePatches({x, y})) < reach) return true;
       const Beside b = layout_.besideAt({x, y});
-      // Beyond kReach the distance to roads is unknown: assume kReach.
+      // The distance from roads is known only up to kReach; beyond, kReach is assumed.
       const double toRoad = (b.nearRoad ? b.edge : RoadNetwork::kReach) - radius;
       const double largest = toRoad < 14 ? kSmallest : toRoad < 34 ? 2 * kSmallest : 8;
       return size > largest * 1.0001;
     });
   }
 
-  // Divides triangles along the line on which a field is zero.
+  // Divides triangles along the line on which field(index of a point) (m) is zero.
   template <class Field>
   void cut(const Field& field) {
     std::vector<double> values(tiling_.points.size());
@@ -90,7 +90,7 @@ class GroundMaker {
     cutAlong(tiling_, std::move(values));
   }
 
-  // Fills besides_ up to a point.
+  // Fills besides_ up to the index `point`.
   void makeBesides(std::uint32_t point) {
     while (besides_.size() <= point) {
       const Point2& p = tiling_.points[besides_.size()];
@@ -99,14 +99,14 @@ class GroundMaker {
     }
   }
 
-  // Returns the index in sections_ of a cross section: the road's number, or a new index at crossings.
+  // Returns the index of a cross section in sections_: the road's number, or a new index for a mixture at a crossing.
   std::uint32_t numberOf(const Beside& b) {
     if (b.section == sections_[b.road]) return b.road;
     sections_.push_back(b.section);
     return static_cast<std::uint32_t>(sections_.size() - 1);
   }
 
-  // Returns only those members of a point's position relative to roads on which height and kind of the ground depend.
+  // Returns a point's Beside with only `nearRoad`, `edge` and `section` set; kindAt() and heightAt() need no more.
   Beside beside(std::uint32_t point) {
     makeBesides(point);
     const auto& [edge, section] = besides_[point];
@@ -134,7 +134,7 @@ class GroundMaker {
     return layout_.kindAt(middle, p);
   }
 
-  // Returns the vertex of a point. Kinds on the same level, above or below the curb, share their vertices.
+  // Returns the vertex of a point: all low kinds (road, parking) share one vertex, and all other kinds share another.
   std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
     std::uint32_t& indexPlusOne = (isLow(kind) ? low_ : high_)[point];
     if (indexPlusOne == 0) {
@@ -163,7 +163,7 @@ class GroundMaker {
     addWalls(isLowTriangle);
   }
 
-  // Adds curbs' walls at edges between low and high triangles: these have vertices at both heights, in opposite order.
+  // Adds curbs' walls at the edges between a low and a high triangle, which contain an edge in opposite directions.
   void addWalls(const std::vector<bool>& isLowTriangle) {
     const SurfaceIndex curb = surfaces_[static_cast<std::size_t>(GroundKind::Curb)];
     const auto forEdgesAtBothHeights = [&](bool low, const auto& visit) {
@@ -196,14 +196,14 @@ class GroundMaker {
   Shape shape_;
   std::array<SurfaceIndex, 12> surfaces_{};
   Tiling tiling_;
-  // The edge (m) of each point's Beside, and the number in sections_ of its cross section: a fifth of the memory.
+  // Parts of a point's Beside: `edge` (m), and the index of `section` in sections_. Takes a fifth of the memory.
   struct EdgeAndSection {
     double edge;
     std::uint32_t section;
   };
   static constexpr std::uint32_t kUnknown = 0xFFFFFFFFu;
   std::vector<EdgeAndSection> besides_;
-  std::vector<CrossSection> sections_;     // of the roads, then of crossings
+  std::vector<CrossSection> sections_;     // cross sections of the roads, then of crossings
   std::vector<std::uint32_t> low_, high_;  // for each point, the index of its vertex plus 1; 0: none yet
 };
 

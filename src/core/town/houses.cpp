@@ -17,7 +17,7 @@ using models::Shape;
 
 constexpr int kPanelForms = 4;      // number of forms of each kind of panel
 constexpr double kPanel = 2;        // m, length of a boundary's panel before it is scaled
-constexpr double kSunk = 0.05;      // m that panels reach below the ground
+constexpr double kSunk = 0.05;      // m, depth of panels below the ground
 constexpr double kPlinthDepth = 3;  // m, depth to which plinths extend below the door, to close gaps on slopes
 
 // Places rows of fence panels, walls and hedges.
@@ -25,7 +25,7 @@ class Boundaries {
  public:
   explicit Boundaries(Placer& placer) : placer_(placer) {}
 
-  // Places a row of panels from a to b, unless it is too short.
+  // Places a row of panels from `a` to `b`, unless they are less than kShortest apart.
   void placeRow(Fencing kind, int form, const Point2& a, const Point2& b) {
     constexpr double kShortest = 0.3;  // m
     if (distance(a, b) < kShortest) return;
@@ -33,7 +33,7 @@ class Boundaries {
     for (const Footprint& f : placePanels(kind, form, a, b)) placer_.occupancy.add(f);
   }
 
-  // Places the barriers of a map. Only afterwards is the ground occupied, since panels overlap where barriers meet.
+  // Places the barriers of a map. Marks their ground as occupied only at the end, because panels overlap at corners.
   void placeBarriers(const std::vector<MapBarrier>& barriers) {
     std::vector<Footprint> panels;
     std::array<models::Occupancy, kKinds> panelsOfKind;
@@ -48,7 +48,7 @@ class Boundaries {
       for (std::size_t k = first; k < panels.size(); ++k) sameKind.add(panels[k]);
     }
     for (const Footprint& f : panels) placer_.occupancy.add(f);
-    // The text is the same for all towns on the map, so that there is one warning.
+    // The same text for all towns on the map gives only one warning.
     if (!leftOut_) return;
     warn("{}: left out: pieces of walls, fences and hedges where the town has roads, paths, houses or trees",
          placer_.layout.parameters.map.string());
@@ -58,9 +58,9 @@ class Boundaries {
   double halfThickness(Fencing kind, int form) { return panel(kind, form).width() / 2; }
 
  private:
-  // Places panels from a to b, each at the height of the ground at its middle, and returns their rectangles. Leaves out
-  // panels on an object, a path or a road, and panels whose middle is in a rectangle of `sameKind`, such as those of
-  // the fence that two gardens share. `height` (m) replaces the height of the panel's model.
+  // Places panels from `a` to `b`, each at the ground's height at its middle, and returns their rectangles. Leaves out
+  // panels on an object, a path or a road, and panels whose middle is in a rectangle of `sameKind`: on maps, the fence
+  // between two gardens may occur twice. `height`: height of the panels (m); not set: the height of the model.
   std::vector<Footprint> placePanels(Fencing kind, int form, const Point2& a, const Point2& b,
                                      std::optional<double> height = {}, const models::Occupancy* sameKind = nullptr) {
     const double length = distance(a, b);
@@ -103,7 +103,7 @@ class Boundaries {
 
 }  // namespace
 
-// Places houses with plinths, and blocks. The buildings of one relation of a map are one object instance of this town.
+// Places houses with plinths, and blocks. All buildings of one relation of the map become one object instance.
 void placeHouses(Placer& placer) {
   const std::size_t instancesBefore = placer.builder.soFar().instances.size();
   const auto put = [&](const Model& m, const Affine& pose, const std::string& name, std::int64_t relation) {
@@ -128,7 +128,7 @@ void placeHouses(Placer& placer) {
   }
 }
 
-// Places the barriers of the map, then fences, walls and hedges along the road and, at some plots, around gardens.
+// Places the barriers of the map, then, by plot, fences, walls and hedges along the road and around some gardens.
 void placeBoundaries(Placer& placer) {
   const Layout& l = placer.layout;
   Boundaries boundaries(placer);
@@ -141,7 +141,7 @@ void placeBoundaries(Placer& placer) {
     const auto point = [&](double along, double depth) {
       return besideRoad(road, along, plot.side * (road.section.half + road.section.fenced() + depth)).at;
     };
-    // Fences, walls and hedges stand at the edge of the sidewalk, with their whole thickness beyond it.
+    // Fences, walls and hedges are placed just beyond the edge of the sidewalk.
     const double front = (fenced ? boundaries.halfThickness(plot.fencing, form) : 0) + 0.06 + draw.in(0, 0.1);
     if (fenced) boundaries.placeRow(plot.fencing, form, point(plot.from, front), point(plot.to, front));
     if (plot.bare) continue;

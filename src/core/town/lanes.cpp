@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kPointDistance = 6;  // m between the points of a path
 
-// Returns `reach` m of points that continue a path beyond a road's end: down, in a half circle, and back far below the
-// ground, where vehicles are hidden before they arrive or after they have left.
+// Returns points that continue a path by `reach` m beyond the point `end`: down a ramp, in a half circle, and back far
+// below the ground. Vehicles are hidden there before they arrive or after they have left.
 std::vector<Vec3d> hiddenPath(const Vec3d& end, const Vec3d& beforeEnd, double reach) {
   std::vector<Vec3d> points;
   if (reach <= 0) return points;
@@ -61,7 +61,7 @@ LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double 
   return result;
 }
 
-// Chooses the first side road to come from and the last to enter, of those that are long enough and driven so.
+// Among the side roads that are long enough, `from` is the first one that may be left, `into` the last to be entered.
 EgoRoads egoRoads(const Layout& l) {
   constexpr double kLeastMain = 30;   // m, least length of the main road between two turns, or before the only turn
   constexpr double kLeastLanes = 20;  // m, least length of a side road's lanes
@@ -75,7 +75,7 @@ EgoRoads egoRoads(const Layout& l) {
       *ego.into->joins - *ego.from->joins < turnStart(*ego.from) + turnStart(*ego.into) + kLeastMain) {
     ego.from = nullptr;
   }
-  // Without `from` the vehicle must not turn within kLeastMain of the start of the built-up part.
+  // Without `from`, the ego vehicle must not turn in the first kLeastMain metres of the built-up part.
   if (ego.into != nullptr && ego.from == nullptr && *ego.into->joins - turnStart(*ego.into) < l.mainFrom + kLeastMain) {
     ego.into = nullptr;
   }

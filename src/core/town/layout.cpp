@@ -6,10 +6,10 @@ namespace {
 using models::Footprint;
 using models::smooth;
 
-constexpr double kFarFromRoads = 1e3;  // m, distance from a road's edge where no road is known
-constexpr double kSoftEdge = 1.5;  // m beyond pavements and hard areas to where the land is fully uneven and levelled
+constexpr double kFarFromRoads = 1e3;  // m, distance that is assumed if no road is near
+constexpr double kSoftEdge = 1.5;      // m from pavements and hard areas to the full unevenness and levelling
 
-// Returns the outline and the holes of an area.
+// Returns pointers to the outline and the holes of an area.
 std::vector<const Polygon*> ringsOf(const MapArea& area) {
   std::vector<const Polygon*> rings{&area.outline};
   for (const Polygon& hole : area.holes) rings.push_back(&hole);
@@ -20,7 +20,7 @@ std::vector<const Polygon*> ringsOf(const MapArea& area) {
 
 void Areas::add(MapArea area) {
   const auto [low, high] = extentOf(area.outline);
-  static constexpr double kFarthest = 2000;  // m, which no town exceeds; it bounds the number of cells
+  static constexpr double kFarthest = 2000;  // m, farther than any town extends; bounds the number of cells
   const auto clamped = [](double v) { return std::clamp(v, -kFarthest, kFarthest); };
   cells_.add({clamped(low.x - kReach), clamped(low.y - kReach)}, {clamped(high.x + kReach), clamped(high.y + kReach)},
              0, static_cast<std::uint32_t>(areas_.size()));
@@ -81,7 +81,7 @@ bool Layout::nearPothole(const Point2& p, double reach) const {
   });
 }
 
-// Adds the index to the grid cells of a square that contains all points within kPatchReach of the rectangle.
+// Adds `index` to the cells of a square that contains all points within kPatchReach of the rectangle `f`.
 void Layout::addToCells(const Footprint& f, std::uint32_t index, models::CellIndex& cells) {
   const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
   for (const double y : models::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
@@ -109,7 +109,7 @@ std::array<double, 5> Layout::borders(double edge, const CrossSection& section) 
           edge - section.paved()};
 }
 
-// Tests the strips of the road's cross section from the middle outwards, then the land.
+// Tests the strips of the road's cross section from the middle outwards, then the land beside the road.
 GroundKind Layout::kindAt(const Beside& beside, const Point2& p) const {
   if (!beside.nearRoad) {
     const Patch* patch = patchAt(p);
@@ -117,7 +117,7 @@ GroundKind Layout::kindAt(const Beside& beside, const Point2& p) const {
   }
   const CrossSection& s = beside.section;
   if (beside.edge < 0) {
-    constexpr double kLeastBay = 1.5;  // m, least width of a lane of parking bays
+    constexpr double kLeastBay = 1.5;  // m, least width of a parking lane with a surface of its own
     return s.parking > kLeastBay && beside.edge > -s.parking ? GroundKind::Parking : GroundKind::Road;
   }
   if (beside.edge < s.curb) return GroundKind::Curb;
@@ -139,7 +139,7 @@ GroundKind Layout::landAt(const Point2& p) const {
   return land == Land::Paved ? GroundKind::Paved : GroundKind::Lawn;
 }
 
-// Returns the height (m) of the land's hills, by three fields whose sizes (m) and shares are estimates.
+// Returns the height (m) of hills: a sum of three random fields, whose sizes (m) and weights are estimates.
 double Layout::hillsAt(const Point2& p) const {
   return character.hills *
          (field(Field::Hills, p, 260) + 0.25 * field(Field::Slopes, p, 110) + 0.11 * field(Field::Knolls, p, 45));
@@ -147,7 +147,7 @@ double Layout::hillsAt(const Point2& p) const {
 
 // Returns a factor on the height of the curb: 1, or less where a driveway joins the road.
 double Layout::lowering(const Beside& beside, const Point2& p) const {
-  constexpr double kFarthest = 3;  // m from the road's edge; beyond, no driveway lowers the ground
+  constexpr double kFarthest = 3;  // m from the road's edge; no driveway lowers the ground beyond
   if (beside.section.step <= 0 || beside.edge > kFarthest) return 1;
   constexpr double kLeast = 0.25;                        // the factor in the middle of a driveway
   constexpr double kRampAlong = 0.8, kRampAcross = 1.5;  // m, lengths of the slopes beside and along the driveway
@@ -161,7 +161,7 @@ double Layout::lowering(const Beside& beside, const Point2& p) const {
   return std::max(factor, kLeast);
 }
 
-// Returns the height (m) of a carriageway `inside` m from its edge: hills with the crown, ruts and potholes.
+// Returns the height (m) of the carriageway `inside` m from its edge: the sum of hills, crown, ruts and potholes.
 double Layout::carriagewayHeight(double inside, const Point2& p) const {
   if (character.plain) return hillsAt(p);
   constexpr double kCamber = 0.02;      // slope across the road, an estimate
@@ -179,22 +179,22 @@ double Layout::carriagewayHeight(double inside, const Point2& p) const {
   return hillsAt(p) + crown + worn - potholeDepth;
 }
 
-// Returns the unevenness (m) of lawns and meadows. `edge`: m beyond the carriageway; `hard`: Areas::outsideHard().
+// Returns the unevenness (m) of lawns and meadows. `edge`: m from the carriageway's edge; `hard`: outsideHard(p).
 double Layout::rollingOfLand(const Beside& beside, double edge, double hard, const Point2& p) const {
-  constexpr double kLawns = 9;  // m from the pavement to the full unevenness
+  constexpr double kLawns = 9;  // m from pavements to where the unevenness is full
   const double unpaved = std::max(0.0, edge - (beside.nearRoad ? beside.section.paved() : 0));
   const double wild = character.undulation * smooth(unpaved / kLawns) * smooth(hard / kSoftEdge);
   return 1.6 * wild * field(Field::Swells, p, 16) + 0.6 * wild * field(Field::Bumps, p, 5);
 }
 
-// Returns the height (m) of banks beside roads. Lots and squares are flatter than the land around them.
+// Returns the height (m) of banks beside roads. Parking lots and squares are flatter than the land around them.
 double Layout::bankHeight(const Beside& beside, double edge, double hard, const Point2& p) const {
-  constexpr double kBanks = 11;  // m from the curb to the full height
+  constexpr double kBanks = 11;  // m from the curb to where a bank has its full height
   const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
   return flat * character.banks * smooth((edge - beside.section.curb) / kBanks) * field(Field::Banks, p, 45);
 }
 
-// Returns the fine unevenness (m) of a kind of ground: that of lawns varies from place to place.
+// Returns the fine unevenness (m) of the ground. Its amplitude varies over the land and is smaller on paved kinds.
 double Layout::grainOf(GroundKind kind, const Beside& beside, double edge, const Point2& p) const {
   const double rough = character.plain ? 0 : 0.03 + 0.08 * std::max(0.0, field(Field::Roughness, p, 9));
   const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
@@ -202,13 +202,13 @@ double Layout::grainOf(GroundKind kind, const Beside& beside, double edge, const
          (kind == GroundKind::Sidewalk ? 0.1 : 1);
 }
 
-// Roads are smooth; all other ground is a sum of terms, each of which fades out at the borders of its kinds of ground.
+// The height of roads is carriagewayHeight(). Other heights are sums of terms that fade out at the borders of kinds.
 double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) const {
   const double edge = beside.nearRoad ? beside.edge : kFarFromRoads;
   if (kind == GroundKind::Road || kind == GroundKind::Parking) return carriagewayHeight(-edge, p);
   const double hard = areas.outsideHard(p);
   const double outer = beside.nearRoad ? beside.section.outer() : 0;
-  // The height of curb and pavement fades out far from roads, so that the ground has no step where `nearRoad` changes.
+  // The height of curb and pavement fades out far from roads; otherwise there is a step where `nearRoad` changes.
   constexpr double kFadesFrom = 18, kFades = 15;  // m from the road's edge
   constexpr double kCrossfall = 0.015;            // slope of pavements towards the road
   const double near = beside.nearRoad ? 1 - smooth((edge - kFadesFrom) / kFades) : 0;
@@ -217,8 +217,8 @@ double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) 
   double natural =
       hillsAt(p) + curb + pavement + rollingOfLand(beside, edge, hard, p) + bankHeight(beside, edge, hard, p);
   if (kind == GroundKind::Water) {
-    // Water is level except at its banks.
-    constexpr double kBanks = 2;  // m, width of the banks of water
+    // Water is level, except within kBanks of its shore.
+    constexpr double kBanks = 2;  // m, width of the slope at a shore
     const std::optional<std::uint32_t> area = areas.indexAt(p);
     if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
   }
@@ -226,11 +226,11 @@ double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) 
          smooth(hard / kSoftEdge) * (grainOf(kind, beside, edge, p) + snowOn(beside, p));
 }
 
-// Returns the depth of snow (m). Paved ground is cleared. Ploughs leave a bank of snow on verges and shoulders.
+// Returns the depth of snow (m): 0 on paved ground, which is cleared; larger on verges, where ploughs leave a bank.
 double Layout::snowOn(const Beside& beside, const Point2& p) const {
   if (character.snow <= 0) return 0;
   const double cleared = smooth(outsidePatches(p) / 0.5);
-  constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
+  constexpr double kSlope = 0.3;  // m, width over which the depth rises at the edge of snow
   if (!beside.nearRoad) return character.snow * cleared;
   constexpr double kBank = 1.3, kLeastBank = 0.6;  // m, widths of the widest and the narrowest banks
   const CrossSection& s = beside.section;
@@ -249,7 +249,7 @@ double Layout::snowOn(const Beside& beside, const Point2& p) const {
   return depth * cleared;
 }
 
-// Returns the height (m) to add to `natural`, so that the ground is level under and beside buildings; far away 0.
+// Returns the height (m) that must be added to `natural` to level the ground at buildings; 0 far from buildings.
 double Layout::levelling(const Point2& p, double natural) const {
   double weightedSum = 0, sumOfWeights = 0, largestWeight = 0;
   for (const std::uint32_t i : terraceCells_.at(p)) {
