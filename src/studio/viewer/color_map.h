@@ -21,7 +21,7 @@ Rgb instanceColor(std::uint32_t instance);
 // ontology or the class is not in it, the colour is computed from the id.
 Rgb classColor(const Ontology* ontology, std::uint16_t id);
 
-// Returns the name of a class, such as "car"; "class 10" if the class is not in the ontology.
+// Returns the name of a class, such as "car"; if the class is not in the ontology, its id, such as "class 10".
 std::string className(const Ontology* ontology, std::uint16_t id);
 
 }  // namespace scanmill

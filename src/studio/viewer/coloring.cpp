@@ -99,15 +99,14 @@ Coloring byReturn(const Scan& scan, const ColorContext& context) {
   return out;
 }
 
-// Returns the value below which the fraction `rank` of the values is. Reorders the values, of which there is at least
-// one.
+// Returns the percentile of the values at `rank`, from 0 to 1. Reorders the values, which must not be empty.
 double percentile(std::vector<double>& values, double rank) {
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(rank * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), nth, values.end());
   return *nth;
 }
 
-// How colours follow from numbers. Title and power: see Legend.
+// How numbers are mapped to colours. `title` and `power`: see Legend.
 struct Scale {
   std::string title;
   double clipped = 0;  // fraction of the values to cut off at an end that is not fixed
@@ -120,8 +119,8 @@ struct Scale {
 constexpr double kClipped = 0.01;
 constexpr std::size_t kMostSorted = 1'000'000;  // maximum number of values from which percentiles are computed
 
-// Returns the ends of a scale that are not fixed from the values of the points with finite positions; 0 if there are
-// none. valueOf(point) returns a value; NaN: unknown.
+// Returns the ends of a scale: fixed ends as they are, the others from the values of the points with finite positions;
+// 0 if no value is known. valueOf(point) returns a value; NaN: unknown.
 ScaleRange endsOf(const Scan& scan, const Scale& scale, const auto& valueOf) {
   std::vector<double> finite;
   const std::size_t step = scale.clipped > 0 ? scan.size() / kMostSorted + 1 : 1;
@@ -134,8 +133,8 @@ ScaleRange endsOf(const Scan& scan, const Scale& scale, const auto& valueOf) {
   return {low, scale.high ? *scale.high : endAt(1 - scale.clipped)};
 }
 
-// Colours points by a number. valueOf(point) returns it; NaN: unknown. The ends of the scale are those of the context
-// or, if it has none, endsOf().
+// Colours points by a number. valueOf(point) returns the number; NaN: unknown. The ends of the scale are those of the
+// context or, if it has none, those that endsOf() returns.
 Coloring byNumber(const Scan& scan, const Scale& scale, const ColorContext& context, const auto& valueOf) {
   const ScaleRange ends = context.scale ? *context.scale : endsOf(scan, scale, valueOf);
   const double span = ends.high - ends.low;
@@ -167,7 +166,7 @@ double distanceOf(const Scan& scan, std::size_t point) {
   return length(Vec3d(scan.position[point]));
 }
 
-// Colours points by the errors of the context or, if it has none, by the difference to the column range_true.
+// Colours points by the errors of the context or, if it has none, by the difference from the column `range_true`.
 Coloring byError(const Scan& scan, const ColorContext& context) {
   const Scale scale{.title = context.errorTitle.empty() ? "error (m)" : context.errorTitle,
                     .clipped = kClipped,
@@ -191,7 +190,7 @@ Coloring byError(const Scan& scan, const ColorContext& context) {
                   [&](std::size_t i) { return std::abs(distanceOf(scan, i) - scan[kRangeTrue][i]); });
 }
 
-// Colours points by a column of the table, which the scan has, in the way and the unit that the table states.
+// Colours points by a column that the scan has. The table of columns states the kind of colours and the unit.
 Coloring byColumn(const Scan& scan, const Column& column, const ColorContext& context) {
   const ColumnDisplay& display = column.display;
   if (display.colors == ColumnColors::Classes) return byClass(scan, context);

@@ -19,7 +19,7 @@ class ColorBy {
   explicit ColorBy(std::string name) : name_(std::move(name)) {}
   explicit ColorBy(const Column& column) : ColorBy(std::string(titleOf(column))) {}
   const std::string& name() const { return name_; }
-  auto operator<=>(const ColorBy&) const = default;  // NOLINT(modernize-use-nullptr): nobody writes one
+  auto operator<=>(const ColorBy&) const = default;  // NOLINT(modernize-use-nullptr): the compiler writes the 0
 
   static std::string_view titleOf(const Column& column) {
     return column.display.title.empty() ? column.name : column.display.title;
@@ -114,7 +114,7 @@ struct ColorContext {
 // return. Uses all threads.
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context);
 
-// The colour of an id, and the number of elements with this id that are counted.
+// The colour of an id, and the number of counted elements with this id.
 struct ColorOfId {
   Rgb color{};
   std::uint64_t count = 0;
@@ -146,8 +146,8 @@ struct ScaleTick {
   std::string text;
 };
 
-// Returns at most six ticks at multiples of 1, 2 or 5 times a power of ten; if the scale has no such value, at its
-// ends. If the legend's values are integers, so are the ticks. A scale with a single value has one tick, in the middle.
+// Returns at most six ticks at multiples of 1, 2 or 5 times a power of ten; if the scale has none of these, ticks at
+// its ends. Values that are integers have integer ticks. A scale with a single value has one tick, in the middle.
 std::vector<ScaleTick> scaleTicks(const Legend& legend);
 
 // Returns the legend's title, with a remark if colours are not proportional to values or the user has chosen the ends,

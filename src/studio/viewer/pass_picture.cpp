@@ -130,7 +130,7 @@ class PlaneMaker {
         [&, low = low](std::size_t i) { return viridis(std::log(std::max(double{distance[i]}, 1e-9) / low) * scale); });
   }
 
-  // Adds a plane of ids. Its legend lists the names of the ids that occur, the most frequent first, if they have names.
+  // Adds a plane of ids. Its legend lists the names of the ids, the most frequent first; it is empty without `nameOf`.
   template <class Id>
   void addIds(const char* name, const std::vector<Id>& ids, const auto& colorOf,
               const std::function<std::string(std::uint32_t)>& nameOf = {}) {
@@ -148,7 +148,7 @@ class PlaneMaker {
     std::ranges::stable_sort(entries, std::greater<>(), &LegendEntry::points);
   }
 
-  // Adds a plane of numbers with a scale from 0 to 1, or to the largest number.
+  // Adds a plane of numbers with a scale from 0 to 1, or to the largest number if this exceeds 1.
   void addNumbers(const char* name, const std::vector<float>& values) {
     if (values.empty()) return;
     const double high = std::max(1.0, double{*std::ranges::max_element(values)});
@@ -162,7 +162,7 @@ class PlaneMaker {
   std::vector<PassPlane> planes_;
 };
 
-// Removes all planes but the one with this name.
+// Removes all planes except the plane with this name. Throws InputError if there is no such plane.
 void keepPlane(std::vector<PassPlane>& planes, const std::string& name, const std::filesystem::path& file) {
   std::vector<std::string> names;
   for (const PassPlane& p : planes) names.push_back(p.name);

@@ -24,10 +24,10 @@ Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height
 // Returns the colour of a scan in an overlay of several scans. `scan`: index of the scan in the overlay.
 Rgb overlayColor(std::size_t scan);
 
-// Draws a scan as a range image with one row per ring, the highest beams at the top, and one pixel per beam, see
-// makeRangeStrip(), and its legend beside it. Pixels are enlarged by integer factors until the image is readable. If
-// several points are in the same pixel, the nearest is shown. `beams`: see makeRangeStrip(). Throws InputError if the
-// scan is too large for a picture, or if it is not organised and has no columns `ring` and `column`.
+// Draws a scan as a range image with its legend beside it. The image has one row per ring, the highest beams at the
+// top, and one pixel per beam; see makeRangeStrip(). Pixels are enlarged by integer factors until the image is
+// readable. If several points are in the same pixel, the nearest is shown. `beams`: see makeRangeStrip(). Throws
+// InputError if the scan is too large for a picture, or if it is not organised and has no columns `ring` and `column`.
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
                      const std::string& title, const BeamTable* beams = nullptr);
 
@@ -38,8 +38,8 @@ struct ExrSource {
   std::vector<std::string> materials{};  // names by material id; materials without a name are shown by id
 };
 
-// Returns an EXR file, or the image of the recording in a folder that `imageName` specifies, see findKey(); images are
-// in the order of their names, with numbers in numerical order. Throws InputError.
+// Finds an EXR file. `path`: the file, or the folder of a recording, in which `imageName` specifies the image; see
+// findKey(). Images are in the order of their names, with numbers in numerical order. Throws InputError.
 ExrSource findExr(const std::filesystem::path& path, const std::string& imageName);
 
 // Draws the plane with this name and its legend beside it or, if `planeName` is empty, all planes side by side, in a

@@ -21,7 +21,7 @@ struct BeamAzimuths {
   bool fullTurn = false;       // true: a full revolution, where the first column follows the last
 };
 
-// Sums over pairs of numbers, for their covariance.
+// Sums over pairs (x, y), from which covariance() and spread() are computed.
 struct PairSums {
   double x = 0, y = 0, xx = 0, yy = 0, xy = 0, count = 0;
 
@@ -58,8 +58,8 @@ struct OutwardColumns {
 // Unit vectors of the x-y plane in the directions of the beams, indexed by ring * columns + column; 0: not known.
 using Directions = std::vector<std::complex<float>>;
 
-// Returns the directions of all beams, if the beam table has the scan's rings and columns, otherwise those of the
-// points.
+// Returns the directions of all beams if the beam table has the scan's numbers of rings and columns, otherwise the
+// directions of the points.
 Directions directionsOf(const Scan& scan, const GridSize& grid, const BeamTable* beams) {
   constexpr double kOnAxis = 1e-3;  // points nearer to the z axis than this (m) have no meaningful azimuth
   Directions directions(grid.rings * grid.columns);
@@ -99,8 +99,8 @@ double stepOf(const Directions& directions, std::size_t columns) {
   return step;
 }
 
-// Returns the azimuths that the directions show if the columns, which have the given mean step (rad), are a full turn,
-// and each ring's azimuths differ from evenly spaced ones by nearly a constant, the ring's offset.
+// Returns the azimuths of the beams if the columns form a full turn and are evenly spaced, with a constant offset for
+// each ring; otherwise nothing. `step`: mean angle from column to column (rad).
 std::optional<BeamAzimuths> fullTurnOf(const Directions& directions, const GridSize& grid, double step) {
   // Largest difference of a full turn's sweep from 2 pi, as a fraction of 2 pi, since the vehicle may turn meanwhile.
   constexpr double kTurnSlack = 0.03;
@@ -138,8 +138,8 @@ bool followsColumns(const Directions& directions, std::size_t columns, double st
   return std::copysign(1.0, step) * sums.covariance() > kCorrelated * sums.spread();
 }
 
-// Returns the azimuths that the directions show: those of a full turn, otherwise rings that are not shifted. Returns
-// nothing if azimuths neither increase nor decrease with the column.
+// Returns azimuths estimated from directions: see fullTurnOf() or, if this is no full turn, without offsets of rings.
+// Returns nothing if azimuths neither increase nor decrease with the column.
 std::optional<BeamAzimuths> estimateAzimuths(const Directions& directions, const GridSize& grid) {
   const double step = stepOf(directions, grid.columns);
   if (step == 0) return {};
@@ -189,7 +189,7 @@ bool elevationsRise(const Scan& scan) {
   return sums.covariance() > 0;
 }
 
-// Returns the scan's numbers of rings and columns; if it is not organised, as many as its points need.
+// Returns the scan's numbers of rings and columns; if the scan is not organised, at least as many as its points need.
 GridSize gridOf(const Scan& scan) {
   GridSize size{std::max<std::size_t>(scan.rings, 1), std::max<std::size_t>(scan.columns, 1)};
   if (!scan.organised) {

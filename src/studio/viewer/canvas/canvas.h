@@ -2,9 +2,9 @@
 
 // A canvas is a window, or an image without a window, on which VTK draws points, triangles and lines. It does not
 // depend on scans. All coordinates are in metres in one frame, the canvas frame; they are float32, so they are exact
-// only near its origin. Each item may have a pose in this frame. Pixel coordinates start at the upper left corner. All
-// functions of a canvas must be called on the thread that opened it. Only one window can be open at a time. VTK is in a
-// plug-in, which is loaded when the first canvas is opened.
+// only near the frame's origin. Each item may have a pose in this frame. Pixel coordinates start at the upper left
+// corner. All functions of a canvas must be called on the thread that opened it. Only one window can be open at a time.
+// VTK is in a plug-in, which is loaded when the first canvas is opened.
 
 #include <functional>
 #include <memory>

@@ -40,8 +40,8 @@ std::vector<BeamPoint> sortedByBeam(const Scan& scan) {
   return points;
 }
 
-// Returns the points of the key's beam, but at most 16, since in damaged scans a beam may have thousands. `sorted`: see
-// sortedByBeam().
+// Returns the first points of the key's beam, at most 16, since a beam of a damaged scan may have thousands. `sorted`:
+// see sortedByBeam().
 std::span<const BeamPoint> pointsOf(const std::vector<BeamPoint>& sorted, const PointKey& key) {
   constexpr std::size_t kMostReturns = 16;
   const auto points = std::ranges::equal_range(sorted, beamOf(key), {}, &BeamPoint::beam);

@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns about the memory that a frame takes.
+// Returns the approximate memory of a frame (bytes).
 std::uint64_t frameBytes(const ViewFrame& frame) {
   const auto bytesOf = [](const auto& column) { return std::uint64_t{column.capacity()} * sizeof(column[0]); };
   std::uint64_t bytes = sizeof(ViewFrame);
@@ -94,7 +94,7 @@ bool FrameLoader::meshShows(const SceneChoice& scene) const {
   return meshScene_ == scene || (!mesh_->moves && meshScene_.file == scene.file && meshScene_.seed == scene.seed);
 }
 
-// Returns the requested frame if it is not cached.
+// Returns the requested frame if it is not cached; otherwise nothing.
 std::optional<std::size_t> FrameLoader::missingFrame() const {
   return requestedFrame_ && !find(*requestedFrame_) ? requestedFrame_ : std::nullopt;
 }
@@ -120,8 +120,8 @@ std::optional<std::size_t> FrameLoader::nextAhead() const {
   return std::nullopt;
 }
 
-// Caches the frame, and removes the frames that are farthest from the requested one until all fit. If the frame itself
-// is one of them, no more frames are read ahead.
+// Caches the frame, and removes the frames that are farthest from the requested one until all fit. If this removes the
+// frame itself, no more frames are read ahead.
 void FrameLoader::cache(std::size_t frame, ViewFrame loaded) {
   const std::uint64_t bytes = frameBytes(loaded);
   cached_[frame] = {std::make_shared<const ViewFrame>(std::move(loaded)), bytes};

@@ -54,7 +54,7 @@ class FrameLoader {
   std::optional<std::size_t> missingFrame() const;
   std::optional<std::size_t> nextAhead() const;
   void cache(std::size_t frame, ViewFrame loaded);
-  // These functions run on the loading thread. `lock` holds `mutex_`, but not while data are loaded.
+  // These functions run on the loading thread. `lock` holds `mutex_`, and releases it while data are loaded.
   void run();
   void loadFrame(std::size_t frame, std::unique_lock<std::mutex>& lock);
   void loadMesh(std::unique_lock<std::mutex>& lock);

@@ -64,7 +64,7 @@ struct ViewInput {
   std::filesystem::path ontology{};
   // File of the scene that was scanned; empty: the file that the manifest names.
   std::filesystem::path scene{};
-  // Seed of `scene`, or of the scene that `path` is; absent: the seed of the dataset's sequence, or 1.
+  // Seed of `scene`, or of `path` if this is a scene; absent: the seed of the dataset's sequence or, without one, 1.
   std::optional<std::uint64_t> seed{};
 };
 
@@ -78,7 +78,7 @@ class FrameSource {
   virtual const std::vector<std::string>& keys() const = 0;
   // Returns the names and colours of classes; null if they are unknown.
   virtual const Ontology* ontology() const = 0;
-  // True if a scene is shown without scans: then there is one frame without scans, and scene() returns the scene.
+  // True if a scene is shown without scans. Then the source has one frame without scans, and scene() returns the scene.
   virtual bool isScene() const { return false; }
   // Loads a frame. May be called from any thread. Does not throw for faults in the data, such as a damaged or missing
   // shard, a member that cannot be decoded, or a sample that is missing in a further dataset. These are reported in

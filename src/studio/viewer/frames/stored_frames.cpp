@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns a label for each file or folder: its name or, if two have the same name, its path in the folder that holds
-// all of them.
+// Returns a label for each file or folder: its name or, if two have the same name, its path relative to the folder that
+// contains all of them.
 std::vector<std::string> labelsOf(const std::vector<fs::path>& paths) {
   std::vector<std::string> names, absolutePaths;
   for (const fs::path& path : paths) {
@@ -110,8 +110,8 @@ StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
   }
 }
 
-// Throws InputError unless samples of all stores can be joined by their keys, or all stores are single scans, and the
-// main store has the sensor that the user chooses.
+// Throws InputError if there is no sample, if the main store is a single scan but another store or the reference is
+// not, or if the main store lacks the sensor that the user chooses.
 void StoredFrames::checkJoins() const {
   const std::string where = input_.path.string();
   if (StoredFrames::keys().empty()) throw InputError({where}, "holds no sample");
@@ -186,8 +186,8 @@ std::vector<StoredFrames::Loading> StoredFrames::findScans(const std::string& ke
   return scans;
 }
 
-// Names each scan after its sensor, with the method if there are several, and the store if there are several or the
-// sensor is unknown. Names that are used already get a number.
+// Names each scan after its sensor, its method if the scans have several methods, and its store if there are several
+// stores or the sensor is unknown. Repeated names get a number.
 void StoredFrames::nameScans(std::vector<Loading>& scans) const {
   std::set<std::string> methods;
   for (const Loading& l : scans) {
@@ -207,8 +207,8 @@ void StoredFrames::nameScans(std::vector<Loading>& scans) const {
   }
 }
 
-// Sets the errors of a scan to the distances from the reference's scan of the same sensor and revolution, if possible
-// by the same method. Throws InputError if there is none.
+// Sets the errors of a scan to the distances from the reference's scan of the same sensor and revolution, preferably by
+// the same method. Throws InputError if the reference has no such scan, or the scans cannot be compared.
 void StoredFrames::addReferenceError(ViewScan& scan, const std::string& key) const {
   const auto sample = reference_->single() ? std::optional<std::size_t>(0) : reference_->find(key);
   if (!sample)
@@ -230,8 +230,8 @@ void StoredFrames::addReferenceError(ViewScan& scan, const std::string& key) con
   scan.whyNoError = "no partner in the reference";
 }
 
-// Sets the errors of a scan: from the reference if there is one, otherwise from the column range_true if it has one.
-// `sensorsDiffer`: the sample has scans of several sensors.
+// Sets the errors of a scan: from the reference if there is one, otherwise from the column `range_true` if the scan has
+// it. `sensorsDiffer`: the sample has scans of several sensors.
 void StoredFrames::addError(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   if (reference_ == nullptr) {
@@ -247,8 +247,8 @@ void StoredFrames::addError(Loading& loading, const std::string& key, bool senso
   addReferenceError(scan, key);
 }
 
-// Reads the points of a scan that findScans() has found, and what the viewer shows beside them. Failures become
-// problems.
+// Reads the points of a scan that findScans() has found, and sets its pose, beams and errors. Adds failures to
+// loading.problems.
 void StoredFrames::loadScan(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   scan.sensor = loading.stored.sensor;
@@ -331,7 +331,7 @@ std::vector<Pose> StoredFrames::trajectory(std::size_t frame) const {
   return poses;
 }
 
-// Returns the first scan of the sample in the manifest; null if it is unknown or has none.
+// Returns the first scan of the sample in the manifest; null if the sample is unknown or has no scan.
 const ScanRecord* StoredFrames::firstScan(const std::string& key) const {
   const auto sequence = sequences_.find(partsOfKey(key).sequence);
   if (sequence == sequences_.end()) return nullptr;
@@ -356,7 +356,7 @@ std::optional<std::filesystem::path> StoredFrames::vehicle() const {
   return manifest == nullptr ? std::nullopt : vehicleOf(*manifest, mainStore().folder());
 }
 
-// Returns the pose of the vehicle that carries the sensors, at the start of the sample's first scan.
+// Returns the ego vehicle's pose at the start of the sample's first scan; nothing if the pose is unknown.
 std::optional<Pose> StoredFrames::vehiclePose(const std::string& key) const {
   const ScanRecord* const scan = firstScan(key);
   if (scan == nullptr || scan->worldFromSensor.empty()) return {};

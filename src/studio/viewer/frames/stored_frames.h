@@ -48,7 +48,7 @@ class StoredFrames : public FrameSource {
   std::vector<Store> stores_;  // first the main store, then the stores that are shown on top of it
   std::unique_ptr<const ScanStore> reference_;
   std::optional<Ontology> ontology_;
-  // For each sequence's name: its samples in the order of frames.
+  // The samples of each sequence, in the order of frames; the keys are the sequences' names.
   std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;
 };
 

@@ -17,7 +17,7 @@ constexpr std::size_t kTriangleGrain = 16384;
 constexpr std::size_t kBoxGrain = 64;
 
 // Returns the name of a part from the names of object and node, such as "hall: Wall.003"; only the object's name if the
-// node has the same name ("car" in "car#3") or none.
+// node has no name, or the object's name without its number (node "car", object "car#3").
 std::string partName(const std::string& object, const std::string& node) {
   const bool isSameName = object.starts_with(node) && (object.size() == node.size() || object[node.size()] == '#');
   return node.empty() || isSameName ? object : object + ": " + node;
@@ -79,7 +79,7 @@ std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
     firstSurfaces.push_back(static_cast<std::uint32_t>(view.surfaces.size()));
     const Mesh& mesh = scene.meshes[instance.mesh];
     if (mesh.triangles.empty()) continue;
-    NameList parts(view.parts);  // a new list for each instance, whose nodes are parts of their own
+    NameList parts(view.parts);  // a new list, since each instance's nodes are separate parts
     for (const Surface& surface : mesh.surfaces) {
       view.surfaces.push_back({.part = parts.indexOf(surface.node, partName(instance.name, surface.node)),
                                .material = surface.material,
@@ -90,10 +90,10 @@ std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
   return firstSurfaces;
 }
 
-// Sets corners, classes, instances and surfaces of all triangles, in the order of instances and of the triangles of
-// their meshes. Threads fill ranges of triangles, which may begin and end within an instance.
+// Sets the corners, class, instance and surface of each triangle. Triangles are in the order of instances, and in each
+// instance in the order of its mesh. Threads fill ranges of triangles, which may begin and end within an instance.
 void fillTriangles(const Scene& scene, ViewMesh& view) {
-  std::vector<std::size_t> firstTriangle{0};  // of each instance, then the number of all triangles
+  std::vector<std::size_t> firstTriangle{0};  // index of each instance's first triangle; at the end, their number
   for (const Instance& instance : scene.instances) {
     firstTriangle.push_back(firstTriangle.back() + scene.meshes[instance.mesh].triangles.size());
   }
@@ -141,8 +141,8 @@ void fillBoxes(ViewMesh& view) {
   }
 }
 
-// Returns for each cell of a horizontal grid that a box occupies the box around the occupied part of the cell.
-// `origin`: corner of the grid, below and before all boxes. `side`: side of a cell (m).
+// Returns one box for each cell of a horizontal grid that overlaps one of the boxes: the box around their parts in the
+// cell. `origin`: corner of the grid with the least x and y. `side`: side of a cell (m).
 std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origin, double side) {
   std::map<std::pair<int, int>, Box> occupied;  // by index of the cell along x and y
   for (const Box& box : boxes) {
@@ -163,12 +163,12 @@ std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origi
   return cells;
 }
 
-// Returns a box that contains most of a scene: the occupied cells of a grid, without the fraction kOmitted of them at
-// each side, but at most that fraction of the number of parts. How many parts a cell has does not count. Large parts,
-// such as surrounding ground, are left out unless the others reach nearly as far. The constants are chosen by eye.
+// Returns a box that contains most of a scene's parts, counted as occupied cells of a grid. Beyond each side of the box
+// is the fraction kOmitted of the cells, but at most this fraction of the number of parts. Large parts, such as ground,
+// are ignored unless the other parts reach nearly as far. The constants are chosen by eye.
 Box coreOf(const ViewMesh& view) {
   constexpr double kLarge = 0.5;      // fraction of the scene's longest side from which a part counts as large
-  constexpr double kReaching = 0.85;  // fraction of it above which the parts that are not large reach nearly as far
+  constexpr double kReaching = 0.85;  // fraction of this side above which the other parts reach nearly as far
   constexpr double kOmitted = 0.03;
   constexpr int kCells = 64;  // along the longest side
   const auto longestSide = [](const Box& box) {
@@ -187,7 +187,7 @@ Box coreOf(const ViewMesh& view) {
   std::vector<Box> cells = occupiedCells(parts, bounds.low, std::max(longestSide(bounds) / kCells, 1e-6));
   const std::size_t counted = std::min(cells.size(), view.partBoxes.size());
   const auto omitted = static_cast<std::ptrdiff_t>(kOmitted * static_cast<double>(counted));
-  // Returns the coordinate of the cells' sides that `omitted` cells exceed in the order. Reorders the cells.
+  // Returns the coordinate of a side of the box: `omitted` cells come before it in `order`. Reorders the cells.
   const auto sideWithoutOmitted = [&](Vec3d Box::*corner, double Vec3d::*axis, auto order) {
     const auto coordinate = [&](const Box& cell) { return cell.*corner.*axis; };
     std::ranges::nth_element(cells, cells.begin() + omitted, order, coordinate);

@@ -50,7 +50,7 @@ struct ViewMesh {
 
 constexpr std::uint64_t kMostViewTriangles = 30'000'000;
 
-// Builds the mesh of a scene with all threads; the result is always the same. If the scene has more than
+// Builds the mesh of a scene with all threads; the result does not depend on their number. If the scene has more than
 // kMostViewTriangles triangles, returns a mesh without triangles whose `problem` states this.
 ViewMesh makeViewMesh(const Scene& scene);
 

@@ -73,7 +73,7 @@ void addFont(ImFontAtlas& atlas, double lineHeight) {
   atlas.AddFontDefault(&config);
 }
 
-// Dear ImGui 1.89 and later (Debian 13) receive keys as events, earlier versions (Debian 12) in a table and flags.
+// Dear ImGui 1.89 and later (Debian 13) receives keys as events, earlier versions (Debian 12) in io.KeysDown and flags.
 #if IMGUI_VERSION_NUM >= 18900
 void nameKeys(ImGuiIO&) {}
 
@@ -100,8 +100,8 @@ void setModifiers(ImGuiIO& io, bool shift, bool control) {
 }
 #endif
 
-// Returns the triangles that Dear ImGui has drawn as an overlay of the canvas. Each of its lists has indices of
-// vertices of its own; in the overlay, the vertices of all lists follow one another.
+// Returns the triangles that Dear ImGui has drawn as an overlay of the canvas. Each of its draw lists has its own
+// vertices, to which the list's indices refer; the overlay has the vertices of all lists, one list after the other.
 Overlay overlayOf(const ImDrawData& drawn, const Canvas& canvas) {
   static_assert(sizeof(ImDrawVert) == sizeof(OverlayVertex) &&
                 offsetof(ImDrawVert, col) == offsetof(OverlayVertex, color));
@@ -160,7 +160,7 @@ ImGuiLayer::ImGuiLayer(Canvas& canvas, double lineHeight) : canvas_(canvas), con
   canvas.setImage(kFontImage, width, height, atlas);
   io.Fonts->SetTexID(textureOf(kFontImage));
   ImGuiStyle& style = ImGui::GetStyle();
-  constexpr double kUsualLineHeight = 14;  // for which Dear ImGui's sizes are made (pixels)
+  constexpr double kUsualLineHeight = 14;  // line height for which Dear ImGui's sizes are made (pixels)
   style.ScaleAllSizes(static_cast<float>(lineHeight / kUsualLineHeight));
   style.WindowRounding = style.PopupRounding = style.ChildRounding = static_cast<float>(lineHeight / 3);
   style.FrameRounding = style.GrabRounding = style.ScrollbarRounding = static_cast<float>(lineHeight / 4);
@@ -241,7 +241,7 @@ void setImage(Canvas& canvas, ImageId image, const Image& picture) {
 }
 
 void* textureOf(ImageId image) {
-  // NOLINTNEXTLINE(performance-no-int-to-ptr): a number where it wants a pointer
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): Dear ImGui's type of texture ids is a pointer
   return reinterpret_cast<void*>(std::uintptr_t{image});
 }
 

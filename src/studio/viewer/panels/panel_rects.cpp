@@ -4,8 +4,8 @@ namespace scanmill {
 
 namespace {
 
-// Returns the number of columns of a grid of `cells` equal rectangles that come near to being 1.4 times as wide as
-// high: one row, one column, or two of each.
+// Returns the number of columns of a grid that divides `body` into `cells` rectangles about 1.4 times as wide as high.
+// The grid is one row, one column or, for 4 cells, two rows and two columns.
 int columnsFor(const PixelRect& body, int cells) {
   constexpr double kPleasing = 1.4;  // width of a view divided by its height; chosen by eye
   const double shape = body.width / (kPleasing * body.height);
@@ -34,7 +34,7 @@ PixelRect cutBottom(PixelRect& rect, int height) {
 }  // namespace
 
 double pictureLineHeight(int width, int height) {
-  constexpr double kLines = 56;  // lines of text in the largest 16 : 9 rectangle in the picture; chosen by eye
+  constexpr double kLines = 56;  // lines of text that fill the largest 16 : 9 rectangle in the picture; chosen by eye
   return std::clamp(std::round(std::min(width / 16.0 * 9, static_cast<double>(height)) / kLines), 10.0, 90.0);
 }
 
@@ -49,7 +49,7 @@ int sideWidth(double lineHeight) {
 }
 
 PanelRects panelRects(int width, int height, const PanelNeeds& needs) {
-  constexpr double kLeastLetters = 30;  // canvases with a width of fewer line heights get no side panel
+  constexpr double kLeastLetters = 30;  // canvases that are narrower than so many line heights get no side panel
   PanelRects rects;
   PixelRect body{0, 0, std::max(width, 1), std::max(height, 1)};
   const int row = std::min(static_cast<int>(std::lround(needs.row)), body.height / 4);

@@ -31,8 +31,8 @@ struct PanelRects {
 
 PanelRects panelRects(int width, int height, const PanelNeeds& needs);
 
-// Returns the height (pixels) at which a range image of `imageHeight` rows is drawn on a canvas of the given size. It
-// is a multiple of imageHeight if such a height fits.
+// Returns the height (pixels) at which a range image of `imageHeight` rows is drawn on a canvas of the given size. The
+// height is a multiple of `imageHeight`, unless `imageHeight` is too large for the canvas.
 int stripHeight(int imageHeight, int width, int height);
 
 // Divides `body` into a grid of `cells` equal rectangles with gaps of `gap` pixels, row by row; each rectangle has at

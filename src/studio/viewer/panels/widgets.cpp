@@ -30,8 +30,8 @@ ImU32 packed(const Rgb& c, int alpha = 255) {
   return IM_COL32(c[0], c[1], c[2], alpha);
 }
 
-// Returns the height of a line of text (pixels). Sizes in this file are multiples of it, and edges and gaps of 1 to 4
-// pixels; all are chosen by eye.
+// Returns the height of a line of text (pixels). Sizes in this file are multiples of this height or, for edges and
+// gaps, 1 to 4 pixels; all are chosen by eye.
 float lineHeight() {
   return ImGui::GetFontSize();
 }
@@ -69,7 +69,7 @@ void drawWrapped(void (*draw)(const std::string&), const std::string& text) {
 std::string fitted(const std::string& text, float width) {
   if (sizeOf(text).x <= width) return text;
   const float dotsWidth = sizeOf("...").x;
-  std::size_t length = text.size();  // bytes that stay
+  std::size_t length = text.size();  // number of bytes that are kept
   // True if the byte continues a character of UTF-8.
   const auto isInCharacter = [&](std::size_t byte) { return (static_cast<unsigned char>(text[byte]) & 0xC0) == 0x80; };
   // First halve the text repeatedly, since it may be very long.
@@ -303,7 +303,7 @@ std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use) {
                                  {corner.x + width * static_cast<float>(i + 1) / kSteps, barBottom}, left, right, right,
                                  left);
   }
-  float freeLeft = corner.x;  // x from which on no number has been written
+  float freeLeft = corner.x;  // x to the right of which no number has been drawn
   for (const auto& [position, text] : scaleTicks(legend)) {
     const float x = corner.x + width * static_cast<float>(position);
     list.AddLine({x, barBottom}, {x, barBottom + kTick}, textColor);

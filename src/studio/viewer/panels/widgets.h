@@ -46,8 +46,8 @@ LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden
 // Draws the scale of a legend. An interactive panel also has input fields for its ends; returns the ends if the user
 // has changed them.
 std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use);
-// Returns the rectangle of a legend in a picture whose contents are in `body`: at their right side or, if the picture
-// would be wider than `maxWidth` pixels, below them. It is high enough for all entries, and empty if there are none.
+// Returns the rectangle of a legend in a picture whose contents are in `body`: right of `body` or, if the picture would
+// be wider than `maxWidth` pixels, below. The rectangle has room for all entries, and is empty without any.
 PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int maxWidth);
 
 // A picture of images with a title above them.
@@ -58,8 +58,7 @@ struct LegendPicture {
   int maxWidth = 0;                    // see legendRect()
   std::vector<const Image*> images{};  // images of the contents, with the ids 0, 1 and so on
 };
-// Draws such a picture with a legend at the place of legendRect(). `drawBody` draws the contents. Throws Error like
-// openOffscreen().
+// Draws the picture with the legend in legendRect(). `drawBody` draws the contents. Throws Error like openOffscreen().
 Image drawWithLegend(const LegendPicture& picture, const Legend& legend, const std::function<void()>& drawBody);
 
 void textLine(const std::string& text);

@@ -149,8 +149,8 @@ void CanvasScene::drop(ItemId number) {
   items_.erase(found);
 }
 
-// Adds the item to the views that its look selects, and removes it from the other views. VTK does nothing for an actor
-// that is already there, or not there.
+// Adds the item to the views that its look selects, and removes it from the other views. VTK ignores an actor that is
+// added again, and the removal of an actor that it does not have.
 void CanvasScene::place(Item& item) {
   for (std::uint32_t k = 0; k < kCanvasViews; ++k) {
     const bool isInView = (item.look().views >> k & 1u) != 0;
@@ -173,8 +173,8 @@ void CanvasScene::setOverlay(Overlay overlay) {
   overlay_.set(std::move(overlay));
 }
 
-// Draws the views, if they have changed, and then the overlay. VTK draws the views to one framebuffer, where they are
-// kept. They are copied to a second framebuffer, in which the overlay is drawn on top.
+// Draws the views, if they have changed, and then the overlay. VTK draws the views to one framebuffer, which keeps
+// them. They are copied to a second framebuffer, where the overlay is drawn on top.
 void CanvasScene::draw(std::uint64_t maxPoints) {
   vtkOpenGLState* state = window_->GetState();
   if (!viewsDrawn_ || drawnMaxPoints_ != maxPoints) {

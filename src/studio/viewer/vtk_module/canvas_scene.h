@@ -53,7 +53,7 @@ class OverlayPainter {
  public:
   void setImage(vtkOpenGLRenderWindow* window, ImageId image, int width, int height, std::span<const Rgba> pixels);
   void set(Overlay overlay);
-  // Draws to the framebuffer that is bound, which has this size (pixels).
+  // Draws to the bound framebuffer. `width`, `height`: size of the framebuffer (pixels).
   void draw(vtkOpenGLRenderWindow* window, int width, int height);
   void release(vtkWindow* window);
 
@@ -81,7 +81,7 @@ class CanvasScene {
   void setViews(std::span<const CanvasView> views);
   void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(ItemId item, std::span<const Rgb> colors);
-  // Implements showOnly(): draws only the elements with these indices (ascending); nullopt: all, as showAll().
+  // Implements showOnly() and showAll(): draws the elements with these indices (ascending); nullopt: all elements.
   void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices);
   void setLook(ItemId item, const ItemLook& look);
   void drop(ItemId item);
@@ -109,7 +109,7 @@ class CanvasScene {
   DepthEdges edges_;
   OverlayPainter overlay_;
   bool viewsDrawn_ = false;           // true: the window's framebuffer contains the current views
-  std::uint64_t drawnMaxPoints_ = 0;  // the limit with which they were drawn, see Canvas::render()
+  std::uint64_t drawnMaxPoints_ = 0;  // the limit with which the views were drawn, see Canvas::render()
   bool hasPicture_ = false;           // true: a picture with the canvas's size exists
 };
 

@@ -20,8 +20,8 @@ using Kind = CanvasEvent::Kind;
 constexpr double kDoubleClick = 0.4;  // maximum time between the presses of a double click (s)
 constexpr double kSamePlace = 4;      // maximum distance between the presses of a double click (pixels)
 
-// Returns the first error message of GLFW since the last check; empty if there was none. It is global, since GLFW's
-// error handler does not get the window; only one window can be open at a time.
+// Returns the first error message of GLFW since the last check; empty if there was none. The message is global, since
+// GLFW's error handler does not get the window; only one window can be open at a time.
 std::string& firstError() {
   static std::string text;
   return text;
@@ -50,7 +50,7 @@ void connectToDisplay() {
                   display, firstError(), kInstead));
 }
 
-// Creates an invisible window with the newest version of OpenGL that the display has, from 3.2 on. Throws NoDevice.
+// Creates an invisible window with the newest version of OpenGL that the display has, at least 3.2. Throws NoDevice.
 GLFWwindow* createWindow(const std::string& title, int width, int height) {
   constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 2}}};
   for (const auto& [major, minor] : kVersions) {
@@ -98,7 +98,7 @@ std::string nameOf(int key, bool numLock) {
   return found == std::end(kOthers) ? "" : found->second;
 }
 
-// Returns a code point in UTF-8: a first byte that states the number of bytes after it, which hold 6 bits each.
+// Returns a code point in UTF-8: the first byte states the number of further bytes, which hold 6 bits each.
 std::string utf8(unsigned codepoint) {
   if (codepoint < 0x80) return {static_cast<char>(codepoint)};
   const int moreBytes = codepoint < 0x800 ? 1 : codepoint < 0x10000 ? 2 : 3;
@@ -269,7 +269,7 @@ void GlfwWindow::run(int tickMilliseconds, const std::function<bool(const Canvas
   glfwPollEvents();
   s.events.clear();
   if (!handler(s.eventOf(Kind::Resize))) return;
-  // Removes the first event and passes it to the handler. Returns false if the handler does or the window is closed.
+  // Removes the first event and passes it to the handler. Returns false if the loop should end.
   const auto handleNext = [&] {
     const CanvasEvent event = std::move(s.events.front());
     s.events.pop_front();

@@ -19,7 +19,7 @@ class GlfwWindow {
 
   void makeCurrent() noexcept;
   double scale() const;  // the display's scale factor for text, see Canvas::scale()
-  // Shows what was drawn to the context's default framebuffer.
+  // Shows the context's default framebuffer in the window.
   void present();
   // See Canvas::run().
   void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handler);

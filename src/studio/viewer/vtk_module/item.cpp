@@ -35,7 +35,7 @@ std::uint64_t randomIndex(std::uint64_t range, std::uint64_t ranges, std::uint64
   return first + philox4x32({static_cast<std::uint32_t>(range)}, {})[0] % (end - first);
 }
 
-// Returns the indices of elements with `values` floats each that are all finite; nothing if all elements are.
+// Returns the indices of finite elements; nothing if all are finite. `values`: number of coordinates per element.
 std::optional<std::vector<std::uint32_t>> finiteElements(std::span<const float> coordinates, std::uint32_t values) {
   unsigned notFinite = 0;
   for (const float value : coordinates) {
@@ -181,7 +181,7 @@ void Item::fill(Part& part, const std::vector<std::uint32_t>* elements) {
   }
   const auto cellSize = static_cast<std::int32_t>(kind_ == ItemKind::Points ? vertices : vtkIdType{corners()});
   const vtkIdType cells = cellSize > 0 ? vertices / cellSize : 0;
-  vtkNew<vtkTypeInt32Array> offsets;  // where each cell begins in `connectivity`, and its end
+  vtkNew<vtkTypeInt32Array> offsets;  // index in `connectivity` at which each cell begins; last, its length
   offsets->SetNumberOfValues(cells + 1);
   for (vtkIdType cell = 0; cell <= cells; ++cell) offsets->SetValue(cell, static_cast<std::int32_t>(cell * cellSize));
   vtkNew<vtkCellArray> array;

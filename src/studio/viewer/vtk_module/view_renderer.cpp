@@ -35,7 +35,7 @@ void ViewRenderer::setView(const CanvasView& view, int canvasWidth, int canvasHe
   camera->SetPosition(eye.x, eye.y, eye.z);
   camera->SetFocalPoint(target.x, target.y, target.z);
   camera->SetViewUp(up.x, up.y, up.z);
-  // Half the picture's height divided by the depth, or in metres if the camera is orthographic.
+  // Half the picture's height: divided by the depth or, if the camera is orthographic, in metres.
   const double halfHeight = rect.height / 2.0 / viewCamera.focal;
   camera->SetParallelProjection(viewCamera.orthographic);
   if (viewCamera.orthographic) {

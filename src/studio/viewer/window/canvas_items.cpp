@@ -34,7 +34,7 @@ void addTrack(LineSet& lines, std::span<const Vec3d> positions, std::size_t curr
 }
 
 void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& color) {
-  // Bits 0 to 2 of a corner's index: whether it is at the high end of x, y and z.
+  // Bits 0, 1 and 2 of a corner's index are set if the corner is at the high end of x, y and z.
   const auto corner = [&](int index) {
     const auto half = [&](int bit) { return (index & bit) != 0 ? 0.5 : -0.5; };
     return pose * Vec3d{half(1) * size.x, half(2) * size.y, half(4) * size.z};

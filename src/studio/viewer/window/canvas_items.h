@@ -38,12 +38,12 @@ constexpr std::array<double, 4> kRingRadii{10, 20, 50, 100};  // radii of the ra
 void addAxes(LineSet& lines, const Affine& pose, double length);
 // Adds horizontal circles with the radii kRingRadii.
 void addRangeRings(LineSet& lines, const Vec3d& center, const Rgb& color);
-// Adds lines from position to position, darker before `positions[current]`, and a small circle around that position.
+// Adds lines from position to position, darker up to `positions[current]`, and a small circle around this position.
 void addTrack(LineSet& lines, std::span<const Vec3d> positions, std::size_t current, const Rgb& color);
 
 // Adds the edges of a box. `pose`: pose of its centre. `size`: along x, y and z (m).
 void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& color);
-// Adds a line that sticks out of the front of such a box, at the lower edge of the side in the direction of x.
+// Adds a line along x that starts on the front (x > 0) of a box, in the middle of its lower edge.
 void addBoxFront(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& color);
 
 // Returns the height (m) of the ground around a sensor: the 5th percentile of z over the finite points, transformed by

@@ -47,15 +47,15 @@ Vec3d limitedTarget(const Vec3d& position) {
 
 enum class FilledSide { Width, Height };
 
-// Moves the camera, without turning it, so that the points are centred and nearly fill the picture. Returns which side
-// of the picture they fill. `middle`: see OrbitCamera::fillWith().
+// Moves the camera, without turning it, so that the points are centred and nearly fill the picture. Returns the side of
+// the picture that the points fill. `middle`: see OrbitCamera::fillWith().
 FilledSide fillPicture(OrbitCamera& camera, const std::vector<Vec3d>& points, const Vec3d& middle, int width,
                        int height) {
   constexpr double kFilled = 0.9;  // fraction of the picture's side
   const ViewCamera view = camera.camera(width, height);
   // An axis of the picture: its direction, and the slope (m per m of depth) of the lines of sight to both sides of the
   // filled part of the picture; 0 if the camera is orthographic. Planes along these lines touch the points; `low` and
-  // `high` are where they cross the axis at depth 0 (m).
+  // `high` are the coordinates (m) at which the planes cross the axis at depth 0.
   struct PictureAxis {
     Vec3d direction;
     int pixels;
@@ -84,7 +84,7 @@ FilledSide fillPicture(OrbitCamera& camera, const std::vector<Vec3d>& points, co
   return eyeDepth(y) < eyeDepth(x) ? FilledSide::Height : FilledSide::Width;
 }
 
-// Returns the smallest box that holds all points but the hundredth at each end of each axis.
+// Returns the box from the 1st to the 99th percentile of the points' coordinates along each axis.
 Box boxOfMost(const std::vector<Vec3d>& points) {
   constexpr double kBeyond = 0.01;
   const auto beyond = static_cast<std::ptrdiff_t>(kBeyond * static_cast<double>(points.size()));

@@ -17,8 +17,8 @@ struct OrbitCamera {
   double yaw = 0;        // heading of the line of sight, counter-clockwise; at 0 the camera looks along x
   double pitch = 0;      // angle by which the camera looks down, from -pi/2 to pi/2
   double distance = 30;  // distance from the eye to the target
-  // Focal length divided by the height of a 16 : 9 picture. An orthographic camera shows as much as a pinhole camera
-  // shows at `distance`.
+  // Focal length divided by the height of a 16 : 9 picture. An orthographic camera shows the same part of the target
+  // plane as a pinhole camera would.
   double focal = 1.15;
   bool orthographic = false;
 
@@ -37,8 +37,8 @@ struct OrbitCamera {
   // (pixels). A camera of View::Chase also looks down more steeply, up to 45 degrees, at points that would leave much
   // of the picture's height empty. `middle`: the point at whose depth the target is.
   void fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height);
-  // Returns this camera, which is that of a named view, or, if less than a fifth of the points would be in a picture of
-  // this size, a camera that fillWith() has moved to nearly all of them. View::Driver stays at the sensor.
+  // Returns this camera, which must be the camera of `view`. If less than a fifth of the points would be in a picture
+  // of this size, applies fillWith() with nearly all points, except for View::Driver, which stays at the sensor.
   [[nodiscard]] OrbitCamera seeing(const std::vector<Vec3d>& points, View view, int width, int height) const;
   // Transforms the camera to a new frame, so that the view stays the same. `newFromOld` may rotate only about z.
   void moveBy(const Affine& newFromOld);

@@ -193,7 +193,7 @@ PixelRect PanelContents::stripRect() const {
 
 namespace {
 
-// True if all entries are classes (or scans, in the overlay).
+// True if there are entries, and all are classes (or scans, in the overlay).
 bool listsIds(const Legend& legend) {
   return !legend.entries.empty() &&
          std::ranges::all_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
@@ -227,8 +227,8 @@ void PanelContents::completeClasses(Legend& legend) const {
   std::ranges::sort(legend.entries, {}, &LegendEntry::id);
 }
 
-// Collects the legends of all views. Views whose colours have the same meaning share one legend, which has the numbers
-// of points in the active view; they are 0 if none of these views is active.
+// Collects the legends of all views. Views whose colours have the same meaning share one legend, with the numbers of
+// points of the active view. The numbers are 0 if none of these views is active.
 void PanelContents::collectLegends() {
   legends.clear();
   for (std::size_t v = 0; v < panes.size() && context_.options.legends; ++v) {
@@ -251,7 +251,7 @@ void PanelContents::collectLegends() {
   }
 }
 
-// Sets the numbers of points of a legend that several views share to those of the active view.
+// Gives a legend that several views share the numbers of points of the active view, see collectLegends().
 void PanelContents::countActiveView(LegendBlock& block) {
   Legend active;  // without entries unless the active view is one of the block's views
   if (clouds_.activeView && std::ranges::count(block.views, *clouds_.activeView) > 0) {

@@ -43,7 +43,7 @@ void addColumns(NamedTexts& rows, const Scan& scan, std::size_t point) {
   }
 }
 
-// Adds ring, column and return number of a point, as far as the scan has them.
+// Adds the ring, the column and the return number of a point, except those that the scan lacks.
 void addKey(NamedTexts& rows, const Scan& scan, std::size_t point) {
   const PointKey key = scan.organised ? keyOf(scan, point) : PointKey{};  // an organised scan need not have columns
   if (scan.organised || !scan[kRing].empty()) {
@@ -66,7 +66,7 @@ std::optional<std::size_t> beamOf(const ViewScan& viewed, std::size_t point) {
   return beam < table->direction.size() ? std::optional(beam) : std::nullopt;
 }
 
-// Adds the angles of the point's beam or, if it is unknown, of the point, and the time at which the beam fires.
+// Adds the angles of the point's beam or, if the beam is unknown, of the point, and the time at which the beam fires.
 void addBeam(NamedTexts& rows, const ViewScan& viewed, std::size_t point) {
   const std::optional<std::size_t> beam = beamOf(viewed, point);
   const Vec3d direction = beam ? viewed.beams->direction[*beam] : Vec3d(viewed.scan.position[point]);

@@ -16,8 +16,8 @@ struct PointFunction {
   float operator()(const Vec3f& p) const { return dot(p, linear) + constant; }
 };
 
-// Functions of a point of the item: its depth, and its distance (pixels) to the right of the pointer and below the
-// pointer, both times a weight w, which saves divisions. w is the depth, or 1 for an orthographic camera.
+// Functions of a point in the item's frame: `depth` (m), and its distances (pixels) to the right of the pointer and
+// below it, times a weight w, which saves divisions. w is the depth, or 1 for an orthographic camera.
 struct PointerFunctions {
   PointFunction right, down, depth;
   bool orthographic;
@@ -25,9 +25,9 @@ struct PointerFunctions {
   // `x`, `y`: position of the pointer in the camera's picture (pixels).
   PointerFunctions(const ViewCamera& camera, const Affine& canvasFromItem, double x, double y)
       : orthographic(camera.orthographic) {
-    const Mat3 itemFromCanvas = transposed(canvasFromItem.linear);  // of directions
+    const Mat3 itemFromCanvas = transposed(canvasFromItem.linear);  // dot(d, L * p) = dot(transposed(L) * d, p)
     const Vec3d itemFromEye = canvasFromItem.translation - camera.eye;
-    // Returns the function dot(axis, point) - pixels * w of points relative to the eye.
+    // Returns the function dot(axis, p - eye) - pixels * w, for p = canvasFromItem * point.
     const auto makeFunction = [&](const Vec3d& axis, double pixels) {
       const Vec3d direction = orthographic ? axis : axis - camera.forward * pixels;
       return PointFunction{Vec3f(itemFromCanvas * direction),
@@ -47,8 +47,8 @@ struct PickLimits {
   float half, far, nearest;
 };
 
-// A point near the pointer. The lesser one is picked: of points that cover the pointer the nearest to the eye, of those
-// beside it the nearest to the pointer.
+// A point near the pointer. The least candidate is picked: if points cover the pointer, the nearest of these to the
+// eye, otherwise the nearest to the pointer.
 struct Candidate {
   bool beside = false;
   double first = 0;   // depth or, if the point is beside the pointer, distance from the pointer

@@ -23,15 +23,15 @@ void RedrawScheduler::setViews(std::vector<CanvasView> views) {
   changes.views = true;
 }
 
-// Returns how many points of each item to draw at most (0: all), for `items` items with `total` points together.
+// Returns the maximum number of points to draw per item (0: all), for `items` items with `total` points together.
 std::uint64_t RedrawScheduler::pointsPerItem(std::uint64_t total, std::size_t items) const {
   constexpr double kPictureMs = 30;  // intended time for drawing a picture during motion
   const auto limit = std::max(static_cast<std::uint64_t>(pointsPerMs_ * kPictureMs), kLeastPoints);
   return total <= limit || items == 0 ? 0 : limit / items;
 }
 
-// Updates the estimate of the drawing speed with the time that a picture of so many points took. Pictures of few points
-// say little about the speed.
+// Updates the estimate of the drawing speed by a picture of `points` points that took `ms` milliseconds. Pictures of
+// few points say little about the speed.
 void RedrawScheduler::updateSpeed(std::uint64_t points, double ms) {
   if (points < kLeastPoints / 2 || !(ms > 0)) return;
   constexpr double kSlowest = 500, kFastest = 1e6;  // plausible speeds (points per ms)

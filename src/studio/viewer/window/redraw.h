@@ -35,7 +35,7 @@ class RedrawScheduler {
 
   // True if enough time has passed since the last picture to draw a new one after a move of the pointer.
   bool mayFollowPointer() const;
-  // True if the last picture lacks points, and nothing has changed for so long that all of them should be drawn.
+  // True if the last picture lacks points, and nothing has changed for so long that all points should be drawn.
   bool allPointsDue() const;
   // True if a picture of all points takes so long that highlighting waits until the pointer rests.
   bool isSlow() const;

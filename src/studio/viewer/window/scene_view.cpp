@@ -7,7 +7,7 @@ namespace {
 constexpr Rgb kRingColor{120, 130, 150};
 constexpr Rgb kTrackColor{255, 214, 64};
 
-// Returns the corners of the mesh's part boxes that are in the box, or the box's own corners if there are hardly any.
+// Returns the corners of the mesh's part boxes that are in `box`; if they are fewer than 8, also the corners of `box`.
 std::vector<Vec3d> cornersIn(const ViewMesh& mesh, const Box& box) {
   std::vector<Vec3d> corners;
   const auto addCorners = [&](const Box& part) {
@@ -42,8 +42,8 @@ void SceneView::takeFrame(std::size_t index) {
   computeCanvasFrame();
 }
 
-// Computes canvasFromWorld from `mesh` (a scene without scans), `worldFromAnchor`, `staysInWorld` and `trajectory`: the
-// origin of the canvas is the mesh's, the start of the trajectory, or the sensor.
+// Computes canvasFromWorld. The origin of the canvas is the mesh's origin for a scene without scans, the start of the
+// trajectory if `staysInWorld` is true, otherwise the sensor.
 void SceneView::computeCanvasFrame() {
   summarized_.reset();  // the cached boxes of instances are in the old canvas frame
   if (context_.source->isScene()) {
@@ -174,7 +174,7 @@ OrbitCamera SceneView::preset(View view) const {
   return fitted.seeing(pointsOnCanvas(), view, context_.canvas.width(), context_.canvas.height());
 }
 
-// Returns the positions of the shown scans' finite points, or of some of them if they are many.
+// Returns the positions of the shown scans' finite points, or of evenly chosen points if there are many.
 std::vector<Vec3d> SceneView::pointsOnCanvas() const {
   constexpr std::size_t kEnough = 50'000;
   std::vector<Vec3d> points;
@@ -210,8 +210,8 @@ OrbitCamera SceneView::closeUpCamera(const CloseUp& closeUp) const {
   const int height = context_.canvas.height();
   OrbitCamera moved = camera;
   moved.orthographic = false;
-  // The ball is in the frames of the points' own columns. The camera looks at where its points are on the canvas, which
-  // is moved by the mean motion of the points.
+  // `closeUp` refers to Scan::position, but points are drawn at ViewScan::placed if it is not empty: the target is
+  // moved by the mean distance between both.
   const ViewScan& scan = clouds_.scanOf(clouds_.list.front());
   Vec3d motionSum;
   double points = 0;

@@ -135,10 +135,10 @@ const ObjectView* SceneView::viewOfShownSensor(const ObjectRecord& object) const
   return viewOf(object, clouds_.scanOf(clouds_.list.front()).sensor);
 }
 
-// Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the box is where it was
-// when the sensor saw it, so that it fits the points. The view's pose is in the frame of the points of the sensor's
-// first revolution. If the points are placed on the canvas, or are those of a later revolution, the pose is computed
-// from the object's velocity.
+// Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the box is where the
+// object was when the sensor saw it, so that the box fits the points. The view's pose is relative to Scan::position of
+// the sensor's first revolution. For points at ViewScan::placed, and for later revolutions, the pose is computed from
+// the object's velocity.
 Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
   const ObjectView* const view = viewOfShownSensor(object);
   const ViewScan& scan = clouds_.scanOf(clouds_.list.front());
@@ -271,8 +271,9 @@ Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
     return paint(
         mesh.size(), idOf, colorOf, [](std::size_t) { return true; }, out.colors);
   };
-  // Adds colours and legend by the names to which the member `index` of surfaces refers; names[i] has the colour
-  // instanceColor(firstColor + i). The most frequent name comes first in the legend; rules keep their order.
+  // Colours triangles by name and fills the legend. `index`: member of ViewSurface with the index of the triangle's
+  // name in `names`; names[i] has the colour instanceColor(firstColor + i). The most frequent name comes first in the
+  // legend; rules keep their order.
   const auto addByName = [&](const std::vector<std::string>& names, std::uint32_t ViewSurface::*index,
                              std::uint32_t firstColor) {
     const auto nameOf = [&](std::size_t triangle) { return mesh.surfaceOf(triangle).*index; };

@@ -37,7 +37,7 @@ void ViewSession::drawPanels() {
   drawTooltip();
 }
 
-// Draws scales above and lists of entries, which may be long, below.
+// Draws the legends with scales at the top, and the lists of entries, which may be long, at the bottom.
 void ViewSession::drawSidePanel() {
   if (!context_.options.still) drawColorMenu();
   drawLegends(LegendKind::Scale);
@@ -66,7 +66,7 @@ void ViewSession::drawMessagesOfSession() {
   context_.changes.panels = true;
 }
 
-// True if what the command switches is on; menus then show a tick.
+// True if the command switches an option that is on; the menu then shows a tick.
 bool ViewSession::isOn(const KeyMeaning& meaning) const {
   using enum KeyAction;
   if (meaning.option != nullptr) return context_.options.*meaning.option;
@@ -159,7 +159,7 @@ void ViewSession::drawScaleOf(const LegendBlock& block) {
 }
 
 // Draws the entries of a legend. A click on a class or scan hides or shows it; a double click or a click with shift
-// shows no other.
+// shows only this class or scan.
 void ViewSession::drawEntriesOf(const Legend& legend) {
   std::vector<bool> hidden;
   for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
@@ -179,7 +179,7 @@ void ViewSession::drawEntriesOf(const Legend& legend) {
   applyFilter();
 }
 
-// Change the filter of scans in the overlay of all scans. `scan`: index in the frame.
+// These functions change the scans that the overlay of all scans shows. `scan`: index in the frame.
 void ViewSession::showOnlyScan(std::size_t scan) {
   context_.filter.hiddenScans.clear();
   for (std::size_t s = 0; s < context_.frame->scans.size(); ++s) {

@@ -80,8 +80,8 @@ ColorBy ShownClouds::colorOf(std::size_t view) const {
   return kByHeight;
 }
 
-// Returns the ends of the view's scale; nothing if they are computed from the scan alone. Unless the view has ends of
-// its own in `scales`, all scans side by side with the same colouring share ends that are computed from all of them.
+// Returns the ends of the view's scale: those in `scales`, otherwise, if several scans are side by side, ends that fit
+// all scans with the same colouring. Returns nothing if the ends are computed from the view's scan alone.
 std::optional<ScaleRange> ShownClouds::scaleOf(std::size_t view) {
   if (scales[view]) return scales[view];
   const ColorBy by = colorOf(view);
@@ -212,7 +212,7 @@ std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& clou
   return indices;
 }
 
-// True if a choice of colours applies to the view: it is active, or all views are.
+// True if a choice of colours applies to the view: the view is active, or all views are active.
 bool ShownClouds::isAffected(std::size_t view) const {
   return !activeView || *activeView == view;
 }
@@ -280,7 +280,7 @@ void ShownClouds::makeStrip() {
   stripProblem.clear();
   context_.changes.panels = true;
   if (!context_.options.rangeImage || list.empty()) return;
-  // The last cloud of the active view, otherwise the first cloud that is not hidden, otherwise the last one.
+  // Choose the last cloud of the active view, otherwise the first cloud that is not hidden, otherwise the last cloud.
   stripCloud = 0;
   for (std::size_t k = 0; k < list.size(); ++k) {
     if (isHidden(list[k]) && stripCloud == k && k + 1 < list.size()) stripCloud = k + 1;

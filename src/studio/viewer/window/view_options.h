@@ -24,7 +24,7 @@ struct ViewOptions {
   std::optional<ScaleRange> scale{};  // ends of the scale of views that show numbers; absent: computed from the values
   ViewLayout layout = ViewLayout::One;
   // A named view is fitted to a scene that is shown without scans, and to scans of which it would show hardly any
-  // point. A given target is in the coordinates of a scene that is shown without scans.
+  // point. If a scene is shown without scans, a target that the user gives is in the scene's world frame.
   CameraChoice camera{};
   std::string sample{};  // key or index of the first frame; empty: the middle frame
   double pointSize = 0;  // side of a drawn point (pixels); 0: depends on the canvas's height
