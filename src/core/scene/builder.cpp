@@ -36,7 +36,7 @@ std::uint16_t SceneBuilder::material(std::string_view name, const Location& wher
 void SceneBuilder::drawReflectances() {
   for (Material& m : library_.materials) {
     if (m.least >= m.greatest) continue;
-    // The address has the name, so that the number does not depend on the order of the table.
+    // The material's name, not its index, selects the random numbers, so that the order of the table does not matter.
     const RandomBlock random =
         randomBlock({.seed = scene_.seed, .beam = fnv1a(m.name), .purpose = Purpose::Reflectance});
     const double limit = uniform(random[1]) < 0.5 ? m.least : m.greatest;

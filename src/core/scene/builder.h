@@ -22,9 +22,9 @@ class SceneBuilder {
 
   const Ontology& ontology() const { return scene_.ontology; }
   const MaterialLibrary& library() const { return library_; }
-  // Replaces the reflectance of each material of the library by one that follows from the scene's seed. Call it once,
-  // before anything is added: its natural logarithm is uniform between those of the least and the middle reflectance,
-  // or between those of the middle and the greatest one, with equal probabilities.
+  // Replaces the reflectance of each material of the library by a random one that depends on the scene's seed: with
+  // probability 1/2 from Material::least to the old reflectance, else from the old reflectance to Material::greatest,
+  // uniform on a logarithmic scale. Call it once, before anything is added.
   void drawReflectances();
 
   // Returns the index in Scene::materials of the library's material with this name, which is added at its first use.

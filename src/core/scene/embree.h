@@ -53,8 +53,8 @@ inline RTCRayHit newRay(const Vec3d& origin, const Vec3d& direction, float near,
   return query;
 }
 
-// Adds an instance of the scene `mesh` to a scene. `sceneFromMesh`: one transform or, if the instance moves, those at
-// the times 0 and 1 of rays.
+// Adds an instance of the scene `mesh` to a scene. `sceneFromMesh`: one transform or, if the instance moves, the two
+// transforms at the ray times 0 and 1.
 inline void attachInstance(RTCDevice device, RTCScene scene, RTCScene mesh, std::initializer_list<Affine> sceneFromMesh,
                            unsigned id) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
@@ -99,7 +99,7 @@ inline void intersectPacket(RTCScene scene, EmbreeContext& context, const int* v
 #endif
 }
 
-// Sets the ray's far end to minus infinity if the ray has any hit that counts for intersectOne().
+// Sets the ray's far end to minus infinity if the ray hits anything; as in intersectOne(), rejected hits do not count.
 inline void occludeOne(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCOccludedArguments arguments;

@@ -55,8 +55,8 @@ constexpr std::size_t kMostReliefs = 2;
 struct Material {
   std::string name;
   float reflectance = 0.3f;       // near-infrared, 0 to 1
-  float least = 0.3f;             // the reflectance of such surfaces differs from place to place, from `least`
-  float greatest = 0.3f;          // to `greatest`; the same number where the table has no range
+  float least = 0.3f;             // lower limit of `reflectance` in different places
+  float greatest = 0.3f;          // upper limit; without a range in the table both limits are `reflectance`
   float roughness = 1.0f;         // 0 mirror to 1 matt (glTF's perceptual roughness)
   float metallic = 0.0f;          // 0 to 1, as in glTF
   float retroreflectance = 0.0f;  // added reflectance towards the sensor, in units of a white Lambertian target
@@ -72,7 +72,7 @@ struct Material {
   float alphaCutoff = 0.5f;
 };
 
-// The materials of a table such as labels/materials.yaml. require() returns the material with this name; if there is
+// The materials of a table such as labels/materials.yaml. require() returns the material called `name`. If there is
 // none, it throws an InputError at `where`, with a suggestion.
 struct MaterialLibrary {
   std::vector<Material> materials;

@@ -43,8 +43,8 @@ SemanticClass readClass(const Value& value) {
   return c;
 }
 
-// Adds the name and the aliases of a class to `classOfName`, with the name of the class. Throws InputError at `where`
-// if one of them is there already.
+// Maps the name and each alias of a class to the name of the class in `classOfName`. Throws InputError at `where` if
+// the map has one of them already.
 void addNames(const SemanticClass& added, std::map<std::string, std::string>& classOfName, const Location& where) {
   std::vector<std::string> names = added.aliases;
   names.push_back(added.name);

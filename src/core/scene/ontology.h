@@ -44,9 +44,9 @@ struct Ontology {
 // Returns true if the ontologies have the same ids, names and `thing` flags in the same order. Other fields may differ.
 bool sameClasses(const Ontology& a, const Ontology& b);
 
-// Describes what is lost if an ontology replaces another: one line for each new class into which several old ones
-// merge, and one line for all old classes that have no new one (a scene that uses them would be refused). Empty if
-// nothing is lost.
+// Describes what is lost if `newOntology` replaces `oldOntology`: one line for each new class into which several old
+// classes merge, and one line that lists all old classes without a new class (a scene that uses such a class is
+// refused). The result is empty if nothing is lost.
 std::vector<std::string> lostBetween(const Ontology& oldOntology, const Ontology& newOntology);
 
 // Reads an ontology's file. Ids, names and aliases must be unique, ids at most 65535, and colours [r, g, b] from 0 to

@@ -1,7 +1,7 @@
 #pragma once
 
-// The places that a caller gives to objects of a scene for one shot, such as those of objects that another simulator
-// moves. This header is installed because sensors/shot.h includes it.
+// Poses and velocities that a caller sets for instances of a scene during one shot, for example because another
+// simulator moves them. This header is installed because sensors/shot.h includes it.
 //
 //   Placements placed(2.0);  // for a shot that starts at 2 s; Shot::placed points to it
 //   placed.set(17, {.worldFromMesh = {{}, {10, 0, 0}}, .velocity = {5, 0, 0}});  // instance 17 drives at 5 m/s
@@ -44,12 +44,12 @@ class Placements {
   std::unordered_map<std::uint32_t, RigidMotion> placed_;
 };
 
-// Returns the transform of an instance with this index at a time (s since the drive began): that of its placement or,
-// if `placed` is null or has none, that of the scene.
+// Returns the transform of the instance with this index at a time (s since the drive began): from its placement, or
+// from the scene if `placed` is null or has no placement of this instance.
 Affine worldFromMeshAt(const Instance& instance, std::uint32_t index, const Placements* placed, double time);
 
-// Returns the pose of an instance's frame without the scale of its transform, so that `transform` is this pose times a
-// matrix of scales and shears. A mirrored transform leaves the mirroring to that matrix.
+// Returns the rigid part of an instance's transform: `transform` is the returned pose times a matrix that only scales
+// and shears, and also mirrors if `transform` mirrors.
 Affine rigidPartOf(const Affine& transform);
 
 }  // namespace scanmill

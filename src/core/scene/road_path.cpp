@@ -13,18 +13,18 @@ namespace scanmill {
 
 namespace {
 
-// Chosen for cars on the shipped scenes, by eye; the header states most of them.
+// Chosen by eye for cars in the scenes that come with the program. The comment of findRoadPath() states most of these.
 constexpr double kCell = 1;            // m, size of the cells of the search
-constexpr double kClearance = 2.5;     // m, free height above the surface; also the height of a storey of the search
+constexpr double kClearance = 2.5;     // m, free height above the road; also the height of the cells of the search
 constexpr double kSteepest = 0.75;     // largest slope of a road, as a difference in height per distance
 constexpr double kHalfWidth = 1;       // m, half of a vehicle's width
 constexpr double kEdgeDistance = 2;    // m, desired distance of the vehicle's middle from the edge of the road
-constexpr double kOpenDistance = 12;   // m; where an edge is at least this far away, there is no road to keep to
+constexpr double kOpenDistance = 12;   // m; beside an edge at least this far away the path is not moved sideways
 constexpr double kEdgeStep = 0.25;     // m, accuracy of the distance to an edge
 constexpr double kSearchRadius = 20;   // m, largest distance from an end to the surface
 constexpr double kEasyDistance = 2.5;  // m; paths avoid edges that are nearer
 constexpr std::size_t kMostCells = 4'000'000;
-constexpr int kSmoothings = 6;  // before the path is moved to its side of the road; afterwards twice as many
+constexpr int kSmoothings = 6;  // smoothings before the path is moved to its side of the road; twice as many follow
 constexpr std::size_t kHeadingCells =
     3;                                // the road's direction is measured over so many cells before and after a point
 constexpr double kPointDistance = 2;  // m, least distance between the points of the result
@@ -42,14 +42,14 @@ class Road {
   Road(const SurfaceHeights& heights, const Ontology& ontology, const RoadTrip& trip)
       : heights_(heights), classes_(classIds(ontology, trip.classes, trip.where)), where_(trip.where) {}
 
-  // Returns the height of the road at a point (m), if it is free up to kClear and climbs or falls at most by kSteepest
-  // from the height `z` at the horizontal distance `distance` (m).
+  // Returns the height (m) of the lowest road surface at (x, y) that is free up to kClearance above it and at most
+  // kSteepest * `distance` above or below `z`; nothing if there is none. `distance` (m): to the point at height `z`.
   std::optional<double> height(double x, double y, double z, double distance = kHalfWidth) const {
     const std::optional<double> height = heightAt(x, y, z, distance);
     return height ? height : heightAt(x + kBesideSeam, y + kBesideSeam, z, distance);
   }
 
-  // Returns the distance (m) to the edge of the road in a direction (unit vector), at most kOpen.
+  // Returns the distance (m) to the edge of the road in a direction (unit vector), at most kOpenDistance.
   double edgeDistance(const Vec3d& position, const Vec3d& direction) const {
     double distance = 0;
     double z = position.z;
@@ -63,8 +63,8 @@ class Road {
     return distance;
   }
 
-  // Returns the road's point with room for a vehicle that is nearest to `point`, horizontally if its height is 0.
-  // Throws InputError if there is none within kSearchRadius. `key` is the key of the point, for the message.
+  // Returns the point of the road nearest to `point` at which a vehicle has room; if point.z is 0, the distance is
+  // horizontal. Throws InputError if there is none within kSearchRadius. `key`: the point's YAML key, for the message.
   Vec3d nearestRoom(const Vec3d& point, const char* key) const {
     std::optional<Vec3d> nearest;
     double leastDistance = kSearchRadius;
@@ -101,7 +101,7 @@ class Road {
  private:
   static constexpr double kSameHeight = 0.05;  // m; surfaces whose heights differ by less are the same surface
 
-  // Returns the lowest height that height() describes, without its second try.
+  // Does the same as height() at (x, y) only; height() also looks beside (x, y), since rays exactly on a seam may miss.
   std::optional<double> heightAt(double x, double y, double z, double distance) const {
     const std::vector<SurfaceHeights::Surface> surfaces = heights_.at(x, y);  // the highest first
     for (auto s = surfaces.rbegin(); s != surfaces.rend(); ++s) {
@@ -156,22 +156,22 @@ class CellSearch {
   }
 
  private:
-  // Indices along x and y from the start, and the height in units of kClearance: bridges are cells above those of the
-  // road below.
+  // Cell indices along x and y from the start, and height in units of kClearance, so that a bridge and the road below
+  // it are different cells.
   using Cell = std::array<std::int64_t, 3>;
   static constexpr Cell kStart{0, 0, 0};
   struct Node {
     Vec3d position;          // m, world frame
-    double cost = INFINITY;  // m, of the cheapest path so far from the start: its length, with surcharges near edges
+    double cost = INFINITY;  // m, of the cheapest known path from the start: length and surcharges near edges
     Cell previous{};         // the cell before this one on that path
     bool hasRoom = false;    // a vehicle has room here
     bool closed = false;     // the path is final
   };
 
-  // Returns the horizontal distance to the goal (m), which no path can be shorter than.
+  // Returns the horizontal distance to the goal (m), a lower bound of the length of any path to the goal.
   double goalDistance(const Vec3d& p) const { return std::hypot(p.x - goal_.x, p.y - goal_.y); }
 
-  // Finds the road at a neighbour of a closed node, and opens the neighbour if the path over the node is its cheapest.
+  // Looks for road at the neighbour (dx, dy) of a node, and opens it if the path through the node is its cheapest.
   void visit(const Cell& cell, const Node& node, int dx, int dy) {
     const double x = start_.x + static_cast<double>(cell[0] + dx) * kCell;
     const double y = start_.y + static_cast<double>(cell[1] + dy) * kCell;
@@ -217,13 +217,13 @@ class CellSearch {
   const Road& road_;
   Vec3d start_, goal_, nearestToGoal_;
   std::map<Cell, Node> nodes_;
-  // Open cells, first those with the least sum of cost and distance to the goal. A cell may have several entries: only
-  // the first that is taken out counts.
+  // Open cells, ordered by cost plus distance to the goal, the least first. A cell may have several entries: only the
+  // first one that is taken out counts.
   using Entry = std::pair<double, Cell>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
 };
 
-// Replaces a point of a path by `moved`, at the road's height there, if a vehicle has room.
+// Replaces a point of a path by `moved`, lifted or lowered to the road's surface, if a vehicle has room there.
 void moveTo(const Road& road, Vec3d moved, Vec3d& point) {
   const std::optional<double> height = road.height(moved.x, moved.y, point.z);
   if (!height) return;
@@ -231,7 +231,7 @@ void moveTo(const Road& road, Vec3d moved, Vec3d& point) {
   if (road.hasRoom(moved)) point = moved;
 }
 
-// Averages each point with its neighbours, except the two ends, where the vehicle still has room.
+// Replaces each point except the two ends by a mean with its neighbours, if a vehicle has room at the mean.
 void smooth(const Road& road, std::vector<Vec3d>& path) {
   const std::vector<Vec3d> old = path;
   for (std::size_t i = 1; i + 1 < path.size(); ++i) {
@@ -239,7 +239,7 @@ void smooth(const Road& road, std::vector<Vec3d>& path) {
   }
 }
 
-// Moves points sideways to kEdgeDistance from the road's edge on this side; to the middle of narrow roads.
+// Moves points to kEdgeDistance from the edge on `side`, or to the middle of narrow roads; open places stay unchanged.
 void keepToSide(const Road& road, RoadSide side, std::vector<Vec3d>& path) {
   const std::vector<Vec3d> old = path;
   for (std::size_t i = 0; i < path.size(); ++i) {

@@ -32,12 +32,12 @@ RoadSide readRoadSide(Fields& fields);
 // InputError.
 RoadTrip readRoadTrip(Fields& fields);
 
-// Returns the points (m) of a path on surfaces of the trip's classes, about 2 m apart, from the surface nearest to the
-// one point to the surface nearest to the other. A vehicle 2 m wide and 2.5 m high has room at every point. The path is
-// the shortest one (A* on cells of 1 m: Hart, Nilsson and Raphael, IEEE Trans. Systems Science and Cybernetics 4,
-// 1968), in which cells beside an edge or an obstacle count more, moved sideways to 2 m from the edge on the trip's
-// side, or to the middle of roads less than 4 m wide, and smoothed. Where an edge is more than 12 m away it stays where
-// it is. Throws InputError if there is no path, or no surface within 20 m of one of the two points.
+// Returns the points (m) of a path on surfaces of the trip's classes, about 2 m apart, from the surface nearest to
+// `trip.from` to the surface nearest to `trip.to`. A vehicle 2 m wide and 2.5 m high has room at every point. The path
+// is the cheapest on cells of 1 m (A*: Hart, Nilsson and Raphael, IEEE Trans. Systems Science and Cybernetics 4, 1968),
+// with surcharges beside edges and obstacles. It is then smoothed, and moved sideways to 2 m from the edge on the
+// trip's side, or to the middle of roads less than 4 m wide; it is not moved where an edge is more than 12 m away.
+// Throws InputError if there is no path, or no such surface within 20 m of one of the two points.
 std::vector<Vec3d> findRoadPath(const SurfaceHeights& heights, const Ontology& ontology, const RoadTrip& trip);
 
 // Returns points about 1 m apart on the straight lines between the given points, each at the height of the ground under

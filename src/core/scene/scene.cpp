@@ -61,7 +61,7 @@ std::vector<std::uint64_t> Scene::copies() const {
   return counts;
 }
 
-// Uses the corners of each mesh's box and not its vertices, so that a scene with a million copies stays fast. The
+// Transforms the corners of each mesh's box instead of all vertices, which is fast even for a million copies. The
 // result contains every vertex, and is tight if no mesh is rotated.
 Box Scene::bounds() const {
   if (unreduced != nullptr) return unreduced->bounds;
@@ -83,16 +83,16 @@ Box boxAround(const Affine& transform, const Box& box) {
 
 namespace {
 
-// Limit of the ratio of twice a triangle's area to the product of two sides. Below this limit, the corners are
-// collinear as far as double arithmetic on float32 coordinates can tell. The ratio of the thinnest triangle that
-// float32 can represent is far above the limit.
+// Limit of twice a triangle's area divided by the product of the lengths of two sides. Below this limit, the corners
+// are collinear as far as double arithmetic on float32 coordinates can tell. The thinnest triangle that float32 can
+// represent is far above the limit.
 constexpr double kCollinear = 1e-14;
 
 bool isDegenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a;
   const Vec3d ac = c - a;
   const Vec3d normal = cross(ab, ac);
-  // Squares decide nearly all triangles without square roots. The factor exceeds the rounding errors.
+  // Compares squares first, since nearly all triangles then need no square root. kRounding exceeds the rounding errors.
   constexpr double kRounding = 1.001;
   if (dot(normal, normal) > kRounding * kCollinear * kCollinear * dot(ab, ab) * dot(ac, ac)) return false;
   return !(length(normal) > kCollinear * length(ab) * length(ac));
@@ -107,9 +107,9 @@ Dropped& Dropped::operator+=(const Dropped& o) {
   return *this;
 }
 
-// Ignores vertices that no triangle uses, since clean() leaves zeroed vertices behind. For speed, loads four floats at
-// each vertex, of which the fourth is the next vertex's and is ignored, except at the last vertex; and keeps bounds for
-// the first, the second and the third corners, so that the processor works on the three side by side.
+// Ignores vertices that no triangle uses, since clean() leaves zeroed vertices behind. For speed, loads four floats per
+// vertex, the fourth of which belongs to the next vertex and is ignored, and keeps separate bounds of the first, second
+// and third corners, which the processor can update in parallel.
 Box Mesh::bounds() const {
   typedef float Floats __attribute__((vector_size(16)));
   if (triangles.empty()) return {};

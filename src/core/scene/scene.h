@@ -93,8 +93,8 @@ class Movement {
   double interval_ = 1;               // s
 };
 
-// Meshes of one object that are shown in turn, such as the phases of a stride. Mesh k of n is the object's shape at k/n
-// of the period, and is shown while it is the nearest in time. All meshes have the same things.
+// Meshes of one object that are shown in turn, such as the phases of a stride. Mesh k of n has the object's shape at
+// the time k/n * period, and is shown while this time is the nearest one. All meshes have the same things.
 struct Animation {
   std::vector<std::uint32_t> meshes;
   double period = 1;  // s, time in which all meshes are shown once
@@ -117,7 +117,7 @@ struct Instance {
   std::optional<double> facing = {};
 
   bool moves() const { return movement != nullptr || animation != nullptr; }
-  // False if the instance has no animation, and a movement along which it stands still.
+  // True if the instance has an animation, or a movement that ever changes its pose.
   bool everMoves() const { return animation != nullptr || (movement != nullptr && movement->moves()); }
   // Returns the transform at a time (s since the drive began); worldFromMesh is the transform at time 0.
   Affine worldFromMeshAt(double time) const;
@@ -151,7 +151,7 @@ struct UnreducedScene {
 // Lanes of a scene's town: points on the road's surface, some metres apart (m, world frame).
 struct SceneLanes {
   std::vector<Vec3d> lane;   // the main road's right-hand lane
-  std::vector<Vec3d> turns;  // `lane` with turns from and into side roads, as far as the town has them
+  std::vector<Vec3d> turns;  // like `lane`, but from a side road and into another one, if the town has them
   int turnCount = 0;         // number of turns along `turns`
 };
 
@@ -196,11 +196,10 @@ Box boxAround(const Affine& transform, const Box& box);
 // Freezes every object in its pose and shape at a time (s since the drive began).
 void standStill(Scene& scene, double time);
 
-// Takes objects and classes out of the scene, to get the same scans with and without them: the items of the key
-// `without` of a pipeline's scene. A number takes out the thing with this instance id. A word takes out the objects
-// with this name and all their copies, the copy with this name (NAME#1), and the triangles of the class with this name.
-// All other things keep their ids, and all other hits stay the same to the last bit. Throws an InputError at the place
-// of an item that is neither a class of the scene's ontology nor in the scene.
+// Removes objects and classes from the scene. All other things keep their ids, and all other hits stay the same to the
+// last bit. `items`: the key `without` of a pipeline's scene. A number removes the thing with this instance id. A word
+// removes the objects with this name and all their copies, the copy with this name (NAME#1), and the triangles of the
+// class with this name. Throws an InputError at an item that is neither a class of the ontology nor in the scene.
 void takeOut(Scene& scene, const std::vector<Value>& items);
 
 // Returns the scene with about the fraction `keep` of each mesh's triangles, as proxies such as collision meshes have

@@ -1,4 +1,4 @@
-// simplified(): proxies with few triangles.
+// simplified(): reduces the number of triangles of meshes.
 
 #include <meshoptimizer.h>
 
@@ -38,7 +38,7 @@ struct Welded {
   std::vector<std::uint32_t> corners;   // indices into `vertices`, three per triangle
 };
 
-// Merges the vertices with equal Welds of the triangles with these indices.
+// Returns the triangles with these indices; vertices with equal Welds are merged.
 Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   std::vector<bool> hasTexture(mesh.surfaces.size());
   for (std::size_t s = 0; s < hasTexture.size(); ++s) {
@@ -138,7 +138,7 @@ void compact(Mesh& mesh) {
   meshopt_remapIndexBuffer(corners, corners, mesh.triangles.size() * 3, newIndices.data());
 }
 
-// Replaces the triangles of `target`, a copy of `source`, by about the fraction `keep` of them.
+// Reduces `target`, which is a copy of `source`, to about the fraction `keep` of its triangles.
 void simplify(const Scene& scene, const Mesh& source, double keep, Mesh& target) {
   if (source.triangles.size() <= kFewTriangles) return;
   std::vector<std::uint32_t> allTriangles(source.triangles.size());

@@ -31,8 +31,8 @@ void addCrossing(const RTCFilterFunctionNArguments* arguments) {
   arguments->valid[0] = 0;  // rejects the hit, so that the ray continues
 }
 
-constexpr double kMostCellsAlong = 512;  // along the longer side of the grid
-constexpr double kLeastCell = 1e-6;      // m, edge of a cell
+constexpr double kMostCellsAlong = 512;  // largest number of cells along a side of the grid
+constexpr double kLeastCell = 1e-6;      // m, least edge of a cell
 constexpr std::size_t kMostTriangles = 10'000'000;
 
 // Returns the horizontal distance of a point from the line segment between a and b.

@@ -19,14 +19,14 @@ constexpr double kAboveGround = 0.5;           // m; ground up to this far above
 constexpr double kSteepestGround = kPi / 3;    // rad, largest slope of ground
 constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 
-// m; a vertical ray exactly on the edge between two meshes may miss both, by rounding. One that finds no ground is
-// therefore repeated this far beside it, along x and y.
+// m. A vertical ray exactly on the edge between two meshes may miss both, because of rounding. A ray that finds no
+// ground is therefore followed by a second ray that is shifted by this distance along x and along y.
 constexpr double kBesideSeam = 1e-3;
 
-// Returns the ground under a point at the height `z` (m). `surfaces` are all surfaces above and below the point, the
-// highest first; `heightOf` returns the height of a surface, and `counts` is true for a surface that counts. The
-// result is the highest surface that counts and is at most kAboveGround higher than `z`; if all are higher, the lowest
-// that counts; null if no surface counts.
+// Returns the ground under a point at the height `z` (m). `surfaces`: all surfaces above and below the point, the
+// highest first. `heightOf` returns a surface's height (m); `counts` returns true if a surface may be ground. The
+// result is the highest such surface that is at most kAboveGround above `z`, else the lowest such surface; null if
+// there is none.
 template <class Surface, class HeightOf, class Counts>
 const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const HeightOf& heightOf,
                            const Counts& counts) {
@@ -118,7 +118,7 @@ class SurfaceDistance {
   std::vector<std::array<Vec3d, 3>> triangles_;    // corners (m, world frame); only x and y are used
   std::vector<std::vector<std::uint32_t>> cells_;  // indices of the triangles whose boxes overlap a cell, by cell
   Vec3d low_;                                      // corner of the grid with the least x and y (m)
-  double edge_ = 1;                                // m, of a cell, at least the reach
+  double edge_ = 1;                                // m, edge of a cell, at least `reach_`
   double reach_ = 0;                               // m
   std::size_t columns_ = 0, rows_ = 0;             // number of cells along x and y
 };

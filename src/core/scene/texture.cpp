@@ -52,7 +52,7 @@ const std::uint8_t* Texture::texel(float u, float v) const {
 }
 
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path) {
-  recordFile(path);  // a cached texture belongs to the files of each scene that shows it
+  recordFile(path);  // also for a cached texture: each scene that uses the texture records its file
   static std::mutex mutex;
   static std::map<std::string, CachedTexture> cache;
   std::error_code error;
@@ -68,7 +68,7 @@ std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path) {
   }
   auto texture = textureOf(readImage(path), path.string());
   const std::scoped_lock lock(mutex);
-  if (auto cachedMeanwhile = cached()) return cachedMeanwhile;  // by another thread
+  if (auto cachedMeanwhile = cached()) return cachedMeanwhile;  // another thread has loaded it
   cache[key] = {time, texture};
   return texture;
 }

@@ -72,7 +72,7 @@ std::vector<ObjectFacts> objectFactsOf(const Mesh& mesh) {
 double longSideOf(std::vector<Vec2d> points) {
   if (points.empty()) return 0;
   const std::vector<Vec2d> hull = hullOf(std::move(points));
-  constexpr double kTie = 1e-9;  // among rectangles of nearly equal areas, the first counts, whatever the rounding
+  constexpr double kTie = 1e-9;  // a rectangle must be smaller than the best so far by more than this fraction
   double leastArea = std::numeric_limits<double>::infinity();
   double direction = 0;
   for (std::size_t i = 0; i < hull.size(); ++i) {

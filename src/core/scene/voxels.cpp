@@ -16,7 +16,7 @@ constexpr std::uint32_t kSlab = 8;     // number of layers of voxels along x tha
 constexpr double kTie = 1e-9;          // areas that differ by at most this fraction count as equal
 constexpr double kEnlargement = 1e-6;  // voxels; boxes are enlarged by this margin, which exceeds rounding errors
 
-// True if a box (in units of voxels) overlaps a range, or nearly so.
+// True if a box (in units of voxels), enlarged by kEnlargement, overlaps a range.
 bool overlaps(const Box& box, const VoxelRange& range) {
   const auto overlapsAlong = [&](double low, double high, std::size_t axis) {
     return high + kEnlargement >= static_cast<double>(range.low[axis]) &&
@@ -158,8 +158,8 @@ std::vector<SceneVoxels::Candidate> SceneVoxels::candidatesIn(const VoxelGrid& g
   return candidates;
 }
 
-// Labels the voxels of some layers along x, from `firstX` to before `lastX`, and appends to `unlabeled`. Adds areas in
-// the order of the triangles, so that sums are always rounded in the same way.
+// Labels the voxels of the layers `firstX` to `lastX` - 1 along x, and appends those without a class to `unlabeled`.
+// Adds areas in the order of the triangles, so that sums are always rounded in the same way.
 void SceneVoxels::labelLayers(const VoxelGrid& grid, const std::vector<Candidate>& candidates, std::uint32_t firstX,
                               std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled) {
   const VoxelRange range{.low = {firstX, 0, 0}, .high = {lastX, grid.counts[1], grid.counts[2]}};

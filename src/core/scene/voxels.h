@@ -34,13 +34,13 @@ class SceneVoxels {
   // `worldFromGrid`: pose of the grid's frame in the world. The result does not depend on the number of threads.
   VoxelLabels labels(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
 
-  // Returns the memory that this object takes, without the scene.
+  // Returns the memory that this object takes, without the scene (bytes).
   std::uint64_t memoryBytes() const;
 
  private:
   struct Candidate;
 
-  // Returns what may be in a grid at a time (s since the drive began).
+  // Returns the instances of which triangles may be in the grid at a time (s since the drive began).
   std::vector<Candidate> candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
   static void labelLayers(const VoxelGrid& grid, const std::vector<Candidate>& candidates, std::uint32_t firstX,
                           std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled);

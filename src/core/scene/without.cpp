@@ -85,7 +85,7 @@ std::optional<std::uint32_t> idOf(const Value& item) {
 
 // Throws the error for a name that is not in the scene, with a suggestion.
 [[noreturn]] void refuse(const Scene& scene, const Value& item) {
-  std::set<std::string> names;  // of objects, without the number of their copies, and of classes
+  std::set<std::string> names;  // names of objects, without the numbers of copies, and of classes
   for (const Instance& instance : scene.instances) names.insert(instance.name.substr(0, instance.name.find('#')));
   for (const SemanticClass& c : scene.ontology.classes) names.insert(c.name);
   const std::string nearestName = nearest(item.text, {names.begin(), names.end()});

@@ -15,9 +15,9 @@
 namespace scanmill {
 namespace {
 
-// Limits of the search for places, chosen by eye.
+// Limits of the search for positions of copies, chosen by eye.
 constexpr std::uint64_t kTriesPerCopy = 30;         // if `count` is given without `distance_from`
-constexpr std::uint64_t kMostMissesInRow = 30'000;  // the search for a `count` ends after so many rejected places
+constexpr std::uint64_t kMostMissesInRow = 30'000;  // with `count`, the search ends after this many rejections
 constexpr double kCoverHeight = 0.05;  // m; a surface is covered if another surface lies more than this above it
 constexpr double kSameHeight = 1e-3;   // m; surfaces whose heights differ by less are the same surface
 
@@ -134,8 +134,8 @@ Arrangement::Along readAlong(const Value& value) {
   return along;
 }
 
-// Returns the distances from the surfaces of the classes of `limits`, in the same order. Warns, or throws InputError if
-// a limit has a largest distance, if the scene has no triangles of a class.
+// Returns, for each limit, an object that computes distances from the surfaces of the limit's class. If the scene has
+// no triangle of the class, throws InputError for a limit with a largest distance, and warns for other limits.
 std::vector<SurfaceDistance> classDistances(const Scene& scene, const std::vector<Arrangement::Distance>& limits) {
   std::vector<SurfaceDistance> distances;
   for (const Arrangement::Distance& limit : limits) {
@@ -150,7 +150,7 @@ std::vector<SurfaceDistance> classDistances(const Scene& scene, const std::vecto
   return distances;
 }
 
-// True if a position keeps all limits. `distances` are classDistances() of the same limits.
+// True if a position is within all limits. `distances`: the result of classDistances() for the same limits.
 bool keepsDistances(const std::vector<Arrangement::Distance>& limits, const std::vector<SurfaceDistance>& distances,
                     const Vec3d& position) {
   for (std::size_t i = 0; i < limits.size(); ++i) {
@@ -160,7 +160,7 @@ bool keepsDistances(const std::vector<Arrangement::Distance>& limits, const std:
   return true;
 }
 
-// Returns the number of copies that `count` or `density` asks for on an area. Throws InputError for none or too many.
+// Returns the number of copies that `count` or `density` gives for an area. Throws InputError if it is 0 or too large.
 std::uint64_t requestedCopies(const Arrangement::Scatter& scatter, double squareMetres) {
   const double copies = scatter.count ? static_cast<double>(*scatter.count) : scatter.density * squareMetres;
   refuseTooMany(copies, scatter.where);
@@ -172,8 +172,8 @@ std::uint64_t requestedCopies(const Arrangement::Scatter& scatter, double square
                    copies, squareMetres);
 }
 
-// Returns the point at x and y of `position` on a surface that may get copies: the highest such surface or, without
-// `within`, the one at the height of `position`. Nothing if there is none, or if another surface covers it.
+// Returns `position` moved vertically to the highest suitable surface or, without `within`, to a suitable surface at
+// its height. Returns nothing if there is none, or if it is covered by another surface although `covered` is false.
 std::optional<Vec3d> scatterPoint(const Arrangement::Scatter& scatter, const SurfaceHeights& heights,
                                   const Vec3d& position) {
   const std::vector<SurfaceHeights::Surface> surfaces = heights.at(position.x, position.y);  // the highest first
@@ -186,8 +186,8 @@ std::optional<Vec3d> scatterPoint(const Arrangement::Scatter& scatter, const Sur
   return std::nullopt;
 }
 
-// Returns the copies of which chance keeps (`presence`), each with a random rotation, scale and displacement. The
-// random numbers of a copy depend on its index in `copies`.
+// Keeps each copy with the probability `presence`; returns the kept copies with random rotations, scales and
+// displacements. The random numbers of a copy depend on its index in `copies`.
 std::vector<Arrangement::Copy> varied(const Arrangement::Vary& vary, const std::vector<Arrangement::Copy>& copies,
                                       std::uint64_t seed, std::uint32_t object) {
   std::vector<Arrangement::Copy> keptCopies;
@@ -258,8 +258,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   const std::uint64_t copies =
       requestedCopies(scatter, scatter.within ? (highX - lowX) * (highY - lowY) : area.squareMetres());
   const std::vector<SurfaceDistance> distances = classDistances(scene, scatter.distances);
-  // A density gives each copy one try, and leaves out a copy whose place is not free. A count gives several tries per
-  // copy; after kMostMissesInRow misses in a row the search ends.
+  // With a density, each copy has one try and is left out if that fails. With a count, there are several tries for each
+  // copy, and the search ends after kMostMissesInRow failures in a row.
   const std::uint64_t triesPerCopy = !scatter.count ? 1 : scatter.distances.empty() ? kTriesPerCopy : kMostMissesInRow;
   const std::uint64_t mostMisses = scatter.count ? kMostMissesInRow : std::numeric_limits<std::uint64_t>::max();
   std::uint64_t misses = 0;  // since the last accepted position
@@ -285,8 +285,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   return poses;
 }
 
-// Returns level poses at equal distances along the path, with its heading. `heights` is only needed for a path on
-// roads.
+// Returns poses at equal distances along the path, with the path's heading but without pitch and roll. `heights` may be
+// null unless the path is on roads.
 std::vector<Pose> Arrangement::alongPath(const Scene& scene, const SurfaceHeights* heights) const {
   const Path path(along_->trip ? findRoadPath(*heights, scene.ontology, *along_->trip) : along_->waypoints);
   constexpr double kRounding = 1 + 1e-12;  // a pose at the path's very end must not be lost by rounding
@@ -325,8 +325,8 @@ std::vector<Arrangement::Copy> Arrangement::copies(const Placement& placement, c
   return standOn_ ? stoodOnSurfaces(copies, *heights, seed, lowestZ) : copies;
 }
 
-// Returns the copies that have a surface of `stand_on` below or above them, moved vertically until their lowest points
-// touch it. Warns of the copies that have none, or throws InputError if none has one.
+// Returns the copies below or above which there is a surface of `stand_on`, each moved vertically so that its lowest
+// point touches the surface. Warns of copies without such a surface; throws InputError if no copy has one.
 std::vector<Arrangement::Copy> Arrangement::stoodOnSurfaces(const std::vector<Copy>& copies,
                                                             const SurfaceHeights& heights, std::uint64_t seed,
                                                             const std::function<double(const Copy&)>& lowestZ) const {

@@ -27,13 +27,13 @@ bool hasWord(const Concept& entry, const std::string& foldedWord) {
   return std::ranges::find(entry.words, foldedWord) != entry.words.end();
 }
 
-// True if a word with this ending is a plural, or the word itself.
+// True if a word followed by `ending` is the word's plural, or the word itself (empty ending).
 bool isPlural(std::string_view ending) {
   static constexpr std::array<std::string_view, 6> kEndings{"", "s", "es", "e", "n", "en"};
   return std::ranges::find(kEndings, ending) != kEndings.end();
 }
 
-// Compared by the index where the containing word of the name ends, then by the length of the concept's word.
+// Index where the name's word that has the match ends, and length of the concept's word; compared in this order.
 using Match = std::pair<std::size_t, std::size_t>;
 
 // Finds the last place where a word of a concept occurs in a folded name: as a word or its plural, or if `word` is long

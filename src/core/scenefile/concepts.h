@@ -13,7 +13,7 @@
 
 namespace scanmill {
 
-// Ground; an object with all its parts; a part of such objects; geometry that does not belong to the world.
+// In this order: ground; a complete object; a part of objects; geometry that is dropped, as it is not of the world.
 enum class ConceptKind { Ground, Whole, Detail, Drop };
 
 struct Concept {
@@ -37,8 +37,8 @@ const SemanticClass* classOf(const Concept& nameConcept, const Ontology& ontolog
 // "BusStop2" and "grass.001" become "haupt strasse", "bus stop" and "grass".
 [[nodiscard]] std::string foldedName(std::string_view name);
 
-// Returns the concept of the word that ends last in a name, or of the longest word if several end at the same place;
-// null if the name contains no word of a concept.
+// Returns the concept whose word ends last in a name. If several words end at the same place, the longest counts. Null
+// if the name contains no word of a concept.
 const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view name);
 
 // Returns the concepts of all words of a name, in the order of the words. A pair of words can be one entry ("street

@@ -145,7 +145,7 @@ std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& object) const {
   return files;
 }
 
-// Reads the keys that say how a file becomes an asset, whatever its kind.
+// Reads the keys that say how a file is read as an asset and that apply to all kinds of files.
 AssetOptions FileObjects::assetOptions(Fields& object) const {
   AssetOptions options;
   options.textures = textures_;
@@ -186,8 +186,8 @@ std::vector<Rule> FileObjects::rulesOf(Fields& object) const {
   return rules;
 }
 
-// Returns each file of the object with each of the `materials` of the key `vary` (once, if there are none): a copy of
-// the object gets one of these at random.
+// Returns each combination of a file of the object and one of `materials`, the materials of the key `vary` (without
+// materials, each file once). Each copy of the object gets one of these combinations at random.
 std::vector<LabelledFile> FileObjects::variantsOf(Fields& object, const std::vector<NamedFile>& files,
                                                   const std::vector<std::string>& materials) const {
   const AssetOptions asset = assetOptions(object);
@@ -262,9 +262,9 @@ void readSurveyOptions(Fields& object, const std::filesystem::path& file, AssetO
   }
 }
 
-// Returns the cache's entry of a file with its options and rules, which is new and empty if there was none.
+// Returns the cache's entry for a file with these options and rules; adds an empty entry if there is none.
 FileMeshes::Entry& FileMeshes::entryOf(const LabelledFile& labelled) {
-  // The path is not that behind symbolic links: two links to a file may have different textures beside them.
+  // Symbolic links are not resolved: two links to a file may have different textures beside them.
   std::list<Entry>& entries = cache_[std::filesystem::absolute(labelled.file).lexically_normal()];
   const auto entry = std::ranges::find_if(entries, [&](const Entry& e) {
     return e.labelled.asset == labelled.asset && e.labelled.labelling == labelled.labelling;
@@ -304,8 +304,8 @@ void FileMeshes::compareSurveys(const LabelledFile& labelled, const Vec3d& posit
       where.text(), first.file.string(), survey.file.string(), misfit);
 }
 
-// Returns the animation of a clip. All its moments use the materials of the first moment, so that textures are stored
-// only once.
+// Returns the animation of a clip. The meshes of all moments use the materials of the first moment, so that textures
+// are stored only once.
 std::shared_ptr<const Animation> FileMeshes::playing(LabelledFile labelled, const std::string& clip,
                                                      const Location& where) {
   labelled.asset.clip = {clip, 0};

@@ -2,10 +2,10 @@
 
 // Objects of a scene file that are files: 3D models, worlds of robot simulators, point clouds, rasters of heights.
 //
-// A part of an asset gets its class from the first of these that matches and has a class: the object's rules in their
-// order, the object's class, the scene's rules in their order. Its material is found in the same way. An object's class
-// therefore overrides the classes of all the scene's rules; an object overrides their materials only if it has a
-// material too.
+// The class of an asset's part comes from the first of these that matches the part and states a class: the object's
+// rules, in order; the object's key `class`; the scene's rules, in order. The material is found in the same way. An
+// object's key `class` therefore overrides the classes of all the scene's rules, but it overrides their materials only
+// if the object also has the key `material`.
 
 #include <array>
 #include <filesystem>
@@ -33,8 +33,8 @@ struct LabelledFile {
   Labelling labelling;
 };
 
-// Reads the keys `points` and `heights` of an object whose file is a point cloud or a height raster. Throws InputError,
-// also if the file is not what a key is for.
+// Reads the keys `points` (for point clouds) and `heights` (for height rasters) of an object into `asset`, if present.
+// Throws InputError for an invalid value, and for a key that does not fit the kind of the file.
 void readSurveyOptions(Fields& object, const std::filesystem::path& file, AssetOptions& asset);
 
 // Loads each combination of file, options and rules once: objects with the same combination share their meshes.
@@ -46,8 +46,8 @@ class FileMeshes {
   // addAsset().
   const std::vector<PlacedMesh>& read(const LabelledFile& labelled, const Location& where);
 
-  // Warns, once for all files, if a survey is placed at the position of an earlier one and does not fit it: their
-  // coordinate systems differ, or one is in degrees and lies around its own middle. The file was read by read().
+  // Warns, at most once for all files, if a survey has the same position as an earlier survey, but another coordinate
+  // system or a middle of its own, so that they do not fit together. read() must have read the file before.
   void compareSurveys(const LabelledFile& labelled, const Vec3d& position, const Location& where);
 
   // Returns a clip of a file as a looping animation that has one mesh per sampled moment.
@@ -72,7 +72,7 @@ class FileMeshes {
 
   SceneBuilder& builder_;
   std::map<std::filesystem::path, std::list<Entry>> cache_;      // by file
-  std::map<std::array<double, 2>, const Survey*> firstSurveys_;  // the first survey, by x and y of its position
+  std::map<std::array<double, 2>, const Survey*> firstSurveys_;  // by x and y of a position: the first survey there
   bool misfitReported_ = false;
 };
 

@@ -117,7 +117,7 @@ class TriangleCopier {
 };
 
 // Divides a part into groups of triangles on which the same rules decide, and appends the groups to `labelledParts`.
-// Adds the triangles of each rule to `uses`, which has one entry per rule of the labelling.
+// Counts the triangles of each rule in `uses`, which has one entry per rule of the labelling.
 void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, std::vector<RuleUse>& uses,
                 std::vector<LabelledPart>& labelledParts) {
   const std::vector<std::size_t> matchingRules = rulesFor(part, labelling);
@@ -231,7 +231,7 @@ std::vector<LabelledPart> divideIntoThings(std::vector<LabelledPart> parts, cons
                      file, thingCount, kMostSurfaces);
   }
   std::vector<LabelledPart> divided;
-  auto numbers = thingNumbers.begin();  // of the next part of things
+  auto numbers = thingNumbers.begin();  // numbers of the next part in `thingParts`
   for (LabelledPart& labelled : parts) {
     std::map<std::uint32_t, std::vector<std::size_t>> trianglesByThing;
     if (labelled.isOfThings()) {
@@ -251,8 +251,8 @@ std::vector<LabelledPart> divideIntoThings(std::vector<LabelledPart> parts, cons
   return divided;
 }
 
-// Gives parts of a file their rules, classes and things. `origin` is that of the parts' frame (m, asset frame). Adds
-// the triangles of each rule to `uses`, and those that cannot be traced to `dropped`.
+// Returns the parts of a file, divided by rules, classes and things. `origin`: of the parts' frame (m, asset frame).
+// `uses` counts the triangles of each rule; `dropped` counts triangles that are removed because they cannot be traced.
 std::vector<LabelledPart> labelParts(const Ontology& ontology, std::vector<AssetPart> assetParts, const Vec3d& origin,
                                      const Labelling& labelling, std::vector<RuleUse>& uses, Dropped& dropped) {
   const PartFrame frame{origin, lowestZ(assetParts)};
@@ -272,8 +272,8 @@ std::vector<LabelledPart> labelParts(const Ontology& ontology, std::vector<Asset
   return divideIntoThings(std::move(parts), labelling.things, labelling.file);
 }
 
-// Adds the mesh of the labelled parts of a file. Returns the mesh's index; nullopt if no triangle remains. Adds the
-// triangles that cannot be traced to `dropped`.
+// Adds the mesh of the labelled parts of a file. Returns the mesh's index; nullopt if no triangle remains. `dropped`
+// counts the triangles that are removed because they cannot be traced.
 std::optional<std::uint32_t> addMesh(SceneBuilder& builder, std::vector<LabelledPart> parts, const Labelling& labelling,
                                      Dropped& dropped) {
   Mesh mesh;
@@ -363,7 +363,7 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
   for (InstancedParts& group : asset.instanced) {
     if (group.parts.empty()) continue;
     std::string node = group.parts.front().node;
-    // Assets with an origin have no instances, so that the origin is that of every group.
+    // An asset with an origin has no instances, so there is a single group, to which the origin applies.
     std::vector<LabelledPart> labelledParts =
         labelParts(builder.ontology(), std::move(group.parts), asset.origin, labelling, uses, dropped);
     checkSize(labelledParts, labelling, where);

@@ -45,7 +45,7 @@ struct ThingTriangles {
 //           or the complete match if the expression has no group. Each node without a match is one thing.
 //   Part    Triangles of one class are grouped into things by groupIntoThings().
 //
-// With ThingBounds::byClass each class of a node or of a match has things of its own.
+// With ThingBounds::byClass, triangles of different classes are different things, even in the same node or match.
 std::vector<std::vector<std::uint32_t>> numberThings(const ThingBounds& bounds,
                                                      const std::vector<ThingTriangles>& parts);
 

@@ -80,7 +80,7 @@ void readCopies(const Value& value, Placement& placement) {
 
 }  // namespace
 
-// Returns the surfaces of the objects that have been placed.
+// Returns the surfaces of the objects that have been placed so far.
 const SurfaceHeights& ObjectPlacer::surfaces() {
   if (!heights_) heights_.emplace(builder_.soFar());
   heights_->update();
@@ -90,7 +90,7 @@ const SurfaceHeights& ObjectPlacer::surfaces() {
 // Reads the key `moving`: a velocity, or a path by waypoints or on the surfaces of earlier objects, with one or several
 // starts.
 std::vector<std::shared_ptr<const Movement>> ObjectPlacer::movementsOf(const Value& moving) {
-  // By the key that says how the object moves: the keys that may stand beside it.
+  // Each key that says how the object moves, with the keys that may stand beside it.
   static const std::map<std::string_view, std::set<std::string_view>> kKeysBeside{
       {"to", {"from", "on", "keep", "speed", "start"}}, {"waypoints", {"ground", "speed", "start"}}, {"velocity", {}}};
   Fields fields(moving, "moving");

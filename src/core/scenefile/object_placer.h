@@ -1,7 +1,7 @@
 #pragma once
 
-// Puts the copies of an object into a scene: also those that are not listed one by one, but scattered over surfaces or
-// along a path, varied at random, and set on the ground.
+// Places the copies of an object in a scene: listed one by one, on a grid, scattered over surfaces or along a path.
+// Copies can vary at random, and stand on the ground.
 
 #include <array>
 #include <cstdint>
@@ -25,10 +25,10 @@
 
 namespace scanmill {
 
-// Position and rotation define the object's frame. A copy's position in that frame is the position of its grid
-// cell plus its own position; its scale is multiplied by the object's. Scales act only on the geometry, not on the
-// distances between copies. The grid is not centred: its first cell is at the object's position. Copies are ordered by
-// grid cell (x fastest, then y, then z), and within each cell as in `at`.
+// The pose of `object` defines the object's frame. A copy's position in this frame is the position of its grid cell
+// plus the copy's own position in `at`; the copy's scale is multiplied by the object's. Scales act only on the
+// geometry, not on the distances between copies. The grid is not centred: its first cell is at the object's position.
+// Copies are ordered by grid cell (x fastest, then y, then z), and within each cell as in `at`.
 struct Placement {
   struct Copy {
     Pose pose;
@@ -51,18 +51,18 @@ struct Placement {
   void forEach(const std::function<void(const Affine&)>& visit) const;
 };
 
-// Reads the keys `position`, of rotations, `scale`, `copies.at` and `copies.grid` from an object's map (docs/keys.md).
-// Throws InputError with the place; for more than mostCopies() the message gives the number of copies and the factors
-// that it is the product of.
+// Reads `position`, the keys of rotations, `scale`, `copies.at` and `copies.grid` from an object's map (docs/keys.md).
+// Throws InputError with the place; if there are more than mostCopies(), the message gives the number of copies and the
+// factors whose product it is.
 Placement readPlacement(Fields& object);
 
 // Reads [[x, y], [x, y]], two corners of a rectangle; returns the least x and y, then the greatest. Throws InputError.
 std::array<double, 4> readRectangle(const Value& value, std::string_view key);
 
-// Each scattered place, and each place along the path, gets all copies of the object's placement. A scattered place has
-// a random yaw; a place along the path has the heading of the path. `vary` turns a copy about the vertical axis through
-// the copy's own position. Random numbers depend only on the scene's seed and the object's name (or its `thing`).
-// docs/keys.md lists the keys.
+// Places of an object: scattered over surfaces, with random yaws, or along a path, with the path's heading. Each place
+// gets all copies of the object's Placement. `vary` turns a copy about the vertical axis through the copy's own
+// position. Random numbers depend only on the scene's seed and the object's name (or its `thing`). docs/keys.md lists
+// the keys.
 class Arrangement {
  public:
   // Values of an object's keys; each struct is one key.
@@ -87,7 +87,7 @@ class Arrangement {
     std::vector<Vec3d> waypoints;  // empty if there is a `trip`
     std::optional<RoadTrip> trip;
     double interval = 0;    // m, distance between places along the path
-    double leftOffset = 0;  // m, of the places to the left of the path
+    double leftOffset = 0;  // m, distance of the places from the path, to its left
     Location where;
   };
   struct Vary {
@@ -114,8 +114,8 @@ class Arrangement {
     std::size_t number = 1;   // counts all copies from 1, including those that are left out
   };
 
-  // Returns the copies, in this order: all places, from which `vary` moves some and leaves some out; then those are set
-  // on the surfaces of `stand_on`, or left out where there is none. Each has a random index below `variants`.
+  // Returns the copies at all places, after these steps: `vary` moves copies and leaves some out; then each copy is set
+  // on a surface of `stand_on`, or left out if there is none below or above it. `Copy::variant` is random.
   // `heights`: the surfaces of `scene`, which has the objects listed before this one; required if needsSurfaces().
   // `lowestZ` returns the z of a copy's lowest point (m, world). Throws InputError if the scene has no surface of the
   // required classes, or too little room.

@@ -15,7 +15,7 @@
 namespace scanmill {
 namespace {
 
-// Returns the index behind the set that starts with the '[' at glob[open]; `open` if the set has no ']'.
+// Returns the index after the end of the set that starts with the '[' at glob[open]; `open` if the set has no ']'.
 std::size_t endOfSet(std::string_view glob, std::size_t open) {
   const bool negated = open + 1 < glob.size() && (glob[open + 1] == '!' || glob[open + 1] == '^');
   const std::size_t close = glob.find(']', open + (negated ? 3 : 2));  // a ']' that comes first is an item of the set
@@ -37,7 +37,7 @@ std::string regexOfSet(std::string_view set) {
 }
 
 // Returns the indices of the opening brace at glob[open], of its commas and of its closing brace; an empty list if
-// nothing closes it, or if nothing is inside.
+// there is no closing brace, or nothing between the braces.
 std::vector<std::size_t> bracesAt(std::string_view glob, std::size_t open) {
   std::vector<std::size_t> marks{open};
   int depth = 1;
@@ -103,7 +103,7 @@ const re2::RE2& compiled(const std::string& pattern, const Location& where) {
                                     : "a '[' begins a set of characters; write [[] for the character itself");
 }
 
-// Returns the pattern of the key, which is valid; an empty text without the key.
+// Returns the pattern that a key gives; an empty text without the key. Throws InputError for an invalid pattern.
 std::string readPattern(Fields& conditions, std::string_view key) {
   const Value* value = conditions.find(key);
   if (!value) return {};
@@ -130,7 +130,7 @@ Rgb readColor(const Value& value) {
   return {static_cast<std::uint8_t>(rgb >> 16), static_cast<std::uint8_t>(rgb >> 8), static_cast<std::uint8_t>(rgb)};
 }
 
-// Reads one colour or a list of colours; none for null.
+// Reads one colour or a list of colours; null gives an empty list.
 std::vector<Rgb> readColors(const Value* value) {
   std::vector<Rgb> colors;
   if (value == nullptr) return colors;

@@ -22,8 +22,8 @@
 namespace scanmill {
 namespace {
 
-// Returns the one of the keys `file`, `primitive` and `town` that the object has. Throws InputError for none or
-// several.
+// Returns the name of the key that the object has: `file`, `primitive` or `town`. Throws InputError if it has none or
+// several of these keys.
 std::string kindOf(const Fields& object) {
   const std::vector<std::string> keys{"file", "primitive", "town"};
   std::vector<std::string> objectKinds;
@@ -66,7 +66,7 @@ const Value* findTown(const Value& objects) {
 
 constexpr Range kLength{1e-6, 1e6};  // m, limits of the sizes of primitives
 
-// Reads [x, y, z], or, with the count 2, [x, y], which gets z = 0 (m).
+// Reads [x, y, z] (m) or, if `count` is 2, [x, y], to which it adds z = 0.
 Vec3d readSize(const Value& value, std::size_t count) {
   std::vector<double> size = readNumbers(value, "size", kLength);
   if (size.size() != count) {
@@ -213,7 +213,7 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options) 
   ObjectPlacer placer(builder, options.seed);
   FileObjects fileObjects(builder, placer, std::move(rules), assetFolder, options.textures);
   PrimitiveObjects primitives(builder, placer);
-  // The materials of a scene with a town vary from place to place, also those of objects listed before the town.
+  // If the scene has a town, all objects have random reflectances, also those listed before the town.
   const bool hasTown = findTown(objects) != nullptr;
   if (hasTown) builder.drawReflectances();
   for (const Value& value : objects.items) {

@@ -19,8 +19,8 @@ namespace {
 
 using Numbers = std::vector<std::vector<std::uint32_t>>;
 
-// Numbers the keys from 1, in the order of the lowest node index of each key; with `byClass` a class is part of the
-// key. Returns, for each part and each of its triangles, the number of the part's key.
+// Returns the number of each triangle's thing, by part and triangle. Parts with the same key `keyOf(part)`, and the
+// same class if `byClass` is true, are one thing. Things are numbered from 1 in the order of their lowest nodes.
 template <class KeyOf>
 Numbers numberByKey(const std::vector<ThingTriangles>& parts, bool byClass, const KeyOf& keyOf) {
   using Key = std::pair<decltype(keyOf(*parts.front().part)), std::uint16_t>;
@@ -120,7 +120,7 @@ class BoxGrid {
   }
 
   static constexpr std::size_t kSide = 48;           // cells along each axis
-  static constexpr std::size_t kMostCovered = 4096;  // cells that a box may cover, or else it is in `large_`
+  static constexpr std::size_t kMostCovered = 4096;  // boxes that cover more cells are in `large_`
   using Cell = std::array<std::size_t, 3>;
   Cell cellOf(const Vec3d& p) const {
     const auto index = [](double offset, double cellsPerMetre) {
@@ -270,7 +270,7 @@ std::vector<std::uint32_t> groupIntoThings(const std::vector<Box>& boxes) {
     const Vec3d& low = boxes[i].low;
     return std::tuple(-diagonal(i), low.x, low.y, low.z);
   });
-  // A part joins the main part that covers most of its footprint; a part without such a main part is one itself.
+  // A part joins the main part that covers most of its footprint; if none is suitable, it becomes a main part itself.
   std::vector<std::uint32_t> mainPartOf(boxes.size());
   BoxGrid mainParts(bounds);
   for (const std::uint32_t i : bySize) {

@@ -37,7 +37,7 @@ SweptBox sweptBox(const Box& box, const Pose& start, const Pose& end) {
   return swept;
 }
 
-// The swept boxes, by the cells of the ground plan that they overlap.
+// Finds swept boxes by the horizontal square cells that the boxes overlap.
 class BoxCells {
  public:
   explicit BoxCells(const std::vector<SweptBox>& boxes) {
@@ -75,7 +75,7 @@ class BoxCells {
   std::unordered_map<std::int64_t, std::vector<std::size_t>> boxesByCell_;
 };
 
-// Returns the bounds of the part of a triangle that is inside of a box; an empty box if no part is.
+// Returns the bounds of the part of a triangle that is inside of a box; an empty box if the triangle is outside.
 Box boundsInside(const Box& box, const std::array<Vec3d, 3>& corners) {
   TrianglePiece inside(corners);
   TrianglePiece below;

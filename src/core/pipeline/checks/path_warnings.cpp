@@ -20,18 +20,18 @@ namespace {
 // Limits of what is normal, chosen by eye.
 constexpr double kMostHeight = 50;       // m above the surface; a sensor that is higher causes a warning
 constexpr double kOnSurface = 0.05;      // m; a sensor at most this far from a surface causes a warning
-constexpr double kMostBareShare = 0.02;  // of a path that may be without ground
-// m, height of the vehicle's underside above the ground, but at most half of the vehicle's height: it drives over what
-// is lower.
+constexpr double kMostBareShare = 0.02;  // largest fraction of a path without ground that causes no warning
+// m, height of the vehicle's underside above the ground, or half of the vehicle's height if that is less. The vehicle
+// can drive over lower obstacles.
 constexpr double kClearance = 0.1;
-constexpr double kDefaultHeight = 0.6;    // m, of a vehicle of which only sensors on the ground are known
-constexpr double kLeastHalfWidth = 0.01;  // m, also half of the least length of a vehicle
+constexpr double kDefaultHeight = 0.6;    // m, of a vehicle without a model whose sensors are all on the ground
+constexpr double kLeastHalfWidth = 0.01;  // m, least half width and half length of a vehicle
 constexpr double kWallNormal = 0.7;       // a surface counts as a wall if |z| of its unit normal is at most this
 
-// Amounts of work.
+// Limits of the amount of work.
 constexpr std::uint32_t kHeightFrames = 100;  // frames in which a sensor's height is checked, at most
 constexpr std::uint32_t kInsideFrames = 12;   // frames in which sensors are tested for being inside of objects, at most
-constexpr double kProbeLength = 1e5;          // m, of test rays
+constexpr double kProbeLength = 1e5;          // m, length of test rays
 constexpr double kStep = 0.5;                 // m, largest length of the steps in which a path is checked
 constexpr double kTurnWeight = 5;             // a turn that swings the vehicle's end by 1 m counts as so many m of path
 constexpr std::size_t kStepsAtOnce = 20'000;  // steps that are swept at once, which limits memory use
@@ -40,8 +40,8 @@ constexpr double kMostStepsPerFrame = 1000;
 constexpr Vec3d kUp{0, 0, 1};
 constexpr Vec3d kDownwards{0, 0, -1};
 
-// Returns the upward ones of the directions to the face centres, edge centres and corners of a cube, which is rotated
-// so that none runs along an axis.
+// Returns those directions to the face centres, edge centres and corners of a cube that point upwards. The cube is
+// rotated so that no direction is along an axis.
 std::vector<Vec3d> upwardDirections() {
   const Mat3 rotation = toMatrix(fromYawPitchRoll(0.37, 0.21, 0.13));  // rad
   std::vector<Vec3d> directions;
@@ -189,7 +189,7 @@ class PathCheck {
         return hit && hit->semantic == hits.front()->semantic && !movingIds_.contains(hit->instance);
       });
       if (!enclosed || !probe_.first({position, kDownwards}, kProbeLength))
-        continue;  // checkHeights() warns of those below ground
+        continue;  // checkHeights() warns of sensors below the ground
       return report(
           fmt::format("'{}' sees nothing beside and above it but surfaces of the class {}, such as {}, at {} (frame "
                       "{}), which is right only in rooms and tunnels",
@@ -201,8 +201,8 @@ class PathCheck {
   // Returns the height of the ground in the vehicle's frame (m).
   double groundInVehicle() const { return trajectory_->ground() == nullptr ? 0 : -trajectory_->ground()->height; }
 
-  // Returns the box that the vehicle fills above what it drives over (m, vehicle's frame): that of its model or, if it
-  // has none, a box about its sensors and about the wheels that the trajectory states, as high as its highest sensor.
+  // Returns the vehicle's box (m, vehicle's frame), without the space below its underside: the bounds of its model or,
+  // without a model, of its sensors and of the wheels that the trajectory states.
   Box vehicleBox() const {
     const double ground = groundInVehicle();
     Box box;
@@ -231,9 +231,9 @@ class PathCheck {
     std::uint32_t frame = 0;
   };
 
-  // Returns the steps of the vehicle along its path, at most kStep long, but at most kMostStepsPerFrame; for a vehicle
-  // that stands still, its poses. Ends after the frame in which the number of poses reaches kMostPoses. `radius`:
-  // distance of the vehicle's end from its origin (m).
+  // Divides the vehicle's path into steps of about kStep, but each frame into at most kMostStepsPerFrame. A vehicle
+  // that stands still has one step without motion per frame. Ends after the frame in which the number of steps reaches
+  // kMostPoses. `radius`: distance of the farthest corner of the vehicle's box from its origin (m).
   std::vector<Step> stepsOnPath(double radius) const {
     std::vector<Step> steps;
     if (trajectory_->still() || sequence_.frames == 1) {
@@ -257,7 +257,7 @@ class PathCheck {
         travelled += distance(chordStart, chordEnd);
         chordStart = chordEnd;
       }
-      // Half steps, of which those that bring the vehicle too little forward are joined with the next.
+      // Divides the frame's path into half steps. A half step shorter than kStep / 2 is joined with the next one.
       const int parts = static_cast<int>(std::clamp(std::ceil(2 * travelled / kStep), 1.0, kMostStepsPerFrame));
       for (int k = 1; k <= parts; ++k) {
         const Pose next = trajectory_->pose(frame, duration * k / parts);
@@ -270,8 +270,8 @@ class PathCheck {
     return steps;
   }
 
-  // True for triangles that the vehicle may not touch: steep surfaces, and all surfaces of things that do not move.
-  // Gentle surfaces of stuff may be the ground, of which recorded heights are not exact.
+  // True for triangles that the vehicle may not touch: steep surfaces, and all surfaces of things that are not ground.
+  // Moving objects do not count. Gentle surfaces may be ground, whose recorded heights are not exact.
   bool isObstacle(const Instance& instance, const Surface& surface, const Vec3d& normal) const {
     if (instance.moves()) return false;
     if (std::fabs(normal.z) <= kWallNormal) return true;

@@ -22,7 +22,7 @@ constexpr Range kUsualExtent{1e-3, 5000};
 constexpr Range kUsualThingExtent{0.01, 300};
 constexpr std::size_t kMostLines = 5;      // of warnings of the same kind
 constexpr double kLeastTown = 30;          // m; a mesh of at least this size is taken to hold more than one thing
-constexpr std::size_t kFewestNodes = 3;    // of a class, for which one shared instance causes a warning
+constexpr std::size_t kFewestNodes = 3;    // of a class in one mesh; if they share an instance, there is a warning
 constexpr double kMostBlockedShare = 0.5;  // of a sensor's rays that the ego vehicle may block
 constexpr double kPeriodRounding = 1e-6;   // as a fraction of a period
 
@@ -43,8 +43,8 @@ std::vector<std::string> shortened(std::vector<std::string> lines, const Scene& 
   return lines;
 }
 
-// Returns the end of a warning, after the names of drives, if the frames of a sequence follow one another faster than
-// the slowest sensor turns. Otherwise empty.
+// Returns a warning, without the names of drives at its beginning, if the time between the frames of a sequence is
+// shorter than a revolution of the slowest sensor; otherwise an empty text.
 std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) {
   const double interval = sequence.trajectory->interval();
   const double period = pipeline.periods.longest;
@@ -60,7 +60,7 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
       text, period);
 }
 
-// Warns of values that a list of effects assumes, and of weather with an intensity of the default near range.
+// Warns of values that effects assume, and of the effect weather if the near range of the intensity is the default.
 std::vector<std::string> effectWarnings(const Effects& effects, const MountedSensor& sensor, const BeamTable& beams) {
   constexpr double kDefaultNearRange = 1;  // m, of the effect intensity
   std::vector<std::string> lines;

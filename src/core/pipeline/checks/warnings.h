@@ -46,17 +46,17 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
 // drives, and of frames closer than the slowest sensor's revolution.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
-// Warns of values that effects assume because a sensor's file does not give them, and of effects beside a sensor that
-// the pipeline does not apply.
+// Warns of values that effects assume because a sensor's file does not give them, and of effects that the pipeline
+// lists for a sensor but does not apply.
 std::vector<std::string> sensorWarnings(const Plan& plan);
 
 // Warns of sensors at least half of whose rays hit the ego vehicle. `blocked`: result of ShotSource::blockedShares().
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
 
 // Checks a sequence in its scene, with all objects at their positions at time 0 s. Warns of sensors that are on or
-// below surfaces, far above them, farther from the scene than their range, or enclosed by surfaces of one class, of
-// the first object that the vehicle's box goes through, and of paths that leave the ground. Moving objects count
-// neither for the box nor around a sensor. Gives each kind of warning at most once per sensor or path.
+// below surfaces, far above them, farther from the scene than their range, or enclosed by surfaces of one class; of the
+// first object that the vehicle's box goes through; and of paths that leave the ground. Ignores moving objects around
+// sensors and in the vehicle's way. Gives each kind of warning at most once per sensor or path.
 std::vector<std::string> pathWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);
 
 // The surfaces of one class of an object that a box touches.
@@ -65,14 +65,14 @@ struct BoxContact {
   std::uint16_t semantic = 0;
   std::size_t step = 0;  // index of the first step in which a box touches the surfaces
   double along = 0;      // m from the step's middle in the direction of travel, where the box touches them first
-  Vec3d position;        // where the box touches them (m, world frame): in the middle across the box
+  Vec3d position;        // m, world frame: contact point, across the box the middle of the touched part
 };
 
 // Sweeps boxes, which move together, along the steps and returns the surfaces that they touch first; nothing if they
-// touch none. A step is straight: a box is extended by the motion between the step's two poses, and turned as halfway
-// between them. A box travels along its x axis, forwards or backwards. `boxes`: m, in the frame of the poses, not flat
-// along any axis. `isObstacle`: true for triangles that may not be touched, given their instance, surface and unit
-// normal in the world frame. Objects are where they are at time 0.
+// touch none. A step is straight: each box is extended by the motion between the step's two poses, and has the rotation
+// halfway between them. A box travels along its x axis, forwards or backwards. `boxes`: m, in the frame of the poses,
+// not flat along any axis. `isObstacle`: true for triangles that may not be touched, given their instance, surface and
+// unit normal in the world frame. All objects are at their positions at time 0.
 std::optional<BoxContact> sweepBoxes(
     const Scene& scene, const std::vector<Box>& boxes, const std::vector<std::pair<Pose, Pose>>& steps,
     const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& isObstacle);

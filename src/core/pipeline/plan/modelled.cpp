@@ -110,8 +110,8 @@ ModelledItem misses(const ScanLayout& layout) {
                                           : "name ring and column in output.columns to know the beam of a point")};
 }
 
-// Returns, by name of the sensor, whether its beams continue behind glass and off mirrors, in the order of the sensors:
-// one entry with an empty name if all sensors agree.
+// Returns the name of each sensor and whether its beams continue behind glass and off mirrors. If this is the same for
+// all sensors, returns one entry with an empty name.
 std::vector<std::pair<std::string, bool>> lightFollowing(const Pipeline& pipeline) {
   std::vector<std::pair<std::string, bool>> sensors;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {

@@ -241,7 +241,7 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   for (std::size_t c = 0; c < kColumnCount; ++c) {
     if (pipeline.output.layout.columns.has(c)) bytesPerPoint += bytesOf(kColumns[c].type);
   }
-  std::uint64_t bytesPerRay = 8;  // of buffers that all methods need, before the channels
+  std::uint64_t bytesPerRay = 8;  // of buffers that all methods need, without the channels
   forEachChannel([&]<class T>(const ChannelRow& row, std::vector<T> Hits::*) {
     if (row.channel != Channel::Normal || channels.has(Channel::Normal)) bytesPerRay += sizeof(T);
   });

@@ -50,8 +50,8 @@ DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs);
 // program.
 std::vector<std::filesystem::path> pipelineFolders(const std::filesystem::path& datasetFolder);
 
-// Returns the plan of a dataset. Searches the files that its pipeline names in the folder of the file `pipeline`, or in
-// pipelineFolders() if `pipeline` is empty. Throws InputError if a file is not found, or if the plan made from the
+// Returns the plan of a dataset. Looks for the files that the dataset's pipeline names in the folder of `pipeline` or,
+// if `pipeline` is empty, in pipelineFolders(). Throws InputError if a file is not found, or if the plan made from the
 // files has other samples or shards than the dataset.
 [[nodiscard]] Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,
                                  const std::filesystem::path& pipeline);

@@ -321,7 +321,7 @@ Value withCorruption(const Value& effects, const Value& corruption) {
       continue;
     }
     const NamedOptions listed = readNamed(*effect, "an effect");
-    // `none`, random options and other kinds of weather are replaced; the keys of other options are merged.
+    // `none`, random options and options with another `kind` of weather are replaced; other options are merged by key.
     const bool isMerged = listed.options.kind != Value::Kind::Scalar && !isDistribution(listed.options) &&
                           change.options.find("kind") == nullptr;
     *effect = isMerged ? withKeysOf(listed, change) : item;

@@ -32,8 +32,8 @@ std::string commented(const std::string& text) {
   return comment;
 }
 
-// Returns the recording's sensor with the name of the pipeline's. Throws InputError at `where` if there is none, or if
-// it has other beams, since hits or images of a recording were computed for its beams.
+// Returns the recording's sensor with the name of `sensor`. Throws InputError at `where` if there is none, or if its
+// numbers of rings and columns differ, since recorded hits or images were computed for its beams.
 const RecordedSensor& recordedSensor(const Recording& recording, const MountedSensor& sensor, const Location& where) {
   std::vector<std::string> recordedNames;
   for (const RecordedSensor& recorded : recording.sensors) {
@@ -66,8 +66,8 @@ void takeRecordedMounts(Pipeline& pipeline, const Recording& recording, const Va
   }
 }
 
-// Returns a sensor's name, which becomes part of file names: that in `fields` or, without one, `fallback`. Throws
-// InputError if it is empty, has other characters than file names, or is the name of one of the `earlier` sensors.
+// Returns a sensor's name, which becomes part of file names: the key `name` or, without the key, `fallback`. Throws
+// InputError if it is empty, has characters that file names do not have, or is the name of an `earlier` sensor.
 std::string readSensorName(Fields& fields, const std::string& fallback, const std::vector<MountedSensor>& earlier) {
   const std::string name = fields.text("name", fallback);
   const Value* const nameValue = fields.find("name");
@@ -149,7 +149,7 @@ std::map<std::string, std::string> readAbout(const Value* value) {
   return about;
 }
 
-// Sets the splits of the sequences by the pipeline's key `splits`; null: it has none.
+// Sets the splits of the sequences. `splitting`: the pipeline's key `splits`; null if the pipeline does not have it.
 void setSplits(const Value* splitting, Pipeline& pipeline) {
   std::vector<SequenceName> names;
   for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});
@@ -168,8 +168,8 @@ void readPeriods(Pipeline& pipeline) {
   pipeline.periods = {shortest->period, longest->period};
 }
 
-// Sets the greatest number of revolutions of each sensor in a sample. A recording has one for each sensor, whatever
-// their rates.
+// Sets each sensor's greatest number of revolutions in a sample. In a sample of a recording, every sensor has one
+// revolution, whatever its rate.
 void countRevolutions(Pipeline& pipeline) {
   if (pipeline.recording != nullptr) {
     for (MountedSensor& sensor : pipeline.sensors) sensor.period = pipeline.periods.longest;
@@ -191,7 +191,7 @@ void countRevolutions(Pipeline& pipeline) {
   }
 }
 
-// Reads the method of scenes; for a recording, only if the pipeline names one.
+// Reads the key `method`, which is required unless the pipeline has a recording.
 void readMethod(Fields& fields, Pipeline& pipeline) {
   if (pipeline.recording != nullptr && fields.find("method") == nullptr) return;
   const NamedOptions method = readNamed(fields.require("method"), "method");

@@ -52,11 +52,11 @@ struct Sequence {
   // True if sensors of different rates turn without a break from the start of the sequence: the time from frame to
   // frame is not longer than a revolution of the slowest sensor, and not shorter than one of the fastest.
   bool turnsWithoutBreak(const Periods& periods) const;
-  // Returns when the revolutions of a sensor that belong to the frame begin (s after the frame's start, may be
+  // Returns the start times of a sensor's revolutions that belong to a frame (s after the frame's start, may be
   // negative). `period`: duration of the sensor's revolution (s). If the sensors turn without a break, these are the
-  // revolutions that end after the frame's start and not after the next frame's: several of a fast sensor, at times
-  // none of a slow one. Otherwise all sensors begin to turn with each frame, and the frame has the revolutions that end
-  // within one of the slowest sensor; only the first one if the next frame begins before that.
+  // revolutions that end after the frame's start but not after the next frame's start: several of a fast sensor, at
+  // times none of a slow one. Otherwise every sensor starts a revolution at the frame's start, and the frame has the
+  // revolutions that end within one of the slowest sensor, or only the first if the next frame starts before that.
   std::vector<double> revolutions(std::uint32_t frame, double period, const Periods& periods) const;
   double totalRevolutions(double period, const Periods& periods) const;        // of all frames
   std::uint32_t mostRevolutions(double period, const Periods& periods) const;  // of one frame
@@ -69,13 +69,13 @@ struct Sequence {
   std::string key(std::uint32_t frame) const;  // key of a sample, such as "street-s1-lane-000012"
 };
 
-// Returns the text as a part of sample keys, which are ASCII without dots and slashes: letters in lower case, the code
-// of each other character of Unicode ("u5317"), and '_' in place of all further characters but digits, '-' and '_'.
+// Returns the text as a part of sample keys, which are ASCII without dots and slashes. Letters become lower case;
+// digits, '-' and '_' stay; other Unicode characters become their code ("u5317"), other ASCII characters '_'.
 std::string keyPart(std::string_view text);
 
 // Returns one sequence for each combination of scene, seed and trajectory. `period`: duration of the slowest sensor's
-// revolution (s). Calls `checkFrames` with how many frames there are at least, at first before any scene is read.
-// Throws InputError.
+// revolution (s). Calls `checkFrames` repeatedly with a lower bound of the number of frames, first before any scene
+// file is read. Throws InputError.
 std::vector<Sequence> readSequences(Fields& fields, double period,
                                     const std::function<void(std::uint64_t)>& checkFrames);
 // Returns the sequences of a recording. Throws InputError if the pipeline's key `without` differs from the recording's,

@@ -81,7 +81,7 @@ bool sameItems(const std::vector<Value>& a, const std::vector<Value>& b) {
                     [](const Value& x, const Value& y) { return flowText(x) == flowText(y); });
 }
 
-// Reads the items of takeOut(); none for null.
+// Reads the key `without`, the items of takeOut(); null gives an empty list.
 std::vector<Value> readWithout(const Value* value) {
   if (value == nullptr || value->kind == Value::Kind::Null) return {};
   const bool isListOfScalars =
@@ -95,8 +95,8 @@ std::vector<Value> readWithout(const Value* value) {
   return value->items;
 }
 
-// Returns the least number of frames of a list of trajectories for each seed: the sum of the stated numbers, and one
-// for each trajectory that states none.
+// Returns a lower bound of the number of frames that a list of trajectories has for one seed: the sum of the stated
+// numbers, and 1 for each trajectory without a number.
 std::uint64_t leastFrames(const Value& list) {
   std::uint64_t least = 0;
   for (const Value& trajectory : list.items) {

@@ -32,7 +32,7 @@ constexpr double kMostRays = 3e6;
 
 // Factors by which the costs of the small town are multiplied for a kind of scene, and spreads: the factors by which
 // measured values were above or below forecasts. All were fitted to the pipelines that come with the program (2 cores
-// of an AMD EPYC; tests/benchmarks/forecast.cpp). Those of set-up are small, since the small town is the first scene of
+// of an AMD EPYC; tests/benchmarks/forecast.cpp). Set-up factors are small, since the small town is the first scene of
 // the process.
 struct SceneFactors {
   double setup = 0;
@@ -85,7 +85,7 @@ void addFewerColumns(const Pipeline& pipeline, double share, std::vector<std::st
   }
 }
 
-// Whose classes the small town has: those of its own ontology, or those that the pipeline names.
+// The ontology of the small town: its own, or the one that the pipeline names.
 enum class TownClasses { Own, Pipeline };
 
 // Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml, and with fewer columns if a
@@ -116,8 +116,8 @@ Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownC
 }
 
 // Makes samples of the plan's first sequence, one for each thread, and stores in `costs` the measured times and sizes
-// of the scene and of a frame. The samples are made twice, and the second time is measured, since the first frames of a
-// program take longer: they map memory, and build what hierarchies lack.
+// of the scene and of a frame. Makes the samples twice and measures the second time, since the first frames of a
+// program take longer: they allocate memory and complete the hierarchies.
 void measure(const Plan& plan, SampleCosts& costs) {
   const std::size_t sampleCount = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
   ShotSource source(plan);
@@ -199,7 +199,7 @@ SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread) {
   try {
     measureInSmallTown(plan.pipeline, reread, TownClasses::Pipeline, costs);
   } catch (const InputError&) {
-    // The town may not fit the classes that the pipeline names, which hardly change the costs.
+    // The pipeline's ontology may lack classes of the town. Another ontology hardly changes the costs.
     measureInSmallTown(plan.pipeline, reread, TownClasses::Own, costs);
   }
   scale(plan.pipeline, costs);

@@ -143,7 +143,7 @@ class DatasetRun {
     open_[job]->samples[i] = std::make_unique<MadeSample>(maker_.make(jobs_[job].samples[i]));
   }
 
-  // Appends a sample to its shard, and what is new in its scene to the shard's manifest.
+  // Appends a sample to its shard. If the sample's scene is new, adds the facts about it to the shard's manifest.
   void write(std::size_t job, std::size_t i) {
     const std::unique_ptr<MadeSample> made = std::move(open_[job]->samples[i]);
     {
@@ -169,7 +169,7 @@ class DatasetRun {
     ShardPart written = shard->writer.finish();
     shard->part.manifest.shards = {std::move(written.shard)};
     shard->part.manifest.samples = std::move(written.samples);
-    // The records are read again at the end, since those of all shards might not fit into memory.
+    // Stores the record and reads it again at the end, since the records of all shards might not fit into memory.
     folder_.storeRecord(shard->part);
     const std::scoped_lock lock(mutex_);
     count(shard->part.manifest);
@@ -189,7 +189,7 @@ class DatasetRun {
     requireUnchangedFiles(files, pipeline_.file.parent_path(), options_.folder);
   }
 
-  // Throws InputError if a scene was read from other bytes of a file than the pipeline or a scene before.
+  // Throws InputError if a file of a scene has changed since the pipeline or an earlier scene was read from it.
   void expectOneVersion(const std::vector<FileRecord>& files) {
     const std::string changed = addFiles(files, files_);
     if (changed.empty() || options_.anyFiles) return;
@@ -270,7 +270,7 @@ class DatasetRun {
     }
   }
 
-  // Warns if a recording, which has one ray per beam, is scanned with effects that trace several.
+  // Warns if a recording, which has one ray per beam, is scanned with effects that trace several rays per beam.
   void warnOfOneRay() {
     const auto tracesSeveral = [](const Effects* e) { return raysPerBeam(*e) > 1 || lightPaths(*e) != nullptr; };
     for (std::size_t s = 0; pipeline_.recording != nullptr && s < pipeline_.sensors.size(); ++s) {

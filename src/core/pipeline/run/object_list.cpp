@@ -121,7 +121,7 @@ void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hi
     const Unobstructed::View unoccluded = objects_.unobstructed().viewOf(i, shot, *grid);
     ObjectView view;
     view.sensor = shot.sensorName;
-    // The box is seen at the time when the middle one of the beams that would hit the thing fires.
+    // The view's time is the firing time of the middle beam of those that would hit the unoccluded thing.
     const std::uint32_t column = unoccluded.middle % shot.beams->columns;
     view.time = shot.duration > 0 ? shot.time + shot.beams->columnTime(column) : shot.time;
     const OrientedBox box = objects_.boxes().at(i, view.time);

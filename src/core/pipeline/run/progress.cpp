@@ -59,7 +59,7 @@ void Progress::say(const std::string& stage) {
 
 void Progress::show(bool isEnd) {
   if (quiet_) return;
-  const double elapsed = std::max(seconds(), 1e-9);  // s; is divided by
+  const double elapsed = std::max(seconds(), 1e-9);  // s; not 0, since it is a divisor
   const double fraction = total_ == 0 ? 1.0 : static_cast<double>(done_) / static_cast<double>(total_);
   const std::string timeText = isEnd ? fmt::format("in {}", shortTime(elapsed))
                                      : fmt::format("ETA {}", shortTime(elapsed / fraction * (1 - fraction)));

@@ -154,7 +154,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   for (const Shot& shot : frame.shots) {
     const ShotSetup setup = setupOf(plan_, settings, loaded->scene, *loaded->method, shot.sensor);
     account += runShot(setup, shot, *buffers, clock_);
-    // The list has one view of an object for each sensor: that of its first revolution in the sample.
+    // The list has one view of an object for each sensor, in the sensor's first revolution of the sample.
     if (loaded->objects != nullptr && shot.revolution == 0) {
       const StageTimer timer(clock_, "objects");
       if (!objects) objects.emplace(*loaded->objects, made.sample.key, frame.time);

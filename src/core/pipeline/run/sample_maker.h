@@ -127,7 +127,7 @@ class SceneStore {
   // scenes and methods that cannot be used.
   std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
 
-  // Adds the method's account of a frame of a sequence to the account of the scene.
+  // Adds the account that the method returned for a frame of a sequence to the account of the scene.
   void account(std::size_t sequence, const TraceAccount& account);
 
   // Returns all warnings without repetitions, in the order of the pipeline's scenes and sequences. Call it after all

@@ -203,7 +203,7 @@ ScanVoxels viewVoxels(const VoxelGrid& grid, VoxelLabels labels, const Shot& sho
   const std::vector<std::uint8_t> open = openVoxels(grid, solid, marks);
   for (std::size_t i = 0; i < count; ++i) {
     voxels.unseen[i] = marks[i] == 0 ? 1 : 0;
-    bool visible = marks[i] != 0 || open[i] != 0;  // for some sensor
+    bool visible = marks[i] != 0 || open[i] != 0;  // true: a sensor could see the voxel
     if (!visible && solid[i] != 0)
       forEachNeighbor(grid, i, [&](std::size_t neighbor) { visible = visible || open[neighbor] != 0; });
     voxels.invalid[i] = visible ? 0 : 1;

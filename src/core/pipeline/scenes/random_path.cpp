@@ -53,7 +53,7 @@ struct State {
     const double chord = std::fabs(halfTurn) < 1e-9 ? metres : metres * std::sin(halfTurn) / halfTurn;
     return {position + Vec3d{std::cos(chordYaw), std::sin(chordYaw), 0} * chord, yaw + curvature * metres};
   }
-  // Returns the position so far to the left.
+  // Returns the position at this distance (m) to the vehicle's left.
   Vec3d left(double metres) const { return position + Vec3d{-std::sin(yaw), std::cos(yaw), 0} * metres; }
 };
 
@@ -64,7 +64,7 @@ class FreeSurface {
       : probe_(probe), classes_(std::move(classes)) {}
 
   // Returns the height of the surface at a position (m). Returns nothing if there is no surface of the given classes at
-  // most about 1.5 m above or below the position, or if something is less than kClear above the surface.
+  // most about 1.5 m above or below the position, or if something is less than kFreeHeight above the surface.
   std::optional<double> height(const Vec3d& position) const {
     const auto cell = [](double coordinate) { return static_cast<std::int64_t>(std::floor(coordinate / kHeightCell)); };
     const auto layer = static_cast<std::int64_t>(std::floor(position.z));
@@ -111,8 +111,8 @@ class FreeSurface {
     return isFreeBetween(from, s) ? std::optional(s) : std::nullopt;
   }
 
-  // Returns the distance from the vehicle's middle to the edge of the surface (m), at most kOpen. `side`: 1 for the
-  // left side, -1 for the right side.
+  // Returns the distance from the vehicle's middle to the edge of the surface (m), at most kOpenWidth. `side`: 1 for
+  // the left side, -1 for the right side.
   double edgeDistance(const State& s, double side) const {
     double distance = 0;
     while (distance < kOpenWidth && height(s.left(side * (distance + kHeightCell)))) distance += kHeightCell;
@@ -120,7 +120,7 @@ class FreeSurface {
   }
 
  private:
-  // Returns what height() returns in the cell with this middle, without the cache.
+  // Computes the result of height() for the cell with this middle.
   std::optional<double> heightIn(const Vec3d& middle) const {
     const double startHeight = 0.5 + kAboveOrBelow;  // m above the middle; half of a cell's height is 0.5 m
     const Vec3d start = middle + Vec3d{0, 0, startHeight};
@@ -143,7 +143,7 @@ class RandomNumbers {
   RandomNumbers(std::uint64_t seed, const std::string& name) {
     address_.seed = seed;
     address_.purpose = Purpose::RandomPath;
-    // Like fnv1a(), but from 0: datasets depend on it.
+    // Computes the hash fnv1a() with the start value 0, which existing datasets depend on.
     for (const char c : name) address_.scene = (address_.scene ^ static_cast<unsigned char>(c)) * 16777619u;
   }
   // Returns the next random number, from 0 to 1.
@@ -269,8 +269,8 @@ class PathSearch {
   }
 
   // Returns the arc of this curvature (rad/m) that starts at `end`, the end of another arc. Returns nothing if a
-  // vehicle has no room on the arc, or if its end is known as a dead end. `wishedCurvature`: that the vehicle prefers
-  // in open places (rad/m).
+  // vehicle has no room on the arc, or if its end is known as a dead end. `wishedCurvature`: the curvature that the
+  // vehicle prefers in open places (rad/m).
   std::optional<Arc> arcOf(const End& end, double curvature, double wishedCurvature) const {
     State s = end.state;
     for (int metre = 0; metre < kArcLength; ++metre) {
@@ -335,11 +335,11 @@ class PathSearch {
   std::set<Spot> deadEnds_;     // spots from which the search found no path of the required length
 };
 
-// Returns the state at `position` with the heading, out of kHeadings from a random one on, in which a vehicle can drive
-// straight on farthest. Returns nothing if this distance is not longer than two arcs.
+// Tests kHeadings evenly spaced headings at `position`, the first one random. Returns the state in which a vehicle can
+// drive straight on farthest; nothing if this distance is not longer than two arcs.
 std::optional<State> startAt(const FreeSurface& surface, Vec3d position, RandomNumbers& random) {
   constexpr int kHeadings = 32;
-  constexpr int kFarEnough = 40;  // m; distances are not measured beyond
+  constexpr int kFarEnough = 40;  // m; longer distances are not measured
   std::optional<State> best;
   int farthest = 2 * kArcLength;
   const double firstYaw = random.next() * 2 * kPi;

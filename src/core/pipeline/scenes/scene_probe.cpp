@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kBehindHit = 1e-3;  // m, distance behind a hit at which the next ray starts
 constexpr std::size_t kMostHits = 100;
-// m, least distance along a ray between the positions at which the method sees a sensor, since the method may build a
-// hierarchy for each. Ray tracing's tie rule covers rounding up to 64 m from the sensor (kCoplanarCorners).
+// m. The method is told that the sensor is at an anchor on the ray. It moves on only after this distance, since the
+// method may build a hierarchy for each anchor. Ray tracing's tie rule covers rounding up to 64 m (kCoplanarCorners).
 constexpr double kAnchorDistance = 48;
 constexpr double kBoundsMargin = 1;        // m, around the scene's bounds
 constexpr double kNearGroundHeight = 1.5;  // m, largest height difference of the ground that near() finds
@@ -44,7 +44,7 @@ double SceneProbe::endOf(const Ray& ray) const {
 std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<Ray>& rays, double reach,
                                                               const std::optional<Vec3d>& anchor) const {
   std::vector<std::optional<Hit>> firstHits(rays.size());
-  // Rays end with the scene, so that the method need not look farther.
+  // No ray needs to reach beyond the scene; a shorter reach saves the method work.
   double end = -1;
   for (const Ray& ray : rays) end = std::max(end, endOf(ray));
   reach = std::min(reach, end);

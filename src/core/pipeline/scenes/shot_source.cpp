@@ -21,7 +21,7 @@ bool needsScene(const Trajectory& trajectory) {
   return trajectory.randomPath() != nullptr || trajectory.ground() != nullptr;
 }
 
-// Returns the points of a drive from one point to another. Throws InputError if they are too near for all frames.
+// Returns the points of a drive from one point to another. Throws InputError if the path is too short for all frames.
 std::vector<Vec3d> pathOfTrip(const Scene& scene, const RandomPath& drive) {
   SurfaceHeights heights(scene);
   heights.update();
@@ -72,7 +72,7 @@ VehicleHits hitsOf(const FrameSettings& settings) {
 
 constexpr std::uint32_t kRaysAtOnce = 1 << 16;  // about the number of rays that are traced at a time
 
-// Sets `part` to the rings of a table from `firstRing` on, so many as `count`.
+// Sets `part` to `count` rings of a table, the first of which is `firstRing`.
 void copyRings(const BeamTable& table, std::uint32_t firstRing, std::uint32_t count, BeamTable& part) {
   part.rings = count;
   part.columns = table.columns;
@@ -221,7 +221,7 @@ std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, 
   if (pipeline_.drawn == nullptr) return settings_;
   const DrawnSensors& sensors = *pipeline_.drawn;
   const auto isOfSequence = [&](const auto& drawn) { return drawn.first == sequence; };
-  std::shared_ptr<const FrameSettings> cached;  // of this frame or of another one of the sequence
+  std::shared_ptr<const FrameSettings> cached;  // settings of this frame or of another frame of the sequence
   {
     const std::scoped_lock lock(mutex_);
     if (const auto* const entry = drawn_.find(isOfSequence)) cached = entry->second;
@@ -263,7 +263,7 @@ Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions 
   Frame frame{settings(sequence, number), isRecorded ? 0 : path->frameTime(number), {}};
   for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
     const double period = pipeline_.sensors[s].period;
-    std::vector<double> starts{0};  // s after the frame's time, of the sensor's revolutions
+    std::vector<double> starts{0};  // start times of the sensor's revolutions (s after the frame's time)
     if (revolutions == Revolutions::All && !isRecorded) starts = drive.revolutions(number, period, pipeline_.periods);
     for (std::size_t revolution = 0; revolution < starts.size(); ++revolution) {
       Shot shot = isRecorded
@@ -271,7 +271,7 @@ Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions 
                       : makeShot(plan_.sensors[s].beams, *path, number, frame.settings->sensors[s].vehicleFromSensor,
                                  pipeline_.motion, starts[revolution]);
       if (revolution + 1 < starts.size() || drive.turnsWithoutBreak(pipeline_.periods)) shot.untilNext = period;
-      if (revolution > 0) shot.untilNext = std::max(shot.untilNext, period);  // its frame has no next one
+      if (revolution > 0) shot.untilNext = std::max(shot.untilNext, period);  // if no frame follows this one
       shot.sample = sample;
       shot.seed = pipeline_.seed;
       shot.scene = static_cast<std::uint32_t>(sequence);
