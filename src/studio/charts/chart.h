@@ -1,7 +1,6 @@
 #pragma once
 
-// Charts, drawn as SVG for files and pages. Every member has an initialiser, so that a designated initialiser need not
-// list all members.
+// Charts, drawn as SVG for files and pages. All members have initialisers, so designated initialisers may omit some.
 
 #include <cstddef>
 #include <optional>

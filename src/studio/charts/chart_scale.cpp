@@ -8,8 +8,7 @@ namespace {
 
 constexpr double kRounding = 1e-9;  // tolerance for rounding errors of values that are at a tick
 
-// Returns the logarithm (base 10) of the largest number that equals 1, 2 or 5 times a power of ten and whose logarithm
-// is at most `limit`.
+// Rounds `limit`, a logarithm to base 10, down to the logarithm of 1, 2 or 5 times a power of ten.
 double roundLogDown(double limit) {
   const double decade = std::floor(limit + kRounding);
   double largest = decade;

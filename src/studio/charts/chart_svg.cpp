@@ -1,5 +1,4 @@
-// Draws charts as SVG files. Labels are text elements. The styles do not use CSS variables, which only browsers
-// support.
+// Draws charts as SVG with text elements as labels and without CSS variables, which only browsers support.
 
 #include <fmt/core.h>
 
@@ -183,8 +182,7 @@ class SvgDrawing {
                        hasEmphasis_ && !s.emphasised ? " dim" : "");
   }
 
-  // Draws the legend, in which series of the same name and colour share an entry. `top`: y of its upper end. Returns
-  // the y of its lower end.
+  // Draws the legend. Series with the same name and colour share an entry. `top`: its upper y. Returns its lower y.
   double drawLegend(double top) {
     constexpr double kBetweenEntries = 18;  // pixels
     double x = kMargin, y = top + kFont;

@@ -8,15 +8,13 @@
 
 namespace scanmill {
 
-// Returns text that is safe between tags and in quoted attributes of XML and HTML. Characters that XML does not allow
-// (control characters, bytes that are not UTF-8) and controls that nobody sees (isUnseenControl()) are replaced by
-// U+FFFD.
+// Returns text that is safe between tags and in quoted attributes of XML and HTML. Characters that XML does not allow,
+// and controls that nobody sees (isUnseenControl()), are replaced by U+FFFD.
 std::string escapeXml(std::string_view text);
 
 enum class FontWeight { Normal, Bold };
 
-// Returns the approximate width of a text in pixels, from the character widths of Helvetica and a margin for wider
-// fonts that may replace it.
+// Returns the width of a text (pixels), estimated from Helvetica with a margin for wider fonts that may replace it.
 double svgTextWidth(std::string_view text, double fontSize, FontWeight weight = FontWeight::Normal);
 
 // Breaks text between words into lines of at most `width` pixels. A word wider than `width` gets a line of its own.

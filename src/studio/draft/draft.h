@@ -45,8 +45,7 @@ struct GuessedFile {
     for (const GuessedPart& part : parts) sum += part.triangles * part.copies;
     return sum;
   }
-  // Returns the number of triangles whose class was guessed from names of node, material, texture or file, or that are
-  // guessed to be superfluous.
+  // Returns the number of triangles whose concept is stated by a name other than the name of the folder.
   std::uint64_t guessed() const {
     return trianglesOf([](const GuessedPart& part) { return part.shows != nullptr && !part.byFolder; });
   }
@@ -82,8 +81,8 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
                  const std::filesystem::path& folder, const DraftOptions& options = {});
 
 // Reads 3D files and guesses their concepts, units and axes. The units and axes of files with the same format and
-// folder are guessed together. Throws InputError if a file that is not in options.mayFail cannot be read, or if no file
-// can be read.
+// folder are guessed together. Throws InputError unless at least one file, and all files that are not in
+// options.mayFail, can be read.
 std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& files,
                                     const std::vector<Concept>& concepts, const DraftOptions& options);
 
@@ -92,8 +91,7 @@ std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& fi
 // the ontology's classes are added as words.
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology);
 
-// Returns the YAML of an object without its position. `folder`: future folder of the scene file, to which paths are
-// relative.
+// Returns the YAML of an object without its position. `folder`: future folder of the scene file, where paths start.
 std::string objectYaml(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology,
                        const std::filesystem::path& folder, const DraftOptions& options);
 

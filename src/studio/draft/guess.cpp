@@ -127,8 +127,7 @@ bool hasUsualSize(const SizedObject& object) {
   return object.shown != nullptr && object.shown->size && object.longest > 0;
 }
 
-// True if the object, with this unit in metres, has the usual size of its concept or a size that is outside by at most
-// the factor `tolerance`.
+// True if the object's size with this unit (m) is in the usual range, extended by the factor `tolerance` at both ends.
 bool fits(const SizedObject& object, double unit, double tolerance = 1) {
   const Range& usual = *object.shown->size;
   return Range{usual.low / tolerance, usual.high * tolerance}.contains(object.longest * unit);
@@ -191,7 +190,7 @@ std::vector<SizedObject> sizedObjects(const Asset& asset, const std::vector<cons
 }
 
 // Returns an object of a place whose size in metres is unusual, so that the unit is guessed by its size. Returns
-// nothing unless a common unit gives most objects usual sizes, and more than twice as many as metres do.
+// nothing unless a common unit gives usual sizes to most objects, and to more than twice as many as metres do.
 std::optional<SizedObject> objectNotInMetres(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
   const std::vector<SizedObject> objects = sizedObjects(asset, partConcepts);
   const auto fittingWith = [&](double unit) {
@@ -293,8 +292,7 @@ bool guessSharedUnit(const std::vector<FrameGuess*>& files, std::ptrdiff_t least
   return true;
 }
 
-// Returns the files that are tiles of one set: those with the most common footprint, if there are at least three.
-// Otherwise returns nothing.
+// Returns the files that are tiles of one set: at least three with the most common footprint; otherwise nothing.
 std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
   constexpr std::size_t kFewest = 3;
   constexpr double kAlike = 0.1;  // largest difference of two lengths divided by the shorter

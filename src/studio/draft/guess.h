@@ -15,15 +15,13 @@ class Vocabulary {
   explicit Vocabulary(const std::vector<Concept>& concepts) : concepts_(concepts) {}
   explicit Vocabulary(std::vector<Concept>&&) = delete;  // the concepts must outlive the vocabulary
 
-  // In later calls, ignores words that most of the names contain although the names state several kinds of objects,
-  // such as a project's name in the names of all its models. `names`: all nodes, all materials, all textures or all
-  // files.
+  // Ignores, in later calls, words that most of the names contain although the names state several kinds of objects,
+  // such as the name of a project. `names`: all nodes, all materials, all textures or all files.
   void ignoreShared(const std::vector<std::string>& names);
   // Calls ignoreShared() for the nodes, the materials and the textures of an asset.
   void ignoreShared(const Asset& asset);
 
-  // Returns the concept of a name; see conceptOf() in scenefile/concepts.h. In a name of only ignored words, they
-  // count.
+  // Returns the concept of a name; see scenefile/concepts.h. Ignored words count only in names that have no others.
   const Concept* conceptOf(std::string_view name) const;
   // Like conceptOf(), but returns the concepts of all words; see conceptsIn() in scenefile/concepts.h.
   std::vector<const Concept*> conceptsIn(std::string_view name) const;
@@ -97,8 +95,7 @@ FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& par
 // doubtful if it gives an unusual size.
 void guessUnitsTogether(const std::vector<FrameGuess*>& files);
 
-// Returns the ground in the file's name if the name contains both a ground and an object, such as "grass-trees";
-// otherwise null.
+// Returns the ground in the file's name if the name also states an object, such as "grass-trees"; otherwise null.
 const Concept* groundIn(const Vocabulary& words, const std::filesystem::path& file);
 
 }  // namespace scanmill::draft

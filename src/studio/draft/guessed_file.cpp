@@ -10,8 +10,7 @@
 namespace scanmill::draft {
 namespace {
 
-// Returns a bounding box in metres with z up. `box`: the box of the asset as read with the unit 1. `frame`: the guessed
-// unit and up axis.
+// Converts `box`, read with the unit 1, to metres with z up. `frame`: the guessed unit and up axis.
 Box inMetres(const Box& box, const FrameGuess& frame) {
   if (box.empty() || frame.up == frame.readUp) return {box.low * frame.unit, box.high * frame.unit};
   // The asset was read with z up, but y is up: (x, y, z) becomes (x, -z, y).
@@ -31,7 +30,7 @@ GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const
   const Concept* const byFolderName = conceptOfFolder(words, asset);  // null if the file's name states a concept
   model.fileConcept = byFileName == nullptr ? byFolderName : byFileName;
   model.conceptByFolder = byFolderName != nullptr;
-  // Intensities make drafted materials needless; so do colours, unless classes are labelled and so have materials.
+  // No materials are drafted for points with intensities, or with colours and a class from the name of file or folder.
   model.measured = std::ranges::any_of(asset.parts, [&](const AssetPart& part) {
     return part.texture == kPointIntensity || (part.texture == kPointColor && model.fileConcept != nullptr);
   });
@@ -54,8 +53,7 @@ GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const
   return model;
 }
 
-// Names each model after its file. If the file's name is meaningless (such as "model") or not unique, names the model
-// after its folder.
+// Names each model after its file or, if the name is meaningless (such as "model") or not unique, after its folder.
 void nameFiles(std::vector<GuessedFile>& models) {
   static constexpr std::array<std::string_view, 6> kMeaningless{"model",    "scene",  "mesh",
                                                                 "untitled", "object", "asset"};

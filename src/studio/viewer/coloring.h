@@ -40,12 +40,10 @@ inline const ColorBy kByRange{"range"};
 inline const ColorBy kByHeight{"height"};
 inline const ColorBy kByError{"error"};
 
-// Returns the names of all quantities except foreign columns. In the viewer, the keys 1 to 9 and 0 select the first
-// ten.
+// Returns the names of all quantities except foreign columns. The viewer's keys 1 to 9 and 0 select the first ten.
 const std::vector<std::string>& colorNames();
 
-// True if the scan can be coloured by this quantity. `hasErrors`: the errors of points, which are not part of a scan,
-// are known.
+// True if the scan can be coloured by this quantity. `hasErrors`: errors of the points are known.
 bool hasColor(const Scan& scan, const ColorBy& by, bool hasErrors);
 
 // Returns the quantities of colorNames(), followed by the scan's foreign columns.

@@ -58,8 +58,7 @@ struct OutwardColumns {
 // Unit vectors of the x-y plane in the directions of the beams, indexed by ring * columns + column; 0: not known.
 using Directions = std::vector<std::complex<float>>;
 
-// Returns the directions of all beams if the beam table has the scan's numbers of rings and columns, otherwise the
-// directions of the points.
+// Returns the directions of all beams if the beam table fits the scan's grid, otherwise the directions of the points.
 Directions directionsOf(const Scan& scan, const GridSize& grid, const BeamTable* beams) {
   constexpr double kOnAxis = 1e-3;  // points nearer to the z axis than this (m) have no meaningful azimuth
   Directions directions(grid.rings * grid.columns);
@@ -79,8 +78,8 @@ Directions directionsOf(const Scan& scan, const GridSize& grid, const BeamTable*
   return directions;
 }
 
-// Returns the mean angle from column to column (rad), refined by beams of a ring that are farther and farther apart; 0
-// if there are too few beams.
+// Returns the mean angle from column to column (rad); 0 if there are too few beams. Pairs of beams at growing distances
+// in a ring refine the angle.
 double stepOf(const Directions& directions, std::size_t columns) {
   constexpr std::size_t kLeastPairs = 16;
   double step = 0;

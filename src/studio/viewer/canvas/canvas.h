@@ -58,9 +58,8 @@ struct ItemLook {
   bool lit = true;          // shades triangles with a light at the eye
 };
 
-// A corner of a triangle of the overlay. The overlay consists of the triangles of panels and their text; it is drawn on
-// top of the views. The colours of each triangle are multiplied by the colours of an image. Later triangles are on top
-// of earlier triangles.
+// A corner of a triangle of the overlay. The overlay, the triangles of panels and their text, is drawn on top of the
+// views. Each triangle's colours are multiplied by those of an image. Later triangles are on top of earlier ones.
 struct OverlayVertex {
   float x = 0;  // position on the canvas (pixels)
   float y = 0;
@@ -115,17 +114,14 @@ class Canvas {
   virtual int height() const = 0;
   // Returns the display's scale factor for text, such as 2 for a display of high resolution; 1 if there is no window.
   virtual double scale() const = 0;
-  // Sets the views that are drawn: at most kCanvasViews rectangles, which must not overlap. Pixels outside of all views
-  // are black.
+  // Sets the views: at most kCanvasViews rectangles, which must not overlap. Pixels outside of all views are black.
   virtual void setViews(std::span<const CanvasView> views) = 0;
-  // Sets the elements of an item. Each element has one colour, and as many corners as its kind states. If the item
-  // exists, its elements are replaced and its look is kept. Elements with coordinates that are not finite are not
-  // drawn.
+  // Sets the elements of an item: one colour each, and as many corners as the kind states. If the item exists, replaces
+  // its elements and keeps its look. Elements with coordinates that are not finite are not drawn.
   virtual void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors) = 0;
   // Sets the colours of an item's elements: one per point, triangle or segment.
   virtual void setColors(ItemId item, std::span<const Rgb> colors) = 0;
-  // Restricts drawing to some elements of an item, until showAll() is called. `indices`: indices of elements,
-  // ascending; may be empty.
+  // Draws only some elements of an item, until showAll() is called. `indices`: their indices, ascending; may be empty.
   virtual void showOnly(ItemId item, std::span<const std::uint32_t> indices) = 0;
   virtual void showAll(ItemId item) = 0;
   virtual void setLook(ItemId item, const ItemLook& look) = 0;

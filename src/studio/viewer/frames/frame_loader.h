@@ -14,8 +14,7 @@ namespace scanmill {
 
 class FrameLoader {
  public:
-  // Caches the requested frame and the frames nearest to it, up to `cacheBytes` bytes together; the requested frame is
-  // always cached.
+  // Caches the requested frame and, up to `cacheBytes` bytes together, the frames nearest to the requested frame.
   explicit FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t cacheBytes = std::uint64_t{1} << 30);
   ~FrameLoader();                                  // waits until the current load is finished
   FrameLoader& operator=(FrameLoader&&) = delete;  // neither copied nor moved

@@ -87,8 +87,7 @@ class FrameSource {
   // Returns the poses (worldFromSensor) of the first scan's sensor in all frames of the same sequence, in the order of
   // frames; empty if they are unknown.
   virtual std::vector<Pose> trajectory(std::size_t /*frame*/) const { return {}; }
-  // Returns the scene in which the frame was scanned. If the scene is unknown or its file is missing, returns nothing,
-  // and `why` receives the reason.
+  // Returns the scene in which the frame was scanned. If it is unknown or missing, returns nothing and sets `why`.
   virtual std::optional<SceneChoice> scene(std::size_t /*frame*/, std::string& /*why*/) const { return {}; }
   // Returns the scene file of the ego vehicle; nothing if there is none, or if the file is missing.
   virtual std::optional<std::filesystem::path> vehicle() const { return {}; }
@@ -121,8 +120,7 @@ class OneFrame final : public FrameSource {
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input);
 
 // Returns the index of a frame. `name`: the frame's key, a part of the key that no other key contains, or its index
-// starting at 0; if empty, the middle frame is returned. Throws InputError if there is no such frame; the message lists
-// similar keys.
+// from 0; empty: the middle frame. Throws InputError if there is no such frame; the message lists similar keys.
 inline std::size_t findFrame(const FrameSource& source, const std::string& name) {
   return findKey(source.keys(), name, source.title());
 }

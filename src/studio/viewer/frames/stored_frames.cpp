@@ -18,8 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns a label for each file or folder: its name or, if two have the same name, its path relative to the folder that
-// contains all of them.
+// Returns a label for each file or folder: its name or, if two have the same name, its path below the common folder.
 std::vector<std::string> labelsOf(const std::vector<fs::path>& paths) {
   std::vector<std::string> names, absolutePaths;
   for (const fs::path& path : paths) {
@@ -79,7 +78,7 @@ std::vector<Vec3f> placedAtStart(const Scan& scan, const ScanRecord& record, con
   return placed;
 }
 
-// A scan while it is loaded: where it is stored, and what has been read of it.
+// A scan that is being loaded: its place in a store, and the data that have been read.
 struct StoredFrames::Loading {
   const Store* store = nullptr;
   std::size_t sample = 0;  // index of the sample in the store
@@ -143,7 +142,7 @@ void StoredFrames::checkJoins() const {
   }
 }
 
-// Sets `ontology_` to the ontology that the user chooses, otherwise to that of the first store that has one, and sets
+// Sets `ontology_` to the user's choice; without one, to the first ontology of a store, and sets
 // Store::classDifference.
 void StoredFrames::chooseOntology() {
   if (!input_.ontology.empty()) {
@@ -164,8 +163,7 @@ void StoredFrames::chooseOntology() {
   }
 }
 
-// Finds the scans of a sample in all datasets, shards and scans that are open. Adds a line to `problems` for each store
-// that does not have the sample.
+// Finds the scans of a sample in all stores. Adds a line to `problems` for each store that does not have the sample.
 std::vector<StoredFrames::Loading> StoredFrames::findScans(const std::string& key,
                                                            std::vector<std::string>& problems) const {
   std::vector<Loading> scans;
@@ -247,8 +245,7 @@ void StoredFrames::addError(Loading& loading, const std::string& key, bool senso
   addReferenceError(scan, key);
 }
 
-// Reads the points of a scan that findScans() has found, and sets its pose, beams and errors. Adds failures to
-// loading.problems.
+// Reads the points of a scan from findScans(), and sets its pose, beams and errors. Adds failures to loading.problems.
 void StoredFrames::loadScan(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   scan.sensor = loading.stored.sensor;

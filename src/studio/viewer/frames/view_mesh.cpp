@@ -53,8 +53,8 @@ std::string ruleKey(const Surface& surface) {
   return surface.semantic == 0 ? "none" : "own";
 }
 
-// Returns the text for a surface that has its class from the object, not from a rule: the object's position in the
-// scene file, and the class.
+// Returns the text for a surface whose class the object states, not a rule: the object's line in the scene file, and
+// the class.
 std::string objectRuleText(const Scene& scene, const Surface& surface) {
   const SemanticClass* const found = scene.ontology.find(surface.semantic);
   return fmt::format("{}: {} (of the object)", shortLocation(scene, surface.labelledBy),
@@ -141,8 +141,8 @@ void fillBoxes(ViewMesh& view) {
   }
 }
 
-// Returns one box for each cell of a horizontal grid that overlaps one of the boxes: the box around their parts in the
-// cell. `origin`: corner of the grid with the least x and y. `side`: side of a cell (m).
+// Returns one box for each cell of a horizontal grid that overlaps at least one of `boxes`: the box around the parts of
+// `boxes` in this cell. `origin`: corner of the grid with the least x and y. `side`: side of a cell (m).
 std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origin, double side) {
   std::map<std::pair<int, int>, Box> occupied;  // by index of the cell along x and y
   for (const Box& box : boxes) {
@@ -200,16 +200,14 @@ Box coreOf(const ViewMesh& view) {
   return core;
 }
 
-// Removes moving objects that are far from all static objects at this time, such as a town's vehicles that have not
-// arrived yet.
+// Removes moving objects that are far from all static objects, such as a town's vehicles that have not arrived yet.
 void removeDistantMovers(Scene& scene, double time) {
   Box staticBounds;
   for (const Instance& i : scene.instances) {
     if (!i.moves()) staticBounds.add(boxAround(i.worldFromMesh, scene.meshes[i.mesh].bounds()));
   }
   if (staticBounds.empty()) return;
-  // Moving objects are shown if their middle is at most this far outside of the bounding box of all static objects
-  // along each axis (m).
+  // Largest distance (m) along each axis from the box of all static objects to the middle of a shown moving object.
   constexpr double kNear = 40;
   std::erase_if(scene.instances, [&](const Instance& i) {
     if (!i.moves()) return false;

@@ -8,8 +8,7 @@
 
 namespace scanmill {
 
-// Properties of all triangles of a surface: indices in the lists `parts`, `materials`, `textures` and `rules` of
-// ViewMesh.
+// Properties of a surface's triangles: indices in ViewMesh::parts, materials, textures and rules.
 struct ViewSurface {
   std::uint32_t part = 0, material = 0, texture = 0, rule = 0;
   bool operator==(const ViewSurface&) const = default;

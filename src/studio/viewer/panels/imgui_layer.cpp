@@ -13,8 +13,7 @@ namespace {
 
 constexpr ImageId kFontImage = 0xFFFFFFFF;
 
-// Font files in Debian's packages fonts-inter and fonts-dejavu-core. If neither exists, Dear ImGui's built-in font is
-// used.
+// Fonts of Debian's packages fonts-inter and fonts-dejavu-core. Without them, Dear ImGui's built-in font is used.
 constexpr std::array<const char*, 2> kFonts{"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
                                             "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"};
 

@@ -1,7 +1,6 @@
 #pragma once
 
-// Connects Dear ImGui to a canvas: fonts, colours, events and triangles. The function passed to frame() draws the
-// panels.
+// Connects Dear ImGui, which draws the panels, to a canvas: fonts, colours, events and triangles.
 
 #include "viewer/canvas/canvas.h"
 

@@ -23,8 +23,7 @@ double windowLineHeight(double displayScale);
 // Returns the width of a side panel (pixels).
 int sideWidth(double lineHeight);
 
-// The rectangles of the panels; empty for panels that are not shown. `body` is the rectangle for the views; it is never
-// empty.
+// The rectangles of the panels, empty for panels that are not shown, and of the views (`body`), which is never empty.
 struct PanelRects {
   PixelRect title, side, strip, bar, body;
 };
@@ -35,8 +34,8 @@ PanelRects panelRects(int width, int height, const PanelNeeds& needs);
 // height is a multiple of `imageHeight`, unless `imageHeight` is too large for the canvas.
 int stripHeight(int imageHeight, int width, int height);
 
-// Divides `body` into a grid of `cells` equal rectangles with gaps of `gap` pixels, row by row; each rectangle has at
-// least one pixel.
+// Divides `body` into a grid of `cells` equal rectangles, at least one pixel each, with gaps of `gap` pixels, row by
+// row.
 std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t cells, int gap);
 
 }  // namespace scanmill

@@ -43,8 +43,7 @@ struct LegendClick {
 // Draws the entries of a legend, and returns what was clicked. `hidden`: true for hidden entries; empty: all are shown.
 // `clickable`: the user can hide and show entries.
 LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse use);
-// Draws the scale of a legend. An interactive panel also has input fields for its ends; returns the ends if the user
-// has changed them.
+// Draws a legend's scale, in an interactive panel with fields for its ends; returns the ends that the user enters.
 std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use);
 // Returns the rectangle of a legend in a picture whose contents are in `body`: right of `body` or, if the picture would
 // be wider than `maxWidth` pixels, below. The rectangle has room for all entries, and is empty without any.

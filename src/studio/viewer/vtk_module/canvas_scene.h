@@ -19,8 +19,7 @@ namespace scanmill {
 // perceptive-based approach", 2009).
 class DepthEdges {
  public:
-  // Darkens pixels in the view's rectangle. `height`: height of the window in pixels. Depths and background are not
-  // changed.
+  // Darkens pixels in the view's rectangle, except the background; keeps depths. `height`: the window's (pixels).
   void darken(vtkOpenGLRenderWindow* window, const CanvasView& view, int height);
   void release(vtkWindow* window);
 

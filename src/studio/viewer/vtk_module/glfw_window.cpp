@@ -132,8 +132,7 @@ struct GlfwWindow::State {
     return {.kind = kind, .x = x, .y = y, .shift = shift, .control = control, .width = width, .height = height};
   }
 
-  // Appends an event to the queue. Of consecutive events of one of the kinds Move, Resize and Redraw only the last is
-  // kept.
+  // Appends an event to the queue. A Move, Resize or Redraw replaces the last event if this is of the same kind.
   void add(CanvasEvent event) {
     const bool replaces = event.kind == Kind::Move || event.kind == Kind::Resize || event.kind == Kind::Redraw;
     if (replaces && !events.empty() && events.back().kind == event.kind) events.pop_back();
@@ -145,8 +144,7 @@ struct GlfwWindow::State {
     control = (mods & GLFW_MOD_CONTROL) != 0;
   }
 
-  // Handles keys that type no character, and all keys pressed with control. typed() handles the other keys, depending
-  // on the keyboard layout.
+  // Handles keys that type no character, and all keys pressed with control; typed() handles all other keys.
   void key(int code, int scan, int mods) {
     setModifiers(mods);
     std::string name = nameOf(code, (mods & GLFW_MOD_NUM_LOCK) != 0);

@@ -164,8 +164,7 @@ void Item::choose(std::uint64_t maxPoints) {
   few_.actor->SetVisibility(isVisible && drawsFew);
 }
 
-// Sets the elements that the part draws; null: all. All points form a single cell, since VTK's time depends on the
-// number of cells.
+// Sets the elements that the part draws; null: all. Points form a single cell, since VTK needs time for each cell.
 void Item::fill(Part& part, const std::vector<std::uint32_t>* elements) {
   part.elements = elements != nullptr ? elements->size() : count_;
   const vtkIdType vertices = static_cast<vtkIdType>(part.elements) * static_cast<vtkIdType>(corners());

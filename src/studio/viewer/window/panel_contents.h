@@ -1,7 +1,6 @@
 #pragma once
 
-// Computes the positions and the contents of panels and labels on top of the views. The session draws them and executes
-// what the user clicks.
+// Computes positions and contents of the panels and labels on the views. The session draws them and executes clicks.
 
 #include "viewer/panels/panel_rects.h"
 #include "viewer/panels/widgets.h"

@@ -40,9 +40,8 @@ struct PointerFunctions {
   float weight(float depthOfPoint) const { return orthographic ? 1.0F : depthOfPoint; }
 };
 
-// Distances from the pointer (pixels): a point covers the pointer if it is at most `half` to the right or left and
-// above or below; other points are picked up to the distance `far`. Points nearer than the depth `nearest` (m) are not
-// drawn.
+// Limits for picking: a point within `half` pixels along both axes covers the pointer; other points are picked up to
+// `far` pixels away. Points nearer than the depth `nearest` (m) are not drawn.
 struct PickLimits {
   float half, far, nearest;
 };
@@ -58,8 +57,7 @@ struct Candidate {
   double distance() const { return beside ? first : second; }
 };
 
-// True if at least one of the points may be near the pointer. Has no branch in its loop, so that the compiler can use
-// SIMD.
+// True if one of the points may be near the pointer. The loop has no branch, so that the compiler can use SIMD.
 bool isAnyNear(std::span<const Vec3f> points, const PointerFunctions& functions, const PickLimits& limits) {
   int near = 0;
   for (const Vec3f& p : points) {

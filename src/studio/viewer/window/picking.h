@@ -55,8 +55,7 @@ struct PickedElement {
 // Describes a point: all its columns with their units, its class and its beam. Does not set PickedElement::position.
 PickedElement describePoint(const ViewScan& scan, std::size_t scanIndex, std::size_t point, const Ontology* ontology);
 
-// Adds the rows that are shown while the pointer is over the point: range, ring and column, and `shown`, the quantity
-// that colours show.
+// Adds the rows of the tooltip: range, ring, column, and the quantity that colours show (`shown`).
 void addBrief(PickedElement& picked, const ViewScan& viewed, const ColorBy& shown);
 
 // Adds the instance's number of points in the scan, its size, and its classes if it has several.
@@ -69,8 +68,7 @@ void addSameBeam(PickedElement& picked, const Scan& pickedScan, const ViewScan& 
 // Returns the scan's name together with its dataset, sensor and method, as far as these are known.
 std::string fullName(const ViewScan& scan, const std::string& dataset);
 
-// Describes a triangle of a scene. `worldPosition`: the picked position on the triangle (m). Does not set
-// PickedElement::position.
+// Describes a triangle. `worldPosition`: the picked position on it (m). Does not set PickedElement::position.
 PickedElement describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPosition);
 
 }  // namespace scanmill

@@ -12,21 +12,19 @@ class Playback {
   // Requests the frame that `sample` names, see findFrame(). Throws InputError if the sample does not exist.
   Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, const std::string& sample);
 
-  // Requests a frame, or the last frame if `frame` is too large. After it, its neighbours in the direction of `step` (1
-  // or -1; 0: none) are read ahead.
+  // Requests a frame, or the last frame if `frame` is too large. Then frames after it in the direction of `step` (1 or
+  // -1; 0: none) are read ahead.
   void goTo(std::size_t frame, int step);
   // Requests the frame that is `count` frames after the requested frame, or before it if `count` is negative. Stops at
   // the first and last frame. Returns false if the request does not change.
   bool stepBy(std::ptrdiff_t count);
 
-  // Makes the requested frame the current frame and returns it; returns null if it is the current frame already or not
-  // loaded yet.
+  // Makes the requested frame the current one and returns it; null if it is current already or not loaded yet.
   std::shared_ptr<const ViewFrame> take(double now);
   // Like take(), but waits until the requested frame is loaded.
   std::shared_ptr<const ViewFrame> waitAndTake(double now);
 
-  // Stops playing if frames are played. Otherwise starts playing at the requested frame or, if that is the last frame,
-  // at the first.
+  // Stops playing, or starts playing from the requested frame (if that is the last frame: from the first frame).
   void togglePlaying(double now);
   void stop() { playing_ = false; }
   // Requests the next frame if it is due. Returns true if playing has ended, a frame was requested or busy() changed.

@@ -8,8 +8,7 @@ constexpr Rgb kMeasureColor{255, 240, 90};
 
 constexpr double kReach = 8;  // largest distance of a picked point from the pointer (pixels)
 
-// Returns the drawn positions of the returns of a point's beam, the nearest first; nothing if no beam of the scan can
-// have several returns.
+// Returns the drawn positions of all returns of a point's beam, the nearest first; nothing if beams have one return.
 std::vector<Vec3f> returnsOf(const ViewScan& viewed, std::size_t point) {
   const Scan& scan = viewed.scan;
   if (!knowsBeams(scan) || (scan.organised ? scan.planes < 2 : scan[kReturn].empty())) return {};

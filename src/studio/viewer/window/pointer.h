@@ -53,8 +53,7 @@ struct Pointer {
   std::optional<PickedElement> pickStrip(const PixelRect& rect, int px, int py) const;
   // Describes a point. `cloudIndex`: index of its cloud in ShownClouds::list.
   PickedElement pickedPoint(std::size_t cloudIndex, std::size_t point) const;
-  // Returns `picked` with the name of its scan and the points of the same beam in other shown scans; unchanged if no
-  // other scan is shown.
+  // Returns `picked`. If other scans are shown, adds the name of its scan, and the others' points of the same beam.
   PickedElement withOtherScans(PickedElement picked) const;
   // True if the point or triangle is not hidden and its scan is shown.
   bool isShown(const PickedElement& picked) const;

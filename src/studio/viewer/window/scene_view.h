@@ -27,8 +27,7 @@ struct ContentBall {
 struct SceneView {
   SceneView(SessionContext& context, ShownClouds& clouds);
 
-  // Takes worldFromAnchor and the trajectory from the context's frame and recomputes canvasFromWorld. `index`: index of
-  // the frame in the source.
+  // Sets worldFromAnchor, trajectory and canvasFromWorld for the context's frame. `index`: index of the frame.
   void takeFrame(std::size_t index);
 
   // Functions in scene_view.cpp, for poses, guides and the camera:
@@ -45,8 +44,7 @@ struct SceneView {
   // Returns the camera that the options choose. The result may be different after the first frame or the scene's mesh
   // is loaded, since a named view is fitted to these.
   OrbitCamera firstCamera() const;
-  // Moves the camera to firstCamera(), or to the close-up that the options require, once, when the first points are
-  // shown.
+  // When the first points are shown, moves the camera to firstCamera(), or to the close-up if the options have one.
   void lookAtFirstPoints();
   // Returns the camera as a value of --camera.
   std::string cameraText() const;

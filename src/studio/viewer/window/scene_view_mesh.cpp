@@ -121,7 +121,7 @@ constexpr double kUnseenShare =
 constexpr double kUnseenWithin = 40;    // largest distance (m) of drawn objects that the sensor does not see
 constexpr std::size_t kMostNames = 30;  // largest number of objects with a label
 
-// Returns how a sensor sees the object; null if the object has no such view.
+// Returns the object's view from a sensor; null if there is none.
 const ObjectView* viewOf(const ObjectRecord& object, const std::string& sensor) {
   const auto found = std::ranges::find_if(
       object.views, [&](const ObjectView& view) { return lowerCase(view.sensor) == lowerCase(sensor); });
@@ -137,8 +137,7 @@ const ObjectView* SceneView::viewOfShownSensor(const ObjectRecord& object) const
 
 // Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the box is where the
 // object was when the sensor saw it, so that the box fits the points. The view's pose is relative to Scan::position of
-// the sensor's first revolution. For points at ViewScan::placed, and for later revolutions, the pose is computed from
-// the object's velocity.
+// the sensor's first revolution. For ViewScan::placed and later revolutions, the object's velocity gives the pose.
 Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
   const ObjectView* const view = viewOfShownSensor(object);
   const ViewScan& scan = clouds_.scanOf(clouds_.list.front());
@@ -153,7 +152,7 @@ Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
   return canvasFromWorld * toAffine(worldFromBox);
 }
 
-// Sets `roadUsers_`: the classes that KITTI's object benchmark has, too.
+// Sets `roadUsers_`: the ontology's classes that KITTI's object benchmark also has.
 void SceneView::findRoadUsers() {
   const Ontology* const ontology = context_.source->ontology();
   if (ontology == nullptr) return;
@@ -166,7 +165,7 @@ void SceneView::findRoadUsers() {
 // True if the options and the filter show the object's box.
 bool SceneView::isBoxShown(const ObjectRecord& object) const {
   if (context_.options.boxes == BoxChoice::None) return false;
-  // Instances that the user names are drawn whatever their class.
+  // Instances that the user names are drawn even if they are no road users.
   const bool onlyRoadUsers =
       context_.options.boxes == BoxChoice::RoadUsers && !roadUsers_.empty() && context_.filter.instances.empty();
   if (onlyRoadUsers && !roadUsers_.contains(object.semantic)) return false;
@@ -193,8 +192,8 @@ void SceneView::placeBoxes() {
   context_.changes.items = context_.changes.panels = true;
 }
 
-// Adds the box of an object, paler if the sensor does not see the object. Far objects that the sensor does not see have
-// no box.
+// Adds the box of an object. If the sensor does not see the object, the box is paler; if the object is also far, there
+// is no box.
 void SceneView::addObjectBox(LineSet& lines, const ObjectRecord& object) const {
   const Ontology* const ontology = context_.source->ontology();
   const SemanticClass* const found = ontology == nullptr ? nullptr : ontology->find(object.semantic);

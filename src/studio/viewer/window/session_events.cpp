@@ -79,8 +79,7 @@ void ViewSession::handleButtonOrWheel(const CanvasEvent& event) {
 // Does what time requires: shows what has been loaded, plays frames, removes old notices, and draws all points if
 // nothing has changed for a while.
 void ViewSession::tick() {
-  // The time is read before takeWhatIsLoaded() shows a frame, so that playback_.tick() does not replace the frame
-  // before it is drawn.
+  // Reads the time before takeWhatIsLoaded(), so that playback_.tick() does not replace a new frame before it is drawn.
   const double now = context_.redraw.now();
   takeWhatIsLoaded();
   // Reading ahead must not delay the first picture.
@@ -242,7 +241,7 @@ void ViewSession::nextView() {
   clouds_.makeStrip();
 }
 
-// Switches one of the options that KeyMeaning::option names, and draws what depends on it.
+// Switches an option on or off (see KeyMeaning::option), and draws what depends on the option.
 void ViewSession::switchOption(bool ViewOptions::*option) {
   if (option == &ViewOptions::trajectory && sceneView_.trajectory.size() < 2) {
     return context_.notify("there is no trajectory");
@@ -258,8 +257,7 @@ void ViewSession::switchOption(bool ViewOptions::*option) {
   sceneView_.placeMesh();
 }
 
-// Closes or ends the first that applies: menus, the help, measuring, the selection, the display of one instance, and
-// playing.
+// Ends the first of these that is on: menus, the help, measuring, the selection, a single shown instance, and playing.
 void ViewSession::escape() {
   context_.changes.panels = true;
   if (panels_.imgui.closeMenus()) return;

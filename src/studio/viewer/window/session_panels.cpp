@@ -14,8 +14,7 @@ void ViewSession::runPanels() {
   panels_.imgui.frame([&] { drawPanels(); });
 }
 
-// Draws what is on top of the views, then the panels around them. A picture has a title instead of menus, and nothing
-// that the user can change.
+// Draws labels and captions of the views, then the panels. A picture has a title instead of menus, and no controls.
 void ViewSession::drawPanels() {
   panels_.overStrip = false;
   drawLabels(panels_.labels);
@@ -54,7 +53,7 @@ void ViewSession::drawSidePanel() {
   drawLegends(LegendKind::Entries);
 }
 
-// Draws problems and notices. A click dismisses the problems, except those of the frame, which are drawn again.
+// Draws problems and notices. A click removes all problems except those of the frame.
 void ViewSession::drawMessagesOfSession() {
   std::vector<std::string> notices;
   for (const ViewNotice& notice : context_.notices) notices.push_back(notice.text);
@@ -147,7 +146,7 @@ void ViewSession::drawLegends(LegendKind kind) {
   }
 }
 
-// Draws the scale that some views share, and applies new ends to them.
+// Draws the scale that some views share, and applies the ends that the user enters to these views.
 void ViewSession::drawScaleOf(const LegendBlock& block) {
   const bool hasFields = !context_.options.still && !clouds_.overlaid() && !clouds_.list.empty();
   const auto ends = drawScale(block.legend, hasFields ? PanelUse::Interactive : PanelUse::Picture);
@@ -158,8 +157,7 @@ void ViewSession::drawScaleOf(const LegendBlock& block) {
   }
 }
 
-// Draws the entries of a legend. A click on a class or scan hides or shows it; a double click or a click with shift
-// shows only this class or scan.
+// Draws the entries of a legend. A click on a class or scan hides or shows it; a double click or shift shows it alone.
 void ViewSession::drawEntriesOf(const Legend& legend) {
   std::vector<bool> hidden;
   for (const LegendEntry& entry : legend.entries) hidden.push_back(panels_.isHidden(entry));
@@ -192,8 +190,8 @@ void ViewSession::toggleScan(std::size_t scan) {
   if (context_.filter.hiddenScans.erase(name) == 0) context_.filter.hiddenScans.insert(name);
 }
 
-// Draws the range image with a ring around the point that is under the pointer or was clicked. A click selects a point
-// and turns the camera to it.
+// Draws the range image, with a ring around the point under the pointer or the clicked point. A click selects a point
+// and turns the camera to this point.
 void ViewSession::drawStrip() {
   if (!clouds_.strip || panels_.rects.strip.height < 1) return;
   const PixelRect rect = panels_.stripRect();
@@ -316,8 +314,8 @@ std::vector<const InstanceSummary*> ViewSession::sortedInstances() {
   return instances;
 }
 
-// Draws the table of the instances of the first shown scan. A click on a row selects a point of the instance and turns
-// the camera to the instance.
+// Draws a table of the first shown scan's instances. A click selects a point of the instance and turns the camera to
+// it.
 void ViewSession::drawInstances() {
   constexpr int kVisibleRows = 14;
   constexpr ImGuiTableFlags kTable = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |

@@ -65,9 +65,8 @@ bool ShownClouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
   return scanmill::hasColor(viewed.scan, by, !viewed.error.empty());
 }
 
-// Returns the quantity that the view's colours show: the user's choice if there is one, otherwise the first of class,
-// intensity and range that the scan has, otherwise the height. The second view of a single scan skips the quantity that
-// the first view shows.
+// Returns the quantity that the view's colours show: the user's choice, otherwise the first of class, intensity and
+// range that the scan has, otherwise the height. The second view of a single scan skips the first view's quantity.
 ColorBy ShownClouds::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
   if (!context_.frame || context_.frame->scans.empty()) return kByClass;
@@ -99,8 +98,8 @@ std::optional<ScaleRange> ShownClouds::scaleOf(std::size_t view) {
   return common;
 }
 
-// Returns the colours of a scan in a view. If the scan lacks the column, sets `colorProblem` and `columnMissing`, and
-// returns the default colours.
+// Returns the colours of a scan in a view. If the scan lacks the column, returns the default colours, and sets
+// `colorProblem` and `columnMissing`.
 Coloring ShownClouds::colored(std::size_t scanIndex, std::size_t view) {
   const ViewScan& scan = context_.frame->scans[scanIndex];
   if (scan.coloring) return *scan.coloring;
@@ -184,8 +183,7 @@ void ShownClouds::applyFilter() {
   makeStrip();
 }
 
-// Sets the cloud's members that say which points the filter shows. Returns the indices of these points; nothing if all
-// points are shown.
+// Sets `shown`, `finite` and `visible` of the cloud. Returns the indices of the shown points; nothing if all are shown.
 std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& cloud) const {
   const ShownFilter& filter = context_.filter;
   const Scan& scan = scanOf(cloud).scan;

@@ -42,9 +42,8 @@ struct ShownClouds {
   // True if the user has hidden the cloud's scan in the overlay of all scans.
   bool isHidden(const ShownCloud& cloud) const;
 
-  // Change the quantity that colours show in the active view, or in all views: to `by`, or to the next (`step` 1) or
-  // previous (-1) quantity that the scans of all these views have. If a scan lacks `by`, nothing changes, and
-  // `colorProblem` says why.
+  // Change the quantity that colours show in the active view, or in all views, to `by`, or to the next (`step` 1) or
+  // previous (-1) quantity that these views' scans have. If a scan lacks `by`, only sets `colorProblem`.
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);
   // Computes the ends of the scales from the values again.

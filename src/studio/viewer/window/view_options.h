@@ -89,8 +89,7 @@ struct ViewCommand {
   KeyMeaning meaning;
   std::string label;
   std::vector<std::string> keys;  // typed characters, such as "c", or names of keys, such as "Left"
-  // Why the command does nothing for a scene without scans, which has triangles, but no points or frames; empty: it
-  // works.
+  // Why the command does nothing for a scene without scans, which has only triangles; empty: the command works.
   std::string_view whyNotInScene{};
 };
 // Returns all commands, in the order of the menus.
