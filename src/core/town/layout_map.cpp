@@ -1,4 +1,4 @@
-// Takes roads, land and buildings with their plots from a map instead of sampling them.
+// Lays out a town from a map: takes roads, land and buildings from the map, and adds plots.
 
 #include <fmt/format.h>
 
@@ -18,19 +18,19 @@ using models::Footprint;
 using models::House;
 using models::Kind;
 
-constexpr double kOnRoad = 1.6;  // m; buildings that are nearer to a centre line count as on the road
+constexpr double kOnRoad = 1.6;  // m; a building closer to a road's centre line counts as on the road
 
-// Returns the parameters with the map's district if they leave it open.
+// Returns the parameters, with `district` set to the map's district if it is "any".
 Parameters inDistrict(Parameters parameters, const std::string& district) {
   if (parameters.district == "any") parameters.district = district;
   return parameters;
 }
 
-// Returns the cross section of a road on the map. Widths that the map does not give are usual for the class, or random
-// for residential roads. Service roads, tracks and roundabouts have neither sidewalks nor parking lanes.
+// Returns the cross section of a road on the map. A width that the map does not give is usual for the road's class or,
+// for residential roads, random. Service roads, tracks and roundabouts have neither sidewalks nor parking lanes.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
-  constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};  // m, by RoadClass, estimates; 0: residential roads
-  constexpr double kRingWidth = 6.5, kOneWayShare = 0.65;   // m; part of the width of a two-way road
+  constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};  // m, by RoadClass, estimates; 0: not used
+  constexpr double kRingWidth = 6.5, kOneWayShare = 0.65;   // m; fraction of a two-way road's width
   const bool minor = road.kind >= RoadClass::Service;
   double width = road.kind == RoadClass::Residential ? 2 * c.main.laneWidth() * draw.in(0.85, 1.05)
                                                      : kWidths[static_cast<std::size_t>(road.kind)];
@@ -53,11 +53,11 @@ CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   return s;
 }
 
-// Narrows a cross section, but not below its least widths, so that the carriageway ends before nearly all walls beside
-// the road, and the pavement before most of them: first the verge, then the sidewalk, the parking lane and the lanes.
-// `walls`: distances of the walls from the centre line (m), in any order.
+// Narrows a cross section to fit between walls, but not below its least widths: first the verge, then the sidewalk, the
+// parking lane and the lanes. Fractions kIgnored and kOnPavement of the walls may remain on the carriageway and on the
+// pavement. `walls`: distances of points of the walls from the centre line (m), in any order.
 void narrowBetweenWalls(CrossSection& s, std::vector<double> walls) {
-  constexpr double kGap = 0.4;            // m, width kept free between the carriageway and the nearest wall that counts
+  constexpr double kGap = 0.4;            // m, least distance between the carriageway and a wall that is not ignored
   constexpr double kLeastHalf = 1.6;      // m, half of the width of the narrowest road
   constexpr double kLeastSidewalk = 0.6;  // m
   constexpr double kOnPavement = 0.15;    // fraction of the walls that may be on the pavement
@@ -81,14 +81,14 @@ void narrowBetweenWalls(CrossSection& s, std::vector<double> walls) {
 // The position of a building relative to the nearest road.
 struct Frontage {
   Footprint about{};  // rectangle around the building; its x axis points to the road
-  double gap = 1e9;   // m from the sidewalk's outer edge to the building; 1e9: no road is near
-  Beside front{};     // position of the middle of the building's front relative to the nearest road
+  double gap = 1e9;   // m from the sidewalk's outer edge to the building; 1e9 if no road is near
+  Beside front{};     // the middle of the building's front relative to the nearest road
 
   // Returns the point at a distance (m) in front of the middle of the building's front.
   Point2 inFront(double distance) const { return about.at(about.halfX + distance, 0); }
 };
 
-// Returns the frontage of a building: its front is the side of its rectangle that is nearest to a sidewalk.
+// Returns the frontage of a building. The front is the side of the building's rectangle that is nearest to a sidewalk.
 Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
   Frontage nearest;
   Frontage candidate{rectangleAbout(outline)};
@@ -102,9 +102,9 @@ Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
   return nearest;
 }
 
-// Returns the building or, if it has parts, its parts; without those under which a road may pass.
+// Returns the parts of a building, or the building if it has no parts. Leaves out parts high enough for a road below.
 std::vector<const MapBuilding*> lowPartsOf(const MapBuilding& b) {
-  constexpr double kClear = 4;  // m, height of the lowest part over a road
+  constexpr double kClear = 4;  // m, least height of a part above a road
   std::vector<const MapBuilding*> low;
   for (const MapBuilding& part : b.parts) {
     if (part.base < kClear) low.push_back(&part);
@@ -125,14 +125,14 @@ bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
   return false;
 }
 
-// True if a building has the shape of models::House: a rectangle of a house's size on the ground, with a house's roof.
+// True if models::House can represent the building: a rectangle on the ground, of a house's size, with a house's roof.
 bool isHouse(const MapBuilding& b, const Footprint& about) {
   constexpr models::Span kHalfWidth{2.4, 20}, kHalfDepth{2.2, 9};  // m
   return !b.shed && b.parts.empty() && b.courts.empty() && b.base <= 0 && (b.roof || !b.ridge) &&
          isRectangular(b.outline, about) && kHalfWidth.holds(about.halfY) && kHalfDepth.holds(about.halfX);
 }
 
-// True if a ridge is along the x axis of a rectangle rather than along its y axis.
+// True if the angle between a ridge and a rectangle's x axis is smaller than the angle to its y axis.
 bool ridgeAlong(const std::array<Point2, 2>& ridge, const Footprint& about) {
   const double x = ridge[1].x - ridge[0].x;
   const double y = ridge[1].y - ridge[0].y;
@@ -143,11 +143,11 @@ bool ridgeAlong(const std::array<Point2, 2>& ridge, const Footprint& about) {
 
 enum class BlockOf { Building, Part };
 
-// Returns the block of a building or of a part of one. `middle` is the origin of its frame. `floors`: of the building;
-// parts, pitched roofs and blocks that hang have the number that fits between their base and their roof.
+// Returns the block of a building or of a building's part. `middle`: origin of the block's frame. `floors`: number of
+// floors of the building; parts, and blocks with a ridge or a base, get the number that fits between base and roof.
 models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, BlockOf what) {
-  constexpr double kShed = 2.6, kStorey = 2.9;     // m, usual heights of sheds' and of other storeys
-  constexpr double kLowest = 2.3, kParapet = 0.8;  // m, least height of a storey; of the walls above the top ceiling
+  constexpr double kShed = 2.6, kStorey = 2.9;     // m, usual heights of a shed's storey and of other storeys
+  constexpr double kLowest = 2.3, kParapet = 0.8;  // m, least height of a storey; height of walls above the top ceiling
   models::Block block;
   block.floors = b.shed ? 0 : floors;
   block.height = b.shed ? b.top.value_or(kShed * b.floors.value_or(1)) : b.top.value_or(0);
@@ -169,7 +169,7 @@ models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, Bl
   return block;
 }
 
-// Returns the block of a building, or the blocks of its parts. The part nearest to the road has the door.
+// Returns the block of a building, with the blocks of its parts. The part nearest to the entrance has the door.
 PlacedBlock placedBlockOf(const MapBuilding& b, const Frontage& frontage, int floors, std::uint32_t number) {
   const Point2& middle = frontage.about.center;
   PlacedBlock placed;
@@ -198,7 +198,7 @@ PlacedBlock placedBlockOf(const MapBuilding& b, const Frontage& frontage, int fl
   return placed;
 }
 
-// Returns the house of a building. A house's front faces -y in its frame; x of `frontage.about` faces the road.
+// Returns the house of a building. The house's -y axis becomes the +x axis of `frontage.about`, towards the road.
 House houseOf(const MapBuilding& b, std::uint32_t number, int floors, const Frontage& frontage, Draw& draw) {
   const Footprint& about = frontage.about;
   House house = drawHouse(draw, number, 2 * about.halfY, 2 * about.halfX, floors);
@@ -207,7 +207,7 @@ House houseOf(const MapBuilding& b, std::uint32_t number, int floors, const Fron
   house.top = b.top;
   if (b.roof) house.roof = *b.roof;
   if (b.riseMapped) house.rise = b.rise;
-  // The ridge of a gable roof is along the front, or goes away from it.
+  // A cross gable's ridge is perpendicular to the front, like the x axis of `about`.
   if (house.roof == models::Roof::Gable && b.ridge && ridgeAlong(*b.ridge, about)) {
     house.roof = models::Roof::CrossGable;
   }
@@ -247,7 +247,7 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& m
   }
   takeBuildings(map);
   for (const MapPath& path : map.paths) {
-    constexpr double kOverlap = 0.2;  // m, at both ends of each segment
+    constexpr double kOverlap = 0.2;  // m, by which each segment is extended at both ends
     const double half = path.width ? *path.width / 2 : kPathHalf;
     for (std::size_t i = 1; i < path.line.size(); ++i) {
       const Point2& a = path.line[i - 1];
@@ -261,7 +261,7 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& m
 }
 
 void Layout::findWaterLevels() {
-  constexpr double kBelow = 0.3;  // m between the water and the lowest point of its shore
+  constexpr double kBelow = 0.3;  // m, height of the lowest point of the shore above the water
   for (const MapArea& area : areas.list()) {
     double level = 0;
     if (area.land == Land::Water) {
@@ -274,7 +274,7 @@ void Layout::findWaterLevels() {
   }
 }
 
-// Adds the roads of the map, in its order, with cross sections that fit between its buildings.
+// Adds the roads of the map, in the same order, with cross sections that fit between the buildings.
 void Layout::takeRoads(const MapPlace& map) {
   constexpr double kFarthestWall = 20;  // m; walls farther from the centre line do not narrow a road
   mainFrom = map.mainFrom;
@@ -295,7 +295,7 @@ void Layout::takeRoads(const MapPlace& map) {
   }
   std::vector<std::vector<double>> walls(roads.size());  // m from the centre line, by road
   for (const MapBuilding& b : map.buildings) {
-    std::vector<std::pair<std::uint32_t, double>> wallPoints;  // roads, and distances from their centre lines (m)
+    std::vector<std::pair<std::uint32_t, double>> wallPoints;  // (road, m from its centre line)
     double nearest = 1e9;
     for (const Point2& p : pointsAlong(b.outline, 1.5)) {
       const Beside beside = unnarrowed.at(p);
@@ -304,7 +304,7 @@ void Layout::takeRoads(const MapPlace& map) {
       if (lateral < kFarthestWall) wallPoints.emplace_back(beside.road, lateral);
       nearest = std::min(nearest, lateral);
     }
-    // Buildings that stand across a road do not narrow it: takeBuildings() leaves them out.
+    // Buildings on a road do not narrow the road: takeBuildings() leaves them out.
     if (nearest < kOnRoad) continue;
     for (const auto& [road, lateral] : wallPoints) walls[road].push_back(lateral);
   }
@@ -315,10 +315,10 @@ void Layout::takeRoads(const MapPlace& map) {
   for (const Point2& joint : map.joints) network_.addJoint(joint);
 }
 
-// Turns rectangular buildings of a house's size, except sheds, into houses, and other buildings into blocks. Leaves out
-// buildings on roads. Buildings that face a road, except sheds, get a plot.
+// Adds a house or, if isHouse() is false, a block for each building of the map. Leaves out buildings on roads. Adds a
+// plot for each building near a road, except sheds and buildings that hang above the ground.
 void Layout::takeBuildings(const MapPlace& map) {
-  constexpr double kFacing = 30;       // m; a building that is nearer to a sidewalk faces the road
+  constexpr double kFacing = 30;       // m; a building farther from a sidewalk gets no plot
   constexpr double kBeforeDoor = 0.6;  // m from a door to the point in front of it where a path begins
   int leftOut = 0;
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
@@ -364,7 +364,7 @@ void Layout::takeBuildings(const MapPlace& map) {
   arrangePlots();
 }
 
-// Adds small squares to `covers` that together cover a building and its walls. `around`: a rectangle around it.
+// Adds squares to `covers` that together cover a building. `around`: a rectangle around the building.
 void Layout::cover(const MapBuilding& building, const Footprint& around) {
   constexpr double kCell = 1.6;  // m, side of the small squares
   std::vector<const Polygon*> rings{&building.outline};
@@ -379,9 +379,9 @@ void Layout::cover(const MapBuilding& building, const Footprint& around) {
   }
 }
 
-// Adds bare plots at one side of a road between two distances (m). Returns the end of the last one, or `from`.
+// Adds bare plots at one side of a road, from `from` to `to` (m). Returns the last plot's end, or `from` if none fits.
 double Layout::addBarePlots(const Road& road, int side, double from, double to) {
-  constexpr double kLeastPlot = 8;  // m; less ground gets no plot
+  constexpr double kLeastPlot = 8;  // m; a shorter interval gets no plot
   while (to - from > kLeastPlot) {
     Plot plot{.road = road.number, .side = side, .from = from, .bare = true};
     Draw draw(seed, Kind::BarePlot, plots.size());
@@ -393,10 +393,10 @@ double Layout::addBarePlots(const Road& road, int side, double from, double to) 
   return from;
 }
 
-// Sorts the plots along the roads, removes overlaps, and adds bare plots where there are no buildings. Removes plots
-// whose front is on a parking lot, a square, water or another road; the others then get their numbers and fences.
+// Sorts the plots along the roads, removes overlaps, and adds bare plots between them. Then removes plots whose front
+// is on a parking lot, a square, water or another road, and sets the numbers and fences of the remaining plots.
 void Layout::arrangePlots() {
-  constexpr double kEnd = 4;  // m at the ends of a road without bare plots
+  constexpr double kEnd = 4;  // m, length without bare plots at each end of a road
   std::stable_sort(plots.begin(), plots.end(), [](const Plot& a, const Plot& b) {
     return std::tie(a.road, a.side, a.from) < std::tie(b.road, b.side, b.from);
   });
@@ -405,7 +405,7 @@ void Layout::arrangePlots() {
   auto nextBuilt = built.begin();
   for (const Road& road : roads()) {
     for (const int side : {-1, 1}) {
-      double end = kEnd;  // m along the road, of the last plot so far
+      double end = kEnd;  // m along the road, end of the last plot so far
       for (; nextBuilt != built.end() && nextBuilt->road == road.number && nextBuilt->side == side; ++nextBuilt) {
         Plot plot = *nextBuilt;
         plot.to = std::min(plot.to, road.length() - 2);

@@ -1,5 +1,5 @@
-// Draws a random layout's roads (the main road, side roads, roundabouts), potholes, land that is neither garden nor
-// wood (parks, parking lots, squares), and plots with their houses, driveways and paths.
+// Draws a random layout: roads (main road, side roads, roundabout), potholes, areas (parks, parking lots, squares), and
+// plots with their houses, driveways and paths.
 
 #include <algorithm>
 #include <cmath>
@@ -15,12 +15,12 @@ using models::House;
 using models::Kind;
 using models::Roof;
 
-// Returns the point at a distance (m) from another one, in the direction `angle` (rad).
+// Returns the point `distance` metres from `from` in the direction `angle` (rad).
 Point2 polar(const Point2& from, double distance, double angle) {
   return {from.x + distance * std::cos(angle), from.y + distance * std::sin(angle)};
 }
 
-// Returns a roundabout, counter-clockwise from the angle `start` (rad). `section`: of the roads that join it.
+// Returns the ring of a roundabout, counter-clockwise from the angle `start` (rad). `section`: of the joining roads.
 Road ringRoad(const Point2& center, double radius, double start, CrossSection section) {
   section.parking = section.sidewalk = 0;
   section.half = 3;
@@ -33,12 +33,12 @@ Road ringRoad(const Point2& center, double radius, double start, CrossSection se
   return ring;
 }
 
-// Returns points of a random line, kRoadStep apart, from `from` on. Its heading (rad) begins with `heading` and varies
-// as a random field of the amplitude `bend`, by less than a right angle, so that it never crosses itself.
+// Returns points of a random line, kRoadStep apart, that begins at `from` with `heading` (rad). The heading varies by a
+// random field with the amplitude `bend` (rad), by less than a right angle: the line never crosses itself.
 std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, double heading, double bend,
                              double length) {
   constexpr double kBends = 90;    // m, size of bends
-  constexpr double kToUnit = 1.8;  // factor on the field, so that its largest values are about 1
+  constexpr double kToUnit = 1.8;  // factor on the field: its largest values become about 1
   const auto fieldAt = [&](double along) { return relief(field, along, 0.5, kBends); };
   std::vector<Point2> points{from};
   for (double along = 0; along + kRoadStep / 2 < length; along += kRoadStep) {
@@ -54,8 +54,8 @@ constexpr double kBeforeDoor = 0.6;  // m from a door to the point in front of i
 
 }  // namespace
 
-// Adds an area beside a road, kFromSidewalk beyond the sidewalk, with its entrances. `along`: of its middle; `width`
-// and `depth`: along and across the road (m). Returns false if a road, a house or another area is in the way.
+// Adds an area and its entrances, kFromSidewalk beyond a road's sidewalk. `along`: position of the area's middle;
+// `width`, `depth`: sizes along and across the road (m). Returns false if a road, a house or an area is in the way.
 bool Layout::tryAddLand(Land land, const Road& road, int side, double along, double width, double depth) {
   constexpr double kFromSidewalk = 1.5;  // m
   constexpr double kApart = 2;           // m, least distance from houses and other areas
@@ -67,16 +67,16 @@ bool Layout::tryAddLand(Land land, const Road& road, int side, double along, dou
   if (!occupied_.isFree({area.center, area.halfX + kApart, area.halfY + kApart, yaw})) return false;
   occupied_.add(area);
   areas.add({land, cornersOf(area), {}});
-  constexpr double kOverlap = 1.5;  // m of the entrance on the area and on the road together
+  constexpr double kOverlap = 1.5;  // m, length of the entrance inside the area and on the road together
   addEntrances(land, area, kFromSidewalk + kOverlap + road.section.outer());
   return true;
 }
 
-// Adds the entrance of a parking lot; of a park, the entrance and two paths that cross in its middle. `area`: its -y
-// axis points to the road; `length`: m, of the entrance, which begins kIntoLand within the area.
+// Adds the entrance of a parking lot or park and, in a park, two paths that cross in the middle. `area`: its -y axis
+// points to the road; `length`: length of the entrance (m), which begins kIntoLand inside the area.
 void Layout::addEntrances(Land land, const Footprint& area, double length) {
   constexpr double kIntoLand = 1;         // m
-  constexpr double kHalfLotEntrance = 3;  // m, half of the width
+  constexpr double kHalfLotEntrance = 3;  // m, half of the entrance's width
   const Point2 inner = area.at(0, kIntoLand - area.halfY);
   if (land == Land::Lot) addStrip(inner, area.yaw, kHalfLotEntrance, length, GroundKind::Driveway);
   if (land != Land::Park) return;
@@ -117,7 +117,7 @@ void Layout::drawLand() {
   }
 }
 
-// True if no road but `exceptRoad` (its number) is at 16 points of a circle of `reach` metres about a point.
+// True if 16 points on a circle about `p` are not on roads or sidewalks, except road `exceptRoad`. `reach`: radius (m).
 bool Layout::isClear(const Point2& p, double reach, std::uint32_t exceptRoad) const {
   for (std::uint32_t k = 0; k < 16; ++k) {
     const Beside b = besideAt(polar(p, reach, kPi * k / 8));
@@ -126,7 +126,7 @@ bool Layout::isClear(const Point2& p, double reach, std::uint32_t exceptRoad) co
   return true;
 }
 
-// Adds a roundabout at the end of a random side road: a ring with an island, and up to three roads that leave it.
+// In some towns, adds a roundabout at the end of a random side road: a ring, and up to three roads that leave the ring.
 void Layout::drawRoundabout() {
   constexpr double kRingFromEdge = 70, kRoadFromEdge = 30;  // m, least distances from the edge of the ground
   Draw draw(seed, Kind::Roundabout);
@@ -157,7 +157,7 @@ void Layout::drawRoundabout() {
   }
 }
 
-// Adds the main road, whose middle is the origin, and then the side roads.
+// Adds the main road, whose middle is the town's origin, and the side roads.
 void Layout::drawRoads() {
   const double reach = parameters.length / 2 + kBeyond;
   Road main{.section = character.main, .main = true};
@@ -172,9 +172,9 @@ void Layout::drawRoads() {
   drawSideRoads();
 }
 
-// Adds the side roads, which begin at the main road, far enough apart for plots; some continue on its other side.
+// Adds side roads, which begin at the main road, far enough apart for plots. Some cross the main road.
 void Layout::drawSideRoads() {
-  constexpr double kApart = 45, kApartOpposite = 14;  // m, least distances between two side roads
+  constexpr double kApart = 45, kApartOpposite = 14;  // m, between roads at the same side and at opposite sides
   struct Junction {
     double along;  // m along the main road
     int side;
@@ -208,7 +208,7 @@ void Layout::drawSideRoads() {
   }
 }
 
-// Adds potholes to the lanes of all roads. Their number grows with the wear of the roads.
+// Adds potholes to the lanes of all roads, in proportion to the wear of the roads.
 void Layout::drawPotholes() {
   for (const Road& road : roads()) {
     Draw draw(seed, Kind::Pothole, road.number);
@@ -230,7 +230,7 @@ void Layout::setLevels() {
   constexpr double kAround = 0.5;  // m of level ground around a building
   findWaterLevels();
   for (std::uint32_t i = 0; i < patches.size(); ++i) addToCells(patches[i].rectangle, i, patchCells_);
-  // Reads all heights before any terrace is set. Otherwise buildings that are close together would lift each other.
+  // Reads all heights before any terrace is set; otherwise the heights of buildings would depend on their neighbours.
   std::vector<Terrace> terraces;
   for (House& house : houses) {
     const Vec3d door = house.pose * Vec3d{house.doorX(), -kBeforeDoor, 0};
@@ -262,7 +262,7 @@ bool Layout::isOffRoads(const Footprint& f, double gap, double step) const {
   });
 }
 
-// Returns the fence, hedge or wall of a plot at the road; there is none in front of houses close to the sidewalk.
+// Returns the random kind of boundary of a plot at the road: None in front of houses close to the sidewalk.
 Fencing Layout::drawFencing(Draw& draw, double setback) const {
   constexpr double kLeastSetback = 1.5;  // m
   const Character& c = character;
@@ -285,20 +285,20 @@ void Layout::addStrip(const Point2& inner, double yaw, double half, double lengt
       {TurnedRectangle({{inner.x + out.x * length / 2, inner.y + out.y * length / 2}, half, length / 2, yaw}), kind});
 }
 
-// A random house for a plot. buildOn() finds out whether it has room.
+// A random house for a plot. buildOn() tests whether the house fits.
 struct Layout::PlotHouse {
   House house;
-  double width = 0;       // m, width of the ground that the plot has for the house
+  double width = 0;       // m, width of the plot's ground for the house
   double gap = 0;         // m between this house and its neighbours
   bool attached = false;  // true: wall to wall with its neighbours
   bool wanted = false, hasDriveway = false;
 };
 
-// Adds the plots at one side of a road, between two distances along it (m). The random stream of a plot draws in the
-// order of the calls: the plot, its house, its fence, whether it is built, its driveway, ground in front, garage.
+// Adds the plots at one side of a road, from `from` to `to` (m along the road). Each plot has one random stream, so the
+// order counts: the plot, its house, its fence, whether it is built, its driveway, ground in front, garage.
 void Layout::addPlots(const Road& road, int side, double from, double to) {
-  constexpr double kLeastPlot = 8;  // m; a shorter rest at the end of a road gets no plot
-  constexpr double kIntoPlot = 6;   // m from the sidewalk to the point whose area decides about a plot
+  constexpr double kLeastPlot = 8;  // m; a shorter interval at the end of a road gets no plot
+  constexpr double kIntoPlot = 6;   // m from the plot's front to the point at which areas are tested
   double start = from;
   while (to - start > kLeastPlot) {
     const auto number = static_cast<std::uint32_t>(plots.size());
@@ -310,20 +310,20 @@ void Layout::addPlots(const Road& road, int side, double from, double to) {
     PlotHouse plotHouse = drawPlotHouse(draw, road, plot);
     plot.depth = plotHouse.house.depth;
     plot.fencing = drawFencing(draw, plot.setback);
-    constexpr double kLeastWidth = 6.5, kTight = 0.5;  // m, of a house's ground; that a driveway may lack beside it
+    constexpr double kLeastWidth = 6.5, kTight = 0.5;  // m, least width for a house; driveway minus gap
     plotHouse.wanted = draw.chance(character.built) && plotHouse.width >= kLeastWidth;
     plotHouse.hasDriveway = !plotHouse.attached && draw.chance(0.6) && plotHouse.gap > kDriveway - kTight;
     plot.built = buildOn(plot, road, plotHouse, draw);
     start = plot.to;
-    // Plots without a house become gardens, but are left out in areas (park, wood, parking lot, water ...).
+    // Plots without a house become gardens, but are left out if they are on an area, such as a park or parking lot.
     const double middle = (plot.from + plot.to) / 2;
     if (!plot.built && areas.landAt(inPlot(plot, middle, kIntoPlot).at)) continue;
     plots.push_back(plot);
   }
 }
 
-// Returns the random house of a plot. A bend makes a plot wider or narrower than the road's line beside it. Attached
-// houses are as wide as their plots at the front; the others fit between their neighbours at the back, too.
+// Returns the random house of a plot. In bends, a plot's width differs between front and back. Attached houses are as
+// wide as the front of the plot; other houses fit into the plot at the front and at the back.
 Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot& plot) const {
   const Character& c = character;
   const bool halls = c.commercial;
@@ -347,26 +347,26 @@ Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot
   return result;
 }
 
-// Builds a house on its plot, with driveway and garage. Returns false if no house is wanted or there is no room.
+// Adds the house of a plot, with driveway and garage. Returns false if no house is wanted or the house does not fit.
 bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHouse, Draw& draw) {
   House house = plotHouse.house;
-  // The ends of the plot's front, from left to right as seen from the road.
+  // The ends of the line at the setback, left and right as seen from the road.
   const Point2 left = inPlot(plot, plot.side > 0 ? plot.from : plot.to, plot.setback).at;
   const Point2 right = inPlot(plot, plot.side > 0 ? plot.to : plot.from, plot.setback).at;
   const double yaw = std::atan2(right.y - left.y, right.x - left.x);
-  // If there is a driveway at the right end of the plot, the house is shifted towards the left end.
+  // A driveway is at the right end of the plot: the house is then shifted towards the left end.
   const Point2 center = Footprint{models::lerp(left, right, 0.5), 0, 0, yaw}.at(
       plotHouse.hasDriveway ? 0.2 - plotHouse.gap / 2 : 0, house.depth / 2);
   const Footprint body{center, house.width / 2, house.depth / 2, yaw};
   constexpr double kApart = 0.4;  // m, half of the least distance between two houses
-  // On the inner side of a bend the backs of attached houses overlap.
+  // On the inner side of a bend, attached houses may overlap at the back.
   constexpr double kOverlap = 0.8;  // m, half of the largest overlap
   const Footprint free{center, body.halfX + (plotHouse.attached ? -kOverlap : kApart), body.halfY + kApart, yaw};
   if (!plotHouse.wanted || !isOffRoads(body, 0.0) || !occupied_.isFree(free)) return false;
   occupied_.add({center, body.halfX - (plotHouse.attached ? kOverlap : 0), body.halfY, yaw});
   house.forecourt = plot.setback;
   house.ivy = draw.chance(0.2 * parameters.greenery);
-  // In the house's frame, the front wall is in y = 0 and faces -y; x points to the right as seen from the road.
+  // In the house's frame, the front wall is at y = 0 and faces -y; seen from the road, x points to the right.
   const Point2 corner = body.at(-body.halfX, -body.halfY);
   house.pose = models::at({corner.x, corner.y, 0}, yaw);
   addGroundInFront(house, yaw, plotHouse.width, road.section.outer(), draw);
@@ -375,9 +375,9 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   return true;
 }
 
-// Adds a paved forecourt or a path to the road. `width`: of the house's ground; `outer`: from plot to carriageway (m).
+// Adds a paved forecourt or a path to the road. `width`: of the plot's ground; `outer`: from plot to carriageway (m).
 void Layout::addGroundInFront(const House& house, double yaw, double width, double outer, Draw& draw) {
-  constexpr double kUnder = 0.4;   // m that a forecourt reaches under the house
+  constexpr double kUnder = 0.4;   // m, overlap of the forecourt with the house
   constexpr double kParkable = 7;  // m, least depth of a forecourt on which cars park
   if (!character.terraced && draw.chance(character.forecourts)) {
     const Vec3d front = house.pose * Vec3d{house.width / 2, kUnder, 0};
@@ -391,9 +391,9 @@ void Layout::addGroundInFront(const House& house, double yaw, double width, doub
   }
 }
 
-// Adds a driveway at the right of the house. Returns true if there is a garage at its end.
+// Adds a driveway at the right of the house. Returns true if the house gets a garage at the driveway's end.
 bool Layout::addDriveway(const House& house, double yaw, double outer, Draw& draw) {
-  constexpr double kBeside = 0.3, kBehindFront = 6;  // m from the house, and from its front to the driveway's end
+  constexpr double kBeside = 0.3, kBehindFront = 6;  // m from the house's side; from its front to the driveway's end
   const Vec3d end = house.pose * Vec3d{house.width + kDriveway / 2 + kBeside, kBehindFront, 0};
   addStrip({end.x, end.y}, yaw, kDriveway / 2, house.forecourt + kBehindFront + outer, GroundKind::Driveway);
   patches.back().parks = true;

@@ -15,8 +15,8 @@
 namespace scanmill::town {
 namespace {
 
-// The plane that touches the WGS 84 ellipsoid at a point (degrees). Coordinates are metres from that point: x east, y
-// north (south if mirrored). By earth-centred coordinates; 25 km away, distances in the plane are 0.1 m too short.
+// The plane that touches the WGS 84 ellipsoid at `origin`. Coordinates are metres from the origin: x east, y north
+// (south if mirrored). Points of the ellipsoid are projected onto the plane: 25 km away, distances are 0.1 m too short.
 class TangentPlane {
  public:
   TangentPlane(const OsmNode& origin, bool mirrored)
@@ -33,8 +33,8 @@ class TangentPlane {
   }
   bool mirrored() const { return north_ < 0; }
 
-  // Returns the latitude and longitude (degrees) of a point in the plane: the inverse of operator(), by Newton's method
-  // with an approximate derivative: everywhere, a metre to the north or east is about the same number of degrees.
+  // Returns the latitude and longitude (degrees) of a point in the plane: the inverse of operator(). Uses Newton's
+  // method with a constant derivative, the number of degrees per metre to the north and to the east at the origin.
   OsmNode degreesAt(const Point2& p) const {
     constexpr double kDegree = 111300;  // m, length of a degree of latitude
     constexpr int kIterations = 12;
@@ -49,15 +49,15 @@ class TangentPlane {
 
  private:
   double latitude_, longitude_;  // rad
-  double north_;                 // sign of y towards the north: 1, or -1 if mirrored
+  double north_;                 // 1: y points north; -1: y points south (mirrored)
   Vec3d origin_;
 };
 
-// Returns a road with the properties that its tags give. Its line goes in the direction of driving if it is one-way.
+// Returns a road with the properties that the tags give. The line of a one-way road goes in the direction of driving.
 MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass kind, const TangentPlane& plane,
                TagNumbers& numbers) {
   constexpr double kLane = 3.1;                   // m, width of a lane if the map gives only the number of lanes
-  constexpr double kNarrowest = 2, kWidest = 24;  // m; other widths are taken as errors of the map
+  constexpr double kNarrowest = 2, kWidest = 24;  // m; widths outside are taken as errors of the map
   constexpr double kLeastDistance = 0.1;          // m between two points of the line
   MapRoad road;
   road.kind = kind;
@@ -86,7 +86,7 @@ MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass
   return road;
 }
 
-// Returns the ring of the nodes, without points on straight walls; even if mirrored, outer rings are counter-clockwise.
+// Returns the ring through the nodes, without points on straight walls. Outer rings stay counter-clockwise if mirrored.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   constexpr double kShortest = 0.25;     // m, least length of a wall
   constexpr double kLeastOffset = 0.05;  // m between a corner and the straight line through its neighbours
@@ -102,7 +102,7 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
     const Point2& a = corners.empty() ? ring.back() : corners.back();
     const Point2& b = ring[i];
     const Point2& c = ring[(i + 1) % ring.size()];
-    // The cross product of two sides is the distance of b from the line through a and c, times the distance of a and c.
+    // |product| is the distance of b from the line through a and c, multiplied by the distance between a and c.
     const double product = (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
     if (std::abs(product) >= kLeastOffset * std::hypot(c.x - a.x, c.y - a.y)) corners.push_back(b);
   }
@@ -110,7 +110,7 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   return corners;
 }
 
-// Returns the middle of the bounds of all roads.
+// Returns the centre of the bounding box of all roads.
 OsmNode middleOfRoads(const OsmExtract& extract) {
   double south = 90, north = -90, west = 180, east = -180;
   for (const OsmWay& way : extract.ways) {
@@ -147,7 +147,7 @@ class MapMaker {
   }
 
  private:
-  // Adds a way as a road, a barrier or a path, in this order of preference, and counts its properties that are lost.
+  // Adds a way as a road, else as a barrier, else as a path. Counts ways and properties of the way that are left out.
   void addWay(const OsmWay& way) {
     const OsmTags& tags = way.tags;
     if (isAbsent(tags) || (isHighwayArea(tags) && way.area)) return;
@@ -200,7 +200,7 @@ class MapMaker {
     return lines;
   }
 
-  // Adds a building, a part of a building, or land; counts areas with faults, off the ground or without walls instead.
+  // Adds a building, a building part or land. Counts areas that are left out: with faults, off the ground, open roofs.
   void addArea(const OsmArea& area) {
     const OsmTags& tags = area.tags;
     if (isAbsent(tags)) return;
@@ -226,14 +226,14 @@ class MapMaker {
     list.back().relation = area.building;
   }
 
-  // Counts an area that is neither a building nor land, unless addWay() has counted it as a highway or barrier.
+  // Counts an area that is neither building nor land as left out, unless addWay() handles it as a highway or barrier.
   void leaveOutArea(const OsmTags& tags) {
     const bool countedAsWay = !isHighwayArea(tags) && !tags.element.starts_with("relation") &&
                               (!tags["highway"].empty() || !tags["barrier"].empty());
     if (!countedAsWay) leaveOut(tags);
   }
 
-  // Adds an area of land, and counts its surface and its barrier if the town lacks them.
+  // Adds an area of land. Counts its surface and its barrier as left out if the town cannot have them.
   void addLand(Land land, const OsmTags& tags, Polygon outline, std::vector<Polygon> holes) {
     const bool hard = land == Land::Lot || land == Land::Paved;
     if (hard && !hasSurface(tags, {"asphalt", "paved", "concrete", "paving_stones"})) map_.leftOut.add(kSurfaces);
@@ -245,7 +245,7 @@ class MapMaker {
     map_.areas.push_back({land, std::move(outline), std::move(holes), square});
   }
 
-  // Adds a node with tags if it is a tree; counts all other nodes that stand for a shape.
+  // Adds a node that is a tree. Counts other nodes of objects with a shape as left out.
   void addPoint(const OsmPoint& point) {
     if (!point.tags["ele"].empty()) map_.leftOut.add("heights of nodes (ele)");
     if (isAbsent(point.tags)) return;
@@ -262,7 +262,7 @@ class MapMaker {
     }
   }
 
-  // Counts an element that is not built by its first tag that stands for a shape.
+  // Counts an element as left out, under the tag that shapeTagOf() returns; not if there is no such tag.
   void leaveOut(const OsmTags& tags) {
     if (const std::string tag = shapeTagOf(tags); !tag.empty()) map_.leftOut.add(tag);
   }
@@ -310,7 +310,7 @@ void checkDensity(const Map& map) {
   }
 }
 
-// True if the editor JOSM has marked an object of a file as deleted, which libosmium does not tell.
+// True if the editor JOSM has marked an element of the file as deleted, which libosmium does not report.
 bool hasDeletions(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::string line;
@@ -347,7 +347,7 @@ Map makeMap(const OsmExtract& extract, bool mirrored) {
 }
 
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
-  // Makes the path absolute: libosmium would download a name that begins like a URL.
+  // An absolute path, since libosmium would download a file whose name begins like a URL.
   const std::filesystem::path absolute = std::filesystem::absolute(file);
   if (!std::filesystem::is_regular_file(absolute)) {
     throw InputError(where, "{} is not a file: a map is an OpenStreetMap extract", file.string());
@@ -381,7 +381,7 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   map.leftOut.warn(file.string());
   double farthest = 0;  // m, largest distance of a road from the origin
   for (const MapRoad& road : map.roads) farthest = std::max(farthest, std::hypot(road.line[0].x, road.line[0].y));
-  constexpr double kFarthest = 5e5;  // m; lengths there are 0.3 % too short
+  constexpr double kFarthest = 5e5;  // m; at this distance lengths are 0.3 % too short
   if (farthest > kFarthest) {
     warn(
         "{}: roads are up to {:.0f} km from their middle, where lengths are too short in the plane of the "

@@ -16,7 +16,7 @@ using Region = gtl::polygon_set_data<int>;
 
 constexpr double kStorey = 2.9;  // m, usual height of a storey
 constexpr double kSlope = 0.75;  // usual slope of a pitched roof
-constexpr double kWidest = 18;   // m, width of the widest building with a pitched roof that the map does not give
+constexpr double kWidest = 18;   // m; wider buildings have no pitched roof unless the map gives it
 constexpr double kUnit = 1e-3;   // m per unit of the integer coordinates of Boost.Polygon
 
 enum class RoofShape { Flat, Gabled, Hipped, Pyramidal, Skillion };
@@ -46,13 +46,13 @@ constexpr RoofEntry kRoofs[] = {
     {"cone", RoofShape::Pyramidal, "pyramidal"},
 };
 
-// The direction in which a roof slopes: along the x axis of the rectangle about the building, or along its y axis.
+// The axis along which a roof slopes: x or y of the rectangle about the building.
 struct RoofDirection {
   bool alongX;
-  double highSide;  // 1 or -1: the side of the rectangle, on this axis, where a skillion roof is high
+  double highSide;  // 1 or -1: end of this axis at which a skillion (single-slope) roof is high
 };
 
-// Returns the direction in which the map says that the roof slopes, or, if it does not say, from the longer sides down.
+// Returns the direction of slope that the map gives; if the map gives none, the roof slopes towards the longer sides.
 RoofDirection roofDirection(const OsmTags& tags, const models::Footprint& about, bool mirrored, TagNumbers& numbers) {
   const auto direction = numbers.read(tags, "roof:direction", compassOf, 0, 360);
   if (!direction) return {(about.halfX < about.halfY) != (tags["roof:orientation"] == "across"), 1};
@@ -64,11 +64,11 @@ RoofDirection roofDirection(const OsmTags& tags, const models::Footprint& about,
   return {alongX, (alongX ? downX : downY) > 0 ? -1.0 : 1.0};
 }
 
-// Sets the ridge and the height of a pitched roof, and the kind of roof if a house has this kind. `about`: the
-// rectangle about the building; `slope`: m/m. Outlines with points on straight walls become rectangles.
+// Sets the ridge and the height of a pitched roof and, if houses can have the shape, b.roof. `about`: rectangle about
+// the building; `slope`: m/m. Replaces an outline that does not have four corners by `about`, except below a pyramid.
 void setPitchedRoof(MapBuilding& b, const models::Footprint& about, RoofShape shape, RoofDirection direction,
                     double slope) {
-  constexpr double kSquare = 0.1;  // largest difference of the half sides of a square, as a part of the smaller one
+  constexpr double kSquare = 0.1;  // largest difference of a square's half sides, divided by the smaller one
   const double shorter = std::min(about.halfX, about.halfY);
   const bool square = std::abs(about.halfX - about.halfY) < kSquare * shorter;
   const bool downShorterSide = direction.alongX == (about.halfX < about.halfY);
@@ -93,7 +93,7 @@ void setPitchedRoof(MapBuilding& b, const models::Footprint& about, RoofShape sh
   if (shape != RoofShape::Pyramidal && b.outline.size() != 4) b.outline = cornersOf(about);
 }
 
-// Sets the shape of the roof that the map gives; if it gives none, only the height of a roof that the seed draws.
+// Sets the roof's shape and height from the tags; without a known shape, only the height for a randomly drawn shape.
 void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& numbers) {
   const models::Footprint about = rectangleAbout(b.outline);
   const double narrow = std::min(about.halfX, about.halfY);
@@ -126,7 +126,7 @@ void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& num
   if (angle && shape == RoofShape::Skillion) b.rise *= 2;  // a skillion roof rises over the complete width
 }
 
-// Sets the floors, the top, the base and the height of the roof. setRoof() must have been called.
+// Sets floors, top, base and the height of the roof from the tags. Must be called after setRoof().
 void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
   constexpr double kHighest = 1000;  // m
   constexpr double kMostFloors = 200;
@@ -183,7 +183,7 @@ double squareMetres(const Region& region) {
   return kUnit * kUnit * static_cast<double>(gtl::area(region));
 }
 
-// Returns the area (m^2) that two ground plans have in common.
+// Returns the area (m^2) of the intersection of two ground plans.
 double overlap(const MapBuilding& a, const MapBuilding& b) {
   using namespace gtl::operators;
   const Point2& origin = a.outline.front();
@@ -199,9 +199,9 @@ Polygon polygonOf(const Ring& ring, const Point2& origin) {
   return polygon;
 }
 
-// Adds the regions of the outline that no part covers as further parts; returns false if parts cover nearly all of it.
+// Adds a part for each region of the outline that no part covers. Returns false if parts cover nearly all of it.
 bool addUncoveredRegions(MapBuilding& b) {
-  constexpr double kCovered = 0.9;    // parts that cover this share of an outline stand for all of it
+  constexpr double kCovered = 0.9;    // fraction of an outline; parts that cover more leave nothing to add
   constexpr double kLeastRegion = 1;  // m^2
   using namespace gtl::operators;
   const Point2 origin = b.outline.front();
@@ -209,8 +209,8 @@ bool addUncoveredRegions(MapBuilding& b) {
   const double totalArea = squareMetres(uncovered);
   for (const MapBuilding& part : b.parts) uncovered -= regionOf(part, origin);
   if (squareMetres(uncovered) <= (1 - kCovered) * totalArea) return false;
-  // Removes strips thinner than two seams, as between an outline and a part: shrinks the region by a seam and grows it.
-  constexpr int kSeam = 80;  // units of kUnit; more than ringOf() and the rounding of degrees move points
+  // Removes strips thinner than 2 * kSeam, as between an outline and a part: shrinks the region by kSeam and grows it.
+  constexpr int kSeam = 80;  // units of kUnit; larger than the errors by ringOf() and by rounded degrees
   Region withoutStrips = uncovered;
   withoutStrips.resize(-kSeam);
   withoutStrips.resize(kSeam);
@@ -246,8 +246,8 @@ class OwnerFinder {
     std::sort(byWest_.begin(), byWest_.end());
   }
 
-  // Returns the index of the building of the part's relation (if several: the one that shares most area with it), or,
-  // without such a relation, of the building that contains most of it, at least half; nullopt if there is none.
+  // Returns the index of a part's building: of the buildings in the part's relation, the building with the largest
+  // overlap; if there are none, the building that contains most of the part, at least half; otherwise nullopt.
   std::optional<std::size_t> operator()(const MapBuilding& part) const {
     std::optional<std::size_t> owner;
     double largestOverlap = 0;
@@ -263,7 +263,7 @@ class OwnerFinder {
       return owner;
     }
     const Extent extent = extentOf(part.outline);
-    // Buildings that begin farther west than the widest building is wide end before the part begins.
+    // Buildings whose west end is more than widest_ west of the part's west end cannot overlap the part.
     auto entry = std::lower_bound(byWest_.begin(), byWest_.end(), std::pair(extent.low.x - widest_, std::size_t{0}));
     for (; entry != byWest_.end() && entry->first < extent.high.x; ++entry) {
       const auto& [low, high] = extents_[entry->second];
@@ -276,15 +276,15 @@ class OwnerFinder {
  private:
   const std::vector<MapBuilding>& buildings_;
   std::vector<Extent> extents_;                                  // by building
-  std::vector<std::pair<double, std::size_t>> byWest_;           // west ends (m) and indices of buildings, sorted
+  std::vector<std::pair<double, std::size_t>> byWest_;           // (west end (m), index of the building), sorted
   std::map<std::int64_t, std::vector<std::size_t>> byRelation_;  // indices of buildings
-  double widest_ = 0;                                            // m, from west to east
+  double widest_ = 0;                                            // m, largest extent of a building from west to east
 };
 
 }  // namespace
 
 std::optional<double> MapBuilding::eaves() const {
-  constexpr double kLowest = 2;  // m, lowest eaves that the map does not give
+  constexpr double kLowest = 2;  // m, lowest eaves if the map does not give them
   if (!top) return std::nullopt;
   return std::max(*top - rise, base > 0 ? base : riseMapped ? std::min(*top, 0.1) : std::min(*top, kLowest));
 }
@@ -297,7 +297,7 @@ std::optional<int> MapBuilding::usualFloors() const {
 }
 
 bool isRectangular(const Polygon& outline, const models::Footprint& about) {
-  constexpr double kSkewed = 0.9, kCutOut = 0.98;  // least shares of the rectangle
+  constexpr double kSkewed = 0.9, kCutOut = 0.98;  // least covered fractions of the rectangle
   return areaOf(outline) > (outline.size() == 4 ? kSkewed : kCutOut) * 4 * about.halfX * about.halfY;
 }
 
@@ -319,7 +319,7 @@ MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polyg
 void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> parts, LeftOut& leftOut) {
   const OwnerFinder ownerOf(buildings);
   std::vector<MapBuilding> unowned;
-  std::vector<std::pair<std::size_t, MapBuilding>> owned;  // with the indices of their buildings
+  std::vector<std::pair<std::size_t, MapBuilding>> owned;  // (index of the building, part)
   for (MapBuilding& part : parts) {
     if (const std::optional<std::size_t> owner = ownerOf(part)) {
       owned.emplace_back(*owner, std::move(part));
@@ -328,7 +328,7 @@ void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> par
     }
   }
   for (auto& [owner, part] : owned) {
-    // A part without heights is as high as its building.
+    // A part for which the map gives neither top nor floors is as high as the building.
     MapBuilding& building = buildings[owner];
     if (!part.top && !part.floors) {
       part.top = building.top;
@@ -337,7 +337,7 @@ void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> par
     building.parts.push_back(std::move(part));
   }
   buildings.insert(buildings.end(), std::make_move_iterator(unowned.begin()), std::make_move_iterator(unowned.end()));
-  // Sets a missing top of a hanging building, and counts its difference from the map. True if it has no height.
+  // Sets the top of a building that hangs, if missing, and counts b.difference. True if the building has no height.
   const auto countAndTestHeight = [&](MapBuilding& b) {
     if (b.base > 0 && !b.top) b.top = b.base + kStorey;
     const bool flat = b.base > 0 && *b.top < b.base + 0.05;
