@@ -25,8 +25,8 @@ namespace scanmill {
 
 namespace {
 
-// Throws InputError for options that are wrong or do not fit the file, and for a file that is absent or empty. `kind`:
-// the file's ending in lower case, here and below.
+// Throws InputError if the file is absent or empty, or if an option is wrong or does not fit the file. In this source
+// file, `kind` is the ending of a file's name in lower case.
 void checkRequest(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   const auto fail = [&](const std::string& problem) { throw InputError({file.string()}, problem); };
   if (!(options.metresPerUnit > 0) || !std::isfinite(options.metresPerUnit)) {
@@ -44,8 +44,8 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Reads the glTF file `glb`, which messages call `name`. Its unit is the metre; `up`: its axis, unless the options
-// state one.
+// Reads the glTF file `glb`, whose unit is the metre and which messages call `name`. `up`: the file's up axis, unless
+// the options state an axis.
 Asset readGltf(const std::filesystem::path& glb, const std::filesystem::path& name, char up,
                const AssetOptions& options) {
   up = options.up.value_or(up);
@@ -69,8 +69,8 @@ Asset readByBlender(const std::filesystem::path& file, const std::string& kind, 
   return asset;
 }
 
-// Warns if an asset is farther from the origin than it is large, and so far that its coordinates are coarse in single
-// precision.
+// Warns if the greatest coordinate of an asset exceeds both the asset's extent and kFar, from which on float32 is
+// coarse.
 void warnOfCoarseCoordinates(const Asset& asset, const std::filesystem::path& file) {
   constexpr double kFar = 16384;  // m; from here on, steps of float32 are about 2 mm or more
   Box box;

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
 enum class InFolders {
-  Listed,  // surely meshes, clouds or worlds
-  Warned,  // left out with a warning
+  Listed,  // always a mesh, cloud or world: returned by assetsIn()
+  Warned,  // not returned by assetsIn(), which warns of them
   Ignored  // not known to be 3D files
 };
 
@@ -75,7 +75,7 @@ struct Content {
   std::string_view endings;     // of files whose contents begin so, separated by blanks
 };
 
-// The first row whose first bytes a file has counts.
+// Contents by their first bytes. For a file that fits several rows, the first of them counts.
 constexpr std::array<Content, 27> kContents{{
     {"version https://git-lfs", "a pointer of Git LFS, not the file itself: fetch it by 'git lfs pull'", ""},
     {"\xff\xfe"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},
@@ -133,7 +133,7 @@ std::string whyNoReader(const fs::path& file) {
 
 std::string otherContent(const fs::path& file) {
   const std::string ending = lowerExtension(file);
-  constexpr std::size_t kExaminedBytes = 4096;  // in which the root element of an XML file stands
+  constexpr std::size_t kExaminedBytes = 4096;  // the root element of an XML file is searched for in these bytes
   const std::string bytes = lowerCase(firstBytes(file, kExaminedBytes));
   const std::string_view text = trimmed(textOfFile(bytes));
   const bool isXml = text.starts_with("<?xml");

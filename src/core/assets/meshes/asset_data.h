@@ -89,7 +89,7 @@ struct AssetOptions {
   // Metres per unit of the file. If the file declares its unit (COLLADA, files that Blender imports), this is a factor
   // on the declared unit, like the <scale> of a mesh in SDF.
   double metresPerUnit = 1.0;
-  bool unitStated = false;  // true: units in LAS files count for nothing
+  bool unitStated = false;  // true: units that LAS files state are ignored
   // The up axis of the file's coordinates, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from
   // x-up. It overrides the axis that the file declares. If not set, the file decides: COLLADA by up_axis (y if
   // absent); glTF and AC3D are y-up by their specifications, .blend is z-up; OBJ, PLY and STL, which cannot declare an

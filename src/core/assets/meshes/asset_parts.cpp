@@ -21,7 +21,7 @@ Mat3 assetFromFile(char up, double metresPerUnit) {
 }
 
 Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position) {
-  constexpr std::size_t kFewestSamples = 1000;  // if there are as many positions
+  constexpr std::size_t kFewestSamples = 1000;  // least number of samples if `count` is not smaller
   const std::size_t step = std::max<std::size_t>(count / kFewestSamples, 1);
   std::vector<Vec3d> samples;
   for (std::size_t i = 0; i < count; i += step) samples.push_back(position(i));
@@ -43,7 +43,7 @@ void weld(AssetPart& part) {
   for (const Triangle& triangle : part.triangles) {
     for (const std::uint32_t corner : triangle) isUsed[corner] = true;
   }
-  // Meshes with so few vertices hardly have identical ones.
+  // A mesh with at most two vertices per triangle shares vertices already: identical ones are rare.
   const bool sharesVertices = count <= 2 * part.triangles.size();
   if (sharesVertices && std::ranges::find(isUsed, false) == isUsed.end()) return;
   std::vector<std::uint32_t> usedVertices;

@@ -34,7 +34,7 @@ Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& pos
 // three separate vertices for every triangle.
 void weld(AssetPart& part);
 
-// Makes a triangle of each three vertices of a part without triangles, and welds them.
+// Makes a triangle of every three successive vertices of a part without triangles, and welds the part.
 void makeTriangles(AssetPart& part);
 
 // Vertices and triangles in the frame of a node.
@@ -45,28 +45,28 @@ struct Geometry {
   std::uint64_t dropped = 0;  // number of triangles with indices out of range
 };
 
-// Appends geometry to the part of its material (a number) among the parts of a node, which are those from the index
-// `first` on; adds the part if there is none. If the material needs texture coordinates, geometry without them is a
-// part of its own. If the transform mirrors, triangles are flipped and still face outwards.
+// Appends geometry to the node's part with this material number, and adds the part if there is none. The node's parts
+// are parts[first] and all after it. If `needsUvs`, geometry with and without texture coordinates goes to separate
+// parts. If the transform mirrors, flips triangles so that they still face outwards.
 void append(const Geometry& geometry, const Affine& assetFromNode, std::uint32_t material, bool needsUvs,
             std::size_t first, std::vector<AssetPart>& parts);
 
-// Names and numbers the parts of a node, which are those from the index `first` on, welds them, and removes those
-// without triangles.
+// Names, numbers and welds the parts of a node, which are parts[first] and all after it. Removes parts without
+// triangles.
 void finishNode(std::string_view name, std::uint32_t nodeIndex, std::size_t first, std::vector<AssetPart>& parts);
 
-// Transforms a part. The transform must not be singular; if it mirrors, triangles are flipped and still face outwards.
+// Transforms a part. The transform must not be singular. If it mirrors, flips triangles, so that they face outwards.
 void move(AssetPart& part, const Affine& transform);
 
-// Takes the texture off a part without texture coordinates, since a single texel would colour all of it, and counts the
-// part in `leftOut`. The mean colour of the image remains. Also counts a part whose texture coordinates leave an image
-// that the file does not repeat (`repeats` is false), since images always repeat here.
+// Removes the texture of a part without texture coordinates, since a single texel would colour the complete part, and
+// counts the part in `leftOut`. The mean colour of the image remains. Scenes repeat all images: also counts a part with
+// texture coordinates outside of 0 to 1 if the file clamps or mirrors its image (`repeats` is false).
 void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut);
 
 // Returns the bounds of all finite vertices in the asset's frame (m), including those of Asset::instanced.
 Box boundsOf(const Asset& asset);
 
-// Replaces Asset::instanced by copies of its parts in Asset::parts. Each copy becomes a separate node.
+// Moves copies of Asset::instanced to Asset::parts, each copy as a node. Asset::origin must be 0 if there are any.
 void flatten(Asset& asset);
 
 }  // namespace scanmill

@@ -23,12 +23,12 @@ constexpr int kPointRows = 8;  // rows of sample points in a triangle; row i has
 constexpr int kPoints = kPointRows * (kPointRows + 1) / 2;
 constexpr std::uint64_t kMostSampledTriangles = 1 << 14;
 
-// Sums over triangles with the same material: twice a triangle's area, times its number of sample points of a kind.
+// Sums over the triangles of a material: twice a triangle's area, times its number of sample points of a kind.
 struct AlphaAreas {
   double all = 0;
   double low = 0;     // points with alpha below 0.5
   double graded = 0;  // points with alpha from 0.1 to 0.9
-  double gone = 0;    // points of triangles that a test of alpha would remove, since it is below 0.5 everywhere
+  double gone = 0;    // points of triangles that an alpha test would remove: alpha is below 0.5 everywhere
 };
 
 // Adds a triangle of a part with texture coordinates. Skips triangles whose positions are not finite.
@@ -94,7 +94,7 @@ BaseColor colorOf(const ImportedFile& imported, const ImportedMaterial& material
   if (!name.empty() && (options.textures || testsAlpha)) {
     color.image = images.load(name, name, options.textures ? Need::AnyImage : Need::ImageWithAlpha);
   }
-  // An opacity of 0 would hide the material: it comes from exporters that confuse opacity with transparency.
+  // An opacity of 0 declares nothing: it comes from exporters that confuse opacity with transparency.
   const bool declaresAlpha =
       options.alpha == AlphaUse::Test || !map.name.empty() || (material.opacity > 0 && material.opacity < 1);
   if (color.image && testsAlpha && !declaresAlpha && !isCutOut(imported, index, *color.image)) {

@@ -61,7 +61,7 @@ class ColorImages {
   float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
 
  private:
-  // Does what load() says, without images_.
+  // Does what load() does, without the cache images_.
   std::shared_ptr<const Texture> read(const std::string& name, Need need,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 

@@ -28,7 +28,7 @@ double patience() {
       fmt::format("SCANMILL_BLENDER_SECONDS is '{}', but must be a number of seconds above 0 and at most 1e6", text));
 }
 
-// Returns Blender's program and its arguments, which run a job of the script with arguments of its own.
+// Returns the command line that runs Blender with a job of the script. `arguments`: the job's arguments.
 std::vector<std::string> commandLine(const std::string& job, const std::filesystem::path& folder,
                                      const std::vector<std::string>& arguments) {
   const std::filesystem::path script = resourceFolder() / "scripts" / "blender_passes.py";

@@ -48,11 +48,11 @@ class BlenderJob {
 // Returns what is read from files that Blender opens or imports, and what is left out.
 const FormatSupport& blenderFormat();
 
-// Writes a GLB of what a file shows, as blenderFormat() says, into a folder, and returns its path. Names stay the same,
-// but Blender adds .001 to a name that occurs twice. Coordinates are in metres by the file's unit, z up by its axes.
-// The GLB names missing images by their paths. Warns of what is left out. Throws an InputError that names the file if
-// it is damaged or of another kind, was saved by a newer Blender, or shows nothing, or if this Blender has no importer
-// for it. Throws Error if Blender is not installed.
+// Converts the visible contents of a file, as blenderFormat() says, to a GLB in a folder, and returns the GLB's path.
+// Names stay the same, but Blender adds .001 to a name that occurs twice. Coordinates are converted to metres and z up,
+// by the unit and axes of the file. The GLB names missing images by their paths. Warns of what is left out. Throws an
+// InputError that names the file if it is damaged or of another kind, was saved by a newer Blender, or shows nothing,
+// or if this Blender has no importer for it. Throws Error if Blender is not installed.
 std::filesystem::path exportByBlender(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 }  // namespace scanmill

@@ -50,7 +50,7 @@ void discardOutput() {
 // Exit codes of the child, if no signal ends it.
 enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
 
-// Calls `work` and exits. Writes what it returns, or the message of its exception, to the pipe with this descriptor.
+// Calls `work` and exits. Writes its result, or the message of its exception, to the pipe with this descriptor.
 [[noreturn]] void runChild(const std::function<std::string()>& work, int pipe) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU}) std::signal(signal, SIG_DFL);
   std::string text;
@@ -89,8 +89,8 @@ std::string readAll(int descriptor) {
   }
 }
 
-// Waits for the end of a child process that sent `text`, and returns the text. Throws as inChildProcess() does, whose
-// limits are named in messages.
+// Waits for the end of a child process that sent `text`, and returns `text`. Throws as inChildProcess() does; messages
+// name the limits `memory` and `seconds`.
 std::string resultOf(pid_t child, std::string text, std::uint64_t memory, unsigned seconds) {
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {

@@ -18,7 +18,7 @@
 namespace scanmill {
 namespace {
 
-// Writes values to bytes or reads them back, for a process and its child, which have the same build.
+// Writes values to bytes, or reads them back. A child process and its parent, which have the same build, use it.
 class Archive {
  public:
   // An archive that writes.
@@ -28,7 +28,7 @@ class Archive {
 
   std::string written;
 
-  // Writes the file, or fills it. Throws Error if the bytes to read are not those of a file.
+  // Writes the file or, if the archive reads, fills it. Throws Error if the bytes do not hold exactly one file.
   void item(ImportedFile& file) {
     items(file.up, file.upDeclared, file.statedUnit, file.origin, file.dropped.outOfRange, file.materials, file.parts,
           file.missing, file.problems, file.leftOut);
@@ -71,7 +71,7 @@ class Archive {
   requires std::is_trivially_copyable_v<T>
   void item(T& value) { raw(&value, sizeof value); }
 
-  // Writes or reads the size of a list, each of whose items takes a byte at least.
+  // Writes the size of a list, or reads it and resizes the list. Each item must take at least one byte.
   void size(auto& list) {
     std::size_t count = list.size();
     item(count);

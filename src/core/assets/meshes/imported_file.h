@@ -1,7 +1,7 @@
 #pragma once
 
-// The contents of a mesh file as its reader returns them: plain data, which a child process can send to its parent; the
-// readers of OBJ, PLY and STL, and by the assimp library of COLLADA and AC3D; and the looks of its materials.
+// The contents of a mesh file as its reader returns them: plain data, which a child process can send to its parent. The
+// readers of OBJ, PLY and STL, and (by the assimp library) of COLLADA and AC3D. The looks of the file's materials.
 
 #include <array>
 #include <cstdint>
@@ -40,15 +40,15 @@ struct ImportedMaterial {
   ImportedMap opacityMap;
 
   bool namesImages() const { return !base.name.empty() || !opacityMap.name.empty(); }
-  // Returns the placement of both images: that of the base colour, if it has one.
+  // Returns the placement of both images: the base colour's or, if there is no base colour image, the opacity map's.
   const UvPlacement& placement() const { return base.name.empty() ? opacityMap.placement : base.placement; }
 };
 
-// The parts of the asset have no looks, which `materials` state.
+// An asset whose parts have no looks yet: readMaterials() makes looks from `materials`.
 struct ImportedFile : Asset {
   std::vector<ImportedMaterial> materials;
   std::vector<std::string> missing;   // missing material libraries, as the file names them
-  std::vector<std::string> problems;  // errors of the file in spite of which the importer went on
+  std::vector<std::string> problems;  // errors in the file that the importer reported and ignored
   LeftOut leftOut;
 };
 
@@ -68,7 +68,7 @@ ImportedFile readStlMesh(const std::filesystem::path& file, const AssetOptions& 
 // extension in lower case. The assimp library, which is made for trusted files, runs in a child process.
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
 
-// Returns the looks of the imported file's materials, in its order. Warns of missing and broken textures. Throws
+// Returns the looks of the imported file's materials, in the file's order. Warns of missing and broken textures. Throws
 // InputError for a texture outside of the file's folder, unless AssetOptions::allowOutside is set. Adds what is not
 // modelled to `leftOut`.
 std::vector<Look> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,

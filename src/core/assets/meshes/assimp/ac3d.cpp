@@ -33,8 +33,8 @@ struct ObjectTexture {
   bool hasBaseRole = false;
 };
 
-// Chooses between the texture so far and one with these arguments: "NAME" [ROLE]. The one with the role `base` or, if
-// there is none, the first one counts. A texture without quotation marks is none.
+// Sets `chosen` to the texture that a line names by the arguments "NAME" [ROLE] if it is the first one of its object,
+// or the first one with the role `base`. Ignores a name without quotation marks.
 void chooseTexture(std::string_view arguments, std::optional<ObjectTexture>& chosen) {
   const std::size_t end = arguments.starts_with('"') ? arguments.find('"', 1) : arguments.npos;
   if (end == arguments.npos || (chosen && chosen->hasBaseRole)) return;

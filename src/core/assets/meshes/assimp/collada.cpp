@@ -48,7 +48,7 @@ std::string idOf(const char* url) {
   return *url == '\0' ? "" : url + 1;
 }
 
-// A file, which facts() changes for assimp.
+// A COLLADA document, which facts() changes for assimp.
 class Collada {
  public:
   explicit Collada(const std::filesystem::path& file) : bytes_(readFile(file)) {
@@ -89,8 +89,8 @@ class Collada {
     return 1 + std::count(bytes_.begin(), end, '\n');
   }
 
-  // Reads axis and unit, and counts those that parts of the file state and that differ. An axis that is none is
-  // replaced by y, the default.
+  // Reads the file's up axis (y if it is absent or invalid) and unit. Writes the axis back into the document, and
+  // counts the axes and units of parts of the file that differ from the file's.
   void readAxisAndUnit() {
     const auto axisOf = [](const pugi::xml_node& asset, char fallback) {
       const std::string_view text = trimmed(asset.child("up_axis").text().get());
@@ -124,14 +124,14 @@ class Collada {
     }
   }
 
-  // Renames the texture coordinates of images: the importer takes the first number in their name for the index of their
-  // set. The uses of materials (bind_vertex_input) state the sets; the index counts from the file's lowest set.
+  // Renames the texture coordinates that images use, since the importer takes the first number in the name as the index
+  // of the set. Elements bind_vertex_input map names to sets, and indices count from the file's lowest set.
   void renameUvSets() {
     int lowestSet = std::numeric_limits<int>::max();
     for (const pugi::xpath_node& input : root_.select_nodes("//input[@semantic='TEXCOORD']")) {
       lowestSet = std::min(lowestSet, input.node().attribute("set").as_int());
     }
-    std::map<std::string, std::set<int>> indices;  // of sets, by name of texture coordinates
+    std::map<std::string, std::set<int>> indices;  // set indices, by name of texture coordinates
     for (const pugi::xpath_node& use : root_.select_nodes("//bind_vertex_input[@input_semantic='TEXCOORD']")) {
       const int index = std::max(0, use.node().attribute("input_set").as_int() - lowestSet);
       indices[use.node().attribute("semantic").value()].insert(index);
@@ -146,8 +146,8 @@ class Collada {
     }
   }
 
-  // Adds a node to nodesById_, names a node without a name by its id, and removes what an invisible node and all below
-  // it show.
+  // Adds a node to nodesById_, and names it by its id if it has no name. Removes the contents of an invisible node and
+  // of its descendants.
   void prepareNode(pugi::xml_node node) {
     const pugi::xml_attribute id = node.attribute("id");
     nodesById_.emplace(id.value(), node);
@@ -163,7 +163,7 @@ class Collada {
     }
   }
 
-  // Returns how many nodes there are in an element, with all copies by <instance_node>, which the importer makes.
+  // Returns the number of nodes below an element, including the copies that the importer makes for <instance_node>.
   // Throws Error if a node copies itself.
   double nodesIn(const pugi::xml_node& element) {
     constexpr double kBeingCounted = -1;
@@ -181,8 +181,8 @@ class Collada {
     return count;
   }
 
-  // Reads the materials. If there are any, the importer gives surfaces without a material the first one that it finds:
-  // kDefaultMaterial is added before them.
+  // Reads the materials. If there are any, adds kDefaultMaterial before them: the importer gives the first material to
+  // surfaces without one.
   void readMaterials() {
     std::map<std::string, pugi::xml_node> effects;
     for (const pugi::xml_node& effect : root_.child("library_effects").children("effect")) {
@@ -221,7 +221,7 @@ class Collada {
   pugi::xml_node root_;
   ColladaFacts facts_;
   std::map<std::string, pugi::xml_node> nodesById_;
-  std::map<std::string, double> nodesInCopy_;  // of a node with this id that <instance_node> copies
+  std::map<std::string, double> nodesInCopy_;  // number of nodes that a copy of the node with this id has
 };
 
 }  // namespace

@@ -42,7 +42,7 @@ struct ColladaMaterial {
 struct ColladaFacts {
   char up = 'y';                           // axis of `up_axis`
   double unit = 0;                         // metres per unit; 0: not stated
-  std::vector<ColladaMaterial> materials;  // those of `text` that have an effect, sorted by their ids, as by assimp
+  std::vector<ColladaMaterial> materials;  // materials of `text` with an effect, sorted by id, as by assimp
   LeftOut leftOut;
   // The file for assimp, in UTF-8: nodes without a name have their id as one, hidden nodes show nothing, and surfaces
   // without a material have kDefaultMaterial.

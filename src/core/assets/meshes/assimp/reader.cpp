@@ -40,8 +40,8 @@ Number numberOf(const aiMaterial& material, const char* key, unsigned type, unsi
   return material.Get(key, type, i, value) == aiReturn_SUCCESS ? value : fallback;
 }
 
-// Returns the image of the first of these types that the material has. Counts rotations of images, which are not
-// applied.
+// Returns the material's image of the first type in `types` that the material has. Counts rotations of images, which
+// are not applied.
 ImportedMap firstMap(const aiMaterial& material, std::initializer_list<aiTextureType> types, LeftOut& leftOut) {
   for (const aiTextureType type : types) {
     ImportedMap map{.name = textOf(material, AI_MATKEY_TEXTURE(type, 0))};
@@ -82,7 +82,7 @@ std::vector<ImportedMaterial> materialsOf(const aiScene& scene, LeftOut& leftOut
   return materials;
 }
 
-// Collects the errors that the library meets in files and reads past, as long as the object lives.
+// While the object lives, collects the errors in files that the library logs and ignores.
 class ImporterLog final : public Assimp::LogStream {
  public:
   ImporterLog() {
@@ -104,7 +104,7 @@ class ImporterLog final : public Assimp::LogStream {
     if (problems.size() < kMostProblems && !isRepeated) problems.push_back(problem);
   }
 
-  std::vector<std::string> problems;  // the first ones
+  std::vector<std::string> problems;  // the first kMostProblems errors
 };
 
 class Importer {
@@ -127,7 +127,7 @@ class Importer {
   }
 
  private:
-  // Sets scene_, and facts_ of a COLLADA file.
+  // Sets scene_ and, for a COLLADA file, facts_.
   void importScene() {
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
@@ -162,7 +162,7 @@ class Importer {
     throw Error("cannot be read: {}; {}", reason, remedyFor(kind_));
   }
 
-  // Counts what the importer has read and is not used.
+  // Counts contents that the importer has read but that are not used.
   void countUnread() {
     imported_.leftOut.add("animations (the file's pose is taken)", scene_->mNumAnimations);
     for (const aiMesh* const mesh : std::span(scene_->mMeshes, scene_->mNumMeshes)) {
@@ -174,7 +174,7 @@ class Importer {
     }
   }
 
-  // Adds to the materials what the importer does not report, and removes from them what it reads wrong.
+  // Corrects the materials where the importer does not report what the COLLADA file states, or reads it wrong.
   void applyColladaFacts() {
     for (std::size_t i = 0; i < std::min(imported_.materials.size(), facts_.materials.size()); ++i) {
       const ColladaMaterial& stated = facts_.materials[i];
@@ -196,7 +196,7 @@ class Importer {
     }
   }
 
-  // Returns an error message of the importer without its end.
+  // Returns an error message of the importer without full stops, line breaks and blanks at its end.
   static std::string reason(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == '.' || text.back() == ' ')) text.pop_back();
     return text.empty() ? "the file is damaged" : text;
@@ -226,7 +226,7 @@ class Importer {
       std::string inheritedName;  // name of the nearest ancestor with one; empty: none, or only the root, whose name
                                   // the importer often invents
     };
-    // If the options state no axis, the importer has rotated that of a COLLADA file to y.
+    // If the options state no up axis, it is y: the importer has rotated COLLADA files to y, and AC3D is y-up.
     const char up = options_.up.value_or('y');
     std::vector<PendingNode> pending{{scene_->mRootNode, {assetFromFile(up, options_.metresPerUnit), {}}, {}}};
     for (std::uint32_t index = 0; !pending.empty(); ++index) {

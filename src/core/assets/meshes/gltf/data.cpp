@@ -28,7 +28,7 @@ constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
 // Largest number of bytes that one compressed byte of a view may decode to.
 constexpr std::uint64_t kMostExpansion = 4096;
 
-// Returns the number that bytes hold as a number of an accessor. `normalized`: see Data::floats(); it has no effect if
+// Returns one number of an accessor, read from its bytes. `normalized`: see Data::floats(); it has no effect if
 // `Number` is an integer.
 template <class Number>
 Number readNumber(const char* bytes, const Component& component, bool normalized) {
@@ -44,7 +44,7 @@ Number readNumber(const char* bytes, const Component& component, bool normalized
   });
 }
 
-// Returns the values of an attribute by point of the mesh. Throws Error if they are damaged.
+// Returns the values of an attribute, in the order of the mesh's points. Throws Error if the values are damaged.
 DracoMesh::Values valuesOf(const draco::Mesh& mesh, const draco::PointAttribute& attribute) {
   DracoMesh::Values values;
   const std::size_t width = attribute.num_components();
@@ -60,7 +60,7 @@ DracoMesh::Values valuesOf(const draco::Mesh& mesh, const draco::PointAttribute&
   return values;
 }
 
-// Returns the name of an image for rules: its file; for an embedded image its name, or "*" and its number.
+// Returns an image's name for rules: its file; for an embedded image, its own name or else "*" and its number.
 std::string labelOf(const Model& model, Index imageIndex) {
   const auto& [name, uri, view] = model.images[imageIndex];
   if (!uri.empty() && !uri.starts_with("data:")) return uri;
@@ -94,16 +94,16 @@ std::optional<float> alphaCutoffOf(const Material& material, AlphaUse use) {
   return material.cutoff > 0 ? kAboveAllAlphas : 0.0f;
 }
 
-// True if more than half of the image's alpha is neither near 0 nor near 1, so that a test of alpha removes or keeps
-// what fades.
+// True if the alpha of more than half of the texels is neither near 0 nor near 1. An alpha test then removes or keeps
+// surfaces that should fade.
 bool fades(const Texture& image) {
   std::size_t gradedTexels = 0;
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) gradedTexels += isGradedAlpha(image.rgba[i]) ? 1 : 0;
   return gradedTexels > image.rgba.size() / 4 / 2;
 }
 
-// Multiplies the loaded image by the hue of the factor. The factor becomes the grey of its largest channel: in 8 bits,
-// images multiplied by dark factors would lose steps.
+// Multiplies the loaded image by the hue of the factor, and sets all channels of the factor to the largest one. An
+// 8-bit image that is multiplied by a dark factor would lose gradations.
 void giveHueToImage(BaseColor& color, ColorImages& images) {
   if (color.factor[1] == color.factor[0] && color.factor[2] == color.factor[0]) return;
   const float largest = std::ranges::max(color.factor);
@@ -113,8 +113,8 @@ void giveHueToImage(BaseColor& color, ColorImages& images) {
   color.factor = {largest, largest, largest};
 }
 
-// Returns a material with its images. `source`: of its colour if it has no image, None for the default material of
-// primitives without a material.
+// Returns a material with its images. `source`: the source of its colour if it has no image, or None for the default
+// material of primitives without a material.
 ReadMaterial read(const Model& model, const Data& data, const Material& material, BaseColor::Source source,
                   const AssetOptions& options, ColorImages& images) {
   ReadMaterial read;

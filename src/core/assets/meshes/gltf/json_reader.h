@@ -1,7 +1,7 @@
 #pragma once
 
-// The files of glTF 2.0: .gltf, which is JSON; .glb, which contains JSON and binary data; and .b3dm of 3D Tiles 1.0,
-// which contains a .glb. And checked access to the JSON.
+// Reads the files of glTF 2.0: .gltf, which is JSON; .glb, which contains JSON and binary data; and .b3dm of 3D Tiles
+// 1.0, which contains a .glb. Checks each access to the JSON.
 
 #include <fmt/format.h>
 
@@ -32,7 +32,7 @@ struct JsonObject {
   }
   std::string pathOf(const char* key) const { return path.empty() ? key : path + "." + key; }
 
-  // Returns the list under a key; an empty list if the key is absent. `name`: of the list, in messages.
+  // Returns the list under a key; an empty list if the key is absent. `name`: the list's name in messages.
   const Json& list(const char* key, const std::string& name) const {
     static const Json kEmpty = Json::array();
     const auto value = json.find(key);
@@ -59,14 +59,14 @@ struct JsonObject {
   std::uint64_t length(const char* key, std::uint64_t fallback = 0) const {
     const auto value = json.find(key);
     if (value == json.end()) return fallback;
-    // Sums of a few lengths must not overflow.
+    // Larger lengths are refused, so that sums of a few lengths do not overflow.
     if (!value->is_number_unsigned() || value->get<std::uint64_t>() > UINT64_MAX / 4) {
       model.fail(fmt::format("is not valid glTF: {} is not a length", pathOf(key)));
     }
     return value->get<std::uint64_t>();
   }
 
-  // Reads a list of `size` numbers. Returns false, without a change of `into`, if the key is absent.
+  // Reads a list of `size` numbers into `into`. Returns false and leaves `into` unchanged if the key is absent.
   template <std::size_t size>
   bool numbers(const char* key, std::array<double, size>& into) const {
     const auto value = json.find(key);
@@ -78,7 +78,7 @@ struct JsonObject {
     return true;
   }
 
-  // Returns the object under a key, with the path of this one; nullopt if the key is absent.
+  // Returns the object under a key; nullopt if the key is absent. Messages name it by the path of this object.
   std::optional<JsonObject> object(const char* key) const {
     const auto value = json.find(key);
     if (value == json.end()) return std::nullopt;
@@ -114,8 +114,8 @@ struct Container {
 // glTF 1.0.
 Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name);
 
-// Reads buffers, views and accessors into the model, that of `file`, and checks them. Model::bin and Model::file must
-// be set before. `allowOutside`: see AssetOptions.
+// Reads the buffers, views and accessors of `file` into `model`, the model of the same file, and checks them.
+// Model::bin and Model::file must be set before. `allowOutside`: see AssetOptions.
 void readStorage(Model& model, const JsonObject& file, bool allowOutside);
 
 }  // namespace scanmill::gltf

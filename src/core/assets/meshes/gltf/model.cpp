@@ -13,9 +13,9 @@
 namespace scanmill::gltf {
 namespace {
 
-constexpr int kMostLevels = 512;  // of nodes below each other
+constexpr int kMostLevels = 512;  // largest depth of nested nodes
 
-// True for extensions that only affect appearance. Transmissions are counted by material.
+// True for extensions that only affect appearance. Materials with transmission are counted when materials are read.
 bool isAppearance(std::string_view extension) {
   return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_technique") ||
          extension.starts_with("EXT_lights_");
@@ -23,7 +23,7 @@ bool isAppearance(std::string_view extension) {
 
 class ModelReader {
  public:
-  // `json`: the file's.
+  // `json`: the JSON of the file.
   ModelReader(Model& model, const Json& json, bool allowOutside)
       : model_(model), file_{model, json, ""}, allowOutside_(allowOutside) {}
 
@@ -66,7 +66,7 @@ class ModelReader {
     }
   }
 
-  // Reads an object whose keys are names of attributes. `path`: the object that contains it.
+  // Reads an object whose keys are names of attributes. `path`: the path of the primitive or node that contains it.
   Attributes readAttributes(const Json& object, const std::string& path) const {
     Attributes attributes;
     for (const auto& [name, value] : object.items()) {
@@ -75,7 +75,7 @@ class ModelReader {
     return attributes;
   }
 
-  // Counts the colours and the values with names of their own, such as _BATCHID, of "vertices" or "instances".
+  // Counts colours and application-specific attributes, such as _BATCHID, of `owners`: "vertices" or "instances".
   void countUnread(const Attributes& attributes, const char* owners) const {
     for (const auto& [name, accessor] : attributes) {
       const bool isColor = name.starts_with("COLOR_");
@@ -173,7 +173,7 @@ class ModelReader {
     if (!primitives.is_array()) model_.fail(object.path + ".primitives is not a list");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const JsonObject primitiveObject{model_, primitives[i], fmt::format("{}.primitives[{}]", object.path, i)};
-      constexpr std::uint64_t kPoints = 0, kTriangles = 4, kLastMode = 6;  // those between are of lines
+      constexpr std::uint64_t kPoints = 0, kTriangles = 4, kLastMode = 6;  // modes 1 to 3 are lines
       const std::uint64_t mode = primitiveObject.length("mode", kTriangles);
       if (mode > kLastMode) primitiveObject.fail("has an unknown mode");
       if (mode < kTriangles) {
@@ -192,7 +192,7 @@ class ModelReader {
     return mesh;
   }
 
-  // Returns a primitive without its mode; one without positions lacks what else it has, too.
+  // Reads all of a primitive but its mode; without positions, at most its material, attributes and indices.
   Primitive readPrimitive(const JsonObject& object) const {
     Primitive primitive;
     primitive.material = object.maybeIndex("material", model_.materials.size());
@@ -294,8 +294,8 @@ class ModelReader {
     return animation;
   }
 
-  // Reads the roots of the default scene or, if the file names none, of the first scene. In a file without scenes all
-  // nodes are roots that are no children.
+  // Reads the roots of the default scene or, if the file names none, of the first scene. In a file without scenes, all
+  // nodes that are not children are roots.
   void readScene() {
     const Json& scenes = file_.list("scenes");
     if (scenes.empty()) {
@@ -315,7 +315,7 @@ class ModelReader {
     }
   }
 
-  // Throws unless the scene reaches each of its nodes only once. Counts meshes that it does not reach.
+  // Throws if a node of the scene has two parents or is its own ancestor. Counts other nodes with meshes.
   void checkTree() const {
     std::vector<std::pair<Index, int>> pending;  // nodes and their depths
     for (const Index root : model_.roots) pending.emplace_back(root, 1);

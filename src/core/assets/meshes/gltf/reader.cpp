@@ -35,7 +35,7 @@ constexpr unsigned kTrialSeconds = 300;
 // the attribute.
 using AttributeNumbers = std::function<std::vector<float>(const std::string& name)>;
 
-// Returns points of three numbers each.
+// Returns points, each from three successive numbers.
 std::vector<Vec3d> toPoints(const std::vector<float>& numbers) {
   std::vector<Vec3d> points;
   points.reserve(numbers.size() / 3);
@@ -45,7 +45,7 @@ std::vector<Vec3d> toPoints(const std::vector<float>& numbers) {
   return points;
 }
 
-// Returns the triangles of a list, a strip or a fan of vertices, given by their indices.
+// Returns the triangles that the vertex indices `v` form as a list, a strip or a fan.
 std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& v) {
   std::vector<Triangle> triangles;
   const std::size_t step = mode == Primitive::Mode::Triangles ? 3 : 1;
@@ -140,14 +140,14 @@ class Reader {
     return joints;
   }
 
-  // Applies the node's skin to the points of a primitive, which it moves from the mesh's frame to the scene's: each to
-  // the weighted mean of the positions that its joints give it. A vertex whose weights are all 0 follows its first
-  // joint; a vertex without joints follows the node.
+  // Moves the points of a primitive from the mesh's frame to the scene's by the node's skin: each vertex to the
+  // weighted mean of the positions that its joints give it. A vertex whose weights are all 0 follows its first joint; a
+  // vertex without joints follows the node.
   void applySkin(const PlacedNode& placed, const AttributeNumbers& numbers, const std::string& what,
                  std::vector<Vec3d>& points) const {
     const std::vector<Affine> joints = jointsOf(model_.skins[*model_.nodes[placed.node].skin], what);
     constexpr std::size_t kNoJoint = SIZE_MAX;
-    // By vertex: sums over its joints, and its first joint.
+    // For each vertex: sums over its joints, and its first joint.
     std::vector<Vec3d> weightedPoints(points.size());
     std::vector<double> weightSums(points.size(), 0);
     std::vector<std::size_t> firstJoints(points.size(), kNoJoint);
@@ -232,7 +232,7 @@ class Reader {
     }
   }
 
-  // Appends the parts of a node, one part per material; they get this node index.
+  // Appends the parts of a node, one part per material. All of them get `nodeIndex`.
   void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t nodeIndex,
               const Affine& assetFromNode) {
     const std::size_t first = parts.size();
@@ -268,7 +268,7 @@ class Reader {
   }
 
   // Returns the numbers of an attribute of a primitive, vertex by vertex; see AttributeNumbers. `draco`: the decoded
-  // primitive, if it is compressed. `what` names its mesh in messages.
+  // primitive if it is compressed, else nullopt. `what` names the mesh in messages.
   std::vector<float> numbersOf(const std::string& attribute, const Primitive& primitive,
                                const std::optional<DracoMesh>& draco, const std::string& what) const {
     const auto accessor = primitive.attributes.find(attribute);
@@ -346,8 +346,8 @@ class Reader {
     return std::move(values.numbers);
   }
 
-  // Sets the texture coordinates of the geometry, whose points are set, as the texture's transform places them on the
-  // image. Leaves them empty if the file has none for each point.
+  // Sets the texture coordinates of the geometry, transformed as the material demands. Leaves them empty if the file
+  // does not have them for each point. The points of the geometry must be set before.
   static void readUvs(const AttributeNumbers& numbers, const std::optional<TextureUse>& texture, Geometry& geometry) {
     const TextureUse use = texture.value_or(TextureUse{});
     const std::vector<float> values = numbers(fmt::format("TEXCOORD_{}", use.coordinates));
@@ -387,7 +387,7 @@ class Reader {
     asset_.instanced.push_back(std::move(instanced));
   }
 
-  // Returns nodeFromInstance for each instance of a node.
+  // Returns the transform from each instance of a node to the node.
   std::vector<Affine> instanceTransforms(const PlacedNode& placed, const Attributes& attributes) const {
     const std::string what = fmt::format("the instances of '{}'", placed.name);
     const auto numbers = [&](const char* name, std::size_t width) {
@@ -406,7 +406,7 @@ class Reader {
     chargeCopies(count, {model_.file.string()});
     std::vector<Affine> transforms;
     for (std::size_t i = 0; i < count; ++i) {
-      Node node;  // an instance has the transform of a node without the attributes that are absent
+      Node node;  // absent attributes of an instance have the defaults of a node
       const auto copyTo = [&](auto& member, const std::vector<float>& values) {
         const std::size_t first = member.size() * i;
         if (first < values.size()) std::copy_n(values.begin() + std::ptrdiff_t(first), member.size(), member.begin());

@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads glTF 2.0 (.gltf, .glb, .b3dm) with the extensions in gltfFormat(). Skins and morph targets are in the file's
-// pose, or in that at the time AssetOptions::clip.
+// Reads glTF 2.0 (.gltf, .glb, .b3dm) with the extensions in gltfFormat(). Skins and morph targets have the pose that
+// the file states or, if AssetOptions::clip is set, the pose at its time.
 
 #include <filesystem>
 #include <string>
@@ -20,7 +20,7 @@ Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& 
 
 // Reads the content of a tile of 3D Tiles as readAsset() reads a file. `assetFromTile` transforms the tile's
 // coordinates (m, z up, with RTC_CENTER added) to the asset's frame; `zUpFromGltf` rotates the up axis of the tile's
-// glTF to z. Adds what the content holds besides to `leftOut`, in place of a warning.
+// glTF to z. Adds contents that are not read to `leftOut`, instead of a warning.
 Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
                const AssetOptions& options, LeftOut& leftOut);
 

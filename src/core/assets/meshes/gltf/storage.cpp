@@ -17,7 +17,7 @@ constexpr std::uint32_t kBinChunk = 0x004E4942;           // "BIN"
 constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;  // sizes (bytes)
 constexpr std::uint32_t kTileMagic = 0x6D643362;          // "b3dm"
 constexpr std::size_t kTileHeader = 28;                   // size of a tile's header (bytes)
-constexpr std::uint64_t kMostStride = 252;                // of elements of a bufferView (glTF 2.0, 5.11.4; bytes)
+constexpr std::uint64_t kMostStride = 252;                // largest stride in a view (bytes; glTF 2.0, 5.11.4)
 // Offsets in the header of the sizes (bytes) of a tile's tables.
 constexpr std::size_t kFeaturesAt = 12, kBinaryFeaturesAt = 16, kBatchesAt = 20, kBinaryBatchesAt = 24;
 
@@ -52,7 +52,7 @@ std::string glbOfTile(const std::string& tile, Container& container) {
 
 constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
 
-// Reads which bytes of a buffer a View or a Meshopt describes.
+// Reads buffer, offset, length and stride of a View or a Meshopt.
 void readRange(const JsonObject& object, auto& range) {
   range.buffer = object.index("buffer", object.model.buffers.size());
   range.offset = object.length("byteOffset");
@@ -61,7 +61,7 @@ void readRange(const JsonObject& object, auto& range) {
   if (range.offset + range.length > object.model.buffers[range.buffer].length) object.fail("reaches beyond its buffer");
 }
 
-// Reads EXT_meshopt_compression of a view. Modes and filters that are not supported become its problem.
+// Reads EXT_meshopt_compression of a view. Sets Meshopt::problem for a mode or filter that is not supported.
 Meshopt readMeshopt(const JsonObject& object) {
   Meshopt meshopt;
   readRange(object, meshopt);
@@ -118,7 +118,7 @@ void requireInside(const JsonObject& object, Index view, std::uint64_t offset, s
   }
 }
 
-// Reads which elements of an accessor are replaced, and by what.
+// Reads the indices of the elements that an accessor replaces, and the location of their values.
 Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) {
   const JsonObject indices{object.model, object.json.at("indices"), object.pathOf("indices")};
   const JsonObject values{object.model, object.json.at("values"), object.pathOf("values")};
@@ -139,7 +139,7 @@ Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) 
   return sparse;
 }
 
-// `allowOutside`: see AssetOptions. A buffer whose bytes are missing or too few has a problem.
+// Reads a buffer, and sets its `problem` if bytes are missing. `allowOutside`: see AssetOptions.
 Buffer readBuffer(const JsonObject& object, bool allowOutside) {
   Buffer buffer{.uri = object.json.value("uri", std::string()), .length = object.length("byteLength")};
   std::uint64_t available = object.model.bin.size();

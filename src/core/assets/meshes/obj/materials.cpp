@@ -23,7 +23,7 @@ struct ImageOptions {
 constexpr std::array<ImageOptions, 3> kImageOptions{
     {{"-blendu -blendv -boost -texres -clamp -bm -imfchan -type -cc", 1}, {"-mm", 2}, {"-o -s -t", 3}}};
 
-// Options with the values that they have by default.
+// Options with their default values.
 constexpr std::array<std::string_view, 6> kDefaults{"-blendu on", "-blendv on", "-clamp off",
                                                     "-imfchan m", "-mm 0 1",    "-bm 1"};
 
@@ -50,11 +50,11 @@ void readColor(Statements& statements, ImportedMaterial& material) {
 
 struct ImageOption {
   std::string text;             // the name and the values, as in kDefaults
-  std::vector<double> numbers;  // those of the values that are numbers
+  std::vector<double> numbers;  // the values that are numbers
 };
 
-// Takes the values of an option from `unread`, which begins behind its name. An option may have fewer values than it
-// can take: its last word, and words that are no numbers, are then the name of the image.
+// Takes the values of an option from `unread`, the text after its name. An option that can take several values may have
+// fewer: a word that is no number, or the last word of the line, is then the name of the image.
 ImageOption takeValues(const Statements& statements, std::string_view name, int mostValues, std::string_view& unread) {
   ImageOption option{std::string(name), {}};
   for (int i = 0; i < mostValues; ++i) {
@@ -68,8 +68,8 @@ ImageOption takeValues(const Statements& statements, std::string_view name, int 
   return option;
 }
 
-// Reads options and the name of an image. The options -s and -o change its placement; others are counted unless they
-// are as by default.
+// Reads options and the name of an image. The options -s and -o change its placement. Counts other options unless they
+// have their default values.
 void readImage(const Statements& statements, ImportedMap& map, LeftOut& leftOut) {
   std::string_view unread = statements.rest();
   while (unread.starts_with('-')) {
@@ -142,7 +142,7 @@ void Materials::check(bool isComplete) {
 void readLibrary(const std::filesystem::path& file, Materials& materials) {
   const std::string text = readFile(file);
   Statements statements(text, file);
-  ObjMaterial* material = nullptr;  // that the statements define
+  ObjMaterial* material = nullptr;  // material of the statements that follow
   bool isRepeated = false;          // true: the material was defined before, so that this definition is skipped
   while (statements.next()) {
     if (statements.keyword() == "newmtl") {
@@ -186,7 +186,7 @@ bool Statements::next() {
 }
 
 const std::vector<std::string_view>& Statements::words() {
-  // "-1.#IND", as Microsoft's library prints NaN, is no number with a comment.
+  // A # after a full stop starts no comment: Microsoft's library prints NaN as "-1.#IND".
   std::size_t comment = rest_.find('#');
   while (comment != rest_.npos && comment > 0 && rest_[comment - 1] == '.') comment = rest_.find('#', comment + 1);
   splitWords(rest_.substr(0, comment), words_);

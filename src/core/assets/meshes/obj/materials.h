@@ -69,13 +69,13 @@ struct Materials {
 
   // Returns the index of the material; adds one without colour if the name is unknown.
   std::size_t indexOf(const std::string& name);
-  // Counts, after all libraries are read, materials with two images in different places and, if the file has libraries
-  // and none is missing (`isComplete`), materials that faces name and no library defines.
+  // Must be called after all libraries are read. Counts materials that place their two images differently and, if the
+  // file has libraries and none is missing (`isComplete`), materials that faces name but no library defines.
   void check(bool isComplete);
 };
 
-// Reads a library and adds its materials. The first definition of a name counts; other readers take the first, take the
-// last or merge them. Throws InputError with the line of a statement that cannot be read.
+// Reads a library and adds its materials. If a name is defined twice, the first definition counts; programs differ in
+// this. Throws InputError with the line of a statement that cannot be read.
 void readLibrary(const std::filesystem::path& file, Materials& materials);
 
 }  // namespace scanmill::obj

@@ -48,7 +48,7 @@ class ObjReader {
     imported_.origin = originNear(vertices_.size(), [&](std::size_t i) { return vertices_[i]; });
     materials_.check(!libraries_.empty() && imported_.missing.empty());
     for (Part& part : parts_) {
-      // A texture must not show on faces without texture coordinates: these become a part of their own.
+      // Faces without texture coordinates become a separate part, since no texture must show on them.
       Part untextured{part.node, part.nodeIndex, part.material, {}};
       if (materials_.list[part.material].namesImages()) {
         const auto first = std::stable_partition(part.triangles.begin(), part.triangles.end(), hasUvs);
@@ -128,8 +128,8 @@ class ObjReader {
     uvs_.push_back({static_cast<float>(statements_.number(words[0])), static_cast<float>(v)});
   }
 
-  // Returns an index into a list of `count` elements, counted from 0. In the text it counts from 1, or from the end if
-  // it is negative. Returns kNone if it is out of range.
+  // Converts an index in the text, which counts from 1 or, if negative, back from the end of a list of `count`
+  // elements, to an index that counts from 0. Returns kNone if it is out of range.
   std::uint32_t indexOf(std::string_view text, std::size_t count) const {
     const double number = statements_.number(text);
     if (number != std::floor(number)) statements_.fail(fmt::format("'{}' is not a whole number", text.substr(0, 40)));
@@ -191,7 +191,7 @@ class ObjReader {
     return fs::absolute(file_).parent_path() / name;
   }
 
-  // Reads the library of this name or, if it is missing, the one with the name of the OBJ; neither is read twice.
+  // Reads the library `name` or, if it is missing, the library named like the OBJ. Does not read any library twice.
   void readLibrary(const std::string& name) {
     fs::path path = pathOf(name);
     if (pathExists(path) && !isFile(path)) fail(fmt::format("names '{}', which is not a file", name));
@@ -200,7 +200,7 @@ class ObjReader {
       fail(refusalOf(name));
     }
     if (!pathExists(path)) {
-      // Exporters that rename the mesh leave the old name in it.
+      // If a program has renamed the OBJ and its library together, the OBJ still names the old library.
       path = fs::absolute(file_).replace_extension(".mtl");
       if (!isFile(path)) {
         std::vector<std::string>& missing = imported_.missing;
