@@ -51,7 +51,6 @@ struct Relief {
 
 constexpr std::size_t kMostReliefs = 2;
 
-// Describes how a surface reflects.
 struct Material {
   std::string name;
   float reflectance = 0.3f;       // near-infrared, 0 to 1

@@ -101,7 +101,7 @@ class Road {
  private:
   static constexpr double kSameHeight = 0.05;  // m; surfaces whose heights differ by less are the same surface
 
-  // Does the same as height() at (x, y) only; height() also looks beside (x, y), since rays exactly on a seam may miss.
+  // Returns the height at (x, y) itself; height() also looks beside (x, y), since rays exactly on a seam may miss.
   std::optional<double> heightAt(double x, double y, double z, double distance) const {
     const std::vector<SurfaceHeights::Surface> surfaces = heights_.at(x, y);  // the highest first
     for (auto s = surfaces.rbegin(); s != surfaces.rend(); ++s) {

@@ -180,7 +180,7 @@ struct Scene {
   std::vector<std::uint64_t> copies() const;  // number of instances, by mesh
 };
 
-// Returns the instance id of an object (see Surface::object) of a mesh in an instance with this first id; 0 for stuff.
+// Returns the instance id of `object` (see Surface::object) in an instance with this first id; 0 for stuff.
 inline std::uint32_t instanceId(std::uint32_t firstInstanceId, std::uint32_t object) {
   return object == 0 ? 0 : firstInstanceId + object - 1;
 }

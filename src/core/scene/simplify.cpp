@@ -118,7 +118,7 @@ void restoreVanished(const Scene& scene, const Mesh& source, double keep, Mesh& 
   }
 }
 
-// Drops vertices that no triangle uses. The mesh must have triangles, as restoreVanished() leaves some of each surface.
+// Drops vertices that no triangle uses. The mesh must have triangles, which restoreVanished() ensures.
 void compact(Mesh& mesh) {
   static_assert(sizeof(Triangle) == 3 * sizeof(unsigned));
   unsigned* const corners = mesh.triangles.front().data();

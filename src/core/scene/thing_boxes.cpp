@@ -164,7 +164,6 @@ class ThingBoxes::Builder {
     return pose;
   }
 
-  // Sets Part::boxes.
   void addBoxes(const Pose& worldFromThing, Part& part) {
     const Instance& instance = instanceOf(part);
     // This transform is the same at all times if the part moves like the first part; else at() moves the box.

@@ -51,9 +51,9 @@ inline Vec3d pointInTriangle(const std::array<Vec3d, 3>& corners, double u, doub
   return corners[0] * (1 - root) + corners[1] * (root * (1 - v)) + corners[2] * (root * v);
 }
 
-// Calls visit(instance, triangle, corners) for each triangle of the classes in the first `instanceCount` instances:
-// with the index of its instance, its index in the mesh, and its corners in the world's frame (m). Skips moving
-// instances.
+// Calls visit(instance, triangle, corners) for each triangle of the classes in the first `instanceCount` instances,
+// except moving instances. `instance` is an index in the scene, `triangle` an index in the mesh; `corners` are in the
+// world's frame (m).
 template <class Visit>
 void forEachTriangleOf(const Scene& scene, const std::vector<std::uint16_t>& classes, std::size_t instanceCount,
                        const Visit& visit) {

@@ -84,7 +84,7 @@ class TriangleCopier {
  public:
   explicit TriangleCopier(const AssetPart& part) : part_(part), copyOf_(part.positions.size(), kNotCopied) {}
 
-  // Returns a part with the triangles of these indices, in their order, and the look and the names of the part.
+  // Returns a copy of the part, with its look and names, that has only the triangles with these indices, in this order.
   AssetPart copy(const std::vector<std::size_t>& triangles) {
     AssetPart out;
     static_cast<Look&>(out) = part_;
@@ -195,7 +195,7 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   }
 }
 
-// Warns of a cloud's points that are of thing classes, but have no instance, if the file states labels or instances.
+// If a point cloud's file states labels or instances, warns of points of thing classes that have no instance.
 void warnOfPointsWithoutInstance(const std::vector<ThingTriangles>& cloudParts, const std::string& file) {
   constexpr std::uint64_t kTrianglesPerPoint = 2;  // each point is a square
   std::uint64_t pointCount = 0;

@@ -167,8 +167,8 @@ class ObjectPlacer {
   // True if the number, the poses, the files or the materials of the copies placed so far depend on the seed.
   bool random() const { return random_; }
 
-  // Places all copies, in order, each once for each of its movements. Throws InputError, at `where` if the scene then
-  // has over mostCopies() placed meshes.
+  // Places all copies, in order, each once for each of its movements. Throws InputError; the error's location is
+  // `where` if the scene would have more than mostCopies() placed meshes.
   void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
   // Places the copies of an object that has a single set of meshes.
   void place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,

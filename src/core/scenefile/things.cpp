@@ -43,8 +43,8 @@ Numbers numberByKey(const std::vector<ThingTriangles>& parts, bool byClass, cons
   return numbers;
 }
 
-// Numbers the things of groupIntoThings() from 1, first those of the lowest class. Returns, for each part and each of
-// its triangles, the number of its thing.
+// Numbers the things of groupIntoThings() from 1, in ascending order of their class ids. Returns the number of each
+// triangle's thing, by part and triangle.
 Numbers numberByConnection(const std::vector<ThingTriangles>& parts) {
   std::map<std::uint16_t, std::vector<std::size_t>> indicesByClass;  // indices of the parts of each class
   for (std::size_t i = 0; i < parts.size(); ++i) indicesByClass[parts[i].semantic].push_back(i);
@@ -97,8 +97,7 @@ class BoxGrid {
     forEachCell(box, [&](std::size_t cell) { cells_[cell].push_back(number); });
   }
 
-  // Calls `visit` with the number of each box within `gap` (m) of `box` and of some farther ones, perhaps several
-  // times.
+  // Calls visit(number) for each box within `gap` (m) of `box`, perhaps several times, and for some farther boxes.
   template <class Visit>
   void forEachNear(const Box& box, double gap, const Visit& visit) const {
     forEachCell({box.low - Vec3d{gap, gap, gap}, box.high + Vec3d{gap, gap, gap}}, [&](std::size_t cell) {
@@ -138,7 +137,7 @@ class BoxGrid {
 
 constexpr std::uint32_t kUnnumbered = std::numeric_limits<std::uint32_t>::max();
 
-// Sets of connected vertices of all parts, whose vertices are numbered continuously (union-find). At first, vertices at
+// Union-find sets of connected vertices. The vertices of all parts are numbered consecutively. At first, vertices at
 // the same position are connected; a vertex with a NaN or infinite coordinate is connected to no other vertex.
 class VertexSets {
  public:

@@ -33,7 +33,7 @@ constexpr std::uint32_t kHeightFrames = 100;  // frames in which a sensor's heig
 constexpr std::uint32_t kInsideFrames = 12;   // frames in which sensors are tested for being inside of objects, at most
 constexpr double kProbeLength = 1e5;          // m, length of test rays
 constexpr double kStep = 0.5;                 // m, largest length of the steps in which a path is checked
-constexpr double kTurnWeight = 5;             // a turn that swings the vehicle's end by 1 m counts as so many m of path
+constexpr double kTurnWeight = 5;             // m of path that a turn counts as if it swings the vehicle's end by 1 m
 constexpr std::size_t kStepsAtOnce = 20'000;  // steps that are swept at once, which limits memory use
 constexpr std::size_t kMostPoses = 400'000;   // after this many poses the rest of a path is not checked
 constexpr double kMostStepsPerFrame = 1000;
@@ -176,8 +176,8 @@ class PathCheck {
     }
   }
 
-  // Warns if everything beside and above a sensor is of one class, within its range: it is probably inside of an
-  // object, or of a building whose walls and roof are separate objects.
+  // Warns if all surfaces around and above a sensor, within its range, have the same class: the sensor is then probably
+  // inside of an object, or of a building whose walls and roof are separate objects.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = upwardDirections();
     for (const std::uint32_t frame : sequence_.spreadFrames(kInsideFrames)) {

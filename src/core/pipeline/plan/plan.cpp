@@ -27,7 +27,7 @@ bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
          std::ranges::any_of(cases, [](const Effects* effects) { return lightPaths(*effects) != nullptr; });
 }
 
-// Throws InputError if rays must continue at surfaces at which those of the method end.
+// Throws InputError if rays must continue behind surfaces, but the method ends each ray at its first hit.
 void checkLightPaths(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr || pipeline.method.entry->can.transmission) return;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {

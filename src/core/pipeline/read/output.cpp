@@ -56,7 +56,6 @@ std::optional<VoxelGrid> readVoxels(const Value& value) {
   return readBool(value, "output: voxels") ? std::optional(VoxelGrid()) : std::nullopt;
 }
 
-// Reads a list of names of columns.
 ColumnSet readColumns(const Value& list) {
   if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "columns must be a list of names");
   ColumnSet columns;

@@ -225,7 +225,6 @@ class PathSearch {
   }
 
  private:
-  // The end of an arc.
   struct End {
     State state;
     double curvature;  // rad/m, of the arc

@@ -30,7 +30,7 @@ void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hi
                    tableIndex, materialCount, shot.sample, shot.sensorName, largestIndex);
 }
 
-// Returns the hits of a recording.
+// A method that returns the hits of a recording.
 class RecordedHits : public Method {
  public:
   explicit RecordedHits(std::shared_ptr<const Recording> recording) : recording_(std::move(recording)) {}
@@ -60,7 +60,7 @@ class RecordedHits : public Method {
   std::shared_ptr<const Recording> recording_;
 };
 
-// Samples the passes of a recording.
+// A method that samples the passes of a recording.
 class RecordedPasses : public Method {
  public:
   RecordedPasses(std::shared_ptr<const Recording> recording, Fields& options)

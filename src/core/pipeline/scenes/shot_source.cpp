@@ -177,7 +177,7 @@ Scene ShotSource::load(std::size_t sequence) {
                                              .add = changes_.add});
   if (!loaded.moving) standStill(scene, 0);
   scene.placeable = changes_.placeable;
-  // Before takeOut(), so that random paths do not depend on which objects are removed.
+  // Trajectories are found before takeOut(), so that random paths do not depend on which objects are removed.
   findTrajectories(loaded, scene);
   takeOut(scene, loaded.without);
   return scene;
@@ -289,7 +289,7 @@ double BlockedRays::share() const {
   return static_cast<double>(blocked.size()) / static_cast<double>(range.size());
 }
 
-// Traces some rings at a time, since few rays hit the vehicle and only their hits are kept.
+// Traces some rings at a time, which saves memory: few rays hit the vehicle, and only their hits are kept.
 BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
   BlockedRays blocked;
   blocked.range.reserve(rays.size());

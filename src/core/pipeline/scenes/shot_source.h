@@ -150,7 +150,7 @@ class ShotSource {
   VehicleHits vehicleHits_;                        // with the mounts of the first frame of the first sequence
   std::shared_ptr<const FrameSettings> settings_;  // settings of that frame
   std::mutex mutex_;                               // guards the members below
-  // Settings of a frame of sequences with random mounts or effects, by index of the sequence.
+  // For sequences with random mounts or effects, by index: the settings of the frame that was used last.
   RecentlyUsed<std::pair<std::size_t, std::shared_ptr<const FrameSettings>>> drawn_;
   // Trajectories that depend on scenes, by index of their sequence.
   std::map<std::size_t, std::shared_ptr<const Trajectory>> trajectories_;
