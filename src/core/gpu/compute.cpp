@@ -97,7 +97,7 @@ ComputeBuffer::ComputeBuffer(const ComputeDevice& device)
 
 void ComputeBuffer::reserve(std::uint64_t bytes) {
   if (bytes <= bytes_) return;
-  bytes_ = 0;  // size unknown until resizing has succeeded
+  bytes_ = 0;  // the size is unknown until resizing has succeeded
   context_->withErrorWords([&] { context_->backend->resize(*buffer_, bytes); });
   bytes_ = bytes;
 }
@@ -118,7 +118,7 @@ void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
 
 std::span<const std::byte> ComputeReadback::wait() {
   constexpr double kSpin = 1e-3;      // s, time during which the device is queried without pauses
-  constexpr double kTimeLimit = 120;  // s, longest time that a copy may take: then the driver hangs
+  constexpr double kTimeLimit = 120;  // s, longest time to wait for a copy: the driver probably hangs then
   constexpr auto kPause = std::chrono::microseconds(50);
   const std::scoped_lock lock(waiting_);
   const WallTimer timer;

@@ -19,7 +19,7 @@ namespace scanmill {
 
 struct ComputeContext;  // the state that a device shares with its buffers and programs
 
-// An object of the plug-in, which is destroyed on the plug-in's thread. Only the plug-in knows what the object is.
+// An object of the plug-in. It is destroyed on the plug-in's thread; only the plug-in has the definition of its type.
 template <class Object>
 using OwnedObject = std::unique_ptr<Object, std::function<void(Object*)>>;
 class GlBuffer;
@@ -32,7 +32,7 @@ struct ComputeErrorWords {
   std::string instead;  // what the user can do instead, such as "'backend: cpu' does without it"
 };
 
-// Limits of a device's memory.
+// Largest sizes that a device allows.
 struct ComputeLimits {
   std::uint64_t bufferBytes = std::numeric_limits<std::uint64_t>::max();  // of a buffer that a program writes
   std::uint64_t tableTexels = std::numeric_limits<std::uint64_t>::max();  // of a table, which a program only reads
@@ -48,8 +48,8 @@ class ComputeDevice {
   const std::string& name() const;  // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
   bool software() const;            // true: a software rasteriser that runs on the CPU
   const ComputeLimits& limits() const;
-  // Calls `work`, which makes several calls of this device, its buffers and programs, on the thread that makes all
-  // calls of OpenGL. This saves waiting for that thread at each call.
+  // Calls `work` on the thread that makes all calls of OpenGL. Several calls of this device, its buffers and programs
+  // in `work` then do not have to wait for that thread one by one.
   void atOnce(const std::function<void()>& work) const;
   // Throws an Error with the wording of ComputeErrorWords. `why`: the reason in its message.
   [[noreturn]] void fail(const std::string& why) const;
@@ -61,7 +61,7 @@ class ComputeDevice {
   std::shared_ptr<ComputeContext> context_;
 };
 
-// A device that the environment variable SCANMILL_GL_DEVICE can select (gpu/device.h).
+// An OpenGL device; the environment variable SCANMILL_GL_DEVICE can select it by its name (gpu/device.h).
 struct FoundDevice {
   std::string name;    // value of the variable that selects this device
   std::string driver;  // the device's ComputeDevice::name(); if `usable` is false, the reason why not
@@ -102,7 +102,7 @@ class ComputeBuffer {
   std::uint64_t bytes_ = 0;
 };
 
-// Host memory into which a device copies a buffer while later programs already run. The memory stays mapped.
+// Permanently mapped host memory into which a device copies a buffer, while later programs may already run.
 class ComputeReadback {
  public:
   explicit ComputeReadback(const ComputeDevice& device);
@@ -122,9 +122,9 @@ class ComputeReadback {
   const std::byte* copy_ = nullptr;  // null: the copy is not complete yet
 };
 
-// A buffer that a program only reads: with texelFetch() of a usamplerBuffer (Uint16, Uint32, Uint32x4) or a
-// samplerBuffer (Float32x4). For scattered access this is faster than a storage buffer, by a tenth to a fifth on
-// llvmpipe.
+// A buffer that a program reads with texelFetch(), from a usamplerBuffer (Uint16, Uint32, Uint32x4) or a samplerBuffer
+// (Float32x4), and does not write. For scattered access, this is faster than a storage buffer, on llvmpipe by 10 to
+// 20 %.
 struct ComputeTable {
   enum class Texel { Uint16, Uint32, Uint32x4, Float32x4 };
   const ComputeBuffer* buffer;
@@ -133,8 +133,8 @@ struct ComputeTable {
 
 std::uint64_t texelBytes(ComputeTable::Texel texel);
 
-// Throws Error if `bytes` exceeds the largest table of the device. The message is worded by ComputeErrorWords, with the
-// reason "the <contents> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<remedy>".
+// Throws Error if a table of `bytes` bytes is larger than the device allows. The message is worded by the device's
+// ComputeErrorWords; its reason is "the <contents> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<remedy>".
 void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes,
                 const std::string& contents, const std::string& remedy = "");
 

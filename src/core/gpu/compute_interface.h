@@ -17,7 +17,7 @@
 namespace scanmill {
 
 constexpr std::uint32_t kComputeGroup = 64;  // invocations of a shader that form a group
-// Locations of two uniforms: the index of a dispatch's first invocation, and one more than the index of its last.
+// Locations of two uniforms: the index of a dispatch's first invocation, and the index of its last invocation plus 1.
 constexpr std::int32_t kFirstInvocation = 0;
 constexpr std::int32_t kEndInvocation = 1;
 
@@ -56,8 +56,8 @@ class ComputeBackend {
   virtual const std::byte* copied(MappedCopy& readback) = 0;
   // Calls the program's invoke() for 0 to invocations - 1. The data that it writes is visible to later runs and reads.
   virtual void run(const ComputeRun& run) = 0;
-  // Calls `work`, which makes several calls of this backend, on the OpenGL thread, so that threads are not switched at
-  // each call.
+  // Calls `work` on the OpenGL thread. If `work` makes several calls of this backend, threads are not switched at each
+  // of them.
   virtual void atOnce(const std::function<void()>& work) = 0;
 };
 

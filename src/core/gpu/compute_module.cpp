@@ -91,7 +91,7 @@ void findFunctions() {
   glewInit();
   while (glGetError() != GL_NO_ERROR) continue;
   if (!GLEW_VERSION_4_3) throw NoDevice("its functions are not those of OpenGL 4.3");
-  // GLEW_ARB_buffer_storage is not enough: it is also set if the driver has the functions but not the extension.
+  // Testing GLEW_ARB_buffer_storage does not suffice: GLEW also sets it if a driver has only the extension's functions.
   if (!glewGetExtension("GL_ARB_buffer_storage")) throw NoDevice("it lacks ARB_buffer_storage");
 }
 
@@ -113,11 +113,11 @@ std::uint64_t limitOf(GLenum name) {
   return static_cast<std::uint64_t>(std::max<GLint64>(value, 0));
 }
 
-// Returns the largest number of work groups of a dispatch. Mesa's llvmpipe gives each of its threads one contiguous
-// part of a dispatch in advance, so only small dispatches keep all threads busy until the end.
+// Returns the largest number of work groups of a dispatch. The software rasteriser llvmpipe divides a dispatch among
+// its threads in advance, one contiguous part for each, so only small dispatches keep all threads busy until the end.
 std::uint64_t groupsPerDispatch(bool software) {
-  constexpr GLint kGuaranteed = 65535;            // by OpenGL
-  constexpr std::uint64_t kGroupsPerThread = 64;  // small enough that the threads end at about the same time
+  constexpr GLint kGuaranteed = 65535;            // OpenGL guarantees this number
+  constexpr std::uint64_t kGroupsPerThread = 64;  // so few that all threads end at about the same time
   GLint reported = 0;
   glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &reported);
   const auto most = static_cast<std::uint64_t>(std::max(reported, kGuaranteed));
@@ -144,7 +144,7 @@ class BufferTexture {
   GLuint name_ = 0;
 };
 
-// An OpenGL context and what it uses in each run.
+// An OpenGL context, and its objects that each run uses.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
     findFunctions();
@@ -273,7 +273,7 @@ class GlCompute final : public ComputeBackend {
   std::string name_;
   bool software_ = false;
   ComputeLimits limits_;
-  std::uint64_t groupsPerDispatch_ = 0;  // the most
+  std::uint64_t groupsPerDispatch_ = 0;  // largest number
 };
 
 class GlComputeModule final : public ComputeModule {

@@ -66,7 +66,7 @@ ImageSource::ImageSource(std::span<const PassImage> images) : images_(images), a
   firsts_ = firstPixels(cameras_);
 }
 
-// Throws InputError that names the first image without one of the requested passes.
+// Throws InputError if an image lacks a requested pass. The message names the first such image.
 void ImageSource::require(PassChoice requested) const {
   for (const PassImage& image : images_) {
     const PassChoice available = image.planes.choice();
@@ -88,7 +88,7 @@ void ImageSource::require(PassChoice requested) const {
   }
 }
 
-// Copies one plane after the other, so that the memory accesses for the pixels of a plane overlap.
+// Copies one plane after the other, so that the CPU overlaps the memory accesses for the pixels of a plane.
 void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice requested, PassPlanes& planes) {
   require(requested);
   planes.reset(addresses.size(), requested);

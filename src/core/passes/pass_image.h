@@ -35,7 +35,7 @@ struct Camera {
   // Return the angles (rad) between the outer edges of the image.
   double horizontalField() const { return std::atan((width - cx) / fx) + std::atan(cx / fx); }
   double verticalField() const { return std::atan((height - cy) / fy) + std::atan(cy / fy); }
-  // Returns the point at depth 1 m on the line of sight through (u, v) (px), in camera axes.
+  // Returns, in camera axes, the point at depth 1 m on the line of sight through the image position (u, v) (px).
   Vec3d ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1}; }
 };
 
@@ -83,7 +83,7 @@ struct PassPlanes {
 };
 
 // Calls visit(row of kChannels, pointer to member of PassPlanes, pointer to member of Hits) for each channel that
-// renderers render; the depth takes the place of the range.
+// renderers render. For the range, the member of PassPlanes is the depth.
 template <class Visit>
 constexpr void forEachPass(const Visit& visit) {
   visit(rowOf(Channel::Range), &PassPlanes::depth, &Hits::range);
@@ -108,7 +108,7 @@ struct PassImage {
   PassPlanes planes;
 };
 
-// The number of a pixel in a set of images: all pixels of image 0, row by row, then all pixels of image 1, and so on.
+// The number of a pixel in a set of images. All pixels of image 0 are counted, row by row, then all of image 1, etc.
 using PixelAddress = std::uint32_t;
 constexpr PixelAddress kNoPixel = 0xFFFFFFFFu;
 
@@ -151,8 +151,8 @@ class ImageSource : public PixelSource {
   PassChoice available_;              // passes that all images have
 };
 
-// Returns a hint to append to the message that images lack a pass: in brackets, what can be used instead. Empty if
-// nothing can replace the pass.
+// Returns a hint for messages about images without this pass: in brackets, what can be used instead. Returns an empty
+// text if nothing can replace the pass.
 std::string_view insteadOf(std::string_view pass);
 
 // Returns all images of a source.

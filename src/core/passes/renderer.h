@@ -12,9 +12,9 @@
 
 namespace scanmill {
 
-// The limits of an image. Surfaces are visible only from `nearest` to `farthest` (m, along the camera's z axis; 0 <
-// nearest < farthest). Parts of the scene more than `reach` (m, straight-line distance) from the camera may be left
-// out.
+// The limits of an image. Surfaces are visible only at depths from `nearest` to `farthest` (m along the camera's z
+// axis; 0 < nearest < farthest). Parts of the scene whose distance from the camera exceeds `reach` (m, straight line)
+// may be left out.
 struct DrawLimits {
   double nearest = 0.01;
   double farthest = 1000;
@@ -26,8 +26,8 @@ class PassRenderer {
   virtual ~PassRenderer() = default;
   // Renders at most 8 images, each of at least a pixel. A pixel shows the surface at the pixel's centre, without
   // antialiasing and blending. Alpha-tested materials are transparent where ray tracing lets beams pass. The returned
-  // source may lock the renderer: a further call, from any thread, then waits until the source is destroyed. Safe to
-  // call from several threads.
+  // source may lock the renderer: another call of draw(), from any thread, then waits until the source is destroyed.
+  // Safe to call from several threads.
   virtual std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits,
                                             PassChoice choice) = 0;
   // Returns the name of the renderer and its device, for the manifest: "VTK 9.1 on llvmpipe (LLVM 15.0.6, 256 bits)".

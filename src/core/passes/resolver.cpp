@@ -138,7 +138,7 @@ Resolver::PixelBlock Resolver::gatherBlock(const Job& job, std::size_t first, st
   return block;
 }
 
-// Stores the block's values in all requested planes but the normals.
+// Stores the block's values in all requested planes except the plane of normals.
 void Resolver::storeSurfaces(const Job& job, const PixelBlock& block) const {
   const VisibleTriangle* const triangles = &job.triangles[block.first];
   const PixelAddress* const addresses = &job.addresses[block.first];
@@ -205,7 +205,7 @@ float Resolver::texturedReflectance(const VisibleTriangle& visible, const Compac
   const Vec3d ab = b - a;
   const Vec3d ac = c - a;
   const Vec3d normal = cross(ab, ac);
-  const Vec3d point = sight * (dot(normal, a) / dot(normal, sight)) - a;  // relative to corner a, as ab and ac
+  const Vec3d point = sight * (dot(normal, a) / dot(normal, sight)) - a;  // relative to the corner a
   return material.texturedAt(
       textureCoordinates(mesh.uvs, mesh.triangles[visible.triangle], barycentric(ab, ac, point)));
 }

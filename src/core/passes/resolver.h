@@ -1,6 +1,6 @@
 #pragma once
 
-// Computes the values of all passes from what a renderer gives for each pixel: a triangle and a depth.
+// Computes the values of all passes from the two values that a renderer gives for each pixel: a triangle and a depth.
 
 #include <cstdint>
 #include <span>
@@ -27,8 +27,8 @@ class Resolver {
   explicit Resolver(const Scene& scene);
   Resolver& operator=(Resolver&&) = delete;  // neither copied nor moved
 
-  // Fills `planes` with one entry per entry of `triangles`. addresses[i] is the pixel that shows triangles[i] in the
-  // cameras' images (kNoPixel: no pixel). Normals are turned against the line of sight through the pixel's centre. A
+  // Fills `planes` with one entry per entry of `triangles`. addresses[i] is the pixel in the cameras' images that shows
+  // triangles[i]; kNoPixel if no pixel does. Normals are turned against the line of sight through the pixel's centre. A
   // textured material has the reflectance of the visible texel.
   void resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
                std::span<const VisibleTriangle> triangles, PassChoice requested, PassPlanes& planes) const;

@@ -18,7 +18,7 @@ namespace {
 struct Candidate {
   std::string name;  // the number among EGL's devices, or "surfaceless"
   EGLenum platform;
-  void* nativeDisplay;  // of the platform
+  void* nativeDisplay;  // second argument of eglGetPlatformDisplayEXT()
   bool software;        // true: a software rasteriser
 };
 
@@ -33,7 +33,7 @@ Function entry(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-// Returns the devices to try, with graphics cards before software rasterisers.
+// Returns the devices that can be tried, in this order: graphics cards before software rasterisers.
 std::vector<Candidate> candidates() {
   const char* clientExtensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   const auto hasClient = [&](const char* extension) { return hasExtension(clientExtensions, extension); };
@@ -73,8 +73,8 @@ std::vector<Candidate> candidatesFor(const std::string& device) {
   return devices;
 }
 
-// Creates a context of OpenGL 4.5, or otherwise of 4.3; returns null if this fails. If the driver supports it, the
-// context reports that a reset of the graphics card has destroyed it.
+// Creates a context of OpenGL 4.5 or, if that fails, of 4.3; returns null if both fail. If the driver supports it, a
+// context that is lost in a reset of the graphics card reports this.
 EGLContext newContext(EGLDisplay display, EGLConfig config) {
   for (const EGLint minorVersion : {5, 3}) {
     for (const bool reportsResets : {true, false}) {
@@ -144,7 +144,7 @@ EglContext::EglContext(const std::string& device) {
   throw NoDevice(tried.empty() ? "EGL has no device" : tried);
 }
 
-// Does not terminate the display, since other contexts of the process may use it.
+// Does not terminate the display, because other contexts of the process may use the display.
 EglContext::~EglContext() {
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);

@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// An invisible window, which VTK needs to store its OpenGL state.
+// An invisible window. VTK stores its OpenGL state in a window, even if nothing is shown.
 class GlWindow
     : public vtkGenericOpenGLRenderWindow {  // NOLINT(cppcoreguidelines-virtual-class-destructor): VTK counts
  public:

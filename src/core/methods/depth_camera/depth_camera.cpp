@@ -27,11 +27,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kSensorsInMemory = 16;  // most beam tables whose views are cached
-constexpr double kReachMargin = 1e-3;  // fraction of the sensor's range, and metres, by which images reach beyond it
-// Measured with VTK on llvmpipe, as differences between processes: with nothing to render a process takes 128 MiB,
-// against 44 MiB with ray tracing. The other two values are from the street of 1.28 million placed triangles, with 3
-// and with 4 images of 2048 x 2048.
+constexpr std::size_t kSensorsInMemory = 16;  // largest number of beam tables whose views are cached
+constexpr double kReachMargin = 1e-3;         // images reach kReachMargin * (range + 1 m) beyond the sensor's range
+// Memory in addition to ray tracing's, measured with VTK on llvmpipe. With nothing to render a process takes 128 MiB,
+// with ray tracing 44 MiB. The bytes per triangle and per pixel were measured in the scene "street" of 1.28 million
+// placed triangles, with 3 and with 4 images of 2048 x 2048 pixels.
 constexpr std::uint64_t kBytesOfLibraries = std::uint64_t{85} << 20;
 constexpr std::uint64_t kBytesPerPlacedTriangle = 60;
 constexpr std::uint64_t kBytesPerPixel = 16;
@@ -106,8 +106,8 @@ class TimedSource : public PixelSource {
 
 constexpr double kStepLength = 0.05;         // m, largest mean length of the sensor's path in a step
 constexpr double kStepAngle = radians(1.0);  // rad, largest mean rotation of the sensor in a step
-constexpr std::size_t kFewPoses = 64;        // up to this number, each pose is rendered
-constexpr double kNearestSample = 0.1;       // m along a beam; nearer points need not be visible
+constexpr std::size_t kFewPoses = 64;        // up to this number of poses, each pose is rendered
+constexpr double kNearestSample = 0.1;       // m along a beam; the images need not show nearer points
 
 // Returns the angle (rad) of the rotation from a to b.
 double angleBetween(const Quat& a, const Quat& b) {
@@ -128,14 +128,14 @@ std::uint64_t rendersFor(const std::vector<Pose>& poses) {
   return static_cast<std::uint64_t>(std::min(renders, static_cast<double>(poses.size())));
 }
 
-// Splits a revolution into `renders` steps, still without images, of about equally many poses, but at most one step per
-// pose. Each step is rendered from its middle pose. If `renders` is 0, there is one step per pose for up to 64 poses;
-// for more poses, one step for every 5 cm or every degree of motion during the revolution, whichever gives more steps.
+// Returns the steps of a revolution, still without images. Each step has about equally many poses, and is rendered from
+// its middle pose. `renders`: number of steps, at most the number of poses. If it is 0, up to 64 poses each get a step;
+// for more poses, there is one step for every 5 cm or for every degree of the sensor's motion, whichever gives more.
 std::vector<PassStep> stepsOf(const Shot& shot, std::uint32_t renders) {
   const std::uint64_t poses = shot.worldFromSensor.size();
   const std::uint64_t columns = shot.beams->columns;
   const std::uint64_t count = std::min(renders == 0 ? rendersFor(shot.worldFromSensor) : renders, poses);
-  const auto firstColumn = [&](std::uint64_t pose) {  // first column of this pose; exact with one ray per beam
+  const auto firstColumn = [&](std::uint64_t pose) {  // first column of a pose, exact with one ray per beam
     return static_cast<std::uint32_t>((pose * columns + poses - 1) / poses);
   };
   std::vector<PassStep> steps;
@@ -207,8 +207,8 @@ std::vector<Vec3d> viewDirections(const RigBeams& beams) {
   return directions;
 }
 
-// The beams of a step of a revolution and, for rendering, its cameras. If the sensor stands still, they depend only on
-// the beam table.
+// The beams of one step of a revolution, and the cameras that render the step's images. If the sensor stands still,
+// beams and cameras depend only on the beam table.
 struct StepView {
   std::shared_ptr<const BeamTable> table;
   RigBeams beams;
@@ -308,8 +308,8 @@ class DepthCameraMethod : public DepthCamera {
 
   std::uint64_t memoryBytes() const override {
     if (scene_ == nullptr) return 0;
-    // The layout "auto" is counted as three square images, more than most sensors need. Of a moving sensor, only the
-    // images of one step are in memory.
+    // The layout "auto" is counted as three square images, more than most sensors need. For a moving sensor,
+    // only the images of one step are in memory.
     const std::uint64_t width = options_.layout.resolution;
     const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
                                  : options_.layout.layout == CameraLayout::Four90 ? 4
@@ -343,7 +343,7 @@ class DepthCameraMethod : public DepthCamera {
     return sample;
   }
 
-  // Returns the limits of images for beams with these origins (m, rig axes; none: all at the rig's origin).
+  // Returns the limits of the images. `origins`: the beams' origins (m, rig axes); if empty, all are the rig's origin.
   DrawLimits limits(const BeamTable& table, const std::vector<Vec3d>& origins) const {
     double farthestOrigin2 = 0;  // m^2
     for (const Vec3d& origin : origins) farthestOrigin2 = std::max(farthestOrigin2, dot(origin, origin));

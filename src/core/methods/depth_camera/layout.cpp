@@ -26,8 +26,8 @@ constexpr double kSmallestDepth = 1e-4;             // a unit direction with les
 constexpr int kBins = 512;                          // number of bins of azimuth by which the cameras are chosen
 constexpr double kFullRevolution = radians(300.0);  // a wider range of azimuths is treated as a full circle
 
-// Returns a number from 0 to 4 that increases with the azimuth of (x, y), without trigonometry: the length along the
-// square |x| + |y| = 1, in sides.
+// Returns a number from 0 to 4 that increases with the azimuth of (x, y), without trigonometry: the length of the path
+// along the square |x| + |y| = 1, in units of the square's side.
 double squareAngle(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (!(sum > 0)) return 0;
@@ -40,7 +40,7 @@ double squareAngle(double azimuth) {
   return squareAngle(std::cos(azimuth), std::sin(azimuth));
 }
 
-// Returns the azimuth (rad) of a square angle.
+// Returns the azimuth (rad) for which squareAngle() returns `square`.
 double azimuthOf(double square) {
   const double p = std::fmod(square + 4, 4.0);
   if (p < 1) return std::atan2(p, 1 - p);
@@ -48,7 +48,7 @@ double azimuthOf(double square) {
   return std::atan2(p - 4, p - 3);
 }
 
-// Returns a camera's rotation, sensorFromCamera. `yaw`, `pitch`: of its viewing direction (rad, pitch downwards).
+// Returns the rotation sensorFromCamera of a camera that looks in this direction (rad; a positive pitch looks down).
 Quat facing(double yaw, double pitch) {
   return fromYawPitchRoll(yaw, pitch, 0) * vehicleFromOptical();
 }
@@ -138,8 +138,8 @@ struct Spread {
   }
 
  private:
-  // Sets the sector of azimuths that has beams: the circle without its longest sequence of empty bins. The loop goes
-  // round the circle twice, so that it finds a sequence across the first bin too.
+  // Sets `firstAzimuth` and `width` to the sector with beams: the circle without its longest sequence of empty bins.
+  // The loop visits each bin twice, so that it also finds a sequence that goes on from the last bin to the first bin.
   void findSector() {
     int longest = 0;
     int endOfLongest = 0;
@@ -189,9 +189,9 @@ class Candidate {
     return windows;
   }
 
-  // Returns the number of pixels plus kImageCost for each image; infinite if an image would be too wide. `focal`: px.
+  // Returns the number of pixels plus kImageCost per image, or infinity if an image would be too wide. `focal`: px.
   static double cost(const std::vector<Window>& windows, double focal) {
-    constexpr double kMargins = 3;  // px, mean of a margin on both sides, and rounding up
+    constexpr double kMargins = 3;  // px along each axis: a margin of one pixel on both sides, and rounding up
     double cost = 0;
     for (const Window& w : windows) {
       if (w.empty() && !w.outside) continue;
@@ -230,13 +230,13 @@ class Candidate {
   std::vector<Camera> cameras_;
 };
 
-// Returns the candidate whose images cost least. `focal`: px.
+// Returns the candidate with the lowest Candidate::cost(). `focal`: focal length (px).
 Candidate cheapestCandidate(const Spread& spread, double focal) {
   const double steepest = std::max(std::abs(spread.lowest), std::abs(spread.highest));
   const double pitchToMiddle = -(std::atan(spread.lowest) + std::atan(spread.highest)) / 2;
   std::optional<Candidate> best;
   double bestCost = INFINITY;
-  // Elevations (deg) from which on beams belong to the cameras that look up or down; 90: there are no such cameras.
+  // Beams with a larger absolute elevation (deg) belong to the cameras that look up or down; 90: no such cameras.
   for (const double steepElevation : {90.0, 35.0, 45.0, 55.0, 65.0}) {
     const bool hasSidesOnly = steepElevation == 90;
     const double steep = hasSidesOnly ? 2 * kSteepest : std::tan(radians(steepElevation));
@@ -256,7 +256,7 @@ Candidate cheapestCandidate(const Spread& spread, double focal) {
 }
 
 std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t resolution) {
-  const double focal = resolution / 2.0;  // px, as of four images of 90 degrees
+  const double focal = resolution / 2.0;  // px, the focal length of a square image of 90 degrees
   const Candidate candidate = cheapestCandidate(Spread(directions), focal);
   const std::vector<Window> windows = candidate.windows(directions);
   std::vector<Camera> cameras;

@@ -36,7 +36,7 @@ double asHalf(double value) {
   return std::clamp(std::nearbyint(value / step) * step, -kLargest, kLargest);
 }
 
-// Returns a depth (m) as a z-buffer of `bits` bits of fixed point between the near and the far plane stores it.
+// Rounds a depth (m) as a fixed-point z-buffer of `bits` bits with these near and far planes (m) does.
 double asUnorm(double depth, int bits, double nearest, double farthest) {
   const double steps = std::ldexp(1.0, bits) - 1;
   const double clamped = std::clamp(depth, nearest, farthest);
@@ -187,8 +187,8 @@ class Sampler {
     });
   }
 
-  // Computes the hits from the batch's fetched pixels, and stores those that need no further round. `round`: 1 is the
-  // first.
+  // Computes hits from the batch's fetched pixels, and stores the hits that need no further round. `round`: number of
+  // this round, from 1.
   void resolve(Batch& batch, int round) {
     needsRound_.assign(batch.count, 0);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
@@ -204,7 +204,7 @@ class Sampler {
     });
   }
 
-  // Fills `hits`, except `needsRound`, for the batch's beams from `first` on, which are those of the block.
+  // Fills `hits`, except `needsRound`, for the beams of `block`: the batch's beams from the index `first` on.
   void measureBlock(const Batch& batch, std::size_t first, const BeamBlock& block, ImageHits& hits) const {
     const BlockPixels pixels{&batch.u[first], &batch.v[first], &planes_, first};
     std::size_t end = 0;

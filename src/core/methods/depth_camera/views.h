@@ -82,7 +82,7 @@ constexpr double kNoViewYet = 1000;  // stands for kNoView while views' indices 
 // the range to it is unreliable.
 constexpr double kPlaneErrorBound = 2;
 
-// Rounds the hit points as LiDAR-GEIL's images of coordinates do.
+// Rounds the points that the pixels show (camera axes) to DepthFormat::Half500.
 inline void roundToHalf(std::size_t begin, std::size_t end, ImageHits& hits) {
   const auto rounded = [](double coordinate) {
     return double{storedDepth(static_cast<float>(coordinate), DepthFormat::Half500, 0, 0)};
@@ -95,7 +95,7 @@ inline void roundToHalf(std::size_t begin, std::size_t end, ImageHits& hits) {
   }
 }
 
-// Computes the pixels' points in rig axes.
+// Computes the points that the pixels show, in rig axes.
 inline void findHitPoints(const CameraView& view, std::size_t begin, std::size_t end, ImageHits& hits) {
   for (std::size_t i = begin; i < end; ++i) {
     const double a = hits.a[i];
@@ -107,7 +107,7 @@ inline void findHitPoints(const CameraView& view, std::size_t begin, std::size_t
   }
 }
 
-// Sets the ranges to the distances of the pixels' points.
+// Sets each range to the distance from the beam's origin to the point that the pixel shows.
 inline void usePointRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& hits) {
   for (std::size_t i = begin; i < end; ++i) {
     const double x = hits.px[i] - block.ox[i];
@@ -133,20 +133,20 @@ inline void rotateNormals(const Vec3f* normal, const Mat3& rigFromWorld, std::si
   }
 }
 
-// Replaces the ranges by those to the tangent planes at the pixels' points, where these are reliable.
+// Replaces each range by the range to the tangent plane at the pixel's point, if that is reliable (kPlaneErrorBound).
 inline void usePlaneRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& hits) {
   for (std::size_t i = begin; i < end; ++i) {
     const double height = hits.nx[i] * (hits.px[i] - block.ox[i]) + hits.ny[i] * (hits.py[i] - block.oy[i]) +
                           hits.nz[i] * (hits.pz[i] - block.oz[i]);
     const double range = height / hits.cosine[i];
     const double pointRange = hits.range[i];
-    // Also false if the beam does not hit the plane in front of the sensor: `range` is NaN, infinite or negative.
+    // False too if the beam does not hit the plane in front of the sensor: `range` then is NaN, infinite or negative.
     const bool isReliable = (range <= pointRange * kPlaneErrorBound) & (range * kPlaneErrorBound >= pointRange);
     hits.range[i] = isReliable ? range : pointRange;
   }
 }
 
-// Returns the images of a source. Throws InputError if there are too many.
+// Returns the views of these cameras, in rig axes. Throws InputError if the cameras are too many.
 inline std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig) {
   std::vector<CameraView> views;
   const Mat3 rigFromWorld = transposed(toMatrix(worldFromRig.rotation));
@@ -176,11 +176,11 @@ inline std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const
   return views;
 }
 
-// Projects `count` points (m, rig axes) or directions into the images, at most kBlock. Of the images that contain a
-// point, the one in which its depth is largest is used.
+// Projects `count` points (m, rig axes) or directions, at most kBlock, into the images. If several images contain a
+// point, the image in which the point has the largest depth is used.
 inline void project(std::span<const CameraView> views, const double* x, const double* y, const double* z,
                     std::size_t count, Projected kind, ImagePositions positions) {
-  // The best image of each point so far: position (px), depth (m) and the image's index, as a double.
+  // By point, the best of the images tested so far: position in it (px), depth (m), and its index as a double.
   alignas(64) double bestU[kBlock], bestV[kBlock], bestDepth[kBlock], bestView[kBlock];
   for (std::size_t i = 0; i < count; ++i) {
     bestU[i] = bestV[i] = bestDepth[i] = 0;

@@ -97,7 +97,7 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
   }
 }
 
-// Sets the nearest triangles or, with lists, the starts of the lists in listed_.
+// Sets `triangleOrList`, by corner: the nearest triangle or, in a field with lists, the start in listed_ of the list.
 void BrickMaker::fillTrianglesOrLists(const std::uint16_t* distance, std::uint32_t* triangleOrList) const {
   const auto farthest = static_cast<std::uint16_t>((lists_ ? kListLimit : kNearestLimit) / kDistanceStep);
   const auto& entries = lists_ ? list_ : nearest_;
@@ -113,8 +113,8 @@ void BrickMaker::endList(std::uint32_t corner) {
   listBegin_ = listed_.size();
 }
 
-// Appends the corners' lists to `listEntries`, in the order of corners, and replaces their starts in listed_ by their
-// starts among the appended entries.
+// Appends the corners' lists to `listEntries`, in the order of corners. In `triangleOrList`, replaces each list's start
+// in listed_ by the list's start among the appended entries.
 void BrickMaker::appendLists(std::uint32_t* triangleOrList, std::vector<std::uint32_t>& listEntries) {
   const std::size_t firstEntry = listEntries.size();
   for (int corner = 0; corner < kCornersPerBrick; ++corner) {
@@ -127,8 +127,8 @@ void BrickMaker::appendLists(std::uint32_t* triangleOrList, std::vector<std::uin
   }
 }
 
-// Makes a brick whose triangles_ are few: compares each triangle with all blocks' centres, then with the corners of the
-// blocks near it.
+// Makes a brick with few triangles: compares each triangle with the centres of all blocks, then with the corners of the
+// blocks near the triangle.
 void BrickMaker::makeSparse(const BrickFrame& frame) {
   facets_.resize(triangles_.size());
   centreDistance2_.resize(triangles_.size());
@@ -160,7 +160,7 @@ void BrickMaker::makeSparse(const BrickFrame& frame) {
   }
 }
 
-// Sets the distances, nearest triangles and lists of a block's corners, by comparing each candidate with all of them.
+// Sets the distances, nearest triangles and lists of a block's corners: compares each candidate with all these corners.
 void BrickMaker::fillBlock(const BrickFrame& frame, int block) {
   if (candidates_.empty()) return;
   const Points& p = brick::kBlockCorners[block];
@@ -179,7 +179,7 @@ void BrickMaker::fillBlock(const BrickFrame& frame, int block) {
       nearest2[i] = isNearer ? distance2[i] : nearest2[i];
     }
     if (!lists_) continue;
-    float least2 = INFINITY;  // squared distance of the candidate from the nearest corner
+    float least2 = INFINITY;  // squared distance from the candidate to the corner nearest to it
     for (int i = 0; i < kLanes; ++i) least2 = std::min(least2, distance2[i]);
     if (least2 > brick::kListRadius * brick::kListRadius) continue;
     const CubeTest cube = cubeTestOf(cornersAt(world_.baked, candidateTriangles_[c], frame), kListHalfSide);
@@ -195,7 +195,7 @@ void BrickMaker::fillBlock(const BrickFrame& frame, int block) {
   if (lists_) listBlock(block);
 }
 
-// Makes the lists of a block's corners from the bits of listedBy_, the lowest bit first.
+// Makes the lists of a block's corners from the bits of listedBy_, from the lowest bit to the highest.
 void BrickMaker::listBlock(int block) {
   for (int i = 0; i < kBlock; ++i) {
     for (std::size_t word = 0; word < listedBy_.size(); ++word) {

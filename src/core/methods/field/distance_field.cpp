@@ -34,7 +34,7 @@ VoxelPosition voxelAt(const DistanceField& field, const Vec3f& point) {
   const float coordinates[3] = {point.x, point.y, point.z};
   VoxelPosition position{};
   std::uint32_t entry = level.firstEntry;
-  std::uint32_t stride = 1;  // in the table, from brick to brick along axis k
+  std::uint32_t stride = 1;  // number of table entries from a brick to the next one along axis k
   for (std::size_t k = 0; k < 3; ++k) {
     const float u = std::max(coordinates[k] * level.scale + level.offset[k], 0.0f);
     const std::uint32_t corner = std::min(static_cast<std::uint32_t>(u), level.bricks[k] * kBrickVoxels - 1);
@@ -47,8 +47,8 @@ VoxelPosition voxelAt(const DistanceField& field, const Vec3f& point) {
   return position;
 }
 
-// Returns the index of a corner in the arrays of full bricks. `brick`: the brick's table entry; x, y, z: the corner in
-// the brick.
+// Returns the index of a corner in the arrays of full bricks. `brick`: the brick's table entry; x, y, z: coordinates of
+// the corner in the brick (0 to 8).
 std::size_t cornerIndex(std::uint32_t brick, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return std::size_t{brick - kFullBrick} * kBrickStride + (z * kBrickCorners + y) * kBrickCorners + x;
 }
@@ -91,8 +91,8 @@ class Builder {
     if (earlierPool_ != nullptr) lock = std::unique_lock(earlierPool_->appending);
     fillTable();
     findNewBricks();
-    // A field gets a new pool if there is no earlier pool, if it has more new bricks than bricks from earlier fields,
-    // or if the earlier pool has no room for the new bricks.
+    // A field gets a new pool if there is no earlier pool, if more of the field's bricks are new than from earlier
+    // fields, or if the earlier pool has no room for the new bricks.
     const bool appended =
         earlierPool_ != nullptr && reusedBricks_ >= newEntries_.size() && earlierPool_->room() >= newEntries_.size();
     appended ? appendToEarlierPool() : startOwnPool();
@@ -130,14 +130,14 @@ class Builder {
     return {{centre(brick[0]), centre(brick[1]), centre(brick[2])}, voxel};
   }
 
-  // Returns the frame of the brick with the table entry of this index.
+  // Returns the frame of the brick whose table entry has the index `entry`.
   BrickFrame frameOf(std::uint32_t entry) const {
     std::size_t level = field_->levels.size() - 1;
     while (field_->levels[level].firstEntry > entry) --level;
     return frameOf(level, brickOf(level, entry));
   }
 
-  // Returns the lattice coordinates of the brick with the table entry of this index.
+  // Returns the lattice coordinates of the brick of this level whose table entry has the index `entry`.
   Corner brickOf(std::size_t level, std::uint32_t entry) const {
     const LevelBox& box = field_->shape.levels[level];
     const std::uint32_t inLevel = entry - field_->levels[level].firstEntry;
@@ -150,7 +150,7 @@ class Builder {
     if (level >= field.levels.size()) return nullptr;
     const LevelBox& box = field.shape.levels[level];
     std::size_t entry = field.levels[level].firstEntry;
-    std::size_t stride = 1;  // in the table, from brick to brick along axis k
+    std::size_t stride = 1;  // number of table entries from a brick to the next one along axis k
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int64_t index = brick[k] - box.firstBrick[k];
       if (index < 0 || index >= box.bricks[k]) return nullptr;
@@ -168,19 +168,19 @@ class Builder {
     return nullptr;
   }
 
-  // Returns the triangle nearest to a brick's centre. `guess`: any triangle, best a near one.
+  // Returns the triangle nearest to a brick's centre. `guess`: any triangle; a near one makes the search fast.
   NearestFacet nearestToCentre(const BrickFrame& frame, std::uint32_t guess, FacetCache& facets) const {
     facets.startBrick();
     const float distance2 = facets.facetOf(world_.baked, guess, frame).distance2(0, 0, 0);
     return nearestFacet(world_, frame, {}, {distance2, guess}, facets);
   }
 
-  // Fills the table entries of a row of bricks along x: with an earlier field's entry if there is one, else with the
-  // distance of an empty brick, or kNewBrick for a full brick.
+  // Fills the table entries of a row of bricks along x. Copies a brick's entry from an earlier field if one has the
+  // brick. Otherwise the entry is the distance of an empty brick, or kNewBrick for a full brick.
   void fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
     const LevelBox& box = field_->shape.levels[level];
     const auto first = static_cast<std::uint32_t>(field_->levels[level].firstEntry + row * box.bricks[0]);
-    std::uint32_t nearest = 0;  // triangle nearest to the last brick's centre
+    std::uint32_t nearest = 0;  // triangle nearest to the centre of the previous brick
     for (std::uint32_t i = 0; i < box.bricks[0]; ++i) {
       const Corner brick = brickOf(level, first + i);
       std::uint32_t& entry = field_->table[first + i];
@@ -211,7 +211,7 @@ class Builder {
     }
   }
 
-  // Lists the new bricks in newEntries_ and counts the others. Throws Error if the bricks are too many.
+  // Lists the full bricks that are new in newEntries_, and counts the others. Throws Error if full bricks are too many.
   void findNewBricks() {
     for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
       const std::uint32_t entry = field_->table[i];
@@ -278,7 +278,7 @@ class Builder {
     });
   }
 
-  // Sets the start of each brick's lists. Returns the end of the last lists, which may be beyond the space of the pool.
+  // Sets the start of each brick's lists. Returns the end of the last brick's lists, for which the pool may lack space.
   std::uint64_t placeLists() {
     const auto countOf = [&](const Brick& brick) -> std::uint64_t {
       if (brick.newNumber != kNone) return lists_[brick.newNumber].size();

@@ -73,8 +73,8 @@ struct FieldShape {
   double voxel = 0.1;            // m, voxel size of level 0; level l has voxel * 2^l
   Vec3d centre;                  // m, relative to the world's origin; a corner of level 0's brick grid
   std::vector<LevelBox> levels;  // 1 to kMaxLevels levels, the finest first
-  // A point is looked up in the finest level l for which its largest absolute coordinate (field frame) is at most
-  // reach * 2^l, or in the last level if there is none.
+  // Voxels of level 0. A point is looked up in the finest level l for which the point's largest absolute coordinate
+  // (field frame) is at most reach * 2^l; in the last level if no level is so large.
   float reach = 0;
   // If true, corners near surfaces list all triangles that are near, otherwise only the nearest one. In "street" the
   // lists take 40 MB in addition to 59 MB, and reduce the wrong labels among a million beams from 85,000 to 28.
@@ -151,15 +151,15 @@ struct BrickPool {
   std::size_t bricks = 0;
 };
 
-// Returns the data that particles read of the levels of a field with this shape, one entry per level.
+// Returns the data of levels that particles read, for a field with this shape: one entry per level.
 std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
 
 // Builds the field of a world. Bricks of the fields in `before` are copied or shared (BrickPool) and not built
-// again. All fields in `before` must belong to this world; a field is used only if it has the voxel size and `lists` of
-// `shape`, and the pool of the first field that is used. The data that particles read is the same as without `before`,
-// byte by byte. The world must be flat, without instances. An empty world gives a field of empty bricks. Runs on all
-// threads; the data that particles read does not depend on the number of threads. Moving a field by a metre takes a
-// thirtieth of the time of building it.
+// again. All fields in `before` must belong to this world. Of these, a field is used only if it has the voxel size and
+// the `lists` of `shape`, and the same pool as the first used field. The data that particles read is the same as
+// without `before`, byte by byte, and does not depend on the number of threads. The world must be flat, without
+// instances. An empty world gives a field of empty bricks. Runs on all threads. Moving a field by a metre takes a
+// thirtieth of the time of building the field.
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
                                                 const std::vector<std::shared_ptr<const DistanceField>>& before = {});
 

@@ -86,17 +86,17 @@ inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
 
 // Tests whether a triangle intersects a cube around a point: this is the case if none of the 13 axes of Akenine-Moeller
 // 2001, "Fast 3D triangle-box overlap testing", separates the two. The constants are computed in double, as for a
-// facet. Float32 rounding may make the cube seem up to 1e-5 larger or smaller than it is.
+// facet. Float32 rounding may make the cube seem up to 1e-5 voxels larger or smaller than it is.
 struct CubeTest {
-  // The range of values of a linear function of the point for which the function does not separate cube and triangle.
+  // The values of a linear function, at the cube's centre, for which the function does not separate cube and triangle.
   struct Range {
     float low, high;
 
     float excess(float value) const { return std::max(low - value, value - high); }
   };
-  std::array<Range, 3> coordinates;  // of the functions x, y and z
+  std::array<Range, 3> coordinates;  // ranges of the functions x, y and z
   Vec3f normal;
-  Range heights;  // of the function normal . p
+  Range heights;  // range of the function normal . p, where p is the cube's centre
   // The functions u * p[k + 1] + v * p[k + 2] (indices modulo 3) for each axis k and each edge.
   struct EdgeFunction {
     float u, v;
@@ -121,8 +121,8 @@ struct CubeTest {
 
 // Returns the test of a triangle with these corners against cubes of half side `halfSide` around points.
 inline CubeTest cubeTestOf(const std::array<Vec3d, 3>& corners, double halfSide) {
-  // Returns the range of a function with these values at corners; `radius`: how far its values in a cube differ from
-  // the value at the cube's centre.
+  // Returns the range of a function that has these values at the triangle's corners. `radius`: largest difference of
+  // the function between a point of a cube and the cube's centre.
   const auto rangeOf = [](std::initializer_list<double> values, double radius) {
     return CubeTest::Range{static_cast<float>(std::min(values) - radius),
                            static_cast<float>(std::max(values) + radius)};

@@ -13,10 +13,10 @@ enum class Outcome : std::uint32_t {
   Exhausted = 2,  // the particle used up its steps, so that it is neither a hit nor a miss
 };
 
-// Distance (voxels) at which a particle hits a surface in a field without lists: it hits where the interpolated
-// distance is at most kHitDistance. From half a voxel on, no plane is missed: a plane midway between two corners is
-// half a voxel away from both. In a field with lists, particles near surfaces go from voxel to voxel instead, and are
-// intersected with the triangles in each voxel.
+// In a field without lists, a particle hits a surface where the interpolated distance (voxels) is at most kHitDistance.
+// A limit of half a voxel or more misses no plane: a plane midway between two corners is half a voxel away from both.
+// In a field with lists, particles near surfaces go from voxel to voxel instead, and are intersected with the triangles
+// in each voxel.
 constexpr float kHitDistance = 0.501f;
 
 // A distance R stored at a point means that the ball of radius R around the point is free. A particle at position r

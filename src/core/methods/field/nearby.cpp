@@ -58,7 +58,7 @@ class Ball {
   float radius2_ = 0;
 };
 
-// Calls visit() for the triangles of the leaves of Embree's hierarchy that the ball touches, with `search` as userPtr.
+// Calls visit() for each triangle in the leaves of Embree's hierarchy that the ball touches; its userPtr is `search`.
 void runQuery(const World& world, const Ball& ball, RTCPointQueryFunction visit, void* search) {
   RTCPointQuery query;
   query.x = ball.point()[0];

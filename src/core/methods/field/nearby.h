@@ -68,8 +68,8 @@ NearestFacet nearestFacet(const World& world, const BrickFrame& frame, const Vec
 bool gatherTriangles(const World& world, const BrickFrame& frame, const Vec3f& point, float halfSide, float margin,
                      std::size_t mostTriangles, std::vector<std::uint32_t>& triangles);
 
-// Returns the rank of a triangle: of equally near triangles, the one with the lowest rank counts as the nearest. Its
-// low 32 bits are the triangle.
+// Returns the rank of a triangle: of equally near triangles, the one with the lowest rank counts as the nearest. The
+// low 32 bits of the rank are the triangle's index.
 inline std::uint64_t orderOf(const TriangleBlock& block, std::uint32_t triangle) {
   return std::uint64_t{block.surfaceOf(triangle).instance} << 32 | triangle;
 }

@@ -21,7 +21,7 @@ class DeviceBeams {
  public:
   explicit DeviceBeams(const ComputeDevice& device) : device_(device), poses_(device) {}
 
-  // Bytes per ray in the largest buffer, that of directions.
+  // Bytes per ray in the buffer of directions, which is the largest buffer.
   static constexpr std::uint64_t kBytesPerRay = 24;
 
   // Shots that a device traces together, and their frames (frameOf()). The shots have the same beam table and equally
@@ -81,7 +81,7 @@ class DeviceBeams {
     table.poses = shot.worldFromSensor.size();
   }
 
-  // Appends 12 numbers per pose: each row of the rotation, followed by a component of the position.
+  // Appends 12 numbers per pose: for x, y and z, the row of the rotation and the component of the position.
   static void appendPoses(const ShotFrame& frame, std::vector<double>& rows) {
     for (std::size_t step = 0; step < frame.rotation.size(); ++step) {
       const Mat3& r = frame.rotation[step];

@@ -153,8 +153,8 @@ std::uint64_t DeviceFields::UploadedPool::bytes() const {
          lists.buffer.bytes();
 }
 
-// Moves the pool's entry of pools_ to the front. If the pool has none, it gets the entry of a pool that no longer
-// exists, otherwise a new entry if memory suffices, otherwise the least recently used entry.
+// Moves the pool's entry of pools_ to the front. A pool without an entry gets the entry of a pool that no longer
+// exists; if there is none, a new entry if kMostBytes allows, otherwise the least recently used entry.
 void DeviceFields::bringToFront(const std::shared_ptr<const BrickPool>& pool) {
   auto entry = std::ranges::find_if(pools_, [&](const UploadedPool& p) { return p.pool.lock() == pool; });
   if (entry == pools_.end()) {
@@ -162,7 +162,7 @@ void DeviceFields::bringToFront(const std::shared_ptr<const BrickPool>& pool) {
     if (entry == pools_.end()) {
       std::uint64_t bytes = 0;
       for (const UploadedPool& other : pools_) bytes += other.bytes();
-      // Assumes that the new pool will have the mean size of the others.
+      // Assumes that the new pool will have the mean size of the pools on the device.
       const bool fits = pools_.empty() || bytes + bytes / pools_.size() <= kMostBytes;
       entry = fits ? pools_.emplace(pools_.end(), device_) : std::prev(pools_.end());
     }
@@ -214,7 +214,7 @@ void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<con
   array.uploadedBytes = bytes.size();
 }
 
-// The texts of the files in shaders, with the files that they include.
+// The texts of the files in the folder `shaders`; each contains the texts of the files that it includes.
 extern const std::string_view kLaunchShader;
 extern const std::string_view kMarchNearestShader;
 extern const std::string_view kMarchListsShader;

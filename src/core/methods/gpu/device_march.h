@@ -17,7 +17,7 @@
 
 namespace scanmill {
 
-constexpr float kLeftToCpu = -1;  // Particles::begin of a particle that is left to the CPU
+constexpr float kLeftToCpu = -1;  // value of Particles::begin that leaves a particle to the CPU
 
 // Values that the outcome column of hit records can have besides those of Outcome.
 constexpr std::uint32_t kPassesHole = 3;              // the particle continues behind a hole
@@ -41,9 +41,9 @@ class DeviceFields {
   explicit DeviceFields(const ComputeDevice& device) : device_(device) {}
 
   // Uploads the parts of the field that are not on the device yet. The pools of earlier fields stay on the device, for
-  // threads that work on other trajectories. If a new pool would probably bring the total above kMostBytes, it replaces
-  // the least recently used one; if memory runs out, all other pools are dropped. Throws an Error with the device's
-  // ComputeErrorWords if the field does not fit even then.
+  // threads that work on other trajectories. If a new pool would probably bring the total above kMostBytes, the pool
+  // replaces the least recently used pool; if memory runs out, all other pools are dropped. If the field still does not
+  // fit, throws an Error worded by the device's ComputeErrorWords.
   void ensureUploaded(const std::shared_ptr<const DistanceField>& field);
 
   // The tables of the field of the last ensureUploaded(). levels() has two words of 16 bytes per level: the bits of the

@@ -74,7 +74,7 @@ class MaterialTables {
       return;
     }
     const Texture& texture = *material.texture;
-    constexpr std::uint32_t kMostTexels = 0xFFFF;  // along a side, since a word has both sizes
+    constexpr std::uint32_t kMostTexels = 0xFFFF;  // texels along a side: a word contains both sizes, in 16 bits each
     if (texture.width > kMostTexels || texture.height > kMostTexels) {
       throw Error("the texture '{}' has more than {} texels per side, too many for a graphics card", texture.file,
                   kMostTexels);
@@ -102,7 +102,7 @@ class MaterialTables {
   }
 
   LabelTables& tables_;
-  // Index of the first texel; the key has the values on which the texels depend.
+  // Index of a texture's first texel. The key consists of the values on which the texels depend.
   std::map<std::tuple<const Texture*, float, float, float>, std::uint32_t> firstTexels_;
 };
 

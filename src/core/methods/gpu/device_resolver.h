@@ -1,8 +1,8 @@
 #pragma once
 
 // Computes hits on a device from the triangles that a shot's rays hit, with the same bytes as methods/world/resolve.h
-// on the CPU. Sums and products in double have the CPU's bits (`precise`). Quotients and roots, which
-// devices round differently, have error bounds (kSlack in shaders/rays.glsl); if two results are within a bound, the
+// on the CPU. Sums and products in double have the CPU's bits (`precise`). Quotients and roots, which devices round
+// differently, have error bounds (kSlack in shaders/rays.glsl); if an error within a bound could change the result, the
 // ray is left to the CPU.
 
 #include <array>
@@ -53,9 +53,9 @@ struct LabelTables {
 // texels along a side.
 LabelTables labelTables(const World& world);
 
-// Why a ray is neither a hit nor a miss: a NaN in place of its range.
+// The reason why a ray is neither a hit nor a miss: the bits of a NaN that is stored in place of the ray's range.
 enum class UnresolvedReason : std::uint32_t {
-  Rounding = 0x7FC00001u,     // two results are within the error bound of the device's arithmetic: left to the CPU
+  Rounding = 0x7FC00001u,     // the device's rounding could change the result: the ray is left to the CPU
   StepsUsedUp = 0x7FC00002u,  // a particle used up its steps
   LeftField = 0x7FC00003u,    // a particle left the field
 };
@@ -97,8 +97,8 @@ class DeviceResolver {
     std::size_t firstRay;
     std::size_t count;
   };
-  // Copies a piece's results to the channels that `hits` has, and adds the rays that are neither hits nor misses to
-  // `unresolved`, ascending. `columns`: a copy of the complete columns().
+  // Copies a piece's results to the channels that `hits` has, and appends the rays that are neither hits nor misses to
+  // `unresolved`, in ascending order. `columns`: a copy of the complete columns().
   static void copyHits(std::span<const std::byte> columns, const Piece& piece, Hits& hits,
                        std::vector<UnresolvedRay>& unresolved);
 

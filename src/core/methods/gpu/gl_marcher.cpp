@@ -128,7 +128,7 @@ void GlMarcher::marchSlice(const ShotWork& work, std::size_t rays, std::size_t f
   for (std::uint32_t hole = 0; hole <= mostHoles; ++hole) {
     march_.run(field, work.job.maxSteps, count,
                hole > 0 ? DeviceMarch::Marching::BehindHoles : DeviceMarch::Marching::All);
-    parameters.last = hole == mostHoles ? 1 : 0;  // read through parameterBytes
+    parameters.last = hole == mostHoles ? 1 : 0;  // run() reads the value through parameterBytes
     resolvers_.of(lists).run(count,
                              {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(),
                               &march_.records(), &resolver_.columns(), &march_.particles()},

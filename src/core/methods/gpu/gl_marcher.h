@@ -26,7 +26,7 @@ struct GlMarcherLimits {
 // Marches particles by a compute shader of OpenGL, with one invocation per particle.
 class GlMarcher {
  public:
-  // Throws Error if the machine has no device for it (gpu/compute.h); the message names the CPU backend.
+  // Throws Error if the machine has no suitable device (gpu/compute.h); the message advises to use the CPU backend.
   explicit GlMarcher(const GlMarcherLimits& limits = {});
 
   // Launches the particles of a shot, marches them and fills the channels that `hits` has with the results of resolve()
@@ -44,7 +44,7 @@ class GlMarcher {
   struct ShotWork {
     const MarchJob& job;
     Channels channels;
-    mutable double upload = 0;  // s, time to upload field and scene; set for a dispatch's first shot
+    mutable double upload = 0;  // s, time to upload field and scene; only set in the first work of a dispatch
 
     std::size_t rays() const { return job.shot.beams->size(); }
     std::uint64_t bytes() const { return DeviceResolver::bytesPerRay(channels) * rays(); }

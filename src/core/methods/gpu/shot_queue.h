@@ -37,7 +37,7 @@ class ShotQueue {
   // A function that submits works to the device, and starts the copy to `batch.hits`. Called by one thread at a time.
   using Dispatch = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;
 
-  // `mostBytes`: upper bound of the sum of bytes() of the works that share a dispatch; kMostBytesTogether is another.
+  // `mostBytes`: works share a dispatch only if their bytes() add up to at most this, and at most kMostBytesTogether.
   ShotQueue(const ComputeDevice& device, std::uint64_t mostBytes, Dispatch dispatch)
       : mostBytes_(std::min(mostBytes, kMostBytesTogether)), dispatch_(std::move(dispatch)) {
     for (std::size_t k = 0; k < kMostInFlight; ++k) free_.push_back(std::make_unique<Batch>(device));
@@ -45,9 +45,9 @@ class ShotQueue {
 
   struct Submitted {
     std::shared_ptr<Batch> batch;
-    std::size_t firstRay = 0;  // index of the work's first ray in the batch
+    std::size_t firstRay = 0;  // index in the batch of the work's first ray
   };
-  // Returns after this or another thread has submitted the work. Rethrows the exception if that fails.
+  // Returns after this or another thread has submitted the work. Rethrows the exception if submitting failed.
   Submitted submit(const Work& work) {
     Waiting waiting{work, {}, nullptr};
     std::unique_lock lock(mutex_);
@@ -76,8 +76,8 @@ class ShotQueue {
   };
 
   // Waits until fewer than kMostInFlight dispatches are in flight; then submits the first waiting work with the works
-  // that can share its dispatch. If that fails, submits each of them alone: a single work may fit into memory although
-  // several together did not. A thread may return as soon as its work is submitted: then its Waiting no longer exists.
+  // that can share its dispatch. If that fails, submits each of these works alone, because a single work may fit into
+  // memory. A thread may return from submit() as soon as its work is submitted: its Waiting then no longer exists.
   void dispatchNext(std::unique_lock<std::mutex>& lock) {
     dispatching_ = true;
     std::shared_ptr<Batch> batch = freeBatch(lock);
@@ -102,7 +102,8 @@ class ShotQueue {
             }};
   }
 
-  // Submits works, and sets the results of their `Waiting`. If several works fail together, returns false instead.
+  // Submits works together, sets the results of their Waiting, and returns true. If several works fail, only returns
+  // false.
   bool dispatch(const std::vector<Waiting*>& together, std::shared_ptr<Batch> batch,
                 std::unique_lock<std::mutex>& lock) {
     std::vector<const Work*> works;

@@ -100,8 +100,8 @@ class LightFollower {
     }
   }
 
-  // Appends the continuation of a ray after its hit at `range` (m), unless it is too weak. `fraction`: fraction of the
-  // light that continues.
+  // Appends the continuation of a ray after its hit at `range` (m), unless the continuation is too weak. `fraction`:
+  // fraction of the light that continues.
   void append(Continuation kind, const ContinuedRay& ray, float range, const Vec3d& direction, double fraction,
               std::vector<ContinuedRay>& continued) const {
     const double weight = ray.weight * (fraction * fraction);

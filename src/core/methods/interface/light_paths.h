@@ -41,9 +41,9 @@ struct Pane {
 };
 Pane paneOf(double cosine, double index, double inside);
 
-// Returns the fraction of light that a surface reflects as a mirror: as a pane, as a metal (Schlick, "An inexpensive
-// BRDF model for physically-based rendering", Eurographics 1994, eq. 15) or as a smooth face. Returns 0 if the material
-// is rough.
+// Returns the fraction of light that a surface reflects as a mirror. A transmissive material reflects as a pane;
+// Material::metallic mixes other materials from a metal (Schlick, "An inexpensive BRDF model for physically-based
+// rendering", Eurographics 1994, eq. 15) and a smooth face. Returns 0 if the roughness exceeds kMirrorRoughness.
 double mirrored(const Material& material, double cosine, double reflectance);
 
 // Continues rays through transmissive materials (in the same direction) and off mirrors (in the mirrored direction), as

@@ -60,8 +60,8 @@ class Method {
   virtual TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const = 0;
   // Returns which features of the scene the method models and which it leaves out, for `plan` and the manifest.
   virtual std::vector<ModelledItem> modelled() const = 0;
-  // Returns approximately the bytes that the scene's meshes and the method's caches take, as far as they are loaded
-  // now; `plan` reports the number.
+  // Returns approximately how many bytes the loaded meshes of the scene and the method's caches take at present; `plan`
+  // reports the number.
   virtual std::uint64_t memoryBytes() const = 0;
   // Returns this method if it renders passes that can be saved (MethodCapabilities::passes), otherwise null.
   virtual const DepthCamera* depthCamera() const { return nullptr; }

@@ -16,9 +16,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMemoryFraction = 0.125;  // fraction of memoryLimitBytes() that more than kFewestPools pools may take
-// Least limit on the number of pools of fields around sensors: two for two drives, one under construction, one being
-// released.
+constexpr double kMemoryFraction = 0.125;  // if pools are more than kFewestPools, fraction of the memory limit for them
+// The limit on the number of pools is never below this: pools for two drives, one under construction, and one that is
+// being released.
 constexpr std::size_t kFewestPools = 4;
 constexpr std::size_t kFieldsOfPool = 2;  // largest number of cached fields per pool, for two sensors of a vehicle
 
@@ -28,8 +28,8 @@ bool contains(const Box& outer, const Box& inner) {
           outer.high.x >= inner.high.x && outer.high.y >= inner.high.y && outer.high.z >= inner.high.z);
 }
 
-// Returns the largest number of pools that may exist, including the pool of the field under construction: one per
-// thread and two more, if they fit into memory.
+// Returns the largest number of pools that may exist, including the pool of the field under construction: two more than
+// threads, or fewer if these take more than kMemoryFraction of the memory limit, but at least kFewestPools.
 std::size_t mostPoolsOf(const ParticleOptions& options) {
   const double fittingPools = kMemoryFraction * static_cast<double>(memoryLimitBytes()) / fieldBytes(options);
   const auto usefulPools = static_cast<double>(threadCount() + 2);
@@ -71,7 +71,7 @@ SensorField FieldStore::around(const Vec3d& sensor, double range, StageClock& cl
   return {.world = world, .field = fieldOf(world, shape, clock), .box = box, .coversScene = contains(box, scene)};
 }
 
-// Returns the field with this shape: from the cache, or built by this thread or with the others that wait for a field.
+// Returns the field with this shape. If it is not in the cache, this thread builds it, or helps another to build it.
 
 std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<const World>& world,
                                                          const FieldShape& shape, StageClock& clock) const {
@@ -93,7 +93,7 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
       construction->done.take();
     }
     if (construction->world != world || !(construction->shape == shape)) {
-      continue;  // another thread needed a different field first
+      continue;  // the field that was just built is a different one, for another thread
     }
     if (construction->failure) std::rethrow_exception(construction->failure);
     return construction->field;

@@ -14,7 +14,7 @@ double inverseOf(double component) {
   return 1 / (std::fabs(component) < kSmallest ? kSmallest : component);
 }
 
-// Clips the sections of lines to low <= coordinate <= high along one axis, on which the lines start at `origin` (m).
+// Clips the sections of lines to low <= coordinate <= high (m) on one axis. `origin`, `direction`: of the lines.
 void clip(double low, double high, const Lane& origin, const Lane& direction, Sections& sections) {
   for (int i = 0; i < kPacket; ++i) {
     const double inverse = inverseOf(direction[i]);

@@ -112,7 +112,7 @@ class ListIntersector {
  private:
   struct QueuedLine {
     std::uint32_t line;
-    std::uint32_t cornerOrList;  // the corner; in intersect() the start of its list
+    std::uint32_t cornerOrList;  // the corner, which intersect() replaces by the start of the corner's list
   };
   struct Pair {
     std::uint32_t line, triangle;
@@ -127,7 +127,7 @@ class ListIntersector {
 };
 
 inline void ListIntersector::intersect() {
-  std::size_t lists = 0;
+  std::size_t lists = 0;  // number of lines that have a list; these move to the front of queued_
   for (const QueuedLine& queued : queued_) {
     const std::uint32_t list = field_.triangleOrList[queued.cornerOrList];
     if (list == kNoTriangle) continue;
@@ -145,8 +145,7 @@ inline void ListIntersector::intersect() {
     }
   }
   queued_.clear();
-  // The last pair is repeated to fill the last lanes. Repeats change nothing, because only a nearer hit replaces
-  // another.
+  // Repeats the last pair to fill the last lanes. Repeats change nothing, because only a nearer hit replaces a hit.
   for (; count % kLanes != 0; ++count) pairs_[count] = pairs_[count - 1];
   for (std::size_t k = 0; k < count; k += kLanes) intersectPairs(pairs_.data() + k);
 }
@@ -259,7 +258,7 @@ struct LaneGroup {
   std::size_t particle[kLanes] = {};
   LaneBits active = 0;  // lanes that have a particle
 
-  // State of the current step.
+  // State of the current step. Here and above, `travelled` is in voxels of level 0.
   HWY_ALIGN_MAX LaneFloats inVoxel[3] = {}, scale = {};  // position in the voxel, 0 to 1; scale = 2^-level
   HWY_ALIGN_MAX LaneWords voxel[3] = {};                 // coordinates of the voxel in its brick
   HWY_ALIGN_MAX LaneWords entry = {};                    // the brick's entry in DistanceField::table
@@ -414,8 +413,8 @@ class ParticleStream {
     for (int k = 0; k < 3; ++k) {
       q[k] = hn::Add(hn::Load(kFloats, group.origin[k]), hn::Mul(hn::Load(kFloats, group.direction[k]), travelled));
     }
-    // The level is the binary logarithm of the largest coordinate's ratio to the reach of level 0, rounded up: the
-    // exponent of float32, which is in bits 23 to 30, plus 127. The subtracted 1 is for powers of two.
+    // The level is the binary logarithm of `share`, rounded up: `share`'s exponent, bits 23 to 30 of the float32, minus
+    // 126. Subtracting 1 from the bits first makes the level right for powers of two too.
     const Floats largest = hn::Max(hn::Abs(q[0]), hn::Max(hn::Abs(q[1]), hn::Abs(q[2])));
     const Floats share = hn::Mul(largest, hn::Set(kFloats, 1.0f / field_.shape.reach));
     const Ints exponent = hn::ShiftRight<23>(hn::Sub(hn::BitCast(kInts, share), hn::Set(kInts, 1)));
@@ -428,7 +427,7 @@ class ParticleStream {
       const Floats offset = tables_.at(kFloats, tables_.offset[k], level);
       const Floats u = hn::Max(hn::Add(hn::Mul(q[k], scale), offset), hn::Zero(kFloats));
       const Ints corner = hn::Min(hn::ConvertTo(kInts, u), tables_.at(kInts, tables_.last[k], level));
-      const Words voxel = hn::BitCast(kWords, corner);  // divided by kBrickVoxels = 8: the brick and a remainder
+      const Words voxel = hn::BitCast(kWords, corner);  // kBrickVoxels = 8 times the brick, plus a remainder
       brick[k] = hn::ShiftRight<3>(voxel);
       hn::Store(hn::And(voxel, hn::Set(kWords, kBrickVoxels - 1)), kWords, group.voxel[k]);
       hn::Store(hn::Sub(u, hn::ConvertTo(kFloats, corner)), kFloats, group.inVoxel[k]);
@@ -495,7 +494,7 @@ class ParticleStream {
     return cell;
   }
 
-  // Returns the distance (voxels) that the corner nearest to the particle has.
+  // Returns the distance (voxels) that is stored at the corner nearest to the particle.
   static Floats nearestDistance(const LaneGroup& group) {
     Words row = hn::Load(kWords, group.rows[0]);
     if constexpr (!kLists) {
@@ -519,7 +518,7 @@ class ParticleStream {
     return hn::Mul(between, hn::Set(kFloats, kDistanceStep));
   }
 
-  // Returns the length (voxels) after which the particle leaves its voxel.
+  // Returns the length (voxels) to the exit from the voxel around a corner. `r`: the particle relative to the corner.
   static Floats exitOf(const LaneGroup& group, const Floats (&r)[3]) {
     const auto face = [&](int k) {
       const Floats inverse = hn::Load(kFloats, group.inverse[k]);
@@ -569,8 +568,8 @@ class ParticleStream {
     return ball;
   }
 
-  // The length of a step (voxels), and whether the particle may hit a surface within this length: without lists,
-  // whether it hits the surface where it is now.
+  // The length of a step (voxels), and whether the particle may hit a surface on the step (with lists), or is at a
+  // surface already (without lists).
   struct Stride {
     Floats length;
     Mask mayHit;
@@ -590,7 +589,7 @@ class ParticleStream {
     return {hn::IfThenElse(full, inFullBrick, ball.ahead), hn::AndNot(emptyVoxel, leavesBall)};
   }
 
-  // Near a surface, a particle moves by the interpolated distance, and hits the surface if this is small.
+  // Near a surface, a particle moves by the interpolated distance. It hits the surface if that is <= kHitDistance.
   HWY_INLINE static Stride strideWithoutLists(const LaneGroup& group, const FreeBall& ball) {
     if (hn::AllTrue(kFloats, ball.isolated)) return {ball.ahead, hn::FirstN(kFloats, 0)};
     const Floats distance = interpolate(group);
@@ -604,7 +603,7 @@ class ParticleStream {
     const Floats d[3] = {hn::Load(kFloats, group.direction[0]), hn::Load(kFloats, group.direction[1]),
                          hn::Load(kFloats, group.direction[2])};
     const Floats travelled = hn::Load(kFloats, group.travelled);
-    // The inverse of a power of two, by its bits.
+    // Computes 1 / scale from the bits: scale is a power of two.
     const Words scale = hn::BitCast(kWords, hn::Load(kFloats, group.scale));
     const Floats voxelSize = hn::BitCast(kFloats, hn::Sub(hn::Set(kWords, 254u << 23), scale));
     const FreeBall ball = freeBallOf(group, d);
@@ -659,7 +658,7 @@ class ParticleStream {
     return hits;
   }
 
-  // Records the hit of the particle in a lane of group g.
+  // Records the hit of the particle in a lane of group g. Without lists, `triangle` is the corner: see ParticleStream.
   void recordHit(std::size_t g, std::size_t lane) {
     const LaneGroup& group = groups_[g];
     float travelled = group.travelledBefore[lane];

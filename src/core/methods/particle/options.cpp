@@ -32,7 +32,7 @@ std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
 constexpr std::uint32_t kUsualLevels = 5;  // assumed for `levels: auto`; enough for ranges of 120 to 200 m
 constexpr double kFarthestBrick = 1e15;    // largest lattice coordinate of a brick: its corners are exact in double
 
-// Returns the point (m) with these lattice coordinates, in units of `size` (m).
+// Returns the point (m) whose lattice coordinates, in units of `size` (m), are these.
 Vec3d pointOf(const Corner& corner, double size) {
   return {static_cast<double>(corner[0]) * size, static_cast<double>(corner[1]) * size,
           static_cast<double>(corner[2]) * size};
@@ -84,17 +84,17 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
   shape.voxel = options.voxel;
   const Corner centre = nearestBrickCorner(sensor, options.voxel);
   shape.centre = pointOf(centre, kBrickVoxels * options.voxel);
-  // The middle of a coarse level's box may be half a brick away from the centre; one more voxel is a margin.
+  // The middle of a coarse level's box may be half a brick away from the field's centre; one more voxel is a margin.
   shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
   std::uint32_t levels = options.levels;
   if (levels == 0) {
-    // m, from the field's centre; it may be up to a brick away from the sensor
+    // m, from the field's centre, which is up to half a brick away from the sensor along each axis
     const double neededReach = std::min(range + kBrickVoxels * options.voxel, largestCoordinate(scene, shape.centre));
     const auto reachOfLevel = [&](std::uint32_t l) { return std::ldexp(double{shape.reach} * options.voxel, int(l)); };
     levels = 1;
     while (levels < kMaxLevels && reachOfLevel(levels - 1) < neededReach) ++levels;
   }
-  const std::uint32_t bricks = options.voxels / kBrickVoxels;  // across a level
+  const std::uint32_t bricks = options.voxels / kBrickVoxels;  // number of bricks along an edge of a level
   for (std::uint32_t l = 0; l < std::min(levels, kMaxLevels); ++l) {
     LevelBox box{.firstBrick = {}, .bricks = {bricks, bricks, bricks}};
     const std::int64_t half = (std::int64_t{1} << l) >> 1;  // so that the shift rounds to the nearest brick
@@ -106,12 +106,12 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
 }
 
 double fieldBytes(const ParticleOptions& options) {
-  // Number of a level's full bricks in a street scene, divided by the square of the number of bricks along its edge.
+  // Number of a level's full bricks in a street scene, divided by the square of the number of bricks along an edge.
   constexpr double kFullBricks = 3.0;
   constexpr double kCornerBytes = sizeof(std::uint16_t) + sizeof(std::uint32_t);  // distance, triangle or list
-  constexpr double kListBytes = 3000;  // of a full brick, measured in the same scene
-  constexpr double kEntryBytes = 4;    // of a brick in the table
-  const double bricks = static_cast<double>(options.voxels) / kBrickVoxels;  // along an edge
+  constexpr double kListBytes = 3000;  // bytes of a full brick's lists, measured in that scene
+  constexpr double kEntryBytes = 4;    // bytes of a brick's table entry
+  const double bricks = static_cast<double>(options.voxels) / kBrickVoxels;  // number along an edge
   const double bytesPerFullBrick =
       kBrickStride * kCornerBytes + (options.refine == Refine::ByTriangle ? kListBytes : 0);
   const double bytesPerLevel =

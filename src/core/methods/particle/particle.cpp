@@ -120,7 +120,7 @@ class ParticleMethod : public Method {
     parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
       Particles particles;
       HitRecords records;
-      std::vector<std::uint32_t> indices;  // of all particles of a piece
+      std::vector<std::uint32_t> indices;  // indices of all particles of a piece
       UnreliableBeams countsOfThread;
       std::vector<std::uint32_t> unresolved;
       for (std::size_t p = first; p < last; ++p) {
@@ -146,8 +146,8 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // Marches on the device. The CPU marches all rays of the tiles that have a ray that the device leaves because of
-  // rounding.
+  // Marches on the device. If the device leaves a ray to the CPU because of rounding, the CPU marches all rays of the
+  // ray's tile.
   UnreliableBeams marchOnDevice(const MarchJob& job, Hits& hits, StageClock& clock) const {
     std::vector<UnresolvedRay> unresolved;
     gl_->march(job, hits, unresolved, clock);
@@ -157,7 +157,7 @@ class ParticleMethod : public Method {
       return tileAt(ray / hits.columns, column, hits.columns);
     };
     const auto firstRayOf = [&](const Tile& tile) { return tile.ring * hits.columns + tile.column; };
-    std::vector<Tile> cpuTiles;  // ascending, as the rays are
+    std::vector<Tile> cpuTiles;  // in ascending order, since the rays are
     for (const UnresolvedRay& ray : unresolved) {
       if (ray.reason != UnresolvedReason::Rounding) continue;
       const Tile tile = tileOf(ray.ray);

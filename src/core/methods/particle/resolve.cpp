@@ -47,11 +47,11 @@ bool isInHole(const MarchJob& job, std::uint32_t triangle, const Vec3d& point) {
   return transparentAt(*job.sensorField.world, job.triangles(), triangle, at.x, at.y);
 }
 
-// Lets the particles that hit a hole of a triangle's texture continue behind the hole, again and again.
+// Lets each particle that hits a hole of a triangle's texture continue behind the hole, until it hits no more holes.
 void passHoles(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, HitRecords& records) {
   const TriangleBlock& block = job.triangles();
   if (block.firstAlpha >= block.triangles.size()) return;
-  std::vector<std::uint32_t> marched(records.size());  // the particles that have marched since they were looked at
+  std::vector<std::uint32_t> marched(records.size());  // particles whose latest hits have not been tested for holes
   std::iota(marched.begin(), marched.end(), 0u);
   Rays rays;
   while (true) {
@@ -96,8 +96,8 @@ void addUnresolved(const MarchJob& job, const Tile& tile, const Rays& rays, cons
 // Number of tiles whose triangles are prefetched together; these triangles fit into the L1 cache.
 constexpr std::size_t kTilesTogether = 16;
 
-// Prefetches the triangles that the tiles from `firstTile` on have hit, at most kTilesTogether tiles, because the
-// triangles are scattered in memory.
+// Prefetches the triangles that the rays of kTilesTogether tiles (fewer at the end) from `firstTile` on have hit,
+// because triangles are scattered in memory. `tiles`: number of all tiles.
 void prefetchHits(const MarchJob& job, const HitRecords& records, std::size_t firstTile, std::size_t tiles) {
   const std::size_t endTile = std::min(firstTile + kTilesTogether, tiles);
   for (std::size_t i = firstTile * kPacket; i < endTile * kPacket; ++i) {

@@ -36,8 +36,8 @@ float cosineOf(const World& world, const Candidate& c, const Vec3f& direction) {
   return static_cast<float>(std::abs(dot(normal, Vec3d(direction))));
 }
 
-// Accepts or rejects a candidate hit of a lane's ray at `distance` (m). If it is accepted, returns true and sets the
-// lane's nearest hit in the context, and `far`, the ray's end. `direction`: direction of the ray (world frame).
+// Accepts or rejects a candidate hit of a lane's ray at `distance` (m). If the candidate is accepted, returns true and
+// sets the lane's nearest hit in the context, and `far`, the ray's end. `direction`: the ray's direction (world frame).
 bool tryAccept(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction,
                const Candidate& candidate, float& far) {
   const float nearestSoFar = context.distance[lane];
@@ -101,7 +101,7 @@ void filterPacket(const RTCFilterFunctionNArguments* arguments, TieContext& cont
   auto* ray = reinterpret_cast<float*>(arguments->ray);
   const auto* hit = reinterpret_cast<const float*>(arguments->hit);
   const std::uint32_t firstLane = reinterpret_cast<const std::uint32_t*>(ray)[kId * N];
-  // The values of kWidth lanes, from a lane of the packet on.
+  // Return the values of kWidth consecutive lanes, from `lane` on.
   const auto valid = [&](int lane) -> Ints& { return *reinterpret_cast<Ints*>(arguments->valid + lane); };
   const auto far = [&](int lane) -> Floats& { return *reinterpret_cast<Floats*>(ray + kFar * N + lane); };
   const auto nearestSoFar = [&](int lane) -> Floats& {

@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Returns the triangle that has these ids of Embree.
+// Returns the triangle to which Embree has given these ids.
 inline HitTriangle hitTriangle(const World& world, std::uint32_t instance, std::uint32_t geometry,
                                std::uint32_t primitive) {
   const PlacedBlock* placed =
@@ -30,7 +30,7 @@ inline std::uint32_t instanceOf(const HitTriangle& hit) {
 struct TieContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;
-  float floor;                          // m, part of the tolerance for coplanar surfaces, see coplanarFloor()
+  float floor;                          // m, result of coplanarFloor(): part of the tolerance of coplanar surfaces
   alignas(64) float distance[kPacket];  // m, distance to the nearest surface; infinite: no hit yet
   alignas(64) std::uint32_t geometry[kPacket];
   alignas(64) std::uint32_t primitive[kPacket];
@@ -40,14 +40,14 @@ struct TieContext {
 };
 
 // Surfaces are treated as coplanar if the gap between them, along their normals, is at most kCoplanar times the
-// distance from the ray's origin, plus the floor. Of coplanar surfaces the one with the lowest instance id wins, then
-// the first instance of the scene, opaque before alpha-tested triangles, and the first triangle of the mesh, so that
-// the order of the traversal does not matter. The tolerance covers float32 rounding of distances, and of corners near
-// the sensor.
+// distance from the ray's origin, plus the floor. Of coplanar surfaces, the surface with the lowest instance id is hit;
+// if ids are equal, the first instance of the scene, then opaque before alpha-tested triangles, then the first triangle
+// of the mesh. The order of the traversal therefore does not matter. The tolerance covers float32 rounding of
+// distances, and of corners near the sensor.
 constexpr float kCoplanar = 4e-7f;
 constexpr float kCoplanarCorners = 64;  // m; the floor covers rounding of corners up to this far from the sensor
 
-// Returns the floor (m). `sensorToOrigin`: distance of the sensor from the world's origin (m).
+// Returns the floor of the tolerance (m). `sensorToOrigin`: distance of the sensor from the world's origin (m).
 inline float coplanarFloor(float sensorToOrigin) {
   constexpr float kRounding = 2.5e-7f;  // about four times the relative rounding error of float32, 2^-24
   return kRounding * (sensorToOrigin + kCoplanarCorners);

@@ -18,7 +18,7 @@ float nonTiny(double direction) {
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
-// Returns the length (m) of a ray whose hits do not matter beyond the distance `blockedBeyond` (m), at most `far`. The
+// Returns the length (m) to trace of a ray whose hits beyond `blockedBeyond` (m) do not matter, at most `far`. The
 // margin exceeds the difference between the range that follows from a triangle's plane and the traced range.
 float endOf(float blockedBeyond, float far) {
   constexpr auto kMargin = static_cast<float>(2 * kRangeErrorBound);
@@ -33,7 +33,7 @@ double travelOf(const Shot& shot) {
   return travel;
 }
 
-// Sets the lengths (m) of a tile's rays.
+// Sets `ends`, by lane, to the lengths (m) to which a tile's rays are traced.
 void findEnds(const PacketJob& job, const Tile& tile, float* ends) {
   const float far = searchDistance(*job.shot.beams);
   std::fill_n(ends, kPacket, far);
@@ -72,8 +72,8 @@ void intersectRays(const PacketJob& job, const Rays& rays, const float* firedAt,
   intersectPacket(job.world.embree.get(), context.embree, valid, packet);
 }
 
-// Returns the triangle that a lane's ray hits, and none if it misses. `triangles`: the triangles of the lanes before;
-// the lane's is often the last of them.
+// Returns the triangle that a lane's ray hits; an empty HitTriangle for a miss. `triangles`: the triangles of the lanes
+// before, the last of which is often the same triangle.
 HitTriangle triangleOf(const World& world, const TieContext& context, int lane, const HitTriangle* triangles) {
   if (!(context.distance[lane] < INFINITY)) return {};
   const auto isUnchanged = [&](const std::uint32_t* ids) { return ids[lane] == ids[lane - 1]; };
@@ -149,7 +149,7 @@ double farthestEnd(const Shot& shot, double farthestOrigin) {
 }
 
 double farthestEnd(const Shot& shot) {
-  constexpr float kLargestSensor = 1;   // m; rays that start farther from the sensor's origin continue others
+  constexpr float kLargestSensor = 1;   // m; a ray that starts farther from the sensor's origin continues another
   constexpr double kRoundUp = 1.00001;  // exceeds the rounding error of the squares
   const BeamTable& beams = *shot.beams;
   float farthestOrigin2 = 0;
@@ -158,7 +158,7 @@ double farthestEnd(const Shot& shot) {
     return farthestEnd(shot, kRoundUp * std::sqrt(farthestOrigin2));
   }
   const float far = searchDistance(beams);
-  double farthest = 0;  // from the sensor's origin
+  double farthest = 0;  // m, from the sensor's origin
   for (std::size_t ray = 0; ray < beams.origin.size(); ++ray) {
     farthest = std::max(farthest, length(Vec3d(beams.origin[ray])) + double{endOf(shot.blockedBeyond[ray], far)});
   }
@@ -166,7 +166,7 @@ double farthestEnd(const Shot& shot) {
 }
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits) {
-  // Two packets are in progress: while Embree traces one packet, the data for resolving the other is prefetched.
+  // Two packets are in progress: while Embree traces a packet, the data for resolving the packet before is prefetched.
   Pending pending[2];
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     begin(job, tiles[i], pending[i % 2], hits);

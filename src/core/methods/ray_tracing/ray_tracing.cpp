@@ -22,14 +22,14 @@ namespace scanmill {
 
 namespace {
 
-// How much more an angle between rings counts than one between columns when tiles are chosen: on the ground, rings hit
-// farther apart than columns at the same angle. Only the speed depends on it; no measurement of the value is recorded.
+// Weight of angles between rings, relative to angles between columns, when the shape of tiles is chosen: on the ground,
+// rings hit farther apart than columns at the same angle. Affects only the speed; the value was not measured.
 constexpr double kRingWeight = 3.5;
 
 // The map `ray_tracing: {...}` of a pipeline. `instancing` gives the same hits, up to float32 rounding.
 struct RayTracingOptions {
   Instancing instancing = Instancing::Auto;
-  double simplify = 1;  // fraction of each mesh's triangles that remains; 1: all
+  double simplify = 1;  // fraction of each mesh's triangles that is kept; 1: all
 };
 
 constexpr std::pair<const char*, Instancing> kInstancings[] = {

@@ -21,7 +21,7 @@ constexpr double kAngleMargin = 1e-6;  // rad, margin of the cone around a thing
 struct ThingContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;
-  std::uint32_t instanceId;  // of the thing
+  std::uint32_t instanceId;  // instance id of the thing
 };
 
 // A box that contains a thing during the complete revolution, in the box's own axes.
@@ -29,11 +29,11 @@ struct ThingExtent {
   Pose boxFromOrigin;
   Box box;
   Vec3d middle;       // m, relative to the world's origin
-  double radius = 0;  // m, of a ball around `middle` that contains the box
+  double radius = 0;  // m, radius of a ball around `middle` that contains the box
 };
 
-// Returns the extent of a thing in the `duration` after `start` (s). The box has the thing's axes in the middle of this
-// time; for a moving thing it contains the thing's boxes at start, middle and end.
+// Returns the extent of a thing from the time `start` (s) to start + duration. The box has the thing's axes in the
+// middle of this time; for a moving thing, it contains the thing's boxes at start, middle and end.
 ThingExtent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, double start, double duration) {
   const double middleTime = start + duration / 2;
   std::vector<double> times{middleTime};
@@ -55,10 +55,10 @@ ThingExtent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& wo
 }
 
 struct Interval {
-  double enter, leave;  // distances along the ray at which it enters and leaves a box (m)
+  double enter, leave;  // distances along a ray (m) at which the ray enters and leaves a box
 };
 
-// Returns where a ray (m, relative to the world's origin) crosses the thing's box; nothing if the ray misses the box.
+// Returns the part of a ray (m, relative to the world's origin) in the thing's box; nothing if the ray misses the box.
 std::optional<Interval> crossing(const ThingExtent& extent, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d o = extent.boxFromOrigin * origin;
   const Vec3d d = toMatrix(extent.boxFromOrigin.rotation) * direction;
@@ -82,7 +82,7 @@ std::optional<Interval> crossing(const ThingExtent& extent, const Vec3d& origin,
 // the revolution. `axis`: the cone's axis, the direction to the thing's centre from the sensor's first pose.
 // `farthestOrigin`: largest distance of a beam's origin from the sensor's origin (m).
 double coneAngle(const ThingExtent& extent, const ShotFrame& frame, const Vec3d& axis, double farthestOrigin) {
-  constexpr double kOutside = 1.01;  // in radii; from a sensor nearer than this, the thing may fill any direction
+  constexpr double kOutside = 1.01;  // in radii; seen from a nearer sensor, the thing may be in any direction
   const double radius = extent.radius + farthestOrigin;
   double angle = 0;
   for (const std::size_t step : {std::size_t{0}, frame.rotation.size() / 2, frame.rotation.size() - 1}) {

@@ -27,8 +27,8 @@ class Unobstructed {
   struct View {
     std::uint32_t beams = 0;  // number of beams that would hit the thing within the sensor's range
     // Index of a beam whose firing time counts as the time at which the sensor sees the thing: the median of the
-    // `beams` beams, ordered by firing time. If `beams` is 0, a beam that fires when the sensor points towards the
-    // thing.
+    // `beams` beams, ordered by firing time. If `beams` is 0, the beam of the middle ring that is nearest to the
+    // thing's direction.
     std::uint32_t middle = 0;
   };
   // Returns the view of a thing (an index into ThingBoxes::things()) in a shot, traced with one ray along the axis of

@@ -52,7 +52,7 @@ void fillVertices(TriangleBlock& block, const std::vector<BlockSource>& sources)
 }
 
 // Computes the triangles' planes in double from the meshes' corners and transforms, without the rounding of transformed
-// vertices. The source of a triangle is the last one whose first vertex is not after the triangle's first corner.
+// vertices. The source of a triangle is the last source whose first vertex is not after the triangle's first corner.
 void fillPlanes(TriangleBlock& block, const std::vector<BlockSource>& sources) {
   constexpr std::size_t kGrain = 4096;  // triangles per task
   parallelFor(block.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -72,8 +72,8 @@ bool needsUvs(const Scene& scene, const Mesh& mesh) {
   return !mesh.uvs.empty() && std::ranges::any_of(mesh.surfaces, isTextured);
 }
 
-// Adds the triangles [first, end) of a block to an Embree scene, as the geometry `id`, unless there are none. Null
-// filters: no filter.
+// Adds the triangles [first, end) of a block, if there are any, to an Embree scene as the geometry `id`. If a filter is
+// null, its hits are not filtered.
 void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& block, std::uint32_t first,
                      std::uint32_t end, unsigned id, RTCFilterFunctionN filter, RTCFilterFunctionN occlusionFilter) {
   if (first == end) return;
@@ -94,7 +94,7 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
 }  // namespace
 
 DeviceHandle makeDevice() {
-  // Ranges differ in their last bits between instruction sets.
+  // Embree's instruction set can be chosen, because ranges differ in their last bits between instruction sets.
   const char* const isa = std::getenv("SCANMILL_ISA");
   constexpr std::array<std::string_view, 5> kIsas{"sse2", "sse4.2", "avx", "avx2", "avx512"};
   if (isa != nullptr && std::ranges::find(kIsas, isa) == kIsas.end()) {

@@ -18,7 +18,7 @@ namespace scanmill {
 
 // The labels of hits on a triangle.
 struct HitSurface {
-  std::uint32_t instance = 0;  // see TriangleBlock::surfaces
+  std::uint32_t instance = 0;  // the number that TriangleBlock::surfaces describes
   std::uint16_t semantic = 0;
   std::uint16_t material = 0;
 };
@@ -44,7 +44,7 @@ struct TriangleBlock {
   std::uint32_t firstAlpha = 0;      // triangles with at least this index are alpha-tested
 
   const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
-  // Returns the index in `triangles` of the triangle that has these numbers in Embree.
+  // Returns the index in `triangles` of the triangle that Embree knows by these numbers.
   std::uint32_t indexOf(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
     return primitiveOfGeometry + (geometry == 0 ? 0 : firstAlpha);
   }
@@ -70,13 +70,13 @@ struct HierarchyOptions {
 struct BlockSource {
   const Mesh* mesh;
   Affine blockFromMesh;
-  std::uint32_t firstVertex, firstSurface;  // where the mesh's vertices and surfaces begin in the block
+  std::uint32_t firstVertex, firstSurface;  // indices in the block of the mesh's first vertex and surface
 };
 
 // Fills an empty block, whose surfaces are set, with the triangles of meshes. `scene` has the meshes' materials.
 void fillBlock(TriangleBlock& block, const Scene& scene, const std::vector<BlockSource>& sources);
 
-// Returns the block of a mesh in the mesh's own axes. Its HitSurface::instance are the objects' numbers.
+// Returns the block of a mesh in the mesh's own axes. Each HitSurface::instance is the object's number in the mesh.
 std::unique_ptr<TriangleBlock> blockOf(const Scene& scene, const Mesh& mesh);
 
 SceneHandle newScene(RTCDeviceTy* device);  // watertight at the edges of triangles

@@ -49,10 +49,10 @@ struct HitLabels {
   std::uint32_t primitive[kPacket];
 };
 
-// Returns zero for lanes without a hit. Neighbouring lanes often hit the same triangle, which is looked up once.
+// Returns the labels of all lanes, 0 without a hit. If neighbouring lanes hit the same triangle, looks it up only once.
 HitLabels labelsOf(const TileHits& tileHits) {
   HitLabels labels{};
-  const HitTriangle* lookedUp = nullptr;  // the hit whose labels `surface` and `primitive` are
+  const HitTriangle* lookedUp = nullptr;  // the hit to which `surface` and `primitive` belong
   HitSurface surface{};
   std::uint32_t primitive = 0;
   for (int i = 0; i < kPacket; ++i) {
@@ -111,7 +111,7 @@ void storeNormals(const TileHits& tileHits, Hits& hits) {
 }
 
 // The poses of the rays of a packet, by component and lane. The components are the columns of the rotation, then the
-// position. The second half of the lanes is room for writes of kPacket values that begin at any lane.
+// position. Each component has 2 * kPacket values, because fillFrom() writes kPacket values from any lane on.
 struct LanePoses {
   alignas(64) double component[12][2 * kPacket];
 
@@ -124,7 +124,7 @@ struct LanePoses {
   }
 };
 
-// Sets up the rays of a tile of one ring and kPacket columns. The arithmetic is that of Mat3 * Vec3d, lane by lane.
+// Sets up the rays of a tile of one ring and kPacket columns. Calculates lane by lane, as Mat3 * Vec3d does.
 void setUpRowOfRays(const ShotFrame& frame, const BeamTable& beams, const Tile& tile, Rays& rays) {
   const std::size_t first = std::size_t{tile.ring} * beams.columns + tile.column;
   const std::uint32_t* const step = &frame.step[tile.column];

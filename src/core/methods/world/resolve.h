@@ -21,13 +21,13 @@ constexpr int kPacket = 16;
 struct ShotFrame {
   std::vector<Mat3> rotation;  // one rotation per step of the revolution
   std::vector<Vec3d> position;
-  std::vector<std::uint32_t> step;  // step of each column: Shot::stepOf()
+  std::vector<std::uint32_t> step;  // by column: the step of the revolution, Shot::stepOf()
   // Time at which each column fires, as a fraction (0 to 1) of the revolution. Empty if nothing moves, or if the table
   // gives each ray a time of its own.
   std::vector<float> columnFraction;
 };
 
-// `duration`: duration (s) of the revolution of a world in which something moves; otherwise 0.
+// Returns a shot's frame in a world with this origin (m). `duration`: of the revolution (s); 0 if nothing moves.
 ShotFrame frameOf(const Shot& shot, const Vec3d& origin, double duration = 0);
 
 // A rectangle of at most 16 beams: rings [ring, ring + rows) x columns [column, column + width).
@@ -134,7 +134,7 @@ void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes)
 // Sets each range to the traced range. A hit outside of the sensor's range limits becomes a miss.
 void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes);
 
-// Writes the tile's hits to the channels that `hits` has. `materials`: those of the scene. `triangles`: one per lane.
+// Writes a tile's hits to the channels that `hits` has. `materials`: the scene's materials; `triangles`: one per lane.
 void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const HitPlanes& planes,
            const HitTriangle* triangles, Hits& hits);
 

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns a mesh of some of a mesh's triangles (indices), with the vertices that these triangles use.
+// Returns a mesh that has the triangles of `mesh` with these indices, and only the vertices that these triangles use.
 Mesh excerpt(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   constexpr std::uint32_t kUnused = 0xFFFFFFFFu;
   thread_local std::vector<std::uint32_t> numbers;  // by vertex of the mesh: its number in the excerpt, or kUnused
@@ -106,7 +106,7 @@ void SharedMeshes::build(std::span<const std::size_t> numbers) const {
   });
   for (const std::size_t number : numbers) {
     Part& part = parts_[number];
-    part.state.wait(Part::State::InProgress);  // another thread builds it
+    part.state.wait(Part::State::InProgress);  // another thread builds the part
     if (part.failure) std::rethrow_exception(part.failure);
   }
 }

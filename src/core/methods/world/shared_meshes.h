@@ -1,8 +1,8 @@
 #pragma once
 
-// The meshes that are instanced, and Embree's hierarchies of them: for all origins and revolutions, each built when a
-// world first needs it. Large meshes, such as the ground of a town, are divided into parts, so that the ground far from
-// the sensor needs no hierarchy.
+// The instanced meshes and Embree's hierarchies of them, which the worlds of all origins and revolutions share. A
+// hierarchy is built when a world first needs it. Large meshes, such as the ground of a town, are divided into parts:
+// the ground far from the sensor then needs no hierarchy.
 
 #include <atomic>
 #include <cstddef>
@@ -24,7 +24,7 @@ class SharedMeshes {
     enum class State { Missing, InProgress, Finished };
 
     const Mesh* mesh = nullptr;
-    std::vector<std::uint32_t> triangles;  // the part's triangles of the mesh, ascending; empty: all, or part is built
+    std::vector<std::uint32_t> triangles;  // ascending indices in the mesh; empty if all triangles, or if built
     Box bounds;                            // m, in the mesh's axes
     std::unique_ptr<TriangleBlock> block;
     SceneHandle hierarchy;
@@ -32,8 +32,8 @@ class SharedMeshes {
     std::atomic<State> state = State::Missing;
   };
 
-  // `instanced`: for each mesh, whether it has parts. If `divided`, meshes of more than twice kTrianglesOfPart
-  // triangles have several parts. The scene and the device must outlive this object.
+  // `instanced`: for each mesh, true if it is instanced and thus has parts. If `divided` is true, meshes of more than
+  // 2 * kTrianglesOfPart triangles have several parts. The scene and the device must outlive this object.
   SharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
                const HierarchyOptions& options, bool divided = false);
 

@@ -16,7 +16,7 @@ namespace {
 // equally fast, and instancing takes half the memory.
 constexpr std::uint64_t kFlattenedTriangles = 500'000;
 
-constexpr std::uint64_t kMostVertices = 0xFFFFFFF0u;  // of a block, whose indices have 32 bits
+constexpr std::uint64_t kMostVertices = 0xFFFFFFF0u;  // largest number in a block, whose indices have 32 bits
 
 // Fills World::baked with the instances of all meshes that are not instanced.
 void bake(World& world, const std::vector<bool>& instanced) {
@@ -50,7 +50,7 @@ double distanceFromOrigin(const Box& box) {
 }
 
 // Sets World::placed, without blocks, to the parts of instanced meshes that are within reach at some time of the
-// revolution. Returns the number of each part in `shared`.
+// revolution. Returns, for each element of World::placed, the number of its part in `shared`.
 std::vector<std::size_t> placeParts(World& world, const std::vector<bool>& instanced, const SharedMeshes& shared) {
   const Revolution& revolution = world.revolution;
   std::vector<std::size_t> parts;

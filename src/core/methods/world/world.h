@@ -64,7 +64,7 @@ struct World {
 };
 
 // Builds the world of a scene around `origin` (m). `instanced`: the result of instancedMeshes(). `shared`: the meshes
-// that are instanced; must outlive the world, as the scene.
+// that are instanced. The scene and `shared` must outlive the world.
 std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const Vec3d& origin,
                                   const std::vector<bool>& instanced, const SharedMeshes& shared,
                                   const HierarchyOptions& options, const Revolution& revolution = {});

@@ -1,5 +1,5 @@
-// Renders with Blender's Cycles: scripts/blender_passes.py makes Blender write depths and ids into OpenEXR files, which
-// this file reads.
+// Renders with Blender's Cycles: the script scripts/blender_passes.py makes Blender write depths and ids into OpenEXR
+// files. The renderer reads these files.
 
 #include <fmt/core.h>
 
@@ -34,8 +34,8 @@ constexpr double kReach = 512;                 // m, largest distance of the cam
 constexpr double kPlaneShare = 1e-3;           // largest difference of Blender's depth from the depth of the triangle's
                                                // plane, as a fraction of the depth
 constexpr std::size_t kFrameGrain = 1 << 14;   // number of pixels of one parallel task
-// If an image has more than this number of pixels with a depth, and none of its pixels has an id, ids are missing: this
-// is an error. Fewer pixels without ids may be cut-outs.
+// If more than this number of pixels of an image have a depth and no pixel has an id, Blender has not written ids: this
+// is an error. If fewer pixels have a depth, all of them may be cut-outs.
 constexpr std::ptrdiff_t kFewestWithoutIds = 1000;
 
 // The visible triangle and depth of each pixel, from which a Resolver computes the passes.
@@ -79,8 +79,8 @@ class ExactDepth {
     }
   }
 
-  // Returns the depth (m) of the triangle's plane at a pixel's centre; or `visible.depth`, which is Blender's, if the
-  // two differ by more than the fraction kPlaneShare of Blender's, as for a triangle seen edge-on.
+  // Returns the depth (m) of the triangle's plane at a pixel's centre. If it differs from Blender's depth, which is
+  // `visible.depth`, by more than a fraction of kPlaneShare, as for a triangle seen edge-on, returns Blender's depth.
   float depthAt(std::size_t column, std::size_t row, const VisibleTriangle& visible) const {
     const Affine& cameraFromMesh = cameraFromMesh_[visible.instance - 1];
     const Mesh& mesh = scene_.meshes[scene_.instances[visible.instance - 1].mesh];
@@ -134,8 +134,8 @@ class BlenderRenderer : public PassRenderer {
     device_ = fmt::format("Blender {} (Cycles on {} threads)", ready.text, threads_);
   }
 
-  // Loads the scene into Blender, relative to an origin near the cameras. Does nothing if the last origin is near
-  // enough.
+  // Loads the scene into Blender, relative to the origin `near`. Does nothing if Blender has the scene relative to an
+  // origin within kReach of `near`.
   void load(const Vec3d& near) {
     if (origin_ && length(near - *origin_) <= kReach) return;
     origin_ = near;
@@ -200,8 +200,8 @@ class BlenderRenderer : public PassRenderer {
     return pixels;
   }
 
-  // Reads an image that Blender has rendered, which may be larger than the camera's (kMinSide). Sets the pixels of the
-  // camera's image that show a surface, row by row from `triangles`.
+  // Reads an image that Blender has rendered; it may be larger than the camera's image (kMinSide). Sets the elements of
+  // `triangles`, one per pixel of the camera's image, row by row, for pixels that show a surface.
   void readImage(const std::filesystem::path& file, const Camera& camera, const DrawLimits& limits,
                  VisibleTriangle* triangles) {
     const ExrReader reader(file);

@@ -96,7 +96,7 @@ class CameraReader {
     refuse(kMatrix, fmt::format("fx {:g} and fy {:g} must be above 0", camera.fx, camera.fy));
   }
 
-  // Returns worldFromCamera: the rotation from the quaternion if the file has one, because the matrix is rounded.
+  // Returns worldFromCamera. Reads the rotation from the quaternion if the file has it, because the matrix is rounded.
   Pose readPose() const {
     constexpr double kRoundedRotation = 1e-5;  // largest difference() of a rotation in float32 from an exact one
     constexpr const char* kMeaning =
@@ -124,8 +124,8 @@ class CameraReader {
     return {rotation, translation};
   }
 
-  // Throws InputError if the stated field of view (deg) does not fit the camera matrix, as happens if an image is
-  // scaled but its matrix is not.
+  // Throws InputError if the file's attribute for the field of view differs from `field` (deg), which follows from the
+  // camera matrix. They differ if a program has scaled the image but not the matrix.
   void checkField(const char* attribute, double field) const {
     constexpr double kTolerance = 1e-3;  // deg, for fields of view that were rounded to three decimals
     const auto* claimed = optional<double>(attribute, "double");

@@ -37,10 +37,10 @@ namespace {
 constexpr std::int64_t kMostAcross = 65536;                    // px, largest width and height of an image
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;  // 268 million
 constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
-// Upper bound of the compression ratio of OpenEXR's lossless methods: deflate's longest match gives 258 bytes for 2
-// bits.
+// Upper bound of the compression ratio of OpenEXR's lossless methods: deflate encodes 258 bytes, the longest match, in
+// at least 2 bits.
 constexpr std::uint64_t kMostGain = 1100;
-constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // largest band (bytes), unless 32 rows or a tile are larger
+constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // largest band of rows, unless 32 rows or a tile are more
 
 // A stream of encoded bytes for OpenEXR. Several streams may read the same bytes.
 class MemoryInput : public Imf::IStream {
@@ -208,8 +208,8 @@ bool isPlain(const Imf::Header& header) {
   return std::endian::native == std::endian::little;
 }
 
-// Does the same as readRows(), but only for a part for which isPlain() is true. OpenEXR decodes pixel by pixel, which
-// would take a third of the time for making scans from stored hits.
+// Does the same as readRows() for a part for which isPlain() is true. OpenEXR decodes pixel by pixel, which would take
+// a third of the time of making scans from stored hits.
 void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
               std::size_t end) {
   const Imf::Header& header = file.header(part);
@@ -250,8 +250,8 @@ void guarded(const std::string& name, Work&& work) {
   }
 }
 
-// Throws InputError if a part's image is cropped or differs in size from `firstPart`, the window of the file's first
-// part (nothing: this is the first part).
+// Throws InputError if a part's image is cropped, or if its window differs from `firstPart`, the window of the file's
+// first part (nothing if this is the first part).
 void requireWindow(const std::string& name, const Imf::Header& header, const std::optional<Imath::Box2i>& firstPart) {
   const Imath::Box2i& data = header.dataWindow();
   if (data != header.displayWindow()) {
@@ -313,7 +313,7 @@ class MemoryOutput : public Imf::OStream {
   std::size_t position_ = 0;
 };
 
-// Adds an attribute of the value's type to a header; none for std::monostate.
+// Adds an attribute of the value's type to a header. Adds nothing for std::monostate.
 void addAttribute(Imf::Header& header, const std::string& name, const ExrValue& value) {
   if (const auto* text = std::get_if<std::string>(&value)) {
     header.insert(name, Imf::StringAttribute(*text));

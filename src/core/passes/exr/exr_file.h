@@ -20,8 +20,8 @@ namespace scanmill {
 
 using ExrMatrix3 = std::array<double, 9>;  // row by row
 using ExrMatrix4 = std::array<double, 16>;
-// The value of an attribute. std::monostate: the attribute has a type that is not read. Numbers and matrices of either
-// precision are read as double.
+// The value of an attribute; std::monostate if the program does not read the attribute's type. Numbers and matrices of
+// float32 and of double are both read as double.
 using ExrValue = std::variant<std::monostate, std::string, double, Vec3d, ExrMatrix3, ExrMatrix4>;
 using ExrAttributes = std::map<std::string, ExrValue>;
 
@@ -58,8 +58,8 @@ struct ExrTarget {
   std::size_t stride = 4;  // bytes from pixel to pixel
 };
 
-// A file that is in memory, still encoded: with scan lines or tiles, and one part or several of the same size. Deep
-// parts are ignored. All members throw InputError that names the file.
+// An encoded file in memory. The file may have scan lines or tiles, and one part or several of the same size. Deep
+// parts are ignored. All members throw InputError, with the file's name.
 class ExrReader {
  public:
   // Throws for files that are not EXR, files that are too short for their images, damaged headers, images that are too

@@ -33,7 +33,7 @@ void forColumns(AnyHits& hits, const Visit& visit) {
 constexpr const char* kUnresolved = "unresolved";
 constexpr const char* kNormal[] = {"N.X", "N.Y", "N.Z"};
 
-// Reads one file: decodes all channels together, those of 16-bit values into words_, then checks and converts them.
+// Reads one file: decodes all channels together, then checks them. Columns of 16-bit values are converted from words_.
 class HitsReader {
  public:
   HitsReader(const std::filesystem::path& path, Hits& hits) : file_(path), hits_(hits) {}
@@ -146,7 +146,7 @@ void writeHits(const std::filesystem::path& path, const Hits& hits) {
     if (size == hits.size()) return;
     throw Error("{}: the column '{}' has {} entries, not {} x {}", path.string(), name, size, hits.rings, hits.columns);
   };
-  std::map<std::string, std::vector<std::uint32_t>> words;  // the channels whose columns are not of 32-bit values
+  std::map<std::string, std::vector<std::uint32_t>> words;  // by channel: 32-bit copies of columns of 16-bit values
   forColumns(hits, [&]<class T>(const char* name, const std::vector<T>& column) {
     if (column.empty()) return;
     checkSize(name, column.size());

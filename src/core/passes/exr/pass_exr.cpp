@@ -62,8 +62,8 @@ const ExrChannel* findInAnyLayer(const ExrReader& file, const std::string& name)
   return layered;
 }
 
-// Returns a channel "<layer>.Z" that is a depth: not the third component of a vector, and without further levels
-// (unlike Blender's "<layer>.Mist.Z"). Null if there is none.
+// Returns a channel "<layer>.Z" that is a depth; null if there is none. It must not be the third component of a vector,
+// and its name must not have further levels, as Blender's "<layer>.Mist.Z" has.
 const ExrChannel* findLayerZ(const ExrReader& file) {
   const auto isDepth = [&](const ExrChannel& channel) {
     if (!channel.name.ends_with(".Z") || channel.name.find('.') != channel.name.size() - 2) return false;
@@ -174,7 +174,7 @@ class PassReader {
     file_.read(targets);
   }
 
-  // A plane's ids as the file stores them: integers, or the bits of floats, as Blender writes them.
+  // A plane's ids as the file stores them: integers or, in files of Blender for instance, the bits of floats.
   struct RawIds {
     std::string channel;
     bool areFloats = false;
@@ -303,8 +303,8 @@ class PassReader {
     if (away > 0) refuseMostAway(away);
   }
 
-  // Throws InputError if most normals face away from the camera (`away`: their number). A file with wrong camera axes
-  // is then more likely than a scene whose surfaces are mostly modelled inside out.
+  // Throws InputError if most normals face away from the camera: wrong camera axes in the file are then more likely
+  // than a scene whose surfaces are mostly modelled inside out. `away`: number of normals that face away.
   void refuseMostAway(std::size_t away) const {
     const auto pixels =
         static_cast<std::size_t>(std::ranges::count_if(planes_.depth, [](float z) { return z < kNoDepth; }));
@@ -352,8 +352,8 @@ class PassReader {
   ExrReader file_;
   PassImage image_;
   PassPlanes& planes_ = image_.planes;
-  std::string depthName_;                 // name of the channel; set by decode(), as the members below
-  std::string normalName_;                // name of the first channel
+  std::string depthName_;                 // name of the depth's channel; decode() sets this and the members below
+  std::string normalName_;                // name of the first of the normal's channels
   std::map<std::string, RawIds> rawIds_;  // by pass
 };
 
@@ -406,7 +406,7 @@ PassChoice passesIn(const std::filesystem::path& path) {
     if (findPass(file, pass) != nullptr) present.channels |= channel;
   });
   if (findPass(file, "reflectance") != nullptr) present.channels |= Channel::Reflectance;
-  // All parameters after the first, which is the reflectance.
+  // The first parameter is the reflectance, which is not a surface parameter.
   present.surfaceParameters = std::all_of(std::begin(kParameters) + 1, std::end(kParameters),
                                           [&](const Parameter& p) { return findPass(file, p.name) != nullptr; });
   return present;

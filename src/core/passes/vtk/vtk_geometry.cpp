@@ -13,11 +13,11 @@ namespace scanmill {
 
 namespace {
 
-// Largest number of triangles in a chunk. With larger chunks more of the drawn triangles are outside of the image;
-// smaller chunks need more draw calls.
+// Largest number of triangles in a chunk. With larger chunks, more triangles outside of the image are drawn; smaller
+// chunks need more draw calls.
 constexpr std::size_t kChunkTriangles = 1024;
 
-// Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kFraction of the mesh's size. The
+// Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kFraction * the mesh's size. The
 // reason is that llvmpipe interpolates depth in float32 across the complete triangle, even if its corners are clipped
 // away: the relative error is 1e-4 for a triangle of 20 km, and 1e-5 below 1 km. This depth only decides which triangle
 // is visible; the depth that is returned is computed in double precision (see DrawnView::seen).
@@ -50,9 +50,9 @@ double largestStretch(const Instance& instance) {
   return std::max({length(m.x), length(m.y), length(m.z)});
 }
 
-// Returns, for one axis, the origin that is subtracted from a mesh's positions. Far from zero float32 steps are coarse,
-// so the origin is then the middle of the mesh. The subtraction is exact, because position and origin are
-// within a factor of two of each other (Sterbenz).
+// Returns, for one axis, the origin that is subtracted from a mesh's positions: 0, or the middle of a mesh that is far
+// from 0, where float32 steps are coarse. The subtraction is exact, because position and origin are then within a
+// factor of two of each other (Sterbenz).
 double originOf(double low, double high) {
   const double middle = (low + high) / 2;
   return std::abs(middle) > 2 * (high - low) ? double{static_cast<float>(middle)} : 0.0;
@@ -179,14 +179,14 @@ std::vector<std::uint32_t> addCutouts(const Scene& scene, ViewGeometry& geometry
   return cutoutOf;
 }
 
-// Appends one mesh's batch to the batch of all meshes. Returns the range that its chunks then have.
+// Appends a mesh's batch to the batch of all meshes. Returns the indices that the mesh's chunks have there.
 ChunkRange append(ViewBatch& batch, ViewBatch&& meshBatch) {
   const ChunkRange range{static_cast<std::uint32_t>(batch.chunks.size()),
                          static_cast<std::uint32_t>(batch.chunks.size() + meshBatch.chunks.size())};
   const auto firstTriangle = static_cast<std::uint32_t>(batch.original.size());
   for (ViewChunk& chunk : meshBatch.chunks) chunk.firstTriangle += firstTriangle;
   const auto append = [&](auto ViewBatch::*array) {
-    const auto part = std::move(meshBatch.*array);  // freed below, so that memory never holds two copies of the scene
+    const auto part = std::move(meshBatch.*array);  // freed after each array: memory never has two copies of the scene
     (batch.*array).insert((batch.*array).end(), part.begin(), part.end());
   };
   append(&ViewBatch::positions);

@@ -1,6 +1,6 @@
 #pragma once
 
-// A scene's triangles in the form that is uploaded to the graphics card: each mesh once, in chunks of triangles that
+// A scene's triangles as they are uploaded to the graphics card: each mesh once, divided into chunks of triangles that
 // are close together.
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct ChunkRange {
 };
 
 struct ViewMesh {
-  Vec3d origin;  // m, mesh axes; the origin, and every position minus the origin, are exact in float32
+  Vec3d origin;  // m, mesh axes; float32 represents origin, and position - origin, exactly
   Vec3f low;     // m, bounds of all chunks, relative to `origin`
   Vec3f high;
   ChunkRange solid;

@@ -20,7 +20,7 @@ struct VtkLimits {
   std::uint64_t trianglesPerBatch = 0;  // largest number of triangles in a batch, so that one call can draw it
 };
 
-// An instance of the triangles of a VtkDraw. In the image, the draw's triangle k has the number firstNumber + k; the
+// An instance of the triangles of a VtkDraw. In the image, triangle k of the batch has the number firstNumber + k; the
 // number 0 means that a pixel shows no triangle.
 //
 //   (x, y, w) of clip space = rows * (position, 1); the depth buffer contains nearest / w
@@ -65,8 +65,8 @@ class VtkDevice {
   virtual void draw(std::uint32_t slot, const VtkImage& image) = 0;
   // Waits until all requested work is done.
   virtual void finish() = 0;
-  // Reads the triangle numbers at pixel addresses. An address must be in a rendered image or beyond all images, where
-  // the number is 0.
+  // Reads the triangle numbers at pixel addresses. An address must be in a rendered image or beyond all images; beyond
+  // all images, the number is 0.
   virtual void gather(const VtkPixels& pixels, std::span<const std::uint32_t> addresses, std::uint32_t* numbers) = 0;
 };
 

@@ -48,7 +48,7 @@ struct HalfSpace {
 
 enum class Side { Outside, Across, Inside };
 
-// Returns whether the box from `low` to `high` is outside of one of the half-spaces, inside of all, or neither.
+// Returns Outside if the box from `low` to `high` is outside of a half-space, Inside if it is in all, otherwise Across.
 Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3f& high) {
   const Vec3d center = (Vec3d(low) + Vec3d(high)) * 0.5;
   const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
@@ -64,13 +64,13 @@ Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3
   return side;
 }
 
-// Returns the distance of a point from a box.
+// Returns the distance of a point from a box; 0 if the point is inside.
 double distanceTo(const Vec3f& low, const Vec3f& high, const Vec3d& point) {
   const auto gap = [](double least, double most, double p) { return std::max({least - p, p - most, 0.0}); };
   return length(Vec3d{gap(low.x, high.x, point.x), gap(low.y, high.y, point.y), gap(low.z, high.z, point.z)});
 }
 
-// See Candidate::distance.
+// Converts a distance (m) to the steps of Candidate::distance.
 int distanceStep(double distance) {
   return static_cast<int>(4 * std::log2(1 + distance));
 }
@@ -96,7 +96,7 @@ std::array<HalfSpace, 6> viewVolume(const CameraFromMesh& map, const Camera& cam
           HalfSpace{-map.rows.z, limits.farthest - map.translation.z}};
 }
 
-// Returns the placement of a mesh whose points the map takes to clip coordinates x, y and depth.
+// Returns a placement, still without firstNumber, whose rows transform mesh points to clip coordinates x, y, w = depth.
 VtkPlacement placementOf(const CameraFromMesh& map, const Camera& camera) {
   const HalfSpace clip[3] = {map.combine(2 * camera.fx / camera.width, 0, 2 * camera.cx / camera.width - 1),
                              map.combine(0, 2 * camera.fy / camera.height, 2 * camera.cy / camera.height - 1),
@@ -141,7 +141,7 @@ class DrawnView {
     addDraws(cut, geometry.cut, cut_);
   }
 
-  // Returns the image to draw, which has pointers into this view.
+  // Returns the image to draw. Its arrays belong to this view.
   VtkImage image() const {
     return {camera_.width, camera_.height, static_cast<float>(limits_.nearest), placements_, solid_, cut_};
   }
@@ -198,7 +198,7 @@ class DrawnView {
     const Affine& worldFromMesh = instance.worldFromMesh;
     const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
     const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
-    // Maps points relative to mesh.origin, as the bounds of meshes and chunks are.
+    // Transforms points relative to mesh.origin, since the bounds of meshes and chunks are relative to it.
     const CameraFromMesh map{transposed(linear), cameraFromWorld_ * offset + linear * mesh.origin};
     const std::array<HalfSpace, 6> volume = viewVolume(map, camera_, limits_);
     const Side side = sideOf(volume, mesh.low, mesh.high);
@@ -314,8 +314,8 @@ struct Device {
   ViewGeometry geometry;  // geometry without the vertices, which are on the device
 };
 
-// Locks the renderer until its images are destroyed. The lock is a semaphore and not a mutex, because the images may be
-// destroyed by another thread than the one that locked.
+// Unlocks the renderer when its images are destroyed. The lock is a semaphore and not a mutex, because another thread
+// than the thread that locked the renderer may destroy the images.
 struct Unlock {
   void operator()(std::binary_semaphore* isFree) const { isFree->release(); }
 };

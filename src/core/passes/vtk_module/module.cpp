@@ -37,10 +37,10 @@ enum VertexAttribute : GLuint { kPosition = 0, kRows = 1, kFirstNumber = 4, kUv 
 // Bindings of the shaders' storage buffers.
 enum StorageBinding : GLuint { kCutouts = 0, kWords = 1 };
 
-// The depth buffer contains the near clipping distance divided by w, which decreases with distance. The relative
-// precision of float32 is the same for small and large numbers, and so is the relative precision of the depth near and
-// far (Reed, "Depth precision visualized", 2015). There is no far clipping plane. If the depths of clip space are from
-// -1 to 1, OpenGL's mapping to 0 to 1 loses that precision. Solid triangles have no textureUv and no cutoutIndex.
+// The depth buffer contains the near clipping distance divided by w: the value decreases with distance. The relative
+// precision of float32 is the same for small and large numbers, so the relative precision of the depth is the same near
+// and far (Reed, "Depth precision visualized", 2015). There is no far clipping plane. If clip space has depths from -1
+// to 1, OpenGL's mapping to 0 to 1 loses that precision. Solid triangles have no textureUv and no cutoutIndex.
 constexpr const char* kVertex = R"(#version 430 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 rows[3];
@@ -70,7 +70,7 @@ void main() {
 }
 )";
 
-// Selects the same texel as Texture::texel: the nearest one, with repetition.
+// Selects the texel that Texture::texel selects: the nearest texel of the repeated texture.
 constexpr const char* kCutFragment = R"(#version 430 core
 flat in uint number;
 flat in uint cutout;
@@ -243,7 +243,7 @@ class ImagePass {
     checkGl("an image cannot be drawn");
   }
 
-  // Returns the texture of a slot, whose values are the numbers.
+  // Returns the texture of a slot; its values are the numbers of triangles.
   vtkTextureObject* numbers(std::uint32_t slot) const { return slots_[slot]; }
 
   void releaseGraphicsResources(vtkOpenGLRenderWindow* window) {
@@ -374,10 +374,10 @@ class GlPixelReader {
   GlBuffer numbers_;
 };
 
-// An OpenGL context and the objects that render in it. They are created and used while the context is current.
+// An OpenGL context and the objects that render in it. The objects are created and used while the context is current.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
-    window->start(8, 8);  // nothing is drawn to the window itself
+    window->start(8, 8);  // images are drawn into textures, not into the window
     if (!GLEW_VERSION_4_3) throw NoDevice("VTK does not find OpenGL 4.3");
     reader = std::make_unique<GlPixelReader>();
   }

@@ -33,7 +33,7 @@ void record(uint i, float travelled, uint triangle, uint outcome) {
   records[2u * count + i] = outcome;
 }
 
-// Returns the level at a point of the field, whose largest absolute coordinate is compared by its bits.
+// Returns the level that is used at a point of the field. See ParticleStream::locateVoxels() about the bits.
 int levelAt(vec3 q) {
   precise float largest = max(abs(q.x), max(abs(q.y), abs(q.z)));
   precise float share = largest * perReach;
