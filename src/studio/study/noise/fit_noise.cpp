@@ -260,9 +260,8 @@ std::string linesOf(const std::vector<std::string>& lines, LineSpan span) {
 std::string keptEffects(const Value& list, const std::vector<std::string>& lines, LineSpan key,
                         const std::string& newEffects) {
   std::vector<std::string> replaced;
-  for (const Value& item : parseYaml(newEffects, list.where.file).find("effects")->items) {
-    replaced.push_back(readNamed(item, "an effect").name);
-  }
+  const Value fitted = parseYaml(newEffects, list.where.file);
+  for (const Value& item : fitted.find("effects")->items) replaced.push_back(readNamed(item, "an effect").name);
   const auto isReplaced = [&](std::string_view name) { return std::ranges::find(replaced, name) != replaced.end(); };
   if (isReplaced("range_noise")) replaced.insert(replaced.end(), {"dropout", "shell", "quantize"});
   // The noise of a fitted response stands for speckle too.
