@@ -1,5 +1,5 @@
-// Joins the short ways of a map into roads that a driver would follow, and cuts out the part of a map from which a town
-// is laid out: a part of one road and its surroundings.
+// Joins the short ways of a map into long roads, as a driver would follow them, and cuts out the square of a map from
+// which a town is laid out: a part of one road and its surroundings.
 
 #include <algorithm>
 #include <cmath>
@@ -19,9 +19,9 @@ namespace {
 using models::Kind;
 
 constexpr double kLeastLength = 100;  // m, least length of a main road
-constexpr double kAroundLand = 30;    // m that areas of land may extend beyond the square of the roads
+constexpr double kAroundLand = 30;    // m by which areas of land may extend beyond the square
 
-// Throws the InputError of a map without a main road. `longest`: m, length of the longest road that may be one.
+// Throws the InputError for a map without a main road. `longest`: length of the longest road with the right name (m).
 [[noreturn]] void refuse(const Map& map, const Parameters& parameters, double longest, const Location& where) {
   std::vector<std::string> names;
   for (const MapRoad& road : map.roads) {
@@ -38,8 +38,8 @@ constexpr double kAroundLand = 30;    // m that areas of land may extend beyond 
   throw InputError(where, "{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest, kLeastLength);
 }
 
-// Returns the index of the main road: one of the named roads or, without a name, of the roads of residential class or
-// wider. It is at least kLeastLength long, and drawn with a probability proportional to its length.
+// Returns the index of a random main road among the roads that are at least kLeastLength long and have the wanted name
+// or, if no name is wanted, at least residential class. The probability is proportional to the length.
 std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
   std::vector<std::size_t> candidates;
   double totalLength = 0;
@@ -62,11 +62,11 @@ std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& dra
   return candidates.back();
 }
 
-// Returns the value of `district`, from the share of built land at the main road and the mean floors; limits by eye.
+// Returns the value of the key `district` from the built fraction of the land at the main road and the mean floors.
 std::string districtAbout(const MapPlace& place) {
   constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
   const std::vector<Point2>& main = place.roads.front().line;
-  double groundArea = 0;  // m^2 of all buildings
+  double groundArea = 0;  // m^2, ground area of the buildings
   double floorArea = 0;
   for (const MapBuilding& b : place.buildings) {
     const Nearest n = nearestOn(main, b.outline.front());
@@ -80,7 +80,7 @@ std::string districtAbout(const MapPlace& place) {
   return share > 0.3 || (share > 0.2 && floorArea > 2.6 * groundArea) ? "dense" : "suburban";
 }
 
-// Cuts the square of a town out of a map. Points of the map are in its frame, points of place_ are relative to origin_.
+// Cuts a town's square out of a map. Points of map_ are in the map's frame, points of place_ are relative to origin_.
 class Cutter {
  public:
   Cutter(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where)
@@ -88,7 +88,7 @@ class Cutter {
     mainIndex_ = drawMainRoad(map, parameters, draw_, where);
   }
 
-  // Sets the origin first: a random point of the main road. All other steps need it.
+  // The origin, a random point of the main road, is set first, because all other steps use it.
   MapPlace cut() {
     const MapRoad& main = map_.roads[mainIndex_];
     warnOfInterruption(main);
@@ -109,7 +109,7 @@ class Cutter {
   }
 
  private:
-  // Return points and buildings of the map relative to origin_.
+  // Return a point, a line or a building with coordinates relative to origin_.
   Point2 relative(const Point2& p) const { return {p.x - origin_.x, p.y - origin_.y}; }
   std::vector<Point2> relative(const std::vector<Point2>& line) const { return relativeTo(origin_, line); }
   MapBuilding relative(MapBuilding building) const {
@@ -121,7 +121,7 @@ class Cutter {
   }
   bool isWithin(const Point2& p, double half) const { return std::max(std::abs(p.x), std::abs(p.y)) < half; }
 
-  // Warns if the main road is shorter than wanted, and other roads have its name.
+  // Warns if the main road is shorter than the parameter `length` and another long road has the same name.
   void warnOfInterruption(const MapRoad& main) const {
     if (main.name.empty() || main.length() >= parameters_.length) return;
     const bool continues = std::ranges::any_of(map_.roads, [&](const MapRoad& other) {
@@ -134,13 +134,13 @@ class Cutter {
         map_.file.string(), quotedForMessage(main.name), main.length(), parameters_.length);
   }
 
-  // True if the bounding box of a line, relative to origin_, overlaps the square: few lines of a large map do.
+  // True if the bounding box of a line overlaps the square: a quick test, since most lines of a large map are outside.
   bool mayReach(const std::vector<Point2>& line) const {
     const auto [low, high] = extentOf(line);
     return low.x < reach_ && high.x > -reach_ && low.y < reach_ && high.y > -reach_;
   }
 
-  // Adds the parts of the main road in the square: that through the origin first, which is the town's main road.
+  // Adds the main road's parts in the square. The part through the origin comes first: it is the town's main road.
   void addMain(const MapRoad& main) {
     std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(relative(main.line), kRoadStep), reach_);
     std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });
@@ -154,7 +154,7 @@ class Cutter {
     mainNodes_.insert(main.nodes.begin(), main.nodes.end());
   }
 
-  // Adds a road with the properties of a road of the map and another line.
+  // Adds a road with the line `line` and the other properties of the map's road `like`.
   MapRoad& addRoad(const MapRoad& like, std::vector<Point2> line) {
     MapRoad& placed = place_.roads.emplace_back(like);
     placed.nodes.clear();
@@ -162,16 +162,16 @@ class Cutter {
     return placed;
   }
 
-  // Sets the ends of the built-up part, `halfLength` metres before and after the origin.
+  // Sets the ends of the main road's built-up part, `halfLength` metres before and after the origin.
   void setBuiltUp(double halfLength) {
-    constexpr double kEnd = 8;  // m, least distance between an end of the road and the built-up part
+    constexpr double kEnd = 8;  // m, least distance between the built-up part and an end of the road
     const MapRoad& main = place_.roads.front();
     const double origin = nearestOn(main.line, {0, 0}).along;
     place_.mainFrom = std::max(kEnd, origin - halfLength);
     place_.mainTo = std::min(main.length() - kEnd, origin + halfLength);
   }
 
-  // Adds a road's pieces between its nodes on the main road. A piece that only ends at the main road is reversed.
+  // Cuts a road at its nodes on the main road and adds the pieces. Reverses pieces whose end is the only such node.
   void addOtherRoad(const MapRoad& road) {
     const auto isOnMain = [&](std::ptrdiff_t i) {
       return mainNodes_.contains(road.nodes[static_cast<std::size_t>(i)]);
@@ -193,7 +193,7 @@ class Cutter {
     }
   }
 
-  // Adds the parts of `line` in the square, with the properties of `piece`. `joined`: it begins at the main road.
+  // Adds the parts of `line` in the square, with the properties of `piece`. `joined`: `line` begins at the main road.
   void addPiece(const MapRoad& piece, const std::vector<Point2>& line, bool joined) {
     const std::vector<Point2> smooth = piece.ring ? evenLine(line, kRoadStep) : smoothLine(line, kRoadStep);
     bool first = true;
@@ -206,21 +206,21 @@ class Cutter {
     }
   }
 
-  // Makes a road that begins at the main road one of its side roads, unless the angle is too flat for vehicles to turn.
+  // Makes a road that begins at the main road a side road, unless the angle between them is too small for turns.
   void joinMain(MapRoad& road) const {
     constexpr std::size_t kAhead = 6;   // points from the junction to where the angle is measured
-    constexpr double kLeastSine = 0.5;  // of the angle between the roads
+    constexpr double kLeastSine = 0.5;  // least sine of the angle between the roads
     constexpr double kLargestGap = 3;   // m between the start of the road and the main road's line
     const Nearest n = nearestOn(place_.roads.front().line, road.line.front());
     const Point2 direction = directionOf(road.line.front(), road.line[std::min(road.line.size() - 1, kAhead)]);
-    const double sine = n.heading.x * direction.y - n.heading.y * direction.x;  // positive to the left
+    const double sine = n.heading.x * direction.y - n.heading.y * direction.x;  // positive: the road leads to the left
     if (n.distance >= kLargestGap || std::abs(sine) <= kLeastSine) return;
     if (n.along <= place_.mainFrom || n.along >= place_.mainTo) return;
     road.joins = n.along;
     road.joinsLeft = sine > 0;
   }
 
-  // Adds the nodes that several roads, or one road several times, have.
+  // Adds a joint for each node that occurs more than once in the roads.
   void addJoints() {
     constexpr double kAround = 40;  // m; corners are rounded within this distance of a joint
     struct Node {
@@ -240,7 +240,7 @@ class Cutter {
     }
   }
 
-  // Adds the parts of paths, whose corners are rounded, and of barriers in the square.
+  // Adds the parts of paths and barriers in the square. The corners of paths are rounded.
   void addPathsAndBarriers() {
     const auto addRuns = [&](const auto& mapped, const auto& divided, auto& placed) {
       for (const auto& object : mapped) {
@@ -257,7 +257,7 @@ class Cutter {
     addRuns(map_.barriers, denseLine, place_.barriers);
   }
 
-  // Adds the buildings that are completely in the square, the parts of areas in a larger square, and the trees.
+  // Adds the buildings that are completely in the square, areas clipped to a larger square, and trees in the square.
   void addBuildingsAndAreas() {
     for (const MapBuilding& b : map_.buildings) {
       MapBuilding placed = relative(b);
@@ -294,7 +294,7 @@ class Cutter {
 
 constexpr double kSharpest = 2.4;  // rad, largest change of direction at a point within a joined road
 
-// An end of a piece of a road: 0 is its start, 1 its end.
+// An end of a piece of a road. `end`: 0 for the start of the piece, 1 for its end.
 struct End {
   std::size_t piece;
   int end;
@@ -302,11 +302,11 @@ struct End {
 
 struct Piece {
   MapRoad road;
-  // The ends of the pieces that continue this piece at its start and at its end; not set: no piece does.
+  // The ends of other pieces that are joined to this piece's start and end. Not set if there is none.
   std::optional<End> next[2];
 };
 
-// Returns the change of direction (rad, 0 to pi) at a point of a road's line other than its ends.
+// Returns the change of direction (rad, 0 to pi) at a road's point `i`, which must not be the first or the last.
 double turnAt(const MapRoad& road, std::size_t i) {
   const Point2& a = road.line[i - 1];
   const Point2& b = road.line[i];
@@ -314,7 +314,7 @@ double turnAt(const MapRoad& road, std::size_t i) {
   return std::abs(wrapped(std::atan2(c.y - b.y, c.x - b.x) - std::atan2(b.y - a.y, b.x - a.x)));
 }
 
-// Cuts roads into pieces: at nodes that roads have more than once, and where a road turns back on itself.
+// Cuts roads into pieces at nodes that occur more than once and at turns of more than kSharpest.
 std::vector<Piece> cutIntoPieces(const std::vector<MapRoad>& roads) {
   std::map<std::int64_t, int> uses;  // by node
   for (const MapRoad& road : roads) {
@@ -338,7 +338,7 @@ std::vector<Piece> cutIntoPieces(const std::vector<MapRoad>& roads) {
   return pieces;
 }
 
-// Returns the direction (rad) in which a road leaves one of its ends, averaged over the kReach metres after this end.
+// Returns the direction (rad) in which a road leaves its start (`end` 0) or its end (1), averaged over kReach metres.
 double headingFrom(const MapRoad& road, int end) {
   constexpr double kReach = 12;  // m, length over which the direction is averaged
   const std::size_t count = road.line.size();
@@ -349,8 +349,8 @@ double headingFrom(const MapRoad& road, int end) {
   return std::atan2(at(i).y - start.y, at(i).x - start.x);
 }
 
-// Returns how poorly two pieces that meet at their ends a and b fit together: the change of direction (rad) plus
-// penalties. nullopt: they cannot be one road. `alone`: true if no other piece ends there.
+// Returns how poorly two pieces fit together that meet at their ends `a` and `b`: the change of direction (rad) plus
+// penalties; nullopt if they must not be joined. `alone`: true if no other piece ends at the same node.
 std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, const End& b, bool alone) {
   constexpr double kSharpestCrossing = 0.8;             // rad, where other roads join or the name changes
   constexpr double kOtherName = 0.5, kClassStep = 0.3;  // penalties, by eye
@@ -363,14 +363,14 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
   const bool sameName = !p.name.empty() && p.name == q.name;
   const bool minor = p.kind >= RoadClass::Service;
   if (minor != (q.kind >= RoadClass::Service) && !sameName) return std::nullopt;
-  // Without another road at a sharp corner, only a road of the same name and class continues around it.
+  // At a sharp corner, joins only roundabouts, or roads of the same name and class where no third road ends.
   const bool corner = p.ring || (alone && p.kind == q.kind && p.name == q.name);
   if (turn > (corner ? kSharpest : kSharpestCrossing)) return std::nullopt;
   const int classSteps = std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));
   return turn + (sameName ? 0 : kOtherName) + kClassStep * classSteps;
 }
 
-// Sets Piece::next: at each node, joins pairs of ends, the pairs that fit best first.
+// Sets Piece::next. At each node, joins pairs of ends in the order of their misfit, the least first.
 void joinEnds(std::vector<Piece>& pieces) {
   std::map<std::int64_t, std::vector<End>> endsByNode;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -382,7 +382,7 @@ void joinEnds(std::vector<Piece>& pieces) {
     double misfit;
     End a, b;
   };
-  constexpr std::size_t kMostEnds = 100;  // more ends than any junction has; each pair of ends is compared
+  constexpr std::size_t kMostEnds = 100;  // more than at any real junction; bounds the number of pairs
   for (const auto& [node, ends] : endsByNode) {
     if (ends.size() > kMostEnds) continue;
     std::vector<Pair> pairs;
@@ -404,7 +404,7 @@ void joinEnds(std::vector<Piece>& pieces) {
   }
 }
 
-// Joins the pieces that continue each other from the end `start`, marks them in `used`, with the longest's properties.
+// Returns the road of all pieces joined from `start` on, with the properties of the longest. Marks them in `used`.
 MapRoad joinPieces(const std::vector<Piece>& pieces, const End& start, std::vector<bool>& used) {
   std::vector<Point2> line;
   std::vector<std::int64_t> nodes;
@@ -417,7 +417,7 @@ MapRoad joinPieces(const std::vector<Piece>& pieces, const End& start, std::vect
       std::ranges::reverse(piece.line);
       std::ranges::reverse(piece.nodes);
     }
-    const std::ptrdiff_t common = line.empty() ? 0 : 1;  // points that the road has already
+    const std::ptrdiff_t common = line.empty() ? 0 : 1;  // number of points at the start that `line` has already
     line.insert(line.end(), piece.line.begin() + common, piece.line.end());
     nodes.insert(nodes.end(), piece.nodes.begin() + common, piece.nodes.end());
     if (longest.line.empty() || piece.length() > longest.length()) longest = std::move(piece);
@@ -441,7 +441,7 @@ std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads) {
   const auto joinFromEnds = [&](bool loops) {
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       if (used[i]) continue;
-      // One-way roads are followed only from their start.
+      // One-way roads are joined only from their start.
       if (loops || !pieces[i].next[0]) {
         joined.push_back(joinPieces(pieces, {i, 0}, used));
       } else if (!pieces[i].next[1] && !pieces[i].road.oneWay) {

@@ -24,7 +24,7 @@ const std::initializer_list<std::string_view> kNotParked = {"no",          "none
 const std::initializer_list<std::string_view> kPaved = {"both", "left", "right", "yes", "separate"};
 const std::initializer_list<std::string_view> kNotPaved = {"no", "none"};
 
-// Tags of elements that do not exist (yet), are not on the ground, or have no shape of their own.
+// Tags of elements that do not exist (yet), are not on the ground, or have no shape.
 constexpr std::string_view kShapeless =
     "highway=proposed highway=planned highway=construction highway=razed highway=demolished highway=abandoned "
     "highway=disused highway=services highway=rest_area highway=crossing highway=turning_circle highway=turning_loop "
@@ -36,18 +36,18 @@ constexpr std::string_view kShapeless =
     "landuse=industrial landuse=education landuse=institutional landuse=religious leisure=nature_reserve "
     "natural=valley natural=cape natural=peninsula natural=strait natural=peak natural=saddle natural=spring "
     "man_made=survey_point";
-// Tags that stand for an object, of keys that mostly stand for places: see kPlaceKeys.
+// Tags of objects with a shape whose keys are in kPlaceKeys.
 constexpr std::string_view kObjects =
     "amenity=parking amenity=parking_space amenity=bench amenity=waste_basket amenity=recycling amenity=post_box "
     "amenity=fountain amenity=shelter amenity=telephone amenity=vending_machine amenity=bicycle_parking "
     "amenity=charging_station emergency=fire_hydrant golf=bunker military=bunker parking=rooftop place=square "
     "public_transport=platform tourism=artwork";
 
-// Keys most of whose values are places without a shape of their own.
+// Keys that mostly stand for places without a shape; kObjects lists the exceptions.
 const std::initializer_list<std::string_view> kPlaceKeys = {
     "amenity", "emergency", "golf", "military", "parking", "place", "public_transport", "tourism"};
 
-// True if a list of words with spaces between them has this word.
+// True if `words`, which spaces separate, contain the word `searched`.
 bool hasWord(std::string_view words, std::string_view searched) {
   for (std::string_view word = takeWord(words); !word.empty(); word = takeWord(words)) {
     if (word == searched) return true;
@@ -190,7 +190,7 @@ bool differsFromTownRoads(const OsmTags& tags) {
   const auto hasAny = [&](std::initializer_list<const char*> keys, std::initializer_list<std::string_view> values) {
     return std::ranges::any_of(keys, [&](const char* key) { return isOneOf(tags[key], values); });
   };
-  // True if one of two keys, those of the left and the right side, has one of the values and the other has not.
+  // True if exactly one of the keys `left` and `right` has one of the values.
   const auto onlyOneHas = [&](const char* left, const char* right, std::initializer_list<std::string_view> values) {
     return isOneOf(tags[left], values) != isOneOf(tags[right], values);
   };
@@ -200,7 +200,7 @@ bool differsFromTownRoads(const OsmTags& tags) {
   const bool parkingAtOneSide = !hasAny({"parking:both", "parking:lane:both"}, kParked) &&
                                 (onlyOneHas("parking:left", "parking:right", kParked) ||
                                  onlyOneHas("parking:lane:left", "parking:lane:right", kParked));
-  // Towns have only parking lanes along the road.
+  // Other kinds of parking than parking lanes along the road, which towns do not have.
   const bool otherParking = std::ranges::any_of(tags.pairs, [](const auto& tag) {
     const auto& [key, value] = tag;
     return (key.starts_with("parking:") && isOneOf(value, {"perpendicular", "diagonal"})) ||
@@ -218,7 +218,7 @@ std::string shapeTagOf(const OsmTags& tags) {
   const bool node = tags.element.starts_with("node");
   for (const auto& [key, value] : tags.pairs) {
     if (std::ranges::find(kMappedKeys, key) == std::end(kMappedKeys) || value == "no") continue;
-    // Ways have the key traffic_sign without a sign where they are; nodes with the key place are names.
+    // On ways, traffic_sign is a rule and not a sign; on nodes, place is only the name of a place.
     if (key == (node ? "place" : "traffic_sign")) continue;
     if (node && isOneOf(key, {"landuse", "landcover", "leisure"})) continue;
     std::string tag = key + "=" + value;

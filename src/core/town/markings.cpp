@@ -13,10 +13,10 @@ using models::Shape;
 using models::TrafficSign;
 
 constexpr double kMarkingHeight = 0.004;  // m, height of markings and manhole covers above the road
-constexpr double kEndOfRoad = 4;          // m at the ends of a road without dashes, covers and repairs
+constexpr double kEndOfRoad = 4;          // m, length without dashes, covers and repairs at each end of a road
 constexpr double kHalfLine = 0.06;        // m, half of the width of a dashed line
 
-// Paints the line of a sign (solid: stop) across the lane against the road's line. Returns the number of its pieces.
+// Paints a stop line (solid) or give-way line (dashed) for vehicles against the road's line. Returns its piece count.
 std::uint32_t paintStopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
                             TrafficSign sign) {
   const bool solid = sign == TrafficSign::Stop;
@@ -24,7 +24,7 @@ std::uint32_t paintStopLine(const Layout& l, Shape& s, models::SurfaceIndex pain
   const double left = road.section.half - road.section.parking - kGap;
   const double right = road.oneWay() ? -left : kGap;
   const models::Span thickness{along - (solid ? 0.6 : 0.4), along - 0.1};
-  const double piece = solid ? 0.7 : 0.5;  // m, length of a piece; it is short, to follow the road's camber
+  const double piece = solid ? 0.7 : 0.5;  // m, length of a piece; short pieces follow the road's camber
   const std::vector<double> starts = models::steps(right, left, solid ? piece : 2 * piece);
   for (const double start : starts) paintBar(s, paint, l, road, thickness, {start, std::min(start + piece, left)});
   return static_cast<std::uint32_t>(starts.size());
@@ -44,13 +44,13 @@ std::uint32_t paintStopLines(const Placer& placer, Shape& s, models::SurfaceInde
   return pieces;
 }
 
-// True where another road joins: there a road has neither dashes nor repairs.
+// True where another road joins the road: no dashes and repairs are placed there.
 bool isJoint(const Layout& l, const Road& road, const Point2& middle) {
-  constexpr double kInside = 0.5;  // m farther inside of a carriageway than the middle of this road
+  constexpr double kInside = 0.5;  // m farther from the carriageway's edge than the middle of this road
   return l.besideAt(middle).edge < -road.section.half - kInside;
 }
 
-// Paints a dash of a line in pieces that follow the ground. `start`: m along the road, `lateral`: m to the left of it.
+// Paints a dash in pieces that follow the ground. `start`: m along the road; `lateral`: m to the left of its line.
 void paintDash(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double start, double length,
                double lateral, int pieces) {
   for (int k = 0; k < pieces; ++k) {
@@ -59,13 +59,13 @@ void paintDash(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road
   }
 }
 
-// Paints the dashed lines of a road, in a random rhythm. Returns the number of dashes of each line.
+// Paints a road's dashed lines, with random lengths of dashes and gaps. Returns the number of dashes of each line.
 std::uint32_t paintDashedLines(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, Draw& draw) {
   constexpr double kFromEdge = 0.25;  // m from an edge line to the edge of the lanes
   const double length = draw.in(2, 5);
   const double gap = length * draw.in(1, 2);
   const bool edgeLines = l.character.country && draw.chance(0.6);
-  const double edge = road.section.half - road.section.parking - road.section.shoulder;  // of the lanes
+  const double edge = road.section.half - road.section.parking - road.section.shoulder;  // m from the middle
   std::vector<double> lines;  // m to the left of the road's middle
   if (road.section.median <= 0) lines.push_back(0);
   for (int lane = 1; lane < road.section.lanes; ++lane) {
@@ -86,7 +86,7 @@ std::uint32_t paintDashedLines(Shape& s, models::SurfaceIndex paint, const Layou
   return dashes;
 }
 
-// Adds a manhole cover. Returns false, and adds nothing, over a pothole.
+// Adds a manhole cover. At a pothole, returns false and adds nothing.
 bool addManhole(Shape& s, models::SurfaceIndex iron, const Layout& l, const Point2& middle) {
   constexpr int kCorners = 16;
   constexpr double kRadius = 0.31;  // m, radius of a manhole cover
@@ -100,8 +100,8 @@ bool addManhole(Shape& s, models::SurfaceIndex iron, const Layout& l, const Poin
   return true;
 }
 
-// Adds a rectangle of newer asphalt that extends along a road and across it (m along its line, and m to the left of
-// it): a grid of quads that follows the road's surface. A quad is at most half a metre long and wide.
+// Adds a rectangle of newer asphalt: a grid of quads, at most 0.5 m long and wide, that follows the road's surface.
+// `along`: extent along the road's line (m); `lateral`: extent to the left of the line (m).
 void addRepair(Shape& s, models::SurfaceIndex asphalt, const Layout& l, const Road& road, const models::Span& along,
                const models::Span& lateral) {
   constexpr double kAboveRoad = 0.005;  // m, height of the quads above the road
@@ -145,7 +145,7 @@ void placeMarkings(Placer& placer) {
   if (painted > 0) placer.putShape(s);
 }
 
-// Places manhole covers and then, with the same random stream, rectangles of newer asphalt where a road was repaired.
+// Places manhole covers and then, with the same random stream, repairs, which are rectangles of newer asphalt.
 void placeCovers(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "manholes and repairs");
@@ -153,7 +153,7 @@ void placeCovers(Placer& placer) {
   int covers = 0;
   for (const Road& road : l.roads()) {
     Draw draw(l.seed, Kind::Cover, road.number);
-    const double half = road.section.half - road.section.parking - 0.3;  // m that covers extend from the middle
+    const double half = road.section.half - road.section.parking - 0.3;  // m from the middle to the covers' edge
     const double manholesPer100m = l.character.country ? 0.3 : 3;
     const auto manholes = static_cast<int>(manholesPer100m * road.length() / 100 + draw.next());
     for (int k = 0; k < manholes; ++k) {

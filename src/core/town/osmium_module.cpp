@@ -1,4 +1,4 @@
-// libscanmill_town.so: libosmium behind the interface of town/osm.h.
+// The module libscanmill_town.so: implements OsmModule (town/osm.h) with libosmium.
 
 #include <algorithm>
 #include <map>
@@ -36,13 +36,13 @@ bool isBuilding(const osmium::OSMObject& object) {
   return hasAny(object, {"building", "building:part"});
 }
 
-// True if an object has a key by which the town builds or counts it, whether it is a line or an area.
+// True if an element, whether line or area, has one of kMappedKeys.
 bool isMapped(const osmium::OSMObject& object) {
   return std::any_of(std::begin(kMappedKeys), std::end(kMappedKeys),
                      [&](const char* key) { return object.tags().has_key(key); });
 }
 
-// True if a closed way or a multipolygon with these tags is an area; see OsmExtract::areas.
+// True if the tags of a closed way or multipolygon make it an area; see OsmExtract::areas.
 bool isArea(const osmium::OSMObject& object) {
   const osmium::TagList& tags = object.tags();
   const bool multipolygon = object.type() == osmium::item_type::relation && tags.has_tag("type", "multipolygon");
@@ -68,8 +68,8 @@ OsmNode nodeOf(const osmium::NodeRef& node) {
   return {node.ref(), node.location().lat(), node.location().lon()};
 }
 
-// Reads the relations of a file, and then its nodes and ways. An area of a relation is made when the last of its ways
-// has been read. Throws osmium::out_of_order_error unless the elements are in the usual order, and each is there once.
+// Reads the relations of a file, then the nodes and ways. Makes the area of a relation when the last of its ways has
+// been read. Throws osmium::out_of_order_error if elements are not sorted or occur twice.
 class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, false, true, false> {
  public:
   OsmExtract read(const osmium::io::File& file) {
@@ -96,7 +96,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     return std::move(extract_);
   }
 
-  // Called by libosmium for each relation of the file. Returns true if it is an area, whose ways are then collected.
+  // Called by libosmium for each relation of the file. Returns true for areas, whose ways libosmium then collects.
   bool new_relation(const osmium::Relation& relation) {
     if (!relation.visible()) return false;
     const bool multipolygon = isMultipolygon(relation);
@@ -123,7 +123,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     for (const osmium::RelationMember& member : relation.members()) {
       if (member.ref() == 0 || member.type() != osmium::item_type::way) continue;
       const osmium::Way& way = *ways.emplace_back(get_member_way(member.ref()));
-      // Outer ways of buildings may have heights and roofs that the relation lacks.
+      // Outer ways of a building may have tags of heights and roofs that the relation lacks.
       if (!isBuilding(relation) || isInner(member) || isMapped(way)) continue;
       for (const osmium::Tag& tag : way.tags()) {
         if (isSizeOrRoof(tag) && tags[tag.key()].empty()) tags.pairs.emplace_back(tag.key(), tag.value());
@@ -135,7 +135,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     addArea(relation, tags, ways);
   }
 
-  // Called by libosmium for each way. Adds it as an area, as a line, as both (such as a closed hedge), or as neither.
+  // Called by libosmium for each way. Adds the way as an area, as a line, as both (a closed hedge), or not at all.
   void after_way(const osmium::Way& way) {
     const osmium::WayNodeList& nodes = way.nodes();
     if (way.subitems<osmium::TagList>().size() > 1 || way.subitems<osmium::WayNodeList>().size() > 1) {
@@ -154,7 +154,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     }
     const bool road = way.tags().has_key("highway") && !way.tags().has_tag("area", "yes");
     if (!isMapped(way) || (area && !road && !way.tags().has_key("barrier"))) return;
-    // A piece of the outline of a multipolygon repeats its tags.
+    // The way is a piece of a multipolygon's outline and repeats the tags of the multipolygon.
     if (!area && isArea(way) && members_.contains(way.id()) && !hasAny(way, kLines)) return;
     addLine(way, area);
   }
@@ -189,7 +189,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
 
   static bool isInner(const osmium::RelationMember& member) { return std::string_view(member.role()) == "inner"; }
 
-  // Adds the area of a closed way, or of a relation with these ways: one OsmArea for each outer ring.
+  // Adds an OsmArea for each outer ring of a closed way, or of a relation with the ways `ways`.
   template <class Element, class... Ways>
   void addArea(const Element& element, const OsmTags& tags, const Ways&... ways) {
     osmium::area::AssemblerConfig config;
@@ -209,7 +209,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
       return points;
     };
     for (const osmium::Area& area : assembled.select<osmium::Area>()) {
-      const bool several = building == 0 && area.num_rings().first > 1;  // outer rings of one building
+      const bool several = building == 0 && area.num_rings().first > 1;  // the outer rings are one building
       for (const osmium::OuterRing& outer : area.outer_rings()) {
         OsmArea& added = extract_.areas.emplace_back(tags, ring(outer));
         added.building = several ? element.id() : building;
@@ -223,7 +223,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
 
   std::unordered_set<Id> outlines_;                        // outer ways of multipolygons with the key building
   std::unordered_set<Id> members_;                         // ways of multipolygons
-  std::map<std::pair<osmium::item_type, Id>, Id> groups_;  // members of relations with `type: building`, and these
+  std::map<std::pair<osmium::item_type, Id>, Id> groups_;  // relation of `type: building`, by member
   OsmExtract extract_;
 };
 

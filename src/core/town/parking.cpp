@@ -17,11 +17,11 @@ using models::Kind;
 constexpr double kBay = 6;            // m, length of a parking bay along the curb
 constexpr double kParkingLane = 1.5;  // m, least width of a lane in which cars park
 
-// Returns how far beyond the edge of the carriageway (m, negative: on it) the middle of a parked car stands: in the
-// middle of a parking lane, or half on the sidewalk if both the lane and a part of the sidewalk stay free, or else,
-// unless the ego vehicle uses the road, at the curb. nullopt: there is no space. `half`: half of the car's width (m).
+// Returns the position of a parked car's middle beyond the carriageway's edge (m; negative: on the carriageway): in the
+// middle of a parking lane; else on the sidewalk, if lane and sidewalk stay passable; else at the curb, or nullopt on
+// roads of the ego vehicle. `half`: half of the car's width (m).
 std::optional<double> parkedBeyondEdge(const Road& road, double half, bool egoDrives) {
-  constexpr double kBesideLane = 1.6;  // m between the middle of a lane and parked cars: lorries pass
+  constexpr double kBesideLane = 1.6;  // m between a lane's middle and parked cars, enough for lorries
   constexpr double kWalk = 0.7;        // m, width of the sidewalk that stays free
   constexpr double kFromCurb = 0.15;   // m between a car on the carriageway and the curb
   const CrossSection& s = road.section;
@@ -32,7 +32,7 @@ std::optional<double> parkedBeyondEdge(const Road& road, double half, bool egoDr
 }
 
 // Places cars in the bays and at the curb of one side of a road. `egoDrives`: true on roads that the ego vehicle uses.
-// `firstBay`: number of the first bay; each has a random stream of its own. Returns the number after the last bay.
+// `firstBay`: number of the first bay; each bay has its own random stream. Returns the number after the last bay's.
 std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool egoDrives, std::uint32_t firstBay) {
   constexpr double kDrivewayClear = 2.2;  // m between a bay's middle and driveways
   const Layout& l = placer.layout;
@@ -40,10 +40,10 @@ std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool e
   const bool hasLane = s.parking > kParkingLane;
   const double first = road.main ? l.mainFrom : 14;
   const double last = road.main ? l.mainTo : road.length() - 4;
-  // Along a road without parking lanes drivers park half on the sidewalk on one side, on both or on none.
+  // Along a road without parking lanes, cars park half on the sidewalk at one side, at both sides or at neither.
   Draw sidewalk(l.seed, Kind::SidewalkParking, 2 * road.number + (side > 0 ? 1u : 0u));
   const bool usual = hasLane || sidewalk.chance(egoDrives ? 0.35 : 0.75);
-  // More cars stand in roads where fewer pass.
+  // Roads with less traffic have more parked cars.
   const double parked = std::min(0.95, (!egoDrives ? 3 : hasLane ? 0.8 : 0.5) * l.character.parked);
   std::uint32_t bay = firstBay;
   for (double along = first; along + kBay < last; along += kBay) {
@@ -65,7 +65,7 @@ std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool e
   return bay;
 }
 
-// Places cars side by side on wide forecourts, one car on a driveway. The patch's y axis points to the house.
+// Places cars side by side on a wide forecourt, or one car on a driveway. The patch's y axis points to the house.
 void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
   constexpr double kBeside = 2.7;  // m between the middles of neighbours
   const TurnedRectangle& ground = patch.rectangle;
@@ -87,7 +87,7 @@ void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
   }
 }
 
-// Places the cars at the sides of all roads, then those on driveways and forecourts.
+// Places cars at the sides of all roads, then cars on driveways and forecourts.
 void placeCars(Placer& placer) {
   const Layout& l = placer.layout;
   const EgoRoads ego = egoRoads(l);
@@ -103,10 +103,10 @@ void placeCars(Placer& placer) {
   }
 }
 
-// Bays on parking lots, and the aisle between two rows of them (m).
+// Width and depth of bays on parking lots, and width of the aisle between two rows of bays (m).
 constexpr double kBayWidth = 2.6, kBayDepth = 5, kAisle = 6.2;
 
-// True if a point is on a parking lot, not at its edge, and not on a road through it.
+// True if a point is on a parking lot, at least kFromEdge from the lot's edge and from roads through the lot.
 bool isOnLot(const Placer& placer, const Point2& p) {
   constexpr double kFromEdge = 1.2;  // m
   const Areas& areas = placer.layout.areas;
@@ -115,9 +115,9 @@ bool isOnLot(const Placer& placer, const Point2& p) {
          (!b.nearRoad || b.edge > b.section.outer() + kFromEdge);
 }
 
-// Paints the lines of a row of bays and parks cars in a part of them. `about`: the rectangle around the lot, with its x
-// axis along the row; `low`: m along its y axis, where the row begins. `facing`: 1 or -1, along this axis. `occupied`:
-// fraction of the bays with a car. Returns the number of lines.
+// Paints the lines of a row of bays and parks cars in some bays. `about`: rectangle around the lot, its x axis along
+// the row; `low`: lower end of the bays on the y axis (m); `facing`: 1 if most cars face +y, -1 if most face -y;
+// `occupied`: fraction of bays with a car. Returns the number of lines.
 int placeRowOfBays(Placer& placer, models::Shape& s, models::SurfaceIndex paint, const Footprint& about, double low,
                    int facing, double occupied, Draw& draw) {
   constexpr double kHalfLotLine = 0.06;  // m, half of a line's width
@@ -148,7 +148,7 @@ int placeRowOfBays(Placer& placer, models::Shape& s, models::SurfaceIndex paint,
   return lines;
 }
 
-// Places cars on parking lots: aisles with a row of bays at each side, and lines between the bays.
+// Places cars and the lines of bays on parking lots, in aisles with a row of bays at each side.
 void placeLots(Placer& placer) {
   const Layout& l = placer.layout;
   models::Shape s(placer.builder, "lots' markings");
@@ -165,7 +165,7 @@ void placeLots(Placer& placer) {
       std::swap(about.halfX, about.halfY);
       about.yaw += kPi / 2;
     }
-    bool secondRow = false;  // of an aisle
+    bool secondRow = false;  // true: the second row of an aisle
     for (double low = -about.halfY + 0.4; low + kBayDepth < about.halfY - 0.2; secondRow = !secondRow) {
       lines += placeRowOfBays(placer, s, paint, about, low, secondRow ? -1 : 1, occupied, draw);
       low += kBayDepth + (secondRow ? 0 : kAisle);
@@ -174,7 +174,7 @@ void placeLots(Placer& placer) {
   if (lines > 0) placer.putShape(s);
 }
 
-// Parks a vehicle `lateral` m to the left of a road's line, unless that is at a crossing, on another road or not free.
+// Parks a vehicle `lateral` m to the left of a road's line. Returns false if the spot is at a crossing or not free.
 bool tryStand(Placer& placer, const Model& vehicle, const Road& road, double along, double lateral,
               const std::string& name) {
   Spot spot = besideRoad(road, along, lateral);
@@ -184,7 +184,8 @@ bool tryStand(Placer& placer, const Model& vehicle, const Road& road, double alo
   return placer.tryPark(vehicle, spot, name);
 }
 
-// Places a lorry or bus at the edge of a random side road without the ego vehicle, or else left on the main road.
+// Tries to place a lorry or bus at the edge of a random side road that the ego vehicle's route does not use; in a town
+// without side roads, at the left edge of the main road.
 void placeAtEdge(Placer& placer, Draw& draw, const Model& vehicle, const std::string& name) {
   const Layout& l = placer.layout;
   const double half = vehicle.width() / 2;
@@ -231,7 +232,7 @@ void placeStanding(Placer& placer) {
 }  // namespace
 
 const Model& anyCar(Placer& placer, Draw& draw) {
-  const int number = draw.below(2 * models::kCarForms);  // there are two cars of each form
+  const int number = draw.below(2 * models::kCarForms);  // two models of each form
   const auto form = static_cast<models::CarForm>(number % models::kCarForms);
   return placer.model(Kind::Car, number,
                       [&] { return models::makeCar(placer.builder, placer.layout.seed, form, number); });

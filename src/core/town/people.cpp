@@ -21,7 +21,7 @@ struct PavementPosition {
   const Road* road = nullptr;
   double along = 0;      // m along the road's line
   double lateral = 0;    // m to the left of the line
-  double direction = 1;  // of walking: 1 along the line, -1 against it
+  double direction = 1;  // direction of walking: 1 along the line, -1 against it
 
   Spot spot() const {
     Spot s = besideRoad(*road, along, lateral);
@@ -30,7 +30,7 @@ struct PavementPosition {
   }
 };
 
-// Returns a random position for people, mostly along the main road; nullopt if it is on another road.
+// Returns a random position for people, mostly along the main road; nullopt if the drawn position is on a road.
 std::optional<PavementPosition> drawPosition(const Placer& placer, Draw& draw) {
   const Layout& l = placer.layout;
   const Road& road = draw.chance(0.7) ? l.mainRoad() : draw.itemOf(l.roads());
@@ -43,14 +43,14 @@ std::optional<PavementPosition> drawPosition(const Placer& placer, Draw& draw) {
   return l.besideAt(position.spot().at).edge > 0.2 ? std::optional(position) : std::nullopt;
 }
 
-constexpr double kLongestFree = 110;  // m, largest free length that is looked for
+constexpr double kLongestFree = 110;  // m, largest result of freeLength()
 
-// Returns how far (m) a pedestrian or cyclist can go from a position before an object, another road or the end of the
-// road; at most kLongestFree. `half`: half of the width that must be free (m), of which 0.2 m may be over a road.
+// Returns how far (m) a pedestrian or cyclist can go from a position until an object, another road or the end of the
+// road; at most kLongestFree. `half`: half of the width that must be free (m); 0.2 m may extend over a road.
 double freeLength(const Placer& placer, PavementPosition position, double half) {
-  constexpr double kNearEnd = 20;      // m from the ends of the main road, where traffic comes out of the ground
+  constexpr double kNearEnd = 20;      // m from the ends of the main road, where vehicles emerge from below ground
   constexpr double kFromRoadEnd = 4;   // m
-  constexpr double kFarthestOut = 12;  // m from a road's edge; farther out the position is beyond a bend
+  constexpr double kFarthestOut = 12;  // m from a road's edge; farther out, the position is off the pavement
   const std::vector<Point2>& line = placer.layout.mainRoad().line;
   const double start = position.along;
   for (const double done : models::steps(0, kLongestFree, 0.5)) {
@@ -67,11 +67,11 @@ double freeLength(const Placer& placer, PavementPosition position, double half) 
 
 constexpr double kPiece = 3;  // m between the points of a path on a pavement
 
-// Returns the points of a pedestrian's path in the world: to the end of the free length and back, `laps` times. The
-// pedestrian keeps to one side on the way there and to the other side on the way back, and turns at the ends.
+// Returns the points of a pedestrian's path in the world's frame: to the end of the free length and back, `laps` times.
+// The way back is 2 * kAside beside the way there.
 std::vector<Vec3d> walkingPath(const Placer& placer, const PavementPosition& start, double freeLength, int laps) {
   constexpr double kAside = 0.15;  // m from the middle of the free ground
-  constexpr double kTurn = 0.25;   // m before an end, where a turn begins
+  constexpr double kTurn = 0.25;   // m from the start of a turn to the end of the free ground
   const auto pieces = static_cast<int>(freeLength / kPiece);
   std::vector<Vec3d> points;
   const auto add = [&](double piece, double lateral) {
@@ -80,7 +80,7 @@ std::vector<Vec3d> walkingPath(const Placer& placer, const PavementPosition& sta
     position.lateral += position.direction * lateral;
     points.push_back(placer.worldFromTown * placer.layout.onGround(position.spot().at));
   };
-  const double turn = kTurn * pieces / freeLength;  // kTurn as a number of pieces
+  const double turn = kTurn * pieces / freeLength;  // kTurn in units of pieces
   for (int lap = 0; lap < laps; ++lap) {
     for (int k = 0; k < pieces; ++k) add(k + turn, -kAside);
     add(pieces - turn, -kAside);
@@ -119,7 +119,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   return true;
 }
 
-// Places a cyclist who rides along a pavement and stops where the free length ends. Returns false if it is too short.
+// Places a cyclist who rides along a pavement to the end of the free length. Returns false if this is too short.
 bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model& rider, const std::string& name) {
   constexpr double kLeast = 20;  // m, least free length
   const std::optional<PavementPosition> start = drawPosition(placer, draw);
@@ -142,7 +142,7 @@ bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model&
   return true;
 }
 
-// Places a person who stands, if an attempt finds a free position.
+// Places a standing person, unless no attempt finds a free position.
 void placeStandingPerson(Placer& placer, Draw& draw, const Model& person, const std::string& name) {
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
     const std::optional<PavementPosition> position = drawPosition(placer, draw);
@@ -153,13 +153,13 @@ void placeStandingPerson(Placer& placer, Draw& draw, const Model& person, const 
   }
 }
 
-// Places up to `most` bicycles or motorcycles side by side, across the pavement or, where it is narrow, along it. They
-// are named "NAME.1", "NAME.2" and so on. `lean`: rad, roll of a parked vehicle.
+// Places 1 to `most` bicycles or motorcycles, named "NAME.1", "NAME.2" ...: side by side across the pavement or, on
+// narrow pavements, one behind the other. `lean`: roll of a parked vehicle (rad).
 void placeParkedRow(Placer& placer, Draw& draw, const std::vector<Model>& forms, const std::string& name, double lean,
                     int most) {
   constexpr double kApart = 0.75, kApartAlong = 2.2;  // m between neighbours across and along the pavement
-  constexpr double kWide = 2.6;                       // m; narrower pavements have rows along them
-  constexpr double kFromWalls = 1.1;                  // m; between a row and the road, pedestrians have room
+  constexpr double kWide = 2.6;                       // m; on narrower sidewalks, vehicles are one behind the other
+  constexpr double kFromWalls = 1.1;                  // m from the outer edge: pedestrians can pass at the road side
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
     std::optional<PavementPosition> position = drawPosition(placer, draw);
     if (!position) continue;
@@ -181,7 +181,7 @@ void placeParkedRow(Placer& placer, Draw& draw, const std::vector<Model>& forms,
   }
 }
 
-// Places pedestrians. Each third one stands; those who find no free length to walk stand, too.
+// Places pedestrians. Every third pedestrian stands, as do pedestrians for whom no free length is found.
 void placePedestrians(Placer& placer, int count) {
   constexpr int kWalkers = 5, kStanding = 4;  // numbers of models
   const auto walking = placer.forms(std::min(count, kWalkers), models::makeWalker);
@@ -222,7 +222,7 @@ void placePeople(Placer& placer) {
   if (l.character.motorway) return;
   const double length = l.mainTo - l.mainFrom;
   Draw counts(l.seed, Kind::PeopleCounts);
-  // Returns the number of people or vehicles of a kind: at least one, unless people are switched off.
+  // Returns the random number of people or vehicles of a kind: at least 1, or 0 if the parameter `people` is 0.
   const auto drawCount = [&](double share) {
     const int count = static_cast<int>(share * l.character.people * length / 100 + counts.next());
     return l.parameters.people > 0 ? std::max(1, count) : 0;

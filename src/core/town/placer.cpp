@@ -25,7 +25,7 @@ bool Placer::tryPark(const Model& m, const Spot& s, const std::string& name) {
   return true;
 }
 
-// The model stands on four points of the ground: at about its axles, and at about its wheels' tracks.
+// The pose follows from the ground's height at four points: at the front, the rear, the left and the right.
 void Placer::park(const Model& m, const Spot& s, const std::string& name) {
   occupancy.add(footprint(m, s, 0));
   const double halfX = 0.3 * m.length();
@@ -45,12 +45,12 @@ void Placer::putMoving(std::uint32_t mesh, const std::string& name, const std::s
     builder.place(mesh, {}, name, {}, movement, animation);
     return;
   }
-  constexpr double kBelow = -1;  // m, height of what is below the ground of a plain town
+  constexpr double kBelow = -1;  // m; lower positions are below the ground of a plain town
   const Pose pose = movement->at(0);
   if ((inverse(worldFromTown) * pose.translation).z > kBelow) builder.place(mesh, toAffine(pose), name);
 }
 
-// Places objects in the order of their priority: later objects get only places that are still free.
+// Places objects in the order of priority: later objects are placed only on ground that is still free.
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown) {
   Placer placer(builder, layout, worldFromTown);
   placeHouses(placer);

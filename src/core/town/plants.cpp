@@ -17,15 +17,15 @@ using models::TreeModel;
 
 constexpr int kTreesOfAForm = 2;
 constexpr std::array<double, kTreesOfAForm> kRagged{0.6, 1};  // irregularity of the crowns: see makeTree()
-constexpr double kOverhang = 0.5;   // m that crowns with a radius above 1.6 m may reach over a road
-constexpr double kFar = 25;         // m from the nearest road, beyond which trees have fewer and larger leaves
+constexpr double kOverhang = 0.5;   // m by which crowns above kLeastCrown may extend over a road
+constexpr double kFar = 25;         // m from the nearest road; trees beyond have fewer and larger leaves
 constexpr double kFarDetail = 0.3;  // factor on the number of leaves of trees beyond kFar
 constexpr int kBushForms = 6;
 constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods together
 
 enum class Trees { Broadleaf, Any };
 
-// Returns a random model of a tree. All plants of a town share their models; a model is built when it is first needed.
+// Returns a random model of a tree. All trees of a town share a few models, which are built when first needed.
 const TreeModel& randomTree(Placer& placer, Draw& draw, Trees kind, bool far) {
   const int form = draw.below(kind == Trees::Broadleaf ? models::kBroadleafForms : models::kTreeForms);
   const int variant = draw.below(kTreesOfAForm);
@@ -38,15 +38,15 @@ const TreeModel& randomTree(Placer& placer, Draw& draw, Trees kind, bool far) {
   return *tree;
 }
 
-// Plants a tree of a random form and size. Only the trunk needs free ground; crowns may overlap. Returns false if the
-// spot is not free, or if the crown would have to be less than half as wide as the model's. `largestCrown`: m, largest
-// radius of the crown; 0: not limited. The height and the crown that a map gives (`mapped`) are kept.
+// Plants a tree of a random form and size. Only the trunk needs free ground; crowns may overlap. `largestCrown`: limit
+// of the crown's radius (m); 0: none. `mapped`: height and crown on the map, which replace random sizes. Returns false
+// if the spot is not free, or if the limits of the crown would scale the model by less than 0.5.
 bool plant(Placer& placer, Draw& draw, Spot spot, Trees kind, double largestCrown, const std::string& name,
            const MapTree& mapped = {}) {
   constexpr double kTrunkBelow = 0.05;  // m of the trunk below the ground
   constexpr double kHalfFree = 0.6,
-                   kHalfTrunk = 0.35;  // m, half sides of the squares that must be free and are covered
-  constexpr double kLeastCrown = 1.6;  // m, radius below which crowns are not limited by a road
+                   kHalfTrunk = 0.35;  // m, half sides of the squares that must be free and that are then occupied
+  constexpr double kLeastCrown = 1.6;  // m, radius up to which roads do not limit a crown
   const Beside b = placer.layout.besideAt(spot.at);
   const bool far = !b.nearRoad || b.edge > kFar;
   const TreeModel& tree = randomTree(placer, draw, kind, far);
@@ -69,20 +69,20 @@ bool plant(Placer& placer, Draw& draw, Spot spot, Trees kind, double largestCrow
   return true;
 }
 
-// Plants a tree as "tree NUMBER"; see plant().
+// Plants a tree with the name "tree NUMBER"; see plant().
 bool plantNumbered(Placer& placer, Draw& draw, const Spot& spot, Trees kind, double largestCrown) {
   return placer.tryNumbered(
       "tree", [&](const std::string& name) { return plant(placer, draw, spot, kind, largestCrown, name); });
 }
 
-// True if a point is at least `beyond` metres from pavements, and a metre from parking lots, squares and water.
+// True if a point is at least `beyond` m from pavements and at least 1 m from parking lots, squares and water.
 bool onLawn(const Layout& layout, const Point2& p, double beyond) {
   if (layout.areas.outsideHard(p) < 1) return false;
   const Beside b = layout.besideAt(p);
   return !b.nearRoad || b.edge > b.section.paved() + beyond;
 }
 
-// Places squares of soil in the pavement, in which trees stand.
+// Places a square of soil in the pavement around the trunk of each tree at `pits`.
 void placePits(Placer& placer, const std::vector<Spot>& pits) {
   if (pits.empty()) return;
   constexpr double kHalf = 0.6;    // m, half of a pit's width
@@ -97,8 +97,8 @@ void placePits(Placer& placer, const std::vector<Spot>& pits) {
   placer.putShape(s);
 }
 
-// Plants trees along a road: in a wide verge, in pits near the curb of wide sidewalks, else in the gardens behind the
-// pavement. `avenue`: fraction of the positions that have a tree. Appends the spots in pits to `pits`.
+// Plants trees along a road: in a wide verge, else in pits near the curb of a wide sidewalk, else in the gardens behind
+// the pavement. `avenue`: fraction of the positions that have a tree. Appends the spots of trees in pits to `pits`.
 void plantAlong(Placer& placer, const Road& road, double avenue, std::vector<Spot>& pits) {
   constexpr double kWideVerge = 1.2, kWideSidewalk = 2.8;  // m
   const Layout& l = placer.layout;
@@ -121,7 +121,7 @@ void plantAlong(Placer& placer, const Road& road, double avenue, std::vector<Spo
   }
 }
 
-// Plants trees at random positions in a park, one for 70 to 200 m^2 of the rectangle about it.
+// Plants trees at random positions in a park: a tree per 70 to 200 m^2 of the park's bounding rectangle.
 void plantPark(Placer& placer, const MapArea& park, Draw& draw) {
   constexpr double kMost = 2000;  // trees
   const Layout& l = placer.layout;
@@ -156,7 +156,7 @@ void plantGarden(Placer& placer, const Plot& plot) {
   }
 }
 
-// Builds a tuft of blades that bend outwards. No blade is higher than a random limit of 0.12 to 0.4 m.
+// Builds a tuft of grass, 0.12 to 0.4 m high at most. The blades bend outwards.
 Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
   Draw draw(seed, Kind::Tuft, form);
   models::Shape s(builder, "tuft of grass");
@@ -191,22 +191,22 @@ void placeMapTrees(Placer& placer) {
   for (const MapTree& tree : l.trees) {
     Draw draw(l.seed, Kind::MapTree, treeNumber++);
     const Beside b = l.besideAt(tree.at);
-    // Trees may be on a road, which is wider here than on the map.
+    // A tree may be on a road that is wider in the town than on the map.
     const bool onRoad = b.nearRoad && b.edge < 0.4;
     const Spot spot{.at = tree.at, .yaw = draw.in(0, 2 * kPi)};
     const std::string name = fmt::format("tree {}", treeNumber);
     leftOut |= onRoad || !plant(placer, draw, spot, Trees::Broadleaf, 0, name, tree);
   }
-  // The text is the same for all towns on the map, so that there is one warning.
+  // The same text for all towns on the map gives only one warning.
   if (leftOut) {
     warn("{}: left out: trees where the town has roads, paths, houses or other trees", l.parameters.map.string());
   }
 }
 
-// Plants trees along the roads, in parks and in gardens, in this order; only in gardens if the map has trees.
+// Plants trees along the roads, in parks and in gardens, in this order. If the map has trees, only in gardens.
 void placeTrees(Placer& placer) {
   const Layout& l = placer.layout;
-  placer.numbers["tree"] = static_cast<int>(l.trees.size());  // their names follow those of the map's trees
+  placer.numbers["tree"] = static_cast<int>(l.trees.size());  // continues the numbers of the map's trees
   std::vector<Spot> pits;
   for (const Road& road : l.roads()) {
     if (!road.minor) plantAlong(placer, road, l.trees.empty() ? l.character.avenue : 0, pits);
@@ -220,13 +220,13 @@ void placeTrees(Placer& placer) {
   for (const Plot& plot : l.plots) plantGarden(placer, plot);
 }
 
-// Places woods: trees on a jittered lattice where a random field is high or the map has woods, and undergrowth.
+// Places trees and undergrowth on a jittered lattice, in areas of wood and, outside of areas, where a field is high.
 void placeWoods(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character;
   if (c.woods <= 0) return;
   const std::vector<Model> bushes = placer.forms(4, models::makeUndergrowth, c.foliage);
-  // About the fraction `woods` of the land is above: `density` is nearly normal, with mean 0 and deviation 1/4.
+  // `density` is nearly normal (mean 0, standard deviation 1/4), so about a fraction `woods` of the land is above.
   const double threshold = 0.42 * (1 - 2 * c.woods);
   Draw lattice(l.seed, Kind::WoodLattice);
   const double spacing = lattice.in(3.2, 4.6);
@@ -239,7 +239,7 @@ void placeWoods(Placer& placer) {
       Draw draw(l.seed, Kind::Wood, ++cell);
       const Spot spot{{x + draw.in(0, spacing), y + draw.in(0, spacing)}, draw.in(0, 2 * kPi), draw.in(0.7, 1.4), 0};
       const Beside b = l.besideAt(spot.at);
-      // Skips spots on a road or beside its sidewalk, and spots far from all roads, which nearer trees would hide.
+      // Skips spots at a road or sidewalk, and spots far from all roads, where nearer trees would hide a tree.
       if (!b.nearRoad || b.isOnRoadOrSidewalk(std::max(b.section.apron, 0.4))) continue;
       const double density = relief({l.seed, Field::Woods}, spot.at.x, spot.at.y, 45) +
                              0.4 * relief({l.seed, Field::Clearings}, spot.at.x, spot.at.y, 12);
@@ -261,12 +261,12 @@ void placeWoods(Placer& placer) {
   }
 }
 
-// Places bushes in the gardens: in front of the houses and behind them.
+// Places bushes in the gardens, in front of houses and behind houses.
 void placeBushes(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character;
   if (c.gardenBushes <= 0) return;
-  const double bushFoliage = std::max(c.foliage, 0.3);  // not below 0.3, since some bushes are evergreen
+  const double bushFoliage = std::max(c.foliage, 0.3);  // at least 0.3, since some bushes are evergreen
   const std::vector<Model> forms = placer.forms(kBushForms, models::makeBush, bushFoliage);
   int number = 0;
   for (const Plot& plot : l.plots) {
@@ -293,7 +293,7 @@ void placeGrass(Placer& placer) {
   const Character& c = l.character;
   if (c.season == Season::Winter || c.plain) return;  // the grass is below the snow, or mown
   constexpr int kTuftForms = 6, kMostTufts = 2500;
-  constexpr double kReach = 5;  // m; tufts are placed between the curb and this far beyond the sidewalk
+  constexpr double kReach = 5;  // m beyond the sidewalk, to which tufts are placed from the curb on
   // The density of tufts in the town: 0 if all grass is mown.
   const double meanDensity = Draw(l.seed, Kind::Grass).in(0, c.country ? 0.9 : c.terraced ? 0.2 : 0.45);
   const auto tufts = placer.forms(kTuftForms, [&](SceneBuilder& builder, std::uint64_t seed, int form) {

@@ -10,10 +10,10 @@ namespace {
 constexpr std::size_t kRun = 4;      // number of successive segments that share a bounding box
 constexpr double kRounding = 10;     // m, rounding of corners at joints: see at()
 constexpr double kRingRounding = 4;  // m, at roundabouts
-constexpr double kFull = 28;         // m from a joint; nearer corners are fully rounded
+constexpr double kFull = 28;         // m from a joint, within which corners are fully rounded
 constexpr double kFade = 12;         // m beyond kFull, over which the rounding decreases to zero
 
-// Returns a mixture of two cross sections: `a` at t = 0, `b` at t = 1.
+// Returns the linear mixture of two cross sections: `a` if t is 0, `b` if t is 1.
 CrossSection mixed(const CrossSection& a, const CrossSection& b, double t) {
   return {models::lerp(a.half, b.half, t),         models::lerp(a.parking, b.parking, t),
           models::lerp(a.curb, b.curb, t),         models::lerp(a.verge, b.verge, t),
@@ -69,7 +69,7 @@ void RoadNetwork::enterLastRun() {
       const Point2 out = run.outside(middle(column), middle(row));
       const auto least = static_cast<float>(std::hypot(out.x, out.y) - kHalfDiagonal);
       if (least > kReach) continue;
-      // Keeps the runs of this road, which are the last ones of the cell, sorted by their distances.
+      // Inserts the run so that the runs of this road, which are the last in the cell, stay sorted by `least`.
       std::vector<RunOfCell>& cell = cells_[models::cellKey(column, row)];
       auto position = cell.end();
       while (position != cell.begin() && runs_[position[-1].run].road == run.road && position[-1].least > least) {
@@ -110,8 +110,8 @@ void RoadNetwork::findNearest(double x, double y, std::vector<NearestPoint>& nea
   }
 }
 
-// Replaces the last point of `nearest`, if it is on the run's road, or else appends a point, if the run has a nearer
-// one. Among points that are equally far, the first one along the road counts.
+// Finds the run's nearest point within kReach. Appends the point to `nearest` if the last point there is of another
+// road, else replaces the last point if it is farther. Of equally near points, the first along the road counts.
 void RoadNetwork::findNearestOnRun(const Run& run, double x, double y, std::vector<NearestPoint>& nearest) const {
   const Road& road = roads_[run.road];
   for (std::uint32_t i = run.first; i < run.last; ++i) {
@@ -136,9 +136,8 @@ void RoadNetwork::findNearestOnRun(const Run& run, double x, double y, std::vect
   }
 }
 
-// `edge` is the distance to the nearest road's edge, as a polynomial smooth minimum over all roads, which rounds
-// corners: if the distances to two edges differ by less than the rounding, the result is less than both distances, by
-// at most a quarter of the rounding.
+// `edge` is a polynomial smooth minimum of the distances to the roads' edges, which rounds corners: if two distances
+// differ by less than the rounding, the result is less than both distances, by at most a quarter of the rounding.
 Beside RoadNetwork::at(const Point2& p) const {
   thread_local std::vector<NearestPoint> nearest;
   findNearest(p.x, p.y, nearest);
@@ -152,7 +151,7 @@ Beside RoadNetwork::at(const Point2& p) const {
     const CrossSection& section = roads_[n.road].section;
     const double distance = std::sqrt(n.squaredDistance);
     const double lateral = n.left ? distance : -distance;
-    // Beyond a road's end the distance to its edge grows steeply: it must not widen the other roads of the joint.
+    // Beyond a road's end the distance grows steeply, so that the road does not widen the other roads of the joint.
     constexpr double kSteepness = 3;
     const double edge = distance - section.half + (severalRoads ? kSteepness * n.beyondEnd * corner / kRounding : 0);
     if (!beside.nearRoad) {
@@ -170,7 +169,7 @@ Beside RoadNetwork::at(const Point2& p) const {
       beside.lateral = lateral;
     }
   }
-  // The island inside a roundabout, at the left of its line, has no pavements, unlike the roads that join it.
+  // A roundabout's island, at the left of the ring's line, has no pavements: no mixture with the joining roads.
   if (beside.nearRoad && roads_[beside.road].ring && beside.lateral > 0) beside.section = roads_[beside.road].section;
   return beside;
 }

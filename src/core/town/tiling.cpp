@@ -9,12 +9,12 @@
 namespace scanmill::town {
 namespace {
 
-const Location kGround{"the ground of the town"};  // of errors
+const Location kGround{"the ground of the town"};  // location of errors
 
-constexpr double kOnLine = 1e-4;  // m; if the field of cutAlong() has a smaller absolute value, it counts as zero
+constexpr double kOnLine = 1e-4;  // m; smaller absolute values of the field of cutAlong() count as zero
 
-// A quadtree over the square. Corners of its leaves are on a lattice whose spacing is half of the smallest leaf's side,
-// so that leaves' centres are on it, too. Coordinates x, y and sizes are in steps of this lattice.
+// A quadtree over the square. Integer coordinates and sizes are in steps of a lattice. A step is half of the smallest
+// leaf's side, so that the corners and the centres of all leaves are points of the lattice.
 class Quadtree {
  public:
   Quadtree(double half, double smallest, const std::function<bool(double, double, double)>& divided)
@@ -33,10 +33,10 @@ class Quadtree {
   }
 
  private:
-  static constexpr std::size_t kUsual = std::size_t{1} << 19;  // about the number of leaves and points of a usual town
+  static constexpr std::size_t kUsual = std::size_t{1} << 19;  // number of leaves and of points in a usual town, about
   struct Leaf {
     std::int32_t x, y, size;               // low corner and side, in steps of the lattice
-    std::array<std::uint32_t, 4> corners;  // numbers of the corners, counter-clockwise from the low corner
+    std::array<std::uint32_t, 4> corners;  // indices of the corners, counter-clockwise from the low corner
   };
 
   // Returns the number of lattice steps along a side of the square, a power of 2.
@@ -47,7 +47,7 @@ class Quadtree {
   }
   double coordinate(std::int64_t i) const { return -half_ + static_cast<double>(i) * step_; }
 
-  // Divides the square with the low corner (x, y) as far as divided_ wants, and adds its leaves.
+  // Adds the leaves of the square with the low corner (x, y), which is divided as divided_ decides.
   void divide(std::int64_t x, std::int64_t y, std::int64_t size) {
     const double side = static_cast<double>(size) * step_;
     chargeTime(kGround);
@@ -69,7 +69,7 @@ class Quadtree {
                        .corners = {low, right, high, left}});
   }
 
-  // Returns the index of the point at a position of the lattice, which is added if it is new.
+  // Returns the index of the point at a position of the lattice. Adds the point if it is new.
   std::uint32_t corner(std::int64_t x, std::int64_t y) {
     const auto [found, isNew] =
         corners_.try_emplace(models::cellKey(x, y), static_cast<std::uint32_t>(tiling_.points.size()));
@@ -77,7 +77,7 @@ class Quadtree {
     return found->second;
   }
 
-  // Appends the points on a leaf's side from `first` at (ax, ay) to before (bx, by), with neighbours' corners.
+  // Appends to around_ the point `first` at (ax, ay) and the corners of neighbours between (ax, ay) and (bx, by).
   void addSide(std::uint32_t first, std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by) {
     const std::int64_t mx = (ax + bx) / 2;
     const std::int64_t my = (ay + by) / 2;
@@ -88,7 +88,7 @@ class Quadtree {
     addSide(middle->second, mx, my, bx, by);
   }
 
-  // Adds the triangles of a leaf: two, or a fan about its centre if neighbours divide its sides.
+  // Adds the triangles of a leaf: two or, if corners of smaller neighbours are on its sides, a fan about the centre.
   void addLeaf(const Leaf& l) {
     around_.clear();
     addSide(l.corners[0], l.x, l.y, l.x + l.size, l.y);
@@ -113,8 +113,8 @@ class Quadtree {
   std::int64_t steps_;
   double step_ = 1;
   std::vector<Leaf> leaves_;
-  std::vector<std::uint32_t> around_;                         // points around the leaf of addLeaf(), counter-clockwise
-  std::unordered_map<std::uint64_t, std::uint32_t> corners_;  // indices of points, by their cells in the lattice
+  std::vector<std::uint32_t> around_;                         // points around the current leaf, counter-clockwise
+  std::unordered_map<std::uint64_t, std::uint32_t> corners_;  // index of a point, by its position in the lattice
   Tiling tiling_;
 };
 
@@ -126,7 +126,7 @@ Tiling makeTiling(double half, double smallest, const std::function<bool(double 
 
 void cutAlong(Tiling& tiling, std::vector<double> field) {
   using Corners = std::array<std::uint32_t, 3>;
-  // The side of the line on which a point is; 0: on the line. The sides of a triangle's corners are combined by `or`.
+  // The side of the line on which a point is; 0: on the line. `kAbove | kBelow`: a triangle with corners on both sides.
   constexpr std::uint8_t kAbove = 1, kBelow = 2;
   std::vector<std::uint8_t> sides(field.size());  // by point
   for (std::size_t p = 0; p < field.size(); ++p) {

@@ -17,7 +17,7 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed) {
           town::cutOut(map, parameters, seed, town::Layout::reachOf(parameters) - town::Layout::kEdge, where)};
 }
 
-// Transforms a point from the layout's frame, for right-hand traffic, to the town's frame, which may be mirrored.
+// Transforms a point from the layout's frame (right-hand traffic) to the town's frame, mirrored for left-hand traffic.
 Vec3d townFromLayout(const town::Layout& layout, const Vec3d& p) {
   return layout.parameters.keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }
@@ -34,7 +34,7 @@ void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Af
 }
 
 SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
-  constexpr double kEnds = 20;  // m; the lane ends this far inside the built-up part, at both ends
+  constexpr double kEnds = 20;  // m from the ends of the built-up part to the ends of the lane
   const town::Layout layout = readLayout(fields, seed);
   const town::LanePath through{{{0, layout.mainFrom + kEnds, layout.mainTo - kEnds}}, 0, 0};
   const town::EgoRoads ego = town::egoRoads(layout);

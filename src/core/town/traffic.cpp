@@ -1,4 +1,4 @@
-// Places vehicles and cyclists that drive by the model of flow.h, but not on the ego vehicle's lane of the main road.
+// Places driving vehicles and cyclists, simulated by flow.h, on all lanes but the ego vehicle's lane of the main road.
 
 #include <fmt/format.h>
 
@@ -19,24 +19,24 @@ namespace {
 
 using models::Kind;
 
-constexpr double kHeavyLane = 3.2;  // m, least width of a lane that lorries and buses use
-constexpr double kUpstream = 1000;  // m of the route before the town, on which vehicles that arrive later start
-constexpr double kBeyond = 300;     // m, distance beyond the town at which vehicles disappear, out of sight
-constexpr double kWarmUp = 20;      // s of simulation before the drive begins
-constexpr double kDuration = 120;   // s; all vehicles stand still after this time
-constexpr double kInterval = 0.25;  // s between the stored positions of a vehicle
-constexpr double kBeforeEnd = 0.1;  // m before the end of a route, where vehicles stop that do not vanish
-constexpr double kStartGap = 22;    // m between vehicles at the start, besides a second of driving
-constexpr double kAlways = -1e9;    // s, start time of vehicles that never wait
+constexpr double kHeavyLane = 3.2;           // m, least width of a lane that lorries and buses use
+constexpr double kUpstream = 1000;           // m of the route before the town, for vehicles that arrive later
+constexpr double kBeyond = 300;              // m of the route beyond the town, after which vehicles disappear
+constexpr double kWarmUp = 20;               // s, simulated before time 0
+constexpr double kDuration = 120;            // s; all vehicles stand still after this time
+constexpr double kInterval = 0.25;           // s between the stored positions of a vehicle
+constexpr double kBeforeEnd = 0.1;           // m from a last stop line to the route's end, where vehicles would vanish
+constexpr double kStartGap = 22;             // m, least distance of vehicles at the start, plus the way of a second
+constexpr double kAlways = -1e9;             // s, start time of vehicles that never wait
 constexpr std::uint32_t kPassing = 1 << 20;  // first number of the lanes beside the rightmost ones
 
-// A lane path of a vehicle in the world.
+// The path of a vehicle along lanes, in the world's frame.
 struct VehiclePath {
   std::shared_ptr<const Path> path;
-  LanePoints lane;  // with its points in the world's frame
+  LanePoints lane;  // `points` are in the world's frame
 
-  // Returns the distance along the path (m) at a position on a road (m along the road). If the path does not pass the
-  // position, returns the distance at its last point on the road; 0 if it has none.
+  // Returns the distance along the path (m) at which the path passes `along` (m) on a road. If it does not, returns the
+  // distance of the path's last point on the road, or 0 if the path has no point on the road.
   double distanceAt(std::uint32_t road, double along) const {
     const auto distanceOf = [&](std::size_t i) { return path->distanceOfPoint(lane.firstOnRoad + i); };
     std::optional<std::size_t> previous;  // index of the previous point on the road
@@ -53,7 +53,7 @@ struct VehiclePath {
   }
 };
 
-// Returns the path of a vehicle along lanes; see lanePoints(). Its sides stay off the centre line of two-way roads.
+// Returns the path of a vehicle along lanes; see lanePoints(). The vehicle stays kMiddle off a two-way road's centre.
 VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, double halfWidth,
                         const Affine& worldFromTown) {
   LanePoints lane = lanePoints(l, lanePath, out, halfWidth + kMiddle);
@@ -62,12 +62,12 @@ VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, d
   return {std::move(path), std::move(lane)};
 }
 
-// Places the traffic of a town: adds routes (the one through the town first) and vehicles, and simulates them.
+// Places the traffic of a town: adds routes (first the route through the town) and vehicles, and simulates them.
 class Traffic {
  public:
   explicit Traffic(Placer& placer) : placer_(placer), l_(placer.layout), main_(road(0)), fastest_(l_.character.speed) {}
 
-  // The order counts: later routes copy the stop lines of the first one, and vehicles choose among all routes.
+  // The order counts: later routes copy the stop lines of the first route, and vehicles choose among all routes.
   void place() {
     addThrough();
     addPassing();
@@ -85,7 +85,7 @@ class Traffic {
   }
 
  private:
-  // What drives: the vehicle of the driver with the same index.
+  // The models and the name of the vehicle of the driver with the same index.
   struct Participant {
     Model vehicle;
     std::optional<Model> rider;
@@ -94,11 +94,11 @@ class Traffic {
   };
 
   const Road& road(std::uint32_t r) const { return l_.roads()[r]; }
-  // Numbers of the lanes of a side road, towards the main road and away from it. Lane 0 is that of the main road.
+  // The numbers of the lanes of side road `r` towards and away from the main road. Lane 0 is the main road's lane.
   static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
   static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
 
-  // Adds a route without legs and stops, `out` m to the right of the rightmost lane's middle. Returns its index.
+  // Adds a route `out` m to the right of the rightmost lane's middle, without legs and stops. Returns the index.
   std::uint32_t addRoute(const LanePath& lanePath, double out = 0) {
     lanePaths_.push_back(lanePath);
     paths_.push_back(vehiclePath(l_, lanePath, out, 0, placer_.worldFromTown));
@@ -112,7 +112,7 @@ class Traffic {
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
 
-  // Returns where an object first blocks the lane between two positions (m along the road); nullopt if it is free.
+  // Returns the first position (m along the road) between two others where an object blocks the lane; nullopt: none.
   std::optional<double> firstObstacle(std::uint32_t r, double from, double to) const {
     const double direction = to >= from ? 1 : -1;
     const double lateral = road(r).oneWay() ? 0 : std::max(road(r).laneMiddle(), 0.9 + kMiddle);
@@ -124,10 +124,10 @@ class Traffic {
     return std::nullopt;
   }
 
-  // Adds the route through the town: all of the main road, against its line. Stops are at obstacles and lights.
+  // Adds the route through the town: the complete main road, against its line, with stop lines at obstacles and lights.
   void addThrough() {
     constexpr double kBeforeObstacle = 2;  // m
-    constexpr double kNextObstacle = 26;  // m behind the beginning of an obstacle, where the search for the next begins
+    constexpr double kNextObstacle = 26;   // m from the start of an obstacle to where the search for the next starts
     const double length = main_.length();
     const std::uint32_t route = addRoute({{{0, length, 0}}, kUpstream, kBeyond});
     Route& through = routes_[route];
@@ -140,7 +140,7 @@ class Traffic {
     addLights(route, &Placer::Light::stopAgainstLine);
   }
 
-  // Adds stop lines at the main road's lights. `position`: the member with the position for the route's direction.
+  // Adds stop lines at the main road's lights. `position`: stopAgainstLine or stopWithLine, by the route's direction.
   void addLights(std::uint32_t route, double Placer::Light::*position) {
     for (const Placer::Light& light : placer_.lights) {
       routes_[route].stops.push_back({.at = paths_[route].distanceAt(0, light.*position),
@@ -148,7 +148,7 @@ class Traffic {
     }
   }
 
-  // Adds the routes of the other lanes, in both directions, and their vehicles. Nobody changes lanes.
+  // Adds the routes of the passing lanes, in both directions, and their vehicles. Vehicles do not change lanes.
   void addPassing() {
     if (main_.oneWay()) return;
     const double length = main_.length();
@@ -166,8 +166,8 @@ class Traffic {
     }
   }
 
-  // Adds the routes into and out of a side road and their vehicles. Vehicles turn from and to the main road only at its
-  // left, where they do not cross the ego vehicle's lane; elsewhere they stop at the ends of the side road's lanes.
+  // Adds the routes into and out of a side road and their vehicles. At the left of the main road, vehicles turn between
+  // the roads without crossing the ego vehicle's lane; at the right they stop at the ends of the side road's lanes.
   void addSideRoad(const Road& side) {
     constexpr double kLeastLanes = 20;  // m
     const std::uint32_t r = side.number;
@@ -175,7 +175,7 @@ class Traffic {
     const double start = laneStart(l_);
     if (!side.joins || end < start + kLeastLanes || egoRoads(l_).has(side)) return;
     const bool turns = side.joinsLeft && main_.against;
-    std::optional<std::uint32_t> outRoute, inRoute;  // away from the main road, and towards it
+    std::optional<std::uint32_t> outRoute, inRoute;  // indices of the routes away from and towards the main road
     if (side.along && !firstObstacle(r, start, end)) {
       outRoute = addRoute({{{r, start, end}}});
       const double length = routes_[*outRoute].length;
@@ -187,10 +187,9 @@ class Traffic {
     addSideVehicles(r, inRoute, outRoute, end - start);
   }
 
-  // Adds the route from the main road into a side road. It shares the lane and the stops of the route through the town.
+  // Adds the route from the main road into a side road. Up to the turn, lane and stops are those of the first route.
   void addTurnInto(const Road& side) {
-    constexpr double kSeenBefore =
-        4;  // m before the side road's lane, where vehicles on this lane see those that turn in
+    constexpr double kSeenBefore = 4;  // m before the side road's lane, from where turning vehicles also count as on it
     const double turnAlong = *side.joins + turnStart(side);  // m along the main road
     const std::uint32_t index =
         addRoute({.intervals = {{0, main_.length(), turnAlong}, {side.number, laneStart(l_), laneEnd(side)}},
@@ -207,7 +206,7 @@ class Traffic {
     turns_.push_back(index);
   }
 
-  // Adds the route along a side road to its stop line, where vehicles wait for ever. Returns its index.
+  // Adds the route along a side road to its stop line, where vehicles wait forever. Returns the route's index.
   std::uint32_t addUpToStopLine(const Road& side) {
     const std::uint32_t index = addRoute({{{side.number, laneEnd(side), stopLineOfSideRoad(l_)}}});
     Route& route = routes_[index];
@@ -216,10 +215,10 @@ class Traffic {
     return index;
   }
 
-  // Adds the route from a side road to the main road, to which it gives way at its stop line. Returns its index.
+  // Adds the route from a side road into the main road. At the stop line it gives way. Returns the route's index.
   std::uint32_t addTurnOutOf(const Road& side) {
-    constexpr double kLooksBack = 50, kLooksAhead = 14;       // m of the main road from the junction that must be free
-    constexpr double kLeaves = 6, kEnters = 1;                // m behind the stop line: end and start of the lanes
+    constexpr double kLooksBack = 50, kLooksAhead = 14;  // m of lane 0 before and behind the merge, to be free
+    constexpr double kLeaves = 6, kEnters = 1;  // m behind the stop line: end of the side lane, start of lane 0
     const double mergeAlong = *side.joins - turnStart(side);  // m along the main road
     const std::uint32_t r = side.number;
     const std::uint32_t index =
@@ -239,13 +238,13 @@ class Traffic {
     return index;
   }
 
-  // Adds the vehicles of a side road's two routes, each of which may be missing. `length`: m, of the lanes.
+  // Adds vehicles to a side road's two routes, each of which may be missing. `length`: length of the lanes (m).
   void addSideVehicles(std::uint32_t r, const std::optional<std::uint32_t>& inRoute,
                        const std::optional<std::uint32_t>& outRoute, double length) {
     constexpr double kApart = 14;  // m between the middles of two vehicles
     Draw draw(l_.seed, Kind::SideTraffic, r);
     const int count = static_cast<int>(l_.character.traffic * 0.4 * length / 100 + draw.next());
-    std::vector<std::pair<std::uint32_t, double>> starts;  // routes, and m along them
+    std::vector<std::pair<std::uint32_t, double>> starts;  // (route, m along the route)
     for (int k = 0; k < count; ++k) {
       const std::optional<std::uint32_t>& route = draw.chance(0.5) ? inRoute : outRoute;
       const double along = draw.in(4, std::max(5.0, length - 12));
@@ -259,8 +258,8 @@ class Traffic {
     }
   }
 
-  // Adds the vehicles that drive through the town or turn off. They start at least kStartGap plus one second of driving
-  // apart. In the built-up part, the first ones are cyclists, as many as the town wants.
+  // Adds the vehicles that drive through the town or turn off. They start at least kStartGap plus the way of one second
+  // apart. The first cyclistCount() vehicles in the built-up part are cyclists.
   void drawThrough() {
     if (!main_.against) return;
     constexpr double kHeavyShare = 0.27, kBusShare = 0.16, kMotorcycleShare = 0.2, kTurnShare = 0.25;
@@ -288,7 +287,7 @@ class Traffic {
         const bool turns = !heavy && !turns_.empty() && draw.chance(kTurnShare);
         const std::uint32_t route = turns ? draw.itemOf(turns_) : 0;
         const bool beforeTurn = along < routes_[route].legs.front().to - 30;
-        // Lorries and buses keep to the middle of the lane: in bends they need its width.
+        // Lorries and buses drive in the middle of the lane, since they need its full width in bends.
         addDriver(beforeTurn ? route : 0, along, m, std::nullopt, speed, heavy ? 0 : out, kAlways);
       }
       const double least = kStartGap + speed;
@@ -297,7 +296,7 @@ class Traffic {
     }
   }
 
-  // Adds the vehicles of a passing lane, `out` m to the right of the rightmost lane; they drive faster than there.
+  // Adds the vehicles of a passing lane, faster than those of the rightmost lane. `out`: see Participant.
   void addPassingVehicles(Draw& draw, std::uint32_t route, double out) {
     const double per100m = l_.character.traffic;
     const double end = routes_[route].length - kBeyond;
@@ -325,7 +324,7 @@ class Traffic {
     return std::max(1, static_cast<int>(0.7 * l_.character.people * length / 100 + draw.next()));
   }
 
-  // Returns a random one of a few models, which `make` builds when it is first needed.
+  // Returns one of `Count` models at random. `make` builds a model when it is first needed.
   template <std::size_t Count, class Make>
   const models::Ridden& anyRidden(std::array<std::optional<models::Ridden>, Count>& built, Draw& draw,
                                   const Make& make) {
@@ -348,9 +347,9 @@ class Traffic {
     addDriver(route, along, motorcycle, rider, speed, out, kAlways, "traffic on a motorcycle");
   }
 
-  // Adds a vehicle that is `along` metres along the route at the start, and does not move before `startTime` (s);
-  // unless a stop line without a light (a give-way line or an obstacle such as roadworks) is within 14 m ahead or 26 m
-  // behind. `namePrefix`: of the vehicle's name, which a number follows.
+  // Adds a vehicle that starts `along` m along the route and does not move before `startTime` (s). Adds nothing if a
+  // stop line without a light (for giving way or at an obstacle) is less than kBeforeLine ahead or kBehindLine behind.
+  // The vehicle's name is `namePrefix` and a number.
   void addDriver(std::uint32_t route, double along, const Model& vehicle, const std::optional<Model>& rider,
                  double speed, double out, double startTime, const std::string& namePrefix = "traffic") {
     constexpr double kBeforeLine = 14, kBehindLine = 26;  // m
@@ -369,10 +368,10 @@ class Traffic {
   std::vector<LanePath> lanePaths_;  // by route
   std::vector<VehiclePath> paths_;   // by route
   std::vector<Route> routes_;
-  std::vector<std::uint32_t> turns_;  // indices of routes that leave the main road
+  std::vector<std::uint32_t> turns_;  // indices of routes that turn off the main road
   std::vector<Driver> drivers_;
   std::vector<Participant> participants_;
-  std::map<std::string, int> numbers_;  // of drivers, by the beginnings of their names
+  std::map<std::string, int> numbers_;                                     // last number that was used, by namePrefix
   std::array<std::optional<models::Ridden>, kRoadCyclistForms> cyclists_;  // built when they are first needed
   std::array<std::optional<models::Ridden>, 2> motorcyclists_;
 };
