@@ -123,8 +123,8 @@ class Road {
   Location where_;
 };
 
-// Finds the cheapest sequence of cells. Cells lie on a grid about the start, so that the result does not depend on
-// where the scene's origin is.
+// Finds the cheapest sequence of cells. The grid of cells is centred at the start, so that the result does not depend
+// on where the scene's origin is.
 class CellSearch {
  public:
   CellSearch(const Road& road, const Vec3d& from, const Vec3d& to)

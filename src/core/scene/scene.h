@@ -202,9 +202,9 @@ void standStill(Scene& scene, double time);
 // class with this name. Throws an InputError at an item that is neither a class of the ontology nor in the scene.
 void takeOut(Scene& scene, const std::vector<Value>& items);
 
-// Returns the scene with about the fraction `keep` of each mesh's triangles, as proxies such as collision meshes have
-// them. `keep` is above 0 and at most 1; 1 gives an unchanged scene. Edges are collapsed first where the shape changes
-// least (quadric error metric; Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH 1997).
+// Returns the scene with about the fraction `keep` of each mesh's triangles, like proxies such as collision meshes.
+// `keep` is above 0 and at most 1; 1 gives an unchanged scene. Edges are collapsed first where the shape changes least
+// (quadric error metric; Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH 1997).
 // Surfaces keep their materials, classes and objects. No triangle crosses from one surface to another, a closed mesh
 // stays closed between surfaces, and no surface vanishes, even if that needs more triangles. Meshes of up to 32
 // triangles stay unchanged.

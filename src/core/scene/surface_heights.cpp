@@ -45,8 +45,8 @@ double distanceToSegment(const Vec3d& point, const Vec3d& a, const Vec3d& b) {
   return std::hypot(point.x - a.x - fraction * edgeX, point.y - a.y - fraction * edgeY);
 }
 
-// Returns the horizontal distance of `p` from a triangle; 0 above or below it. Seen from above, a vertical triangle is
-// a line.
+// Returns the horizontal distance of `p` from a triangle; 0 if `p` is above or below the triangle. A vertical triangle
+// counts as a line.
 double distanceToTriangle(const std::array<Vec3d, 3>& corners, const Vec3d& p) {
   int leftEdges = 0;  // edges that have the point to their left
   int rightEdges = 0;
@@ -175,7 +175,7 @@ SurfaceHeights::Area SurfaceHeights::area(const std::vector<std::uint16_t>& clas
                     [&](std::uint32_t instance, std::uint32_t triangle, const std::array<Vec3d, 3>& corners) {
                       const bool mirrored = determinant(scene_.instances[instance].worldFromMesh.linear) < 0;
                       const Vec3d normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
-                      // As seen from above; negative if the triangle faces down.
+                      // The area as seen from above; negative if the triangle faces down.
                       const double squareMetres = normal.z / 2 * (mirrored ? -1 : 1);
                       if (std::fabs(squareMetres) < kVertical * length(normal)) return;
                       add(facingUp, {instance, triangle}, squareMetres);

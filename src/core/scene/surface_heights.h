@@ -112,7 +112,7 @@ class SurfaceDistance {
   bool empty() const { return triangles_.empty(); }
 
  private:
-  // Returns the column and the row of the cell at or nearest to a point (m).
+  // Returns the column and the row of the cell that contains a point (m), or of the nearest cell if none does.
   std::array<std::size_t, 2> cellOf(double x, double y) const;
 
   std::vector<std::array<Vec3d, 3>> triangles_;    // corners (m, world frame); only x and y are used

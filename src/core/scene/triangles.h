@@ -17,8 +17,7 @@ namespace scanmill {
 // True if the triangle can be traced; otherwise counts the reason in `dropped`.
 [[nodiscard]] bool canBeTraced(const Triangle& triangle, const std::vector<Vec3f>& positions, Dropped& dropped);
 
-// Drops the triangles of a mesh for which `keep`, called with their indices, returns false. The remaining triangles
-// keep their order.
+// Drops the triangles of a mesh for which keep(index) returns false. The other triangles keep their order.
 template <class Keep>
 void keepTriangles(Mesh& mesh, const Keep& keep) {
   std::size_t kept = 0;

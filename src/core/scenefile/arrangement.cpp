@@ -30,7 +30,7 @@ RandomBlock draw(std::uint64_t seed, std::uint32_t object, std::uint64_t n, Draw
                       static_cast<std::uint32_t>(n >> 32), 0, Purpose::Placement});
 }
 
-// Throws InputError if a scene may not have this number of copies.
+// Throws InputError if `count` is more than the number of copies that a scene may have.
 void refuseTooMany(double count, const Location& where) {
   if (count > static_cast<double>(Placement::mostCopies())) {
     throw InputError(where, "{:.4g} copies are too many: {}", count, Placement::mostCopiesText());

@@ -13,11 +13,11 @@
 namespace scanmill {
 namespace {
 
-// Words of at least so many letters are also found inside longer words. Chosen by eye: shorter words are in too many
-// others.
+// Words of at least this many letters are also found inside longer words. Chosen by eye: shorter words occur inside too
+// many other words.
 constexpr std::size_t kFewestLettersInside = 5;
 
-// Two-byte letters of UTF-8 and their replacements.
+// Letters that have two bytes in UTF-8, and the letters by which foldedName() replaces them.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kReplacements{
     {{"ß", "ss"}, {"ä", "a"}, {"ö", "o"}, {"ü", "u"}, {"Ä", "a"}, {"Ö", "o"}, {"Ü", "u"}, {"é", "e"}, {"è", "e"},
      {"ê", "e"},  {"à", "a"}, {"â", "a"}, {"á", "a"}, {"ç", "c"}, {"í", "i"}, {"î", "i"}, {"ï", "i"}, {"ñ", "n"},

@@ -197,7 +197,7 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
 
 // If a point cloud's file states labels or instances, warns of points of thing classes that have no instance.
 void warnOfPointsWithoutInstance(const std::vector<ThingTriangles>& cloudParts, const std::string& file) {
-  constexpr std::uint64_t kTrianglesPerPoint = 2;  // each point is a square
+  constexpr std::uint64_t kTrianglesPerPoint = 2;  // each point is a square of two triangles
   std::uint64_t pointCount = 0;
   bool hasLabels = false;
   for (const ThingTriangles& cloudPart : cloudParts) {

@@ -42,7 +42,7 @@ struct Placement {
   // Returns how many copies a scene may have: ten million, or fewer if they would take more than half of the memory
   // that is allowed (base/memory.h).
   static std::uint64_t mostCopies();
-  // Returns the end of a message that refuses more: "at most 10,000,000 are possible".
+  // Returns the end of an error message about too many copies: "at most 10,000,000 are possible".
   static std::string mostCopiesText();
 
   // Returns the number of copies; 1 if the object has no key `copies`.

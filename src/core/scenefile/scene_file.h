@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads scene files (scenes/*.yaml; scene_file.cpp describes their keys).
+// Reads scene files (scenes/*.yaml), whose keys docs/keys.md lists.
 //
 //   const Scene scene = readScene("scenes/street.yaml", {.seed = 7});
 

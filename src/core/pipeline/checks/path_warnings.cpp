@@ -33,7 +33,7 @@ constexpr std::uint32_t kHeightFrames = 100;  // frames in which a sensor's heig
 constexpr std::uint32_t kInsideFrames = 12;   // frames in which sensors are tested for being inside of objects, at most
 constexpr double kProbeLength = 1e5;          // m, length of test rays
 constexpr double kStep = 0.5;                 // m, largest length of the steps in which a path is checked
-constexpr double kTurnWeight = 5;             // m of path that a turn counts as if it swings the vehicle's end by 1 m
+constexpr double kTurnWeight = 5;             // m of path that count like a turn that swings the vehicle's end by 1 m
 constexpr std::size_t kStepsAtOnce = 20'000;  // steps that are swept at once, which limits memory use
 constexpr std::size_t kMostPoses = 400'000;   // after this many poses the rest of a path is not checked
 constexpr double kMostStepsPerFrame = 1000;
@@ -176,7 +176,7 @@ class PathCheck {
     }
   }
 
-  // Warns if all surfaces around and above a sensor, within its range, have the same class: the sensor is then probably
+  // Warns if all surfaces beside and above a sensor, within its range, have the same class: the sensor is then probably
   // inside of an object, or of a building whose walls and roof are separate objects.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = upwardDirections();
@@ -220,7 +220,7 @@ class PathCheck {
       }
     }
     const double underside = ground + std::min(kClearance, (box.high.z - ground) / 2);
-    // Sensors of a flying vehicle may be below its origin.
+    // Cuts the box at the underside, except for flying vehicles, whose sensors may be below the vehicle's origin.
     if (trajectory_->ground() != nullptr || box.low.z > -kOnSurface) box.low.z = std::max(box.low.z, underside);
     box.add(Box{{-kLeastHalfWidth, -kLeastHalfWidth, box.low.z}, {kLeastHalfWidth, kLeastHalfWidth, box.high.z}});
     return box;
@@ -233,7 +233,7 @@ class PathCheck {
 
   // Divides the vehicle's path into steps of about kStep, but each frame into at most kMostStepsPerFrame. A vehicle
   // that stands still has one step without motion per frame. Ends after the frame in which the number of steps reaches
-  // kMostPoses. `radius`: distance of the farthest corner of the vehicle's box from its origin (m).
+  // kMostPoses. `radius`: horizontal distance from the vehicle's origin to the farthest corner of its box (m).
   std::vector<Step> stepsOnPath(double radius) const {
     std::vector<Step> steps;
     if (trajectory_->still() || sequence_.frames == 1) {

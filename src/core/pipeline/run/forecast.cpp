@@ -89,8 +89,8 @@ void addFewerColumns(const Pipeline& pipeline, double share, std::vector<std::st
 enum class TownClasses { Own, Pipeline };
 
 // Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml, and with fewer columns if a
-// frame has more than kMostBeams or kMostRays. With TownClasses::Own it has no ego vehicle, which may have other
-// classes.
+// frame has more than kMostBeams or kMostRays. With TownClasses::Own the ego vehicle is left out, since its classes may
+// differ from the town's.
 Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownClasses classes) {
   Value townFile;
   townFile.kind = Value::Kind::Scalar;

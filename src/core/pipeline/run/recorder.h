@@ -1,6 +1,6 @@
 #pragma once
 
-// Records what a run traces (hits) or draws (passes); render() draws passes without making scans.
+// Records what a run traces (hits) or renders (passes); render() renders passes without making scans.
 
 #include <atomic>
 #include <cstdint>

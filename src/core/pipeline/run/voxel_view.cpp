@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBeamsAtOnce = 1024;  // that a thread processes at a time
+constexpr std::size_t kBeamsAtOnce = 1024;  // number of beams that a thread processes at a time
 
 // Bits of a voxel's mark: a beam ends in the voxel, a beam passes through the voxel.
 constexpr std::uint8_t kEnds = 1;

@@ -290,8 +290,9 @@ class PathSearch {
     return Arc{{s, curvature}, cost};
   }
 
-  // Returns the cost of a state. It grows with the lateral distance from the preferred line on the road. In open places
-  // it grows with the difference between `curvature` and `wishedCurvature` (rad/m). It is constant off the surface.
+  // Returns the cost of a state. On roads, the cost grows with the lateral distance from the preferred line. In open
+  // places, it grows with the difference between `curvature` and `wishedCurvature` (rad/m). Off the surface, it is
+  // constant.
   double lateralCost(State s, double curvature, double wishedCurvature) const {
     constexpr double kQuadratic = 2;  // m, lateral distance up to which the cost grows quadratically, then linearly
     const std::optional<double> height = surface_.height(s.position);

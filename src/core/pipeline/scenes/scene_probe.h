@@ -73,12 +73,12 @@ class SceneGround : public Ground {
   Box bounds_;
 };
 
-// Returns the points of a random path on surfaces of the classes in `request` (world frame, m). The points are about 4
-// m apart, and the path has the requested length, rounded up to arcs of 4 m. The path has room for a vehicle 2 m wide
-// and 2.5 m high, and its bends mostly have a radius of more than 5 m. It depends on the seed and the drive's name. On
-// roads it is 2 m from the edge on the requested side, or in the middle if the road is narrower than 4 m. In open
-// places it goes left, right or straight on at random, and prefers places that it has not passed yet. Throws InputError
-// if the scene has no such surface or no path of this length.
+// Returns the points (m, world frame) of a random path on surfaces of the classes in `request`, about 4 m apart. The
+// path has the requested length, rounded up to arcs of 4 m, and depends on the seed and the drive's name. Everywhere it
+// has room for a vehicle 2 m wide and 2.5 m high; its bends mostly have a radius of more than 5 m. On roads, the path
+// is 2 m from the edge on the requested side, or in the middle if the road is narrower than 4 m. In open places, the
+// path turns or goes straight on at random, and prefers places that it has not passed yet. Throws InputError if the
+// scene has no such surface or no path of this length.
 std::vector<Vec3d> findRandomPath(const SceneProbe& probe, const RandomPath& request, std::uint64_t seed,
                                   const std::string& name);
 

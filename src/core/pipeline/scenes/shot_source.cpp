@@ -229,7 +229,7 @@ std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, 
   if (cached != nullptr && !sensors.drawsPerFrame()) return cached;
   SensorDraw drawn = sensors.draw(pipeline_, sequence, frame);
   VehicleHits vehicles = vehicleHits_;
-  // Mounts are the same in all frames of a sequence.
+  // Random mounts are the same in all frames of a sequence, so the hits on the ego vehicle are traced once.
   if (sensors.drawsMounts()) vehicles = cached != nullptr ? hitsOf(*cached) : traceEgoVehicle(drawn.mounts);
   const auto settings = std::make_shared<const FrameSettings>(settingsOf(pipeline_, vehicles, std::move(drawn)));
   // Two cached sequences per thread are enough, since each thread makes samples of one sequence at a time.
