@@ -56,8 +56,8 @@ double ChartScale::positionOf(double value) const {
   return hasBand_ ? kBand + (1 - kBand) * fraction : fraction;
 }
 
-// Adds a margin to both ends of the axis (of a linear axis without negative values: not below zero). Rounds the ends of
-// a logarithmic axis to 1, 2 or 5 times powers of ten.
+// Adds a margin to both ends of the axis; the low end of a linear axis without negative values stays at least 0. Rounds
+// the ends of a logarithmic axis to 1, 2 or 5 times powers of ten.
 void ChartScale::widen(bool includesZero) {
   constexpr double kEndMargin = 0.04;  // fraction of the axis's length
   if (!(high_ > low_)) {

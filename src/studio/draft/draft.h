@@ -91,7 +91,7 @@ std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& fi
 // the ontology's classes are added as words.
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology);
 
-// Returns the YAML of an object without its position. `folder`: future folder of the scene file, where paths start.
+// Returns an object as YAML, without its position. `folder`: folder of the scene file, to which paths are relative.
 std::string objectYaml(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology,
                        const std::filesystem::path& folder, const DraftOptions& options);
 

@@ -155,7 +155,7 @@ class ClassWriter {
   }
 
  private:
-  // Returns the concept that all parts have; null if there is none, or if it means that parts are dropped.
+  // Returns the concept that all parts have; null if there is none, or if its kind is Drop.
   const Concept* onlyConcept() const {
     const std::vector<GuessedPart>& parts = model_.parts;
     const Concept* const shown = parts.empty() ? nullptr : parts.front().shows;

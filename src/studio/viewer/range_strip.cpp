@@ -103,7 +103,7 @@ double stepOf(const Directions& directions, std::size_t columns) {
 std::optional<BeamAzimuths> fullTurnOf(const Directions& directions, const GridSize& grid, double step) {
   // Largest difference of a full turn's sweep from 2 pi, as a fraction of 2 pi, since the vehicle may turn meanwhile.
   constexpr double kTurnSlack = 0.03;
-  constexpr double kLeastAgreement = 0.8;  // least mean length of a ring's sum of unit vectors; 1: all are equal
+  constexpr double kLeastAgreement = 0.8;  // least length of rings' sums of unit vectors, divided by their number
   const double fullStep = std::copysign(2 * kPi / static_cast<double>(grid.columns), step);
   std::vector<std::complex<double>> sums(grid.rings);  // of the directions, rotated back by the column's azimuth
   double count = 0;

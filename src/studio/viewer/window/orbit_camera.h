@@ -25,7 +25,7 @@ struct OrbitCamera {
   // Returns the camera for a view of this size (pixels).
   ViewCamera camera(int width, int height) const;
   Vec3d eye() const;
-  // Rotates around the target by a drag of the pointer (pixels). The pitch stops at straight up and straight down.
+  // Rotates around the target for a drag by `right` and `down` pixels in a view of `height` pixels; stops at vertical.
   void orbit(double right, double down, int height);
   // Moves the target parallel to the image plane by a drag of the pointer (pixels); the picture follows the pointer.
   void pan(double right, double down, int width, int height);

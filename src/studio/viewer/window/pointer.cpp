@@ -187,7 +187,7 @@ std::optional<PickedElement> Pointer::pick(int px, int py) const {
   const double right = px - view.rect.left + 0.5;  // position of the pixel's middle in the view
   const double down = py - view.rect.top + 0.5;
   std::vector<PickCloud> candidates;
-  std::vector<std::size_t> cloudIndices;  // of the candidates in the list of clouds
+  std::vector<std::size_t> cloudIndices;  // index of each candidate in the list of clouds
   for (std::size_t k = 0; k < clouds_.list.size(); ++k) {
     const ShownCloud& cloud = clouds_.list[k];
     if (cloud.view != *viewIndex) continue;

@@ -210,8 +210,8 @@ OrbitCamera SceneView::closeUpCamera(const CloseUp& closeUp) const {
   const int height = context_.canvas.height();
   OrbitCamera moved = camera;
   moved.orthographic = false;
-  // `closeUp` refers to Scan::position, but points are drawn at ViewScan::placed if it is not empty: the target is
-  // moved by the mean distance between both.
+  // The ball is in the frame of Scan::position. If points are drawn at ViewScan::placed, the target is the ball's
+  // centre, displaced by the mean displacement of the ball's points.
   const ViewScan& scan = clouds_.scanOf(clouds_.list.front());
   Vec3d motionSum;
   double points = 0;

@@ -183,7 +183,7 @@ void ShownClouds::applyFilter() {
   makeStrip();
 }
 
-// Sets `shown`, `finite` and `visible` of the cloud. Returns the indices of the shown points; nothing if all are shown.
+// Sets `shown` and `visible` of the cloud. Returns the indices of the shown points; nothing if all are shown.
 std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& cloud) const {
   const ShownFilter& filter = context_.filter;
   const Scan& scan = scanOf(cloud).scan;
