@@ -12,8 +12,7 @@ namespace scanmill {
 
 namespace {
 
-// Sizes in this file, in pixels or multiples of a font's size, are chosen by eye.
-// Margin around a chart, and sizes of the chart's fonts (pixels).
+// Margin around a chart, and font sizes (pixels). All sizes in this file are chosen by eye.
 constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;
 constexpr double kTitleLine = 1.2, kNoteLine = 1.35;  // height of a line as a multiple of the font's size
 constexpr double kBaseline = 0.35;  // from the middle of a text down to its baseline, as a multiple of the font's size
@@ -98,7 +97,7 @@ bool overlapsAny(const std::vector<ChartBox>& boxes, const ChartBox& box) {
   return std::ranges::any_of(boxes, [&](const ChartBox& other) { return box.overlaps(other); });
 }
 
-// Returns the text of a point; empty if the series has no texts.
+// Returns the text with index `point`; empty if the series has no texts.
 std::string textOf(const std::vector<std::string>& texts, std::size_t point) {
   return point < texts.size() ? texts[point] : "";
 }

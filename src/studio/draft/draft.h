@@ -49,7 +49,7 @@ struct GuessedFile {
   std::uint64_t guessed() const {
     return trianglesOf([](const GuessedPart& part) { return part.shows != nullptr && !part.byFolder; });
   }
-  // Returns the number of the triangles counted by guessed() that have the class that the name of the file suggests.
+  // Returns how many of the triangles that guessed() counts have the concept that the file's name states.
   std::uint64_t byFile() const {
     if (fileConcept == nullptr || conceptByFolder) return 0;
     return trianglesOf([&](const GuessedPart& part) { return part.shows == fileConcept; });

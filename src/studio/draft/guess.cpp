@@ -225,7 +225,7 @@ const Concept* ownerOf(const Concept* node, const Concept* file) {
 // Returns the concept of one part; see guessParts() for the rules.
 const Concept* guessPart(const Vocabulary& words, const AssetPart& part, const Concept* file) {
   const Concept* node = words.conceptOf(part.node);
-  // A concept of ground without classes, such as that of the name "World", says nothing about the part's class.
+  // A concept of ground without classes, such as the concept of the name "World", says nothing about the part's class.
   if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
   if (node != nullptr && node->kind == ConceptKind::Drop) return node;
   const Concept* const material = words.conceptOf(part.material);

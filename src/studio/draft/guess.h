@@ -54,9 +54,9 @@ std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& ass
 // "meshes", the name of the folder above.
 std::string folderName(const std::filesystem::path& file);
 
-// Returns the concept that the file's name states; null if it states none, if the file itself states classes, as
-// labelled point clouds do, or if the name states an object and the names of the parts state others, so that the file
-// contains a place: a file "house.obj" of a house with trees, a car and a lawn.
+// Returns the concept that the file's name states. Returns null if it states none, if the file itself states classes,
+// as labelled point clouds do, or if the file contains a place: the names of its parts state other objects, such as a
+// house, trees, a car and a lawn in "house.obj".
 const Concept* conceptOfFile(const Vocabulary& words, const Asset& asset);
 
 // Returns the concept that folderName() states. Returns null if it states none, if the file's own name states a

@@ -43,7 +43,7 @@ bool isCounted(const Scan& scan, const ColorContext& context, std::size_t point)
 }
 
 // Appends a colour to `colors` for each point. idOf(point) returns the point's id, colorOf(id) the colour. Returns the
-// colours of the ids that the legend lists, and their numbers of points.
+// colour and the number of points of each id that the legend lists.
 std::map<std::uint32_t, ColorOfId> paintPoints(const Scan& scan, const ColorContext& context, const auto& idOf,
                                                const auto& colorOf, std::vector<Rgb>& colors) {
   return paint(

@@ -37,7 +37,7 @@ struct PassPlane {
   Legend legend{};  // names and colours of classes or materials, or the scale of fractions; empty for other planes
 };
 
-// Reads an EXR file. Files of hits have a channel "range", those of passes do not.
+// Reads an EXR file. Files of hits have a channel "range"; files of passes have none.
 ExrImage readExr(const std::filesystem::path& file) {
   const ExrReader header(file);
   ExrImage image;

@@ -15,9 +15,9 @@ constexpr int kMostPictureSide = 8192;
 // Maximum of width * height, slightly more than 8K has; drawing takes about 28 bytes per pixel.
 constexpr int kMostPicturePixels = 36'000'000;
 
-// Draws the scan as the viewer does from behind and above the sensor, with `title` and the number of points above it
-// and the legend beside it. The picture of an empty scan says that it is empty. `depthEdges`: darkens points behind
-// nearer surfaces (eye-dome lighting).
+// Draws a view of the scan from behind and above the sensor, with `title` and the number of points above it and the
+// legend beside it. The picture of an empty scan says that it is empty. `depthEdges`: darkens points behind nearer
+// surfaces (eye-dome lighting).
 Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height, const std::string& title,
                bool depthEdges = true);
 
@@ -31,7 +31,7 @@ Rgb overlayColor(std::size_t scan);
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
                      const std::string& title, const BeamTable* beams = nullptr);
 
-// An EXR file, with what its recording says about it.
+// An EXR file, with the names of classes and materials that its recording states.
 struct ExrSource {
   std::filesystem::path file;
   std::optional<Ontology> ontology{};    // absent: the names and colours of classes are unknown

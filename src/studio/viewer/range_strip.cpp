@@ -43,7 +43,7 @@ struct GridSize {
 };
 
 // The pixels of beams in a range image that looks outward: the image is destaggered, mirrored if the sensor rotates
-// counter-clockwise, and rotated in a full revolution.
+// counter-clockwise, and rotated if it shows a full revolution.
 struct OutwardColumns {
   Destagger image;
   bool mirrored = false;

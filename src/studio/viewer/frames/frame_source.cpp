@@ -30,8 +30,8 @@ std::unique_ptr<FrameSource> openScene(const ViewInput& input) {
       input.ontology.empty() ? readSceneOntology(input.path) : readOntology(input.ontology));
 }
 
-// Returns the file with a path that a dataset's manifest records; nothing if the file is not found. The path is
-// relative to the pipeline's folder, which the manifest does not record, so each of pipelineFolders() is tried.
+// Returns the file whose path a dataset's manifest records; nothing if the file is not found. The path is relative to
+// the pipeline's folder, which the manifest does not record, so each of pipelineFolders() is tried.
 std::optional<fs::path> fileOf(const std::string& recordedPath, const fs::path& datasetFolder) {
   for (const fs::path& folder : pipelineFolders(datasetFolder)) {
     const fs::path file = fileOfSavedPath(recordedPath, folder);

@@ -67,7 +67,7 @@ bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
 
 }  // namespace
 
-// Returns the points in the sensor's frame at the start of the revolution; nothing if the scan has them in this frame.
+// Returns the points in the sensor's frame at the start of the revolution; empty if Scan::position is in this frame.
 std::vector<Vec3f> placedAtStart(const Scan& scan, const ScanRecord& record, const BeamTable& beams, bool deskewed) {
   const WorldPositions world(scan, record, beams, deskewed);
   std::vector<Vec3f> placed;

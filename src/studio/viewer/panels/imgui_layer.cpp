@@ -60,7 +60,7 @@ void setColors(ImVec4* colors) {
   }
 }
 
-// Adds the first of kFonts that exists, with the letters of western languages, Greek and arrows.
+// Adds the first font of kFonts that exists, with the letters of western languages, Greek and arrows.
 void addFont(ImFontAtlas& atlas, double lineHeight) {
   static const ImWchar kLetters[] = {0x20, 0xFF, 0x370, 0x3FF, 0x2010, 0x2026, 0x2190, 0x2193, 0x25B2, 0x25C0, 0};
   const auto size = static_cast<float>(std::round(lineHeight));

@@ -47,7 +47,7 @@ struct Pointer {
   // Returns what is under the pointer, otherwise what was clicked; null if there is neither.
   const PickedElement* hoveredOrPinned() const { return hover ? &*hover : pinned ? &*pinned : nullptr; }
 
-  // The point or triangle at a pixel:
+  // Returns the point or triangle at a pixel of the canvas; nothing if there is none.
   std::optional<PickedElement> pick(int px, int py) const;
   // Returns the point at a pixel of the range image. `rect`: rectangle of the canvas in which the image is drawn.
   std::optional<PickedElement> pickStrip(const PixelRect& rect, int px, int py) const;

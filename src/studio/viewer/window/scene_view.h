@@ -34,8 +34,8 @@ struct SceneView {
   void placeClouds();  // sets the poses and sizes of the shown clouds' points, and `ground`
   void placeGuides();  // draws axes, range rings, the trajectory, boxes and the ego vehicle, as the options say
   void setLines(ItemId item, const LineSet& lines, double width);
-  // Switches between a camera that stays in the world and one that follows the sensor. Returns the transform from the
-  // old to the new canvas frame; nothing if the poses are unknown.
+  // Switches between a camera that stays in the world and a camera that follows the sensor. Returns the transform from
+  // the old to the new canvas frame; nothing if the poses are unknown.
   std::optional<Affine> toggleWorld();
   double pointSize() const;                 // returns the side of a drawn point (pixels)
   double farthest(const Vec3d& eye) const;  // returns an upper bound of the distance from the eye to what is drawn (m)
@@ -60,7 +60,7 @@ struct SceneView {
   // Adds the mesh to the canvas, or removes it if isMeshVisible() is false.
   void placeMesh();
   void placeMeshLook();
-  // Draws the ego vehicle where it is, if the dataset has one and the axes are on.
+  // Draws the ego vehicle at its pose, if the dataset has one and the axes are on.
   void placeVehicle();
   void applyFilter();  // shows only the triangles of the mesh that the filter does not hide
   void chooseMeshColor(MeshColor by);

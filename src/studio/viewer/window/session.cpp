@@ -201,8 +201,8 @@ void ViewSession::updateHover() {
   pointer_.updateHover(covered, panels_.overStrip && !panels_.help ? std::optional(panels_.stripRect()) : std::nullopt);
 }
 
-// Draws a picture if something has changed. The order matters: the rectangles of the views first, then what is under
-// the pointer, then labels and panels, which show it.
+// Draws a picture if something has changed. The order matters: first the rectangles of the views, then the point under
+// the pointer, then labels and panels, which show this point.
 void ViewSession::flush(Detail detail) {
   const double began = context_.redraw.now();
   const Changes& changes = context_.changes;

@@ -57,7 +57,7 @@ class ViewSession {
   void toggleWorld();
   void toggleInstanceAlone();
   void savePicture();
-  // Return why a key or quantity cannot be used for a scene; empty: it can.
+  // Return why a key or quantity cannot be used for a scene; empty if it can be used.
   std::string whyNotInScene(const KeyMeaning& meaning) const;
   std::string whyNotInScene(const ColorBy& by) const;
 

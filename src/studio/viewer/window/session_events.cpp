@@ -76,8 +76,8 @@ void ViewSession::handleButtonOrWheel(const CanvasEvent& event) {
   sceneView_.setCamera(zoomed);
 }
 
-// Does what time requires: shows what has been loaded, plays frames, removes old notices, and draws all points if
-// nothing has changed for a while.
+// Handles a tick: shows what has been loaded, plays frames, removes old notices, and draws all points if nothing has
+// changed for a while.
 void ViewSession::tick() {
   // Reads the time before takeWhatIsLoaded(), so that playback_.tick() does not replace a new frame before it is drawn.
   const double now = context_.redraw.now();
@@ -197,7 +197,7 @@ void ViewSession::nextScan() {
   arrange();
 }
 
-// Chooses a layout; if it is chosen already, the layout One.
+// Chooses a layout; chooses the layout One if `layout` is chosen already.
 void ViewSession::toggleLayout(ViewLayout layout) {
   if (layout == ViewLayout::Overlay && context_.frame && context_.frame->scans.size() < 2) {
     return context_.notify("the sample has no other scan to lay over it");
@@ -216,7 +216,7 @@ void ViewSession::nextBackground() {
   context_.changes.views = context_.changes.panels = true;
 }
 
-// Draws the boxes of the next kind of objects; if there is no list of objects, boxes around the points of instances.
+// Chooses the next value of BoxChoice; if the frame lists no objects, switches the boxes of instances on or off.
 void ViewSession::nextBoxes() {
   context_.changes.views = true;
   if (context_.frame && context_.frame->objects.empty()) {

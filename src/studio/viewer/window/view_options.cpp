@@ -14,7 +14,7 @@ constexpr std::string_view kNoRangeImage = "a scene has no range image: a datase
 constexpr std::string_view kNoTrajectory = "a scene has no trajectory: a dataset of it has";
 constexpr std::string_view kNoRangeRings = "a scene has no sensor to draw range rings about";
 
-// Each row: menu, action with its number or option, label, keys, and why it does nothing for a scene without scans.
+// Each row: menu, action with number or option, label, keys, and why the command does nothing in a scene without scans.
 std::vector<ViewCommand> listCommands() {
   using A = KeyAction;
   std::vector<ViewCommand> commands{
