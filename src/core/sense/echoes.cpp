@@ -91,7 +91,8 @@ class EchoFinder {
 
   std::vector<Echo> find() {
     echoes_.reserve(hits_.size());
-    // The rays from the sensor are sorted by beam. Behind them are the few that continue behind glass or off mirrors.
+    // The direct rays are sorted by beam. The few rays that continue behind glass or off mirrors come after all of
+    // them.
     const std::vector<std::uint32_t>& beamOf = hits_.beamOfRay;
     const auto directRays = static_cast<std::uint32_t>(std::ranges::is_sorted_until(beamOf) - beamOf.begin());
     std::vector<std::uint32_t> continued(beamOf.size() - directRays);  // indices of the continued rays, by beam
@@ -114,7 +115,7 @@ class EchoFinder {
 
  private:
   // Adds a beam, with the rays first to end - 1, to the group of beams whose echoes are computed together. Returns
-  // false if the rays do not all hit something, do not form one echo, or are not as many as those of the group's beams.
+  // false if a ray misses, if the rays form several echoes, or if their number differs from that of the group's beams.
   bool addToGroup(std::uint32_t beam, std::uint32_t first, std::uint32_t end) {
     const std::uint32_t rays = end - first;
     if (rays < 2 || rays > kMostGroupRays || pulse_ == 0 || (group_.rays != 0 && rays != group_.rays)) return false;
@@ -178,7 +179,8 @@ class EchoFinder {
     return hits_.weightOfRay.empty() ? 1 : hits_.weightOfRay[ray];
   }
 
-  // Adds the echoes of a beam, of its rays first to end - 1 and of those that continue behind glass or off mirrors.
+  // Adds the echoes of a beam's rays: of the rays first to end - 1, and of the rays `continued` behind glass or off
+  // mirrors.
   void addBeam(std::uint32_t beam, std::uint32_t first, std::uint32_t end, std::span<const std::uint32_t> continued) {
     rays_.clear();
     const auto addRay = [&](std::uint32_t ray) {
@@ -276,8 +278,8 @@ class EchoFinder {
     return rays.subspan(bestFirst, bestEnd - bestFirst);
   }
 
-  // Sets the echo's second class, the share of the class with the most power, and the hit: the strongest ray of this
-  // class. Among equally strong classes the lowest id comes first, among equally strong rays the first one.
+  // Sets the echo's hit (the strongest ray of the class with the most power), the share of this class, and the second
+  // class. Of equally strong classes the lowest id comes first; of equally strong rays, the lowest index.
   void setClassesAndHit(std::span<const HitRay> rays, Echo& echo) {
     const bool haveClasses = hits_.channels.has(Channel::Semantic);
     const auto classOf = [&](const HitRay& ray) { return haveClasses ? hits_.semantic[ray.ray] : std::uint16_t{0}; };

@@ -44,8 +44,7 @@ class ReturnOrder {
   bool severalPerBeam() const { return !returns_.onePerBeam(); }
 
  private:
-  // Inserts a row into the beam's sorted list: the row takes the place of the first later one, which moves to the next
-  // plane, and so on.
+  // Inserts a row into the sorted list of its beam's returns. All returns behind the new row move to the next plane.
   void insert(std::uint32_t row, std::size_t beams) {
     const std::uint32_t beam = returns_.beam(row);
     for (std::size_t plane = 0; row != kNoRow; ++plane) {
@@ -60,12 +59,12 @@ class ReturnOrder {
   }
 
   const Returns& returns_;
-  // Indices of rows, by return and beam; empty if there is one row per beam.
+  // planes_[n][beam]: row of the beam's (n + 1)th return, or kNoRow. Empty if there is one row per beam.
   std::vector<std::vector<std::uint32_t>> planes_;
 };
 
 // The points of a tile: for each point its beam, its row in the table of returns, its hit, and its row in the scan. If
-// there is one row per beam, the first three are the same number.
+// there is one row per beam, beam, row and hit have the same index.
 class TilePoints {
   std::array<std::uint32_t, kTilePoints> rows_, hits_;
 
@@ -238,7 +237,7 @@ class Gathering {
     points_.count = count;
   }
 
-  // Writes the tile's points, which are collected, into all columns. `startFromColumn`: as for computePositions().
+  // Writes the tile's collected points into all columns of the scan. `startFromColumn`: as for computePositions().
   void fillColumns(const Affine* startFromColumn, std::uint32_t plane) {
     computePositions(startFromColumn);
     visitTable(scan_, [&](auto key, auto& values) {

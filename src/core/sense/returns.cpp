@@ -29,7 +29,7 @@ void Returns::recordReasons() {
   recordLost(Reason::None);
 }
 
-// Sets the reason of each row that was lost since the last call. reasonOf(row) returns the reason.
+// Sets the reason of each row that was lost since the last call to reasonOf(row).
 template <class ReasonOf>
 void Returns::recordRemoved(const ReasonOf& reasonOf) {
   if (!recordsReasons_) return;
@@ -84,8 +84,8 @@ void Returns::start(std::span<const Echo> echoes, bool powered) {
   }
 }
 
-// Prepares the table for rows without a hit: stores beams, hits, numbers, causes, classes and instances, which may so
-// far follow from the hits, and counts the rows of each beam.
+// Prepares the table for rows without a hit: fills the columns that may be empty as long as they follow from the hits
+// (beams, hits, numbers, causes, classes and instances), and counts the rows of each beam.
 void Returns::startIndices(const Hits& hits) {
   if (onePerBeam_) {
     onePerBeam_ = false;

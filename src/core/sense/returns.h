@@ -21,7 +21,7 @@
 
 namespace scanmill {
 
-// Returns the reason of a return by a ray of this path.
+// Returns the reason that a return has as its cause if its ray took this path.
 Reason causeOf(RayPath path);
 
 // Rays of one beam whose ranges are too similar for the receiver to separate them.
@@ -67,7 +67,7 @@ struct Falloff {
   double near = 1;            // m; echoes from nearer than this are as strong as from this range
   bool inverseSquare = true;  // false: the power does not depend on the range
 
-  // Returns the root of the factor by which an echo from a range (m) is fainter than the same echo from the reference.
+  // Returns the square root of the factor by which an echo from `range` (m) is fainter than from the reference range.
   double amplitudeLoss(double range) const { return inverseSquare ? std::max(range, near) / reference : 1; }
 };
 
@@ -130,7 +130,7 @@ class Returns {
   void recordLost(Reason reason);
   // Records the reason for rows that the receiver has not detected because their measured power is less than `least`.
   // The reason is LostInAir if the receiver would have detected the row without the weather's loss, otherwise TooFaint.
-  // Only rows since the last call of recordLost() or recordFaint() are considered.
+  // Considers only rows lost since the last call of recordLost() or recordFaint().
   void recordFaint(std::span<const float> measured, float least);
   // Returns why the row was lost. Reason::None: the row was not lost, or its ray missed.
   Reason reasonLost(std::size_t row) const { return row < lost_.size() ? lost_[row] : Reason::None; }

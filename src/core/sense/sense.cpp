@@ -12,7 +12,7 @@ namespace scanmill {
 
 namespace {
 
-// Throws Error if the hits have not the beams of the shot's sensor, or lack one of the channels.
+// Throws Error if the hits do not have the beams of the shot's sensor, or lack one of the channels `needed`.
 void checkHits(const Hits& hits, const Shot& shot, Channels needed) {
   const BeamTable& beams = *shot.beams;
   const std::size_t rays = hits.beamOfRay.empty() ? hits.size() : hits.beamOfRay.size();
@@ -29,7 +29,7 @@ void checkHits(const Hits& hits, const Shot& shot, Channels needed) {
 
 constexpr float kMetalness = 0.5f;  // least metallicity of a surface that counts as metal
 
-// Returns why the echo of a hit is too faint: by the material of the surface.
+// Returns the reason of an echo that is too faint, by the material: LostInGlass, MirroredAway or else TooFaint.
 Reason reasonOfFaint(const Hits& hits, std::span<const Material> materials, std::uint32_t hit) {
   if (hit == kNoHit || hits.material.empty() || hits.material[hit] >= materials.size()) return Reason::TooFaint;
   const Material& material = materials[hits.material[hit]];
@@ -38,7 +38,7 @@ Reason reasonOfFaint(const Hits& hits, std::span<const Material> materials, std:
                                                                                    : Reason::TooFaint;
 }
 
-// Sets the reason of beams without one: their rays hit nothing reportable.
+// Sets the reason of each beam that has none so far, because its rays hit nothing reportable.
 void setReasonsOfEmptyBeams(const Hits& hits, std::vector<std::uint8_t>& reasons) {
   const auto setIfNone = [&](std::size_t ray, Reason reason) {
     std::uint8_t& reasonOfBeam = reasons[hits.beamOfRay.empty() ? ray : hits.beamOfRay[ray]];
@@ -68,7 +68,7 @@ Vec3d displacementOnTriangle(const Mesh& now, const Mesh& next, std::uint32_t pr
   const Vec3d edge1 = corner(now, 1) - corner(now, 0);
   const Vec3d edge2 = corner(now, 2) - corner(now, 0);
   const Vec3d normal = cross(edge1, edge2);
-  const double areaSquared = dot(normal, normal);  // of the parallelogram
+  const double areaSquared = dot(normal, normal);  // m^4, of the parallelogram that the edges span
   if (!(areaSquared > 0)) return {};
   const Vec3d p = point - corner(now, 0);
   const double weight1 = dot(cross(p, edge2), normal) / areaSquared;

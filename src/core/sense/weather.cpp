@@ -51,9 +51,10 @@ Weather rainOf(double rate) {
   rain.extinction = kLargeDrops * kPi / 4 * rain.drops.squares() * kSquareMillimetre;
   const double reflectedOnce = fresnel(1, kWaterIndex);
   const double focus = kWaterIndex / (2 - kWaterIndex);
-  // The formula's bracket: the front face's reflection and the back face's, which the front face focuses.
+  // The bracket of the formula in the header: reflection of the front face, plus that of the back face, which the front
+  // face focuses.
   const double gain = reflectedOnce + (1 - reflectedOnce) * (1 - reflectedOnce) * reflectedOnce * focus * focus;
-  // pi times the drop's echo per steradian, which is gain a^2 / 4 for the radius a = D / 2.
+  // The echo is pi times the backscatter per steradian, gain a^2 / 4 with the radius a = D / 2, for D = 1 mm.
   rain.dropEcho = kPi * gain / 16 * kSquareMillimetre;
   return rain;
 }
@@ -63,7 +64,7 @@ Weather snowOf(double rate) {
   snow.drops = snowFlakes(rate);
   const double width = power(1 / kFlakeDensity, 1.0 / 3);  // width of a flake, relative to the drop that it melts into
   snow.extinction = kLargeDrops * kPi / 4 * width * width * snow.drops.squares() * kSquareMillimetre;
-  // The echo is pi times the flake's extinction cross section over the lidar ratio, for D = 1. The cross section is
+  // The echo is pi times the flake's extinction cross section over the lidar ratio, for D = 1 mm. The cross section is
   // twice the area of a disc with the radius width * D / 2.
   snow.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;
   return snow;

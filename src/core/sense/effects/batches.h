@@ -68,8 +68,8 @@ inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns,
   });
 }
 
-// Returns the values of the hits of rows first, first + 1, ...: as a pointer into `values` if the values have this
-// order there, otherwise copied to `buffer`. Rows without a hit have the value `none`.
+// Returns a pointer to the values of the hits of rows first, first + 1, ...: a pointer into `values` if there is one
+// row per beam, otherwise to `buffer`, which gets copies. Rows without a hit have the value `none`.
 template <class T>
 const T* valuesOfHits(const Returns& returns, const std::vector<T>& values, std::size_t first, Batch<T>& buffer,
                       T none = {}) {
@@ -82,7 +82,7 @@ const T* valuesOfHits(const Returns& returns, const std::vector<T>& values, std:
   return buffer.data();
 }
 
-// Returns the values of the beams of rows first, first + 1, ..., as valuesOfHits() does for hits.
+// Does the same as valuesOfHits() for `values` that have one entry per beam.
 template <class T>
 const T* valuesOfBeams(const Returns& returns, const std::vector<T>& values, std::size_t first, Batch<T>& buffer) {
   if (returns.onePerBeam()) return values.data() + first;

@@ -24,7 +24,7 @@ namespace scanmill {
 namespace {
 
 struct BloomingOptions {
-  double share;         // fraction of the retroreflector's echo that the middle of the halo gets
+  double share;         // echo in the middle of the halo, relative to the retroreflector's echo
   double angle;         // rad, angle at which the halo has fallen to 1/e^2
   float above;          // least retroreflectance that blooms
   std::uint16_t label;  // class of the returns
@@ -105,8 +105,8 @@ class Blooming : public Effect {
     return most - least;
   }
 
-  // Sets `stray` to the echo of the source's halo in a beam, if it is stronger than `stray`. At equal strength the
-  // nearer one counts.
+  // Sets `stray` to the echo of the source's halo in a beam, if it is stronger than `stray`. Of two equally strong
+  // echoes the nearer one counts.
   void addHalo(const BeamTable& beams, const Source& source, std::uint32_t beam, double leastCosine,
                Stray& stray) const {
     const double cosine = dot(beams.direction[source.beam], beams.direction[beam]);

@@ -22,9 +22,10 @@
 // interference: the probability, per beam, of a return from another sensor's pulse. Such a return has cause 7, a
 // uniformly random range, and a power from the threshold to 100 times the threshold, uniformly random in its logarithm.
 //
-// The detected echoes of a beam are kept by descending power, without those nearer than min_separation_m to an echo
-// kept before. `returns` selects from the kept echoes: dual reports the strongest and the last or, if one echo is both,
-// the two strongest (as Velodyne's sensors do); a number n reports the n strongest.
+// The detected echoes of a beam are visited by descending power. An echo is removed if it is nearer than
+// min_separation_m to a stronger echo that was kept. `returns` selects from the kept echoes: dual reports the strongest
+// and the last or, if one echo is both, the two strongest (as Velodyne's sensors do); a number n reports the n
+// strongest.
 
 #include <algorithm>
 #include <cmath>
@@ -137,8 +138,8 @@ class Detection : public Effect {
     });
   }
 
-  // Adds at most one false positive per beam, and its power to `measured`. The amount by which its power exceeds the
-  // threshold follows the tail of the normal distribution, which is nearly exponential there.
+  // Adds at most one false positive per beam as a row, and appends the power of each to `measured`. The amount by which
+  // its power exceeds the threshold follows the tail of the normal distribution, which is nearly exponential there.
   void addFalsePositives(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     const BeamTable& beams = *shot.beams;
     const double rangeSpan = beams.maxRange - beams.minRange;
@@ -164,7 +165,7 @@ class Detection : public Effect {
     }
   }
 
-  // Adds the returns from pulses of other sensors, and their power to `measured`.
+  // Adds the returns from pulses of other sensors as rows, and appends their power to `measured`.
   void addInterference(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     const BeamTable& beams = *shot.beams;
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
@@ -223,7 +224,7 @@ class Detection : public Effect {
   // Removes the rows of one beam that are not reported. `rows`: rows of the beam by descending power; their order is
   // changed.
   void removeUnreported(std::span<std::uint32_t> rows, Returns& returns) const {
-    std::size_t count = 1;  // number of rows, at the front of `rows`, that are far enough from stronger ones
+    std::size_t count = 1;  // number of rows kept so far, which are moved to the front of `rows`
     for (std::size_t i = 1; i < rows.size(); ++i) {
       const bool near = std::any_of(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count), [&](auto row) {
         return std::abs(returns.range[row] - returns.range[rows[i]]) < o_.separation;

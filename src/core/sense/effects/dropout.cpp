@@ -70,8 +70,8 @@ class DropOut : public Effect {
     }
   }
 
-  // Removes the returns of the fraction `rings` of the rings, rounded to complete rings. These are the rings with the
-  // smallest random numbers.
+  // Removes all returns of `rings` (a fraction) times the number of rings, rounded: of the rings with the smallest
+  // random numbers.
   void loseRings(const Shot& shot, Returns& returns) const {
     const std::uint32_t rings = shot.beams->rings;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> lostRings;  // random number, ring
@@ -94,7 +94,7 @@ class DropOut : public Effect {
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       float* const range = returns.range.data() + first;
       drawWords(shot, Purpose::DropOut, returns, first, words);
-      Batch<std::uint8_t> isExempt{};  // 1: not of an instance
+      Batch<std::uint8_t> isExempt{};  // 1: the row belongs to no instance
       for (std::size_t i = 0; o_.instancesOnly && i < count; ++i) {
         isExempt[i] = returns.instanceOf(first + i, hits) == 0 ? 1 : 0;
       }

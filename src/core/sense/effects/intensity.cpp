@@ -27,10 +27,11 @@
 // Beckmann surface of the same alpha (GGX's slopes have no variance).
 //
 // The reported value is the power or, with `model: reflectivity`, the power that the surface would reflect from the
-// reference range through clear air; other effects read the received power in both cases. The received power below
-// `floor` is taken off the value. The response is v = min(gain * value, saturation) ^ gamma for floats, 255 * (v /
-// saturation ^ gamma) for bytes; or 100 v and, above 1, 100 + 155 log(v) / log(retro_full_scale) (Velodyne, VLP-16 User
-// Manual 63-9243 Rev. D, section 6.1); or the curve `table`. Then `noise` is added, and `step` rounds.
+// reference range through clear air; other effects read the received power in both cases. The value is then multiplied
+// by the fraction of the received power that exceeds `floor`. The response is v = min(gain * value, saturation) ^ gamma
+// for floats, 255 * (v / saturation ^ gamma) for bytes; or 100 v and, above 1, 100 + 155 log(v) / log(retro_full_scale)
+// (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1); or the curve `table`. Then `noise` is added, and `step`
+// rounds.
 
 #include <algorithm>
 #include <cfloat>
@@ -60,8 +61,8 @@ struct IntensityOptions {
   double retroFullScale = 0;                     // `retro_full_scale`; 0: bytes are proportional to the response
   std::vector<std::pair<double, double>> table;  // natural logarithm of the value, intensity; empty: no table
   float floor = 0;                               // received power that the sensor does not measure
-  double noise = 0;                              // standard deviation, in parts of the full scale
-  double step = 0;                               // in parts of the full scale; 0: no rounding
+  double noise = 0;                              // standard deviation, as a fraction of the full scale
+  double step = 0;                               // as a fraction of the full scale; 0: no rounding
 };
 
 // How a material reflects light back along the beam: the diffuse reflectance is matt * reflectance, and F0 (reflectance
@@ -159,7 +160,7 @@ class Intensity : public Effect {
     return lobes;
   }
 
-  // Computes powerOfRays().
+  // Does the work of powerOfRays(), which is virtual and therefore cannot have the macro itself.
   SCANMILL_BEST_INSTRUCTIONS void powerOf(const Hits& hits, std::span<const Material> materials,
                                           std::vector<float>& power) const {
     const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);
@@ -194,7 +195,7 @@ class Intensity : public Effect {
                 Returns& returns, float* reflectivity) const {
     float* const power = returns.power.data() + first;
     const float* const range = returns.range.data() + first;
-    Batch<float> powerOfAdded;  // of rows that effects have added: power as if received from the reference range
+    Batch<float> powerOfAdded;  // for rows that effects have added: power as if received from the reference range
     if (!returns.onePerBeam()) std::copy_n(power, count, powerOfAdded.begin());
     if (returns.powerOfEchoes) {
       multiply(returns.gain, first, count, power);
@@ -230,7 +231,7 @@ class Intensity : public Effect {
     round(count, intensity);
   }
 
-  // Multiplies the power of a batch of rows by their factors; no factors stand for 1.
+  // Multiplies the power of a batch of rows by the rows' factors. An empty `factors` leaves the power unchanged.
   static void multiply(const std::vector<float>& factors, std::size_t first, std::size_t count, float* power) {
     for (std::size_t i = 0; i < count && !factors.empty(); ++i) power[i] *= factors[first + i];
   }
@@ -287,7 +288,7 @@ class Intensity : public Effect {
     for (; i < count; ++i) power[i] = reflected(lobesOfRow(i), incidence[i], reflectance[i]);
   }
 
-  // Computes the power that the echoes would have if they came from the reference range through clear air.
+  // Does the inverse of applyRangeLoss(), from `power` to `reflectivity`. Copies a power whose loss factor is 0.
   void removeRangeLoss(const float* range, std::size_t count, const float* power, float* reflectivity) const {
     Batch<float> loss;
     loss.fill(1);
@@ -295,7 +296,8 @@ class Intensity : public Effect {
     for (std::size_t i = 0; i < count; ++i) reflectivity[i] = loss[i] > 0 ? power[i] / loss[i] : power[i];
   }
 
-  // Multiplies power as from the reference range through clear air by the factors of the range and of the air.
+  // Converts powers at the reference range in clear air to powers at each echo's range: multiplies them by (reference
+  // range / range)^2, if the falloff is inverse-square, and by the two-way transmission of the air.
   void applyRangeLoss(const float* range, std::size_t count, float* power) const {
     if (o_.inverseSquare) {
       for (std::size_t i = 0; i < count; ++i) {
@@ -310,14 +312,15 @@ class Intensity : public Effect {
     }
   }
 
-  // Sets `result` to the values times the fraction of their power that is above the floor. `result` may be `value`.
+  // Sets `result` to the values times the fraction of the received power that exceeds the floor. `result` may be
+  // `value`.
   void subtractFloor(const float* value, const float* power, std::size_t count, float* result) const {
     for (std::size_t i = 0; i < count; ++i) {
       result[i] = value[i] * (1 - o_.floor / (power[i] > o_.floor ? power[i] : o_.floor));
     }
   }
 
-  // Sets the intensities of values (power or reflectivity), before noise and rounding, by one of three responses: a
+  // Converts values (power or reflectivity) to intensities before noise and rounding, by one of three responses: a
   // table, the scale of calibrated reflectivity, or gain, saturation and gamma.
   void respond(const float* value, std::size_t count, float* intensity) const {
     if (!o_.table.empty()) return respondByTable(value, count, intensity);
@@ -338,7 +341,7 @@ class Intensity : public Effect {
     for (std::size_t i = 0; i < count && o_.bytes; ++i) intensity[i] *= 255;
   }
 
-  // Sets bytes of calibrated reflectivity: 0 to 100 for diffuse surfaces, 100 to 255 for retroreflectors.
+  // Converts values to bytes of calibrated reflectivity: 0 to 100 for diffuse surfaces, 100 to 255 for retroreflectors.
   void respondCalibrated(const float* value, std::size_t count, float* intensity) const {
     const double stepsPerLog = 155 / naturalLog(o_.retroFullScale);
     for (std::size_t i = 0; i < count; ++i) {
@@ -349,7 +352,8 @@ class Intensity : public Effect {
     }
   }
 
-  // The interpolated intensity is the first row's plus the rises between the rows below the value, without a search.
+  // Interpolates without a search: adds to the first row's intensity the rise of each interval as far as the value
+  // reaches.
   void respondByTable(const float* value, std::size_t count, float* intensity) const {
     for (std::size_t i = 0; i < count; ++i) {
       const double logarithm = naturalLog(value[i] > FLT_MIN ? value[i] : FLT_MIN);

@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kSearchDeviations = 2.5;  // height at which the search begins, in standard deviations of the height;
                                            // only 0.6 % of heights are higher
-constexpr double kLeastCosine = 0.05;      // of the angle of incidence, as which more grazing beams are treated
+constexpr double kLeastCosine = 0.05;      // cos(angle of incidence); more grazing beams count as having it
 constexpr double kStepFraction = 0.75;     // length of a step, as a fraction of the smallest Relief::size
 constexpr int kMostSteps = 24;
 
@@ -41,7 +41,7 @@ struct RoughHit {
   std::array<double, kMostReliefs> height{};
   std::array<double, kMostReliefs> cubesPerMetre{};  // cubes per metre, by entry of the relief
   double cosine = 1;                                 // cosine of the angle of incidence
-  double reach = 0;                                  // m along the beam that are searched before the mesh and behind it
+  double reach = 0;                                  // m, length of beam searched on each side of the mesh
   double step = 0;                                   // m along the beam, length of a step
   int steps = 0;
 };
@@ -107,7 +107,7 @@ class March {
     } else if (clearance > 0 && step_[slot] < hit.steps) {  // above the height field: take the next step
       above_[slot] = clearance;
       moveTo(slot, ++step_[slot] * hit.step - hit.reach);
-    } else if (step_[slot] == 0 || clearance >= 0) {  // below it from the start on, or above it up to the end
+    } else if (step_[slot] == 0 || clearance >= 0) {  // first step is below it, or last step above it
       finish(slot, distance);
     } else {  // the first step below it: interpolate between this and the previous step
       below_[slot] = clearance;
@@ -116,8 +116,8 @@ class March {
     }
   }
 
-  // Ends a slot's search with a hit at `distance` (m along the beam, from the mesh) and starts the next one. The range
-  // becomes at least half of what it was.
+  // Ends a slot's search with a hit at `distance` (m along the beam, from the mesh) and starts the next one. The new
+  // range is at least half the old one.
   void finish(std::size_t slot, double distance) {
     float& range = returns_.range[hit_[slot]->row];
     range = std::max(range / 2, range + static_cast<float>(distance));

@@ -29,8 +29,8 @@ LatticePosition latticePosition(double coordinate) {
   return {.corner = nearest - (roundedUp ? 1u : 0u), .lowerWeight = 1 - upper, .upperWeight = upper};
 }
 
-// Returns philox4x32(counter, key). Each word is in the lower half of 64 bits: with AVX-512, GCC vectorises these
-// products three times as well as those of 32-bit words.
+// Returns philox4x32(counter, key). Each word is in the lower half of 64 bits: with AVX-512, GCC's vectorised code for
+// these products is three times as fast as for 32-bit words.
 std::array<std::uint64_t, 4> widePhilox(std::array<std::uint64_t, 4> counter, std::array<std::uint32_t, 2> key) {
   constexpr std::uint64_t kLower = 0xFFFFFFFF;
   for (int round = 0; round < 10; ++round) {
@@ -79,7 +79,7 @@ SpatialField::SpatialField(std::uint64_t seed, Purpose purpose, std::uint32_t nu
       key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
       entries_(kEntries),
       numbers_(kEntries + kBatch) {
-  // At first, every entry has the cube at the origin.
+  // At first, every entry holds the cube whose lower corner has the indices 0.
   computeCorners({}, 1);
   for (std::uint32_t i = 0; i < kEntries; ++i) entries_[i].row = i;
   std::fill_n(numbers_.begin(), kEntries, std::array(numbers_[kEntries]));
@@ -101,8 +101,8 @@ void SpatialField::lookUp(const CubeIndices& cubes, CornerNumbers& numbers) {
   Batch<std::uint32_t> entryOf;    // by row of the batch: index in entries_
   Batch<std::uint32_t> numbersOf;  // by row of the batch: index in numbers_
   for (std::size_t i = 0; i < kBatch; ++i) entryOf[i] = (cubes.x[i] + 32 * cubes.y[i] + 5 * cubes.z[i]) % kEntries;
-  // The numbers of new cubes are first stored behind those of all entries, because rows of this batch may still need
-  // the numbers that they replace.
+  // The numbers of new cubes are first stored at the end of numbers_, because earlier rows of this batch may still need
+  // the numbers that the new ones will replace.
   CubeIndices added;
   Batch<std::uint32_t> entryOfAdded;
   std::size_t count = 0;

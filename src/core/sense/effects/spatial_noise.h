@@ -22,8 +22,8 @@ struct Positions {
   void set(std::size_t row, const Vec3d& p) { x[row] = p.x, y[row] = p.y, z[row] = p.z; }
 };
 
-// Computes the noise-free positions of rows' hits, along their beams. A mirror image is placed where the sensor assumes
-// it, not at the surface.
+// Computes the positions of rows' hits from the exact ranges along the beams, without the errors of effects. A mirror
+// image is placed where the sensor assumes it, not at the surface.
 class PositionsOfHits {
  public:
   PositionsOfHits(const Hits& hits, const Shot& shot, const Returns& returns);
@@ -57,7 +57,7 @@ class SpatialField {
 
  private:
   static constexpr std::uint32_t kEntries = 1024;
-  // A cube of the table. Each cube has one entry in which it can be.
+  // An entry of the table of cubes. A cube's indices determine the only entry that may hold it.
   struct Entry {
     std::uint32_t x, y, z;  // indices of the lower corner, modulo 2^32
     std::uint32_t row;      // index in numbers_
@@ -68,8 +68,8 @@ class SpatialField {
 
   using CornerNumbers = std::array<Batch<double>, 8>;  // by corner (see numbers_) and row of the batch
 
-  // Computes the numbers at the corners of cubes, into the rows of numbers_ behind those of all entries. `cubes`: the
-  // indices of their lower corners.
+  // Computes the numbers at the corners of `count` cubes and stores them at the end of numbers_, behind the rows of the
+  // entries.
   void computeCorners(const CubeIndices& cubes, std::size_t count);
 
   // Sets `numbers` to the numbers at the corners of each row's cube, and adds cubes that the table lacks.

@@ -12,19 +12,19 @@
 // Raindrops and snowflakes are sparse: the number of sufficiently bright drops in a beam follows the Poisson
 // distribution with the mean
 //
-//   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = least A(r) w(r)^2 exp(2 extinction r) / dropEcho
+//   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = p_least A(r) w(r)^2 exp(2 extinction r) / dropEcho
 //
-// from the sensor to the surface, with w(r) = max(r, near_range_m) / reference_range_m of the effect intensity, or 1 if
-// it has `falloff: none`. A(r) is the area that the beam illuminates (beamArea() in sensors/footprint.h), N the number
-// of drops per volume, and `least` the received power below which drops are ignored. Ranges are sampled from the
-// integrand, and diameters from the size distribution above D_least: the result has exactly the distribution that
-// sampling all drops in the beam would give. The area is treated as evenly lit, and each drop as completely inside or
-// outside.
+// from the sensor to the surface, with w(r) = max(r, near_range_m) / reference_range_m, by the options of the effect
+// intensity, or 1 if it has `falloff: none`. A(r) is the area that the beam illuminates (beamArea() in
+// sensors/footprint.h), N the number of drops per volume, p_least the received power below which drops are ignored, and
+// dropEcho D^2 / A(r) the echo of a drop of diameter D (sense/weather.h). Ranges are sampled from the integrand, and
+// diameters from the size distribution above D_least: the result has exactly the distribution that sampling all drops
+// in the beam would give. The area is treated as evenly lit, and each drop as completely inside or outside.
 //
 // Fog and dust are dense. A beam is divided into intervals of a pulse length. The echo of an interval is pi backscatter
-// length exp(-2 extinction r), in units of a white target at the same range. If its power is at least `least`, it
-// becomes a return at a random range within the interval. A beam gets at most eight returns from particles: the
-// strongest drops, or intervals that are drawn with probabilities proportional to their power.
+// length exp(-2 extinction r), in units of a white target at the same range. If its received power is at least p_least,
+// it becomes a return at a random range within the interval. A beam gets at most eight returns from particles: its
+// strongest drops, or intervals sampled with probabilities proportional to their power.
 
 #include "sense/weather.h"
 
@@ -51,8 +51,8 @@ constexpr std::uint32_t kMostDrops = 15;    // largest number of drops of a beam
 constexpr double kWetCosine = 0.5;          // least cosine of the angle between a wet surface's normal and the vertical
 constexpr double kPuddleSize = 1.2;         // m, size of the patches of standing water
 
-// What is assumed of sensors whose files give no width of the beam or no pulse: in the middle of what data sheets of
-// spinning sensors state (VLS-128: 3.0 x 1.5 mrad; HDL-64E: 2 mrad; OS1: 5.3 mrad to 1/e^2; pulses of 5 to 6 ns).
+// Assumed for sensors whose files give no beam width or no pulse length: typical values of data sheets of spinning
+// sensors (VLS-128: 3.0 x 1.5 mrad; HDL-64E: 2 mrad; OS1: 5.3 mrad to 1/e^2; pulses of 5 to 6 ns).
 constexpr double kUsualDivergence = 3e-3;  // rad, full angle of a Gaussian beam to 1/e^2 of its power
 constexpr double kUsualPulse = 5e-9;       // s
 
@@ -128,8 +128,8 @@ class DropTable {
   std::array<double, kSteps + 1> sum_{};  // expected numbers of drops from the minimum range on
 };
 
-// Returns, by beam, the range (m) up to which the beam is open: of its nearest return, or the sensor's maximum range if
-// the beam has no return.
+// Returns for each beam the range (m) up to which nothing blocks it: the range of its nearest return, or the sensor's
+// maximum range if the beam has no return.
 std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Returns& returns) {
   std::vector<float> open(hits.size(), static_cast<float>(beams.maxRange));
   for (std::size_t row = 0; row < returns.size(); ++row) {
@@ -148,7 +148,7 @@ struct Particle {
   float range;     // m
   float echo;      // power relative to a white target at the same range, after the loss in the air
   float strength;  // power as received, see Falloff
-  float rank;      // of more than kMostOfBeam particles those with the highest ranks become returns
+  float rank;      // in beams with too many particles, those with the highest ranks become returns
 };
 
 class WeatherEffect : public Effect {
@@ -179,7 +179,7 @@ class WeatherEffect : public Effect {
     extinguish(returns);
     if (o_.wet > 0) wetGround(hits, shot, returns);
     const Falloff& falloff = returns.falloff;
-    // Convert the least power to the unit of the effect `intensity`.
+    // Convert the least power from the unit of `least` to that of the effect `intensity`: power 1 at falloff.reference.
     const double rangeRatio = falloff.inverseSquare ? falloff.reference / kUnitRange : 1;
     Reception reception{.falloff = falloff,
                         .least = (o_.least > 0 ? o_.least : kUsualLeastPower) * rangeRatio * rangeRatio};
@@ -244,7 +244,7 @@ class WeatherEffect : public Effect {
       const double expected = table.expectedDrops(double{open[beam]});
       if (expected <= 0) continue;
       // The number of drops has Poisson's distribution, which is inverted by subtracting the probabilities of 0, 1, 2
-      // ... drops from a uniform number. Its random block is behind those of the drops.
+      // ... drops from a uniform number. This number is from the block after the drops' blocks.
       double remainder = uniform(drawBlock(shot, Purpose::Weather, beam, kMostDrops)[0]);
       double probability = exponential(-expected);  // of n drops
       drops.clear();
@@ -280,7 +280,7 @@ class WeatherEffect : public Effect {
         const double range = start + length * uniform(words[2 * (k % 2) + 1]);
         Particle interval = particleAt(range, mistEcho(o_.weather, length), reception.falloff);
         if (double{interval.strength} < reception.least) break;
-        // The numbers of largest rank are a sample with probabilities proportional to the strength (Efraimidis and
+        // The intervals of largest rank are a sample with probabilities proportional to the strength (Efraimidis and
         // Spirakis, "Weighted random sampling with a reservoir", Information Processing Letters 97, 2006).
         interval.rank /= static_cast<float>(-naturalLog(uniform(words[2 * (k % 2)])));
         intervals.push_back(interval);
