@@ -52,7 +52,7 @@ double ChartScale::mapped(double value) const {
 
 double ChartScale::positionOf(double value) const {
   if (log_ && value <= 0) return kBand / 2;
-  const double fraction = (mapped(value) - low_) / (high_ - low_);  // from `low_` to `high_`
+  const double fraction = (mapped(value) - low_) / (high_ - low_);  // 0 at `low_`, 1 at `high_`
   return hasBand_ ? kBand + (1 - kBand) * fraction : fraction;
 }
 

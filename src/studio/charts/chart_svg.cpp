@@ -15,9 +15,9 @@ namespace {
 // Margin around a chart, and font sizes (pixels). All sizes in this file are chosen by eye.
 constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;
 constexpr double kTitleLine = 1.2, kNoteLine = 1.35;  // height of a line as a multiple of the font's size
-constexpr double kBaseline = 0.35;  // from the middle of a text down to its baseline, as a multiple of the font's size
-constexpr int kLeastWidth = 200, kLeastHeight = 160;          // of a chart (pixels)
-constexpr double kMarkRadius = 4.5, kEmphasisedRadius = 6.5;  // of the marks of points (pixels)
+constexpr double kBaseline = 0.35;  // distance from a text's middle down to its baseline, in sizes of the font
+constexpr int kLeastWidth = 200, kLeastHeight = 160;          // least size of a chart (pixels)
+constexpr double kMarkRadius = 4.5, kEmphasisedRadius = 6.5;  // radii of the marks of points (pixels)
 constexpr double kMarkReach = 1.15;  // extent of most of kShapes from their centre, divided by the radius
 constexpr double kBarShare = 0.76;   // fraction of the distance between two names that the bars at a name fill
 constexpr double kThickestBar = 26;  // largest thickness (pixels), since bars at few names would be very wide
@@ -353,7 +353,7 @@ class SvgDrawing {
   void drawBars(const ChartSeries& s, int slot, int slots) {
     const double nameDistance = std::abs(swapped(pixel({1, 1})).x - swapped(pixel({0, 0})).x);
     const double thickness = std::min(nameDistance * kBarShare / slots, kThickestBar);
-    const double offset = (slot - slots / 2.0) * thickness;  // from the name's position to the bar's first side
+    const double offset = (slot - slots / 2.0) * thickness;  // distance from the name's position to the first side
     const double gap = slots > 1 ? 1 : 0;
     for (std::size_t i = 0; i < s.points.size(); ++i) {
       if (!isDrawn(s.points[i])) continue;

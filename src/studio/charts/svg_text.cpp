@@ -60,7 +60,7 @@ std::string escapeXml(std::string_view text) {
 }
 
 double svgTextWidth(std::string_view text, double fontSize, FontWeight weight) {
-  double thousandths = 0;  // of the font size
+  double thousandths = 0;  // width in thousandths of the font size
   for (std::size_t i = 0; i < text.size();) {
     const Utf8Character c = characterAt(text, i);
     thousandths += widthOf(c.code);

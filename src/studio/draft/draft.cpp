@@ -32,7 +32,7 @@ std::vector<std::optional<Vec3d>> positionsInRows(const std::vector<GuessedFile>
   constexpr double kGap = 2;  // between the boxes of neighbours (m)
   const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(models.size()))));
   std::vector<std::optional<Vec3d>> positions(models.size());
-  double x = 0, y = 0;  // where the lower corner of the next box is (m)
+  double x = 0, y = 0;  // lower corner of the next box (m)
   double rowDepth = 0;  // largest extent along y in the row so far (m)
   for (std::size_t i = 0; i < models.size(); ++i) {
     const Box& box = models[i].box;

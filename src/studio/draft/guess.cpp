@@ -173,7 +173,7 @@ void guessAxis(const std::array<double, 3>& low, const std::array<double, 3>& ex
 // Returns the nodes of a place that are objects with a usual size.
 std::vector<SizedObject> sizedObjects(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
   constexpr double kGreatest = 400;  // m; walls and fences, which may be longer, say little about the unit
-  std::map<std::uint32_t, std::pair<const Concept*, Box>> objects;  // by node
+  std::map<std::uint32_t, std::pair<const Concept*, Box>> objects;  // the keys are indices of nodes
   for (std::size_t i = 0; i < asset.parts.size(); ++i) {
     const Concept* const part = partConcepts[i];
     if (part == nullptr || part->kind != ConceptKind::Whole || !part->size || part->size->high > kGreatest) continue;
@@ -354,7 +354,7 @@ std::string folderName(const std::filesystem::path& file) {
 }
 
 void Vocabulary::ignoreShared(const std::vector<std::string>& names) {
-  std::map<std::string, std::set<std::string>> namesWith;  // for each word, the folded names that contain it
+  std::map<std::string, std::set<std::string>> namesWith;  // the folded names that contain each word
   std::set<std::string> distinctNames;                     // folded names, which have no digits
   for (const std::string& name : names) {
     const std::string folded = foldedName(name);

@@ -10,7 +10,7 @@ namespace {
 
 // Converts a colour from HSV to RGB; h, s and v are from 0 to 1.
 Rgb fromHsv(double h, double s, double v) {
-  constexpr std::array kChannelOffsets{5.0, 3.0, 1.0};  // of red, green and blue on the circle of hues (sixths)
+  constexpr std::array kChannelOffsets{5.0, 3.0, 1.0};  // offsets of red, green and blue in hue (sixths of the circle)
   Rgb rgb{};
   for (std::size_t c = 0; c < 3; ++c) {
     const double k = std::fmod(h * 6 + kChannelOffsets[c], 6.0);

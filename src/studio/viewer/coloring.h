@@ -91,7 +91,7 @@ struct ColorContext {
   std::span<const float> error{};  // error of each point (m); NaN: unknown; empty: no errors
   // Title of the legend for errors, such as "distance to the reference (m)"; empty: "error (m)".
   std::string errorTitle{};
-  std::string whyNoError{};           // what an unknown error means, such as "no partner in the reference"
+  std::string whyNoError{};           // reason why errors are unknown, such as "no partner in the reference"
   std::optional<ScaleRange> scale{};  // ends of the scale that the user has chosen; absent: computed from the values
   std::optional<CloseUp> closeUp{};   // the legend counts only points in this ball; absent: it counts all points
 };
@@ -140,7 +140,7 @@ Legend classLegend(const std::map<std::uint32_t, ColorOfId>& classes, const Onto
 Legend instanceLegend(std::map<std::uint32_t, ColorOfId> instances);
 
 struct ScaleTick {
-  double position = 0;  // on the bar, from 0 at its low end to 1 at its high end
+  double position = 0;  // position on the bar, from 0 at its low end to 1 at its high end
   std::string text;
 };
 

@@ -84,7 +84,7 @@ double stepOf(const Directions& directions, std::size_t columns) {
   constexpr std::size_t kLeastPairs = 16;
   double step = 0;
   for (std::size_t distance = 1; distance <= std::max<std::size_t>(columns / 4, 1); distance *= 4) {  // in columns
-    std::complex<double> sum;  // of the rotations from beam to beam, each a unit vector
+    std::complex<double> sum;  // sum of the rotations from beam to beam, as unit vectors
     std::size_t pairs = 0;
     for (std::size_t beam = 0; beam + distance < directions.size(); ++beam) {
       if (beam % columns + distance >= columns) continue;
@@ -105,7 +105,7 @@ std::optional<BeamAzimuths> fullTurnOf(const Directions& directions, const GridS
   constexpr double kTurnSlack = 0.03;
   constexpr double kLeastAgreement = 0.8;  // least length of rings' sums of unit vectors, divided by their number
   const double fullStep = std::copysign(2 * kPi / static_cast<double>(grid.columns), step);
-  std::vector<std::complex<double>> sums(grid.rings);  // of the directions, rotated back by the column's azimuth
+  std::vector<std::complex<double>> sums(grid.rings);  // sums of directions, rotated back by their columns' azimuths
   double count = 0;
   for (std::size_t beam = 0; beam < directions.size(); ++beam) {
     const std::complex<double> direction = directions[beam];
@@ -128,7 +128,7 @@ bool followsColumns(const Directions& directions, std::size_t columns, double st
   constexpr double kCorrelated = 0.5;  // least correlation of azimuth and column
   std::complex<double> middle;
   for (const std::complex<float>& direction : directions) middle += std::complex<double>(direction);
-  PairSums sums;  // of azimuths (rad, relative to the middle of all directions) and columns
+  PairSums sums;  // x: azimuth (rad, relative to the middle of all directions); y: column
   for (std::size_t beam = 0; beam < directions.size(); ++beam) {
     const std::complex<double> direction = directions[beam];
     if (direction == 0.0) continue;
@@ -180,7 +180,7 @@ std::optional<OutwardColumns> lookingOutward(const BeamAzimuths& azimuths, std::
 
 // True if elevations increase with the ring number, determined by the sign of their covariance.
 bool elevationsRise(const Scan& scan) {
-  PairSums sums;  // of rings and elevations (rad)
+  PairSums sums;  // x: ring; y: elevation (rad)
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3d p(scan.position[i]);
     if (isFinite(p)) sums.add(static_cast<double>(keyOf(scan, i).ring), std::atan2(p.z, std::hypot(p.x, p.y)));

@@ -105,7 +105,7 @@ std::optional<std::size_t> FrameLoader::missingFrame() const {
 std::optional<std::size_t> FrameLoader::nextAhead() const {
   constexpr std::int64_t kMostAhead = 64;  // number of frames that are read ahead, which play in several seconds
   if (!requestedFrame_ || step_ == 0) return std::nullopt;
-  std::uint64_t largestBytes = 0, cachedBytes = 0;  // of the cached frames ahead
+  std::uint64_t largestBytes = 0, cachedBytes = 0;  // sizes (bytes) of the cached frames ahead
   for (std::int64_t i = 0; i <= kMostAhead; ++i) {
     const std::int64_t index = static_cast<std::int64_t>(*requestedFrame_) + i * step_;
     if (index < 0 || index >= static_cast<std::int64_t>(source_->keys().size())) break;

@@ -65,7 +65,7 @@ class FrameLoader {
   std::condition_variable loaded_;     // signals that a frame or mesh has been loaded
   bool stopping_ = false;
 
-  std::map<std::size_t, CachedFrame> cached_;  // by index of the frame
+  std::map<std::size_t, CachedFrame> cached_;  // the keys are indices of frames
   std::optional<std::size_t> requestedFrame_;
   int step_ = 0;  // direction in which frames are read ahead; 0: none are
 

@@ -25,9 +25,9 @@ class StoredFrames : public FrameSource {
  private:
   struct Store {
     std::unique_ptr<const ScanStore> scans;
-    std::string label;  // name of the file or folder, or its path if another store has the same name
-    std::string
-        classDifference{};  // how the store's classes differ from the shown classes, as text; empty: they do not
+    std::string label;              // name of the file or folder, or its path if another store has the same name
+    std::string classDifference{};  // text about differences of the store's classes from the shown classes; empty:
+                                    // there are none
   };
   struct Loading;
 

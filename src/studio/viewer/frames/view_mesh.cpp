@@ -144,7 +144,7 @@ void fillBoxes(ViewMesh& view) {
 // Returns one box for each cell of a horizontal grid that overlaps at least one of `boxes`: the box around the parts of
 // `boxes` in this cell. `origin`: corner of the grid with the least x and y. `side`: side of a cell (m).
 std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origin, double side) {
-  std::map<std::pair<int, int>, Box> occupied;  // by index of the cell along x and y
+  std::map<std::pair<int, int>, Box> occupied;  // the keys are indices of cells along x and y
   for (const Box& box : boxes) {
     const auto firstCell = [&](double Vec3d::*axis) { return static_cast<int>((box.low.*axis - origin.*axis) / side); };
     const auto endCell = [&](double Vec3d::*axis) {

@@ -39,7 +39,7 @@ double pictureLineHeight(int width, int height) {
 }
 
 double windowLineHeight(double displayScale) {
-  constexpr double kUsual = 15;  // for a display with the scale 1 (pixels)
+  constexpr double kUsual = 15;  // line height on a display with the scale 1 (pixels)
   return std::clamp(std::round(kUsual * displayScale), 10.0, 60.0);
 }
 

@@ -81,7 +81,7 @@ std::string fitted(const std::string& text, float width) {
   return text.substr(0, length) + "...";
 }
 
-constexpr float kTextIndent = 1.25F;  // from the left end of a swatch to the text after it, in heights of a line
+constexpr float kTextIndent = 1.25F;  // distance from a swatch's left end to its text, in heights of a line
 
 // Draws the colour of a row of text as a small square. `rowCorner`: upper left corner of the row.
 void drawSwatch(const ImVec2& rowCorner, const Rgb& color, bool filled) {
@@ -121,7 +121,7 @@ bool drawLegendRow(int id, const LegendRow& row, bool clickable, float width) {
     ImGui::Dummy({std::max(width, 1.0F), lineHeight() + 2});
   }
   ImGui::PopID();
-  const float top = corner.y + 1;  // of the text
+  const float top = corner.y + 1;  // upper edge of the text
   drawSwatch({corner.x, top}, row.color, row.look == Look::Shown || row.look == Look::Absent);
   const float countWidth = row.count.empty() ? 0 : sizeOf(row.count).x + lineHeight() * 0.5F;
   const float nameLeft = corner.x + lineHeight() * kTextIndent;
@@ -254,7 +254,7 @@ LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden
   LegendClick click;
   const std::size_t entries = legend.entries.size();
   const auto isHidden = [&](std::size_t i) { return i < hidden.size() && hidden[i]; };
-  std::uint64_t points = 0;  // of all entries
+  std::uint64_t points = 0;  // number of points of all entries
   for (const LegendEntry& entry : legend.entries) points += entry.points;
   const auto isAbsent = [&](const LegendEntry& entry) { return points > 0 && entry.points == 0; };
   const auto countText = [&](std::uint64_t count) { return points > 0 ? grouped(count) : std::string(); };

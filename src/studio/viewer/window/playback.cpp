@@ -49,7 +49,7 @@ void Playback::togglePlaying(double now) {
 
 bool Playback::tick(double now) {
   bool changed = false;
-  const double shownSeconds = std::clamp(recordedSeconds_, 0.1, 0.2);  // how long each frame is shown while playing (s)
+  const double shownSeconds = std::clamp(recordedSeconds_, 0.1, 0.2);  // time per frame while playing (s)
   if (playing_ && isUpToDate() && now - shownAt_ >= shownSeconds) {
     playing_ = requested_ + 1 < count();
     if (playing_) goTo(requested_ + 1, 1);

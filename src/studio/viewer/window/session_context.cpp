@@ -108,7 +108,7 @@ InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> posit
 
 std::vector<InstanceSummary> summarizeInstances(const Scan& scan, std::span<const Vec3f> positions,
                                                 const Affine& levelFromPoints) {
-  std::map<std::uint32_t, std::vector<std::uint32_t>> pointsOf;  // by instance id
+  std::map<std::uint32_t, std::vector<std::uint32_t>> pointsOf;  // the keys are instance ids
   for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
     const std::uint32_t id = scan[kInstance][i];
     if (id != 0 && isFinite(positions[i])) pointsOf[id].push_back(static_cast<std::uint32_t>(i));

@@ -12,7 +12,7 @@ namespace {
 
 // Adds the class ids of the scan's finite points.
 void addClasses(const Scan& scan, std::set<std::uint16_t>& classes) {
-  std::vector<bool> occurs(std::size_t{UINT16_MAX} + 1, false);  // by class id
+  std::vector<bool> occurs(std::size_t{UINT16_MAX} + 1, false);  // the indices are class ids
   for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
     if (isFinite(scan.position[i])) occurs[scan[kLabel][i]] = true;
   }
@@ -191,7 +191,7 @@ std::optional<std::vector<std::uint32_t>> ShownClouds::filtered(ShownCloud& clou
   cloud.visible = cloud.finite;
   const bool filtersClasses = !filter.classes.showsAll() && !scan[kLabel].empty();
   if (!isHidden(cloud) && !filtersClasses && filter.instances.empty() && !filter.closeUp) return {};
-  std::vector<bool> classShown(std::size_t{UINT16_MAX} + 1);  // by class id
+  std::vector<bool> classShown(std::size_t{UINT16_MAX} + 1);  // the indices are class ids
   for (std::size_t id = 0; id < classShown.size(); ++id) {
     classShown[id] = filter.classes.shows(static_cast<std::uint16_t>(id));
   }
