@@ -26,8 +26,7 @@ class StoredFrames : public FrameSource {
   struct Store {
     std::unique_ptr<const ScanStore> scans;
     std::string label;              // name of the file or folder, or its path if another store has the same name
-    std::string classDifference{};  // text about differences of the store's classes from the shown classes; empty:
-                                    // there are none
+    std::string classDifference{};  // text about differences from the shown classes; empty: there are none
   };
   struct Loading;
 
