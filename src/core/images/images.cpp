@@ -67,8 +67,8 @@ const ImagesModule& moduleFor(const std::string& name, std::string_view kind) {
   }
 }
 
-// Calls work(), and turns what the libraries throw into an InputError "NAME: the image cannot be VERB: ...", such as
-// "decoded".
+// Returns work(). Turns exceptions of the libraries into an InputError "NAME: the image cannot be VERB: REASON"; `verb`
+// is a participle such as "decoded".
 template <class Work>
 auto withReason(const std::string& name, const char* verb, const Work& work) {
   try {
@@ -82,8 +82,8 @@ auto withReason(const std::string& name, const char* verb, const Work& work) {
   }
 }
 
-// Opens the image in `bytes`, or the file `kind` if `bytes` is empty. If the image is neither PNG nor JPEG, the ending
-// of `kind` states its format. `name` is the name of the image in messages.
+// Opens the image in `bytes` or, if `bytes` is empty, the file whose path is `kind`. If the image is neither PNG nor
+// JPEG, the ending of `kind` states its format. `name` is the name of the image in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   return withReason(name, "read", [&] {
     const std::string kindOfBytes = kindOf(bytes);
@@ -190,7 +190,7 @@ class Reduction {
 
   int width_;
   int factor_;
-  std::vector<Sum> sums_;  // by square of a row of squares
+  std::vector<Sum> sums_;  // sums of the squares in a row of squares
 };
 
 // Converts rows of a reader to 8-bit RGBA whose colours are not multiplied by alpha.
@@ -213,9 +213,9 @@ class RgbaConverter {
     return channels_ - colors - (alpha_ >= 0 ? 1 : 0);
   }
 
-  // Converts `count` pixels of the reader to as many of RGBA.
+  // Converts `count` pixels of the reader to RGBA.
   void convert(const std::uint8_t* pixels, std::size_t count, std::uint8_t* rgba) {
-    // Copies, since stores of bytes may change members as far as the compiler knows.
+    // Local copies are faster: stores of bytes may change members as far as the compiler knows.
     const int channels = channels_, alpha = alpha_;
     const std::array<int, 3> colors = colors_;
     std::uint8_t least = leastAlpha_, greatest = greatestAlpha_;
@@ -241,7 +241,7 @@ class RgbaConverter {
   int alpha_;                           // index of the alpha channel; -1: none
   std::array<int, 3> colors_{0, 0, 0};  // channels of red, green and blue
   bool isMultiplied_;                   // true: the reader's colours are multiplied by alpha
-  std::array<float, 256> factors_;      // by alpha
+  std::array<float, 256> factors_;      // see divisionByAlpha()
   std::uint8_t leastAlpha_ = 255, greatestAlpha_ = 0;
 };
 

@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-// What is read of images, and what is left out.
+// Returns what is read of images, and what is left out.
 const FormatSupport& imageFormat();
 
 // 8-bit RGBA in sRGB, top row first. Colours are not multiplied by alpha.
@@ -27,8 +27,8 @@ struct DecodedImage {
 };
 
 // Decodes an image of a kind in imageFormat(). `name` names the image in messages; its ending tells the kind if the
-// bytes do not show it. An image of more than 4096 pixels in a row or column is reduced to at most 4096 by means of
-// squares: on a wall of 40 m a pixel is then 1 cm wide, about as wide as a beam. Warns of what is left out. Throws an
+// bytes do not show it. An image that is wider or higher than 4096 pixels is reduced to at most 4096 by averaging
+// squares of pixels: on a wall of 40 m a pixel is then 1 cm wide, like a beam. Warns of what is left out. Throws an
 // InputError that starts with the name if the bytes are no image or are damaged, or if the image is too large.
 DecodedImage decodeImage(std::string_view bytes, const std::string& name);
 

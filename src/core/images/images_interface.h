@@ -25,7 +25,7 @@ struct ImageHeader {
   int alphaChannel = -1;  // index of the alpha channel; -1: none
   double alphaGamma = 0;  // above 0: (colour ^ alphaGamma) was multiplied by alpha; 0: colours were not multiplied
   bool linear = false;    // true: the file has linear light, which rows() returns as sRGB
-  std::vector<std::string> leftOut = {};  // what would change the look: some of the texts above
+  std::vector<std::string> leftOut = {};  // unread contents that affect the look: some of the texts above
 };
 
 // An image that is open for reading.

@@ -69,14 +69,14 @@ class OpenImageIoReader final : public ImageReader {
   }
 
  private:
-  // Returns the index of the alpha channel; -1: none. The reader of GIF names the channel behind it.
+  // Returns the index of the alpha channel; -1: none. The reader of GIF states an index that is too large by 1.
   int alphaChannel() const { return std::min(input_->spec().alpha_channel, input_->spec().nchannels - 1); }
 
   // Fills header_. Throws std::runtime_error for an EXR whose pixels do not fill its display window.
   void describe() {
     const OIIO::ImageSpec spec = input_->spec();
     const std::string_view format = input_->format_name();
-    // The reader of WebP multiplies in linear light. encode() divides linear colours.
+    // WebP's reader multiplies by alpha in linear light. Linear colours are not marked, since encode() divides them.
     const double gamma = !isMultiplied() || isLinear() ? 0.0 : format == "webp" ? 2.2 : 1.0;
     const bool isExr = format == "openexr";
     if (isExr && spec.roi() != spec.roi_full()) {
@@ -91,7 +91,7 @@ class OpenImageIoReader final : public ImageReader {
     const int colorChannels = alphaChannel() < 0 ? spec.nchannels : alphaChannel();
     if (isExr && colorChannels < 3 && isOneOf("RGB", spec.channelnames[0])) header_.leftOut.emplace_back(kFewColors);
     if (!isExr && format != "tiff" && format != "gif" && format != "webp") return;
-    // Smaller images of TIFF are previews of the first.
+    // In all kinds but EXR, further images that are smaller than the first are its previews.
     if (input_->seek_subimage(1, 0) && (isExr || input_->spec().width >= spec.width)) {
       header_.leftOut.emplace_back(kFurtherImages);
     }
@@ -142,7 +142,7 @@ class OpenImageIoReader final : public ImageReader {
   OIIO::Filesystem::IOMemReader memory_;
   std::unique_ptr<OIIO::ImageInput> input_;  // uses memory_, and must be destroyed before memory_
   ImageHeader header_;
-  std::vector<std::uint8_t> allRows_;  // of a file with tiles, once a row is read
+  std::vector<std::uint8_t> allRows_;  // all rows of a file with tiles; empty before the first row is read
   std::vector<float> light_;           // the latest rows, if colours are linear
   int nextRow_ = 0;
 };

@@ -185,7 +185,7 @@ class JpegReader final : public ImageReader {
     guardOf(common).fail(message.data());
   }
 
-  // libjpeg calls this function with a negative level for a warning, and with other levels for traces of its work.
+  // Throws if libjpeg warns of damage. libjpeg calls this function with a negative level for warnings, else for traces.
   static void failWhereDamaged(j_common_ptr common, int level) {
     const int code = common->err->msg_code;
     if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR && code != JWRN_NOT_SEQUENTIAL) {

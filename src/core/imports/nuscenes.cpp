@@ -68,7 +68,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   if (tablesAsGiven.empty()) return {};
   const fs::path tables = fs::absolute(tablesAsGiven).lexically_normal();
   const fs::path root = (tables.has_filename() ? tables : tables.parent_path()).parent_path();
-  // Returns the column `value` of a table by the column `key`; nothing if an optional table is missing.
+  // Returns a table's column `value` as a map whose keys are its column `key`; empty if an optional table is missing.
   enum class Table { Required, Optional };
   using Texts = std::map<std::string, std::string>;
   const auto columnOf = [&](const char* table, const char* value, const char* key, Table need) {

@@ -27,7 +27,7 @@ std::vector<fs::path> entriesIn(const fs::path& folder, const Accepts& accepts) 
   return entries;
 }
 
-// True for the first file of each folder for which the function is called.
+// True if this is the first call for a file of the same folder.
 bool isFirstOfItsFolder(const fs::path& file) {
   static std::mutex mutex;
   static std::set<fs::path> folders;

@@ -49,10 +49,10 @@ OGRSpatialReference withEastFirst(OGRSpatialReference reference) {
   return reference;
 }
 
-// Returns the coordinate system of a definition; an empty one if it is empty or cannot be read.
+// Returns the coordinate system of a definition; an empty system if the definition is empty or cannot be read.
 OGRSpatialReference referenceOf(const std::string& definition) {
   OGRSpatialReference reference;
-  // These limitations allow neither files nor the network.
+  // With these limitations, a definition cannot make GDAL read files or use the network.
   const bool isRead =
       !definition.empty() &&
       reference.SetFromUserInput(definition.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) ==
@@ -60,7 +60,7 @@ OGRSpatialReference referenceOf(const std::string& definition) {
   return withEastFirst(isRead ? reference : OGRSpatialReference());
 }
 
-// Replaces a coordinate system by Esri's definition in the file `prj`; by an empty one if this cannot be read.
+// Replaces a coordinate system by Esri's definition in the file `prj`; by an empty one if the file cannot be read.
 void readEsri(const std::string& prj, OGRSpatialReference& reference) {
   char** const lines = CSLLoad(prj.c_str());
   if (lines == nullptr || reference.importFromESRI(lines) != OGRERR_NONE) reference.Clear();
@@ -73,7 +73,7 @@ OGRSpatialReference horizontalOf(OGRSpatialReference reference) {
   return reference;
 }
 
-// Converts points, in place, from one system's coordinates to those of another. Returns false if GDAL cannot.
+// Converts points, in place, from coordinates of one system to another. Returns false if GDAL cannot convert them.
 bool convertPoints(const OGRSpatialReference& source, const OGRSpatialReference& target, std::span<double> x,
                    std::span<double> y) {
   const std::unique_ptr<OGRCoordinateTransformation> transformation(
@@ -85,7 +85,7 @@ bool convertPoints(const OGRSpatialReference& source, const OGRSpatialReference&
   return isConverted && std::ranges::all_of(x, isFinite) && std::ranges::all_of(y, isFinite);
 }
 
-// Fills the units of a system of longitudes and latitudes, and why its degrees cannot be used.
+// Sets the unit of a system of longitudes and latitudes, and in `foreign` why its degrees cannot be used, if so.
 void describeDegrees(const OGRSpatialReference& reference, CoordinateSystem& system) {
   constexpr double kRounding = 1e-9;       // of degrees in definitions
   constexpr double kLargestMisfit = 0.01;  // of the earth's ellipsoids; the radii of other bodies differ more
@@ -97,7 +97,7 @@ void describeDegrees(const OGRSpatialReference& reference, CoordinateSystem& sys
   }
 }
 
-// Fills the units of a system whose x and y are lengths, and why they cannot be used.
+// Sets the unit of a system whose x and y are lengths, and in `foreign` why they cannot be used, if so.
 void describeLengths(const OGRSpatialReference& reference, CoordinateSystem& system) {
   const char* unitName = nullptr;
   system.perUnit = reference.GetLinearUnits(&unitName);
@@ -113,9 +113,9 @@ void describeLengths(const OGRSpatialReference& reference, CoordinateSystem& sys
   }
 }
 
-// Fills stretch and utm of a projected system at the point (x, y): converts two steps, along x and along y, to
-// longitudes and latitudes, and compares their lengths with those on the ellipsoid. The step that is distorted more
-// counts.
+// Sets stretch and utm of a projected system at the point (x, y): converts two steps, along x and along y, to
+// longitudes and latitudes, and compares their lengths with those on the ellipsoid. The stretch is that of the step
+// with the greater distortion.
 void measureStretch(const OGRSpatialReference& reference, double x, double y, CoordinateSystem& system) {
   constexpr double kStep = 100;  // m
   std::array<double, 3> longitude{x, x + kStep / system.perUnit, x};
@@ -242,8 +242,8 @@ class GdalReader final : public RasterReader {
     CPLErrorReset();
   }
 
-  // Makes NaN the value of samples that no raster of a mosaic covers, if the mosaic states none: GDAL would return 0
-  // for them. The change is in memory only: a mosaic without a name is not written to its file.
+  // Sets the value of samples that no raster of a mosaic covers to NaN, unless the mosaic states a value: GDAL would
+  // return 0. The change is in memory only: GDAL does not write a mosaic without a name to its file.
   void markGapsOfMosaic() {
     GDALSetDescription(dataset_, "");
     for (int i = 1; i <= GDALGetRasterCount(dataset_); ++i) {
@@ -284,7 +284,7 @@ class GdalReader final : public RasterReader {
   std::vector<double> mask_;  // storage of dropWhereZero()
 };
 
-// Returns the bytes of a GeoTIFF (TIFF 6.0, 1992) of one pixel with these keys: GDAL derives the coordinate system.
+// Returns a GeoTIFF (TIFF 6.0, 1992) of one pixel with these keys, from which GDAL derives the coordinate system.
 std::string tiffOf(const GeoKeys& keys) {
   // Byte order and version; the offset of the directory, which is stored below; the pixel, with padding.
   std::string bytes("II*\0\0\0\0\0\0\0", 10);
@@ -295,7 +295,7 @@ std::string tiffOf(const GeoKeys& keys) {
   struct Tag {
     std::uint16_t number;
     Type type;
-    std::uint32_t count, value;  // value: the offset of the values, unless one fits in
+    std::uint32_t count, value;  // value: the values' offset, or a value that fits in
   };
   // ImageWidth, ImageLength, BitsPerSample, Compression (none), PhotometricInterpretation (0 is black), StripOffsets,
   // SamplesPerPixel, RowsPerStrip, StripByteCounts.
@@ -303,7 +303,7 @@ std::string tiffOf(const GeoKeys& keys) {
                         {259, Short, 1, 1}, {262, Short, 1, 1}, {273, Long, 1, kPixelAt},
                         {277, Short, 1, 1}, {278, Long, 1, 1},  {279, Long, 1, 1}};
   const auto add = [&](std::uint16_t number, Type type, std::string_view values, std::size_t bytesPerValue) {
-    // Values of four bytes or fewer would stand in the tag.
+    // Skips values of at most four bytes, which a TIFF stores in the tag itself.
     if (values.size() <= 4) return;
     tags.push_back({number, type, static_cast<std::uint32_t>(values.size() / bytesPerValue),
                     static_cast<std::uint32_t>(bytes.size())});

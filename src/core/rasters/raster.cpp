@@ -75,13 +75,13 @@ void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header
   }
 }
 
-// Refuses or warns of files that GDAL reads otherwise than they are meant.
+// Throws InputError for files that GDAL is known to misread, or warns of them.
 void checkFiles(const std::filesystem::path& file, const RasterHeader& header) {
   if (header.driver == "AAIGrid") checkTextGrid(file, header);
   if (header.driver == "GRASSASCIIGrid") fail(file, "is a text grid of GRASS: write a GeoTIFF by r.out.gdal");
   for (const std::filesystem::path usedFile : header.files) {
     const std::string ending = lowerExtension(usedFile);
-    // GDAL fills the gaps of mosaics in a mosaic with 0.
+    // If a mosaic is part of another mosaic, GDAL fills its gaps with 0.
     if (ending == ".vrt" && usedFile.filename() != file.filename()) {
       fail(file, fmt::format("is a mosaic of mosaics such as {}: build it from their rasters by gdalbuildvrt, or make "
                              "it one raster by gdalwarp -dstnodata -9999",
@@ -105,7 +105,7 @@ void checkFiles(const std::filesystem::path& file, const RasterHeader& header) {
 
 // Returns the metres per unit of length, by the unit's name; nullopt for an unknown name.
 std::optional<double> metresOf(std::string_view unit) {
-  // Names between bars, without blanks and marks.
+  // Names of a unit, between bars, in lower case and without blanks and punctuation.
   static constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
       {{"|m|metre|metres|meter|meters|", 1},
        {"|cm|centimetre|centimeter|", 0.01},
@@ -154,8 +154,8 @@ void requireHeights(const std::filesystem::path& file, const RasterHeader& heade
                          means));
 }
 
-// Returns the requested band. Throws InputError if the file has no such band or holds complex numbers, or if it cannot
-// be used at all.
+// Returns the requested band. Throws InputError if the file has no such band or cannot be used, or if the band holds
+// complex numbers.
 const RasterBand& requestedBand(const std::filesystem::path& file, const RasterHeader& header,
                                 const RasterRequest& request) {
   if (header.bands.empty() && header.others > 0) {
@@ -199,8 +199,8 @@ struct Window {
   int width = 0, height = 0;
 };
 
-// Returns the samples in the bounds, cut off at the raster's edges: of heights those whose centres lie in the bounds,
-// of classes and colours those that cover a part of the bounds.
+// Returns the window of the samples in the bounds, cut off at the raster's edges. Heights are in the bounds if the
+// centres of their samples are, classes and colours if their samples overlap the bounds.
 Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, RasterUse use) {
   const auto [x0, y0, x1, y1] = bounds;
   const std::array corners{grid.columnAndRow(x0, y0), grid.columnAndRow(x0, y1), grid.columnAndRow(x1, y0),
@@ -217,7 +217,7 @@ Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, RasterUse us
   return {.column = first[0], .row = first[1], .width = end[0] - first[0], .height = end[1] - first[1]};
 }
 
-// Returns the samples that the request asks for, without the last columns and rows that do not fill a square of `every`
+// Returns the window that the request asks for, without the last columns and rows that do not fill a square of `every`
 // x `every` samples; a window that is narrower or lower than a square is one square. Throws InputError if there are no
 // samples or too many squares.
 Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const RasterRequest& request) {
@@ -262,8 +262,8 @@ Raster reducedGrid(const RasterGrid& fileGrid, const Window& window, int every) 
 }
 
 // Fills the values of `raster`, a reducedGrid() of the window, with the means of the window's squares, times `factor`.
-// Returns true if `marker` seems to mark missing samples: if samples have this value, and no others are below it or
-// none are above it.
+// Returns true if `marker` seems to mark missing samples: if it is a value of the window, and the least or greatest
+// one.
 bool readMeans(RasterReader& reader, int band, double marker, const Window& window, double factor, Raster& raster) {
   constexpr int kSamplesPerBlock = 4'000'000;  // 32 MB; a block consists of complete rows
   const int columnsPerSquare = window.width / raster.width, rowsPerSquare = window.height / raster.height;

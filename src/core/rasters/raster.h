@@ -18,7 +18,7 @@ namespace scanmill {
 
 struct CoordinateSystem {
   std::string definition;           // as well-known text; empty: the system is not stated, or cannot be read
-  bool local = false;               // true: where on the earth the system lies is not known
+  bool local = false;               // true: the system's place on the earth is not known
   bool geographic = false;          // true: x and y are longitude and latitude
   double perUnit = 1;               // metres per unit of x and y; degrees if geographic
   std::string unit = "";            // name of the unit of x and y, unless geographic
@@ -32,7 +32,7 @@ struct CoordinateSystem {
   bool isStretched() const { return std::fabs(stretch - 1) > 0.01; }
 };
 
-// Reads a definition, such as OGC's or Esri's well-known text. The stretch is that at a place in its coordinates.
+// Reads a definition, such as OGC's or Esri's well-known text. The stretch is that at (x, y) in its coordinates.
 CoordinateSystem coordinateSystem(std::string_view definition, double x, double y);
 
 // The keys of "OGC GeoTIFF Standard", OGC 19-008r4, 7, as they stand in LAS files too: a directory of uint16, and
@@ -55,7 +55,7 @@ struct RasterGrid {
   // GDAL's geotransform: x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; (c, r) = (0, 0) is the outer corner of the first
   // sample.
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};
-  CoordinateSystem system;  // its stretch is that at the middle of the file's raster
+  CoordinateSystem system;  // with the stretch at the middle of the file's raster
 
   // Returns x and y of a position in columns and rows, with fractions; (0, 0) is the raster's outer corner.
   std::array<double, 2> pointAt(double column, double row) const {
@@ -84,7 +84,7 @@ struct RasterRequest {
   int band = 1;
   int every = 1;  // a square of `every` x `every` samples becomes one sample: the mean of those that have a value
   std::optional<RasterBounds> within = std::nullopt;  // none: the whole raster
-  bool georeferenced = true;  // false: images without a geotransform are read too, of RGB images the red band
+  bool georeferenced = true;  // false: also reads images without a geotransform, of RGB images the red band
 };
 
 // Reads a band of a raster; heights become metres, upwards. Samples without a value are those that the file marks by a
@@ -97,12 +97,12 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
 // True if the rasters have the same coordinate system, or if the system of one is unknown.
 bool sameReference(const Raster& a, const Raster& b);
 
-// Returns the distance (m) between the points that x and y (m) are in two projected coordinate systems
+// Returns the distance (m) between the points that have the same coordinates x and y (m) in two projected systems
 // (CoordinateSystem::definition); 0 if it is not known, or if GDAL cannot be loaded.
 double shiftBetween(const std::string& reference, const std::string& other, double x, double y);
 
-// Returns the numbers of the bands that hold red, green and blue: those that the file calls so, else the first three,
-// or three times the first if there are fewer. Throws as readRaster() does.
+// Returns the numbers of the bands that hold red, green and blue: those that the file names so, else the first three,
+// or the first one three times if there are fewer than three. Throws as readRaster() does.
 std::array<int, 3> colorBands(const std::filesystem::path& file);
 
 }  // namespace scanmill

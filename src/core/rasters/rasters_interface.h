@@ -16,7 +16,7 @@ struct RasterBand {
   std::string type;       // GDAL's name of the type of the samples: "Byte", "Float32", "CFloat32"
   std::string means;      // GDAL's name of what the band holds: "Gray", "Palette", "Red", "Alpha", "Undefined"
   std::string unit;       // of the values; empty: not stated
-  double marker = 0;      // what the usual marker of missing samples, -9999, becomes by the band's scale and offset
+  double marker = 0;      // -9999, the usual marker of missing samples, times the band's scale plus its offset
   bool scaled = false;    // true: the band states a scale or an offset
   bool inverted = false;  // true: 0 is white
 };
@@ -24,7 +24,7 @@ struct RasterBand {
 struct RasterHeader : RasterGrid {
   std::vector<RasterBand> bands;
   int others = 0;                  // number of further rasters in the file
-  std::vector<std::string> files;  // the raster's own file and those beside it of which it consists
+  std::vector<std::string> files;  // the raster's own file, and the other files of which it consists
   std::string driver;              // GDAL's name of the format
 };
 

@@ -121,7 +121,7 @@ class PlyMeshReader {
     if (element.name == "tristrips") fail("has triangle strips, which are not supported: export it with faces");
   }
 
-  // Reads all rows of an element; the bytes of the body must have been read up to it.
+  // Reads all rows of an element. All elements before it must have been read.
   void readElement(const PlyElement& element) {
     if (element.count == 0) return;
     std::vector<Role> roles;
@@ -155,7 +155,7 @@ class PlyMeshReader {
     }
   }
 
-  // Counts what an element has and is not read. `roles`: the roles of its properties.
+  // Counts the contents of an element that are not read. `roles`: the roles of its properties.
   void countLeftOut(const PlyElement& element, const std::vector<Role>& roles) {
     const FormatSupport& format = plyMeshFormat();
     const bool isVertex = element.name == "vertex";
@@ -183,7 +183,7 @@ class PlyMeshReader {
     return number >= 0 && number < static_cast<double>(count) ? static_cast<std::uint32_t>(number) : kNone;
   }
 
-  // Adds the triangles of a face, whose values are the latest ones, to the part of its image.
+  // Adds the triangles of the face that was read last to the part of the face's image.
   void addFace() {
     const std::vector<double>& indices = list(Role::Corners);
     if (indices.size() < 3) return imported_.leftOut.add("faces of fewer than three corners");
@@ -206,8 +206,8 @@ class PlyMeshReader {
     }
   }
 
-  // Returns the part of an image (its index, or kNone), of faces whose corners have texture coordinates of their own or
-  // have none.
+  // Returns the part for faces with this image (its index, or kNone). Faces whose corners have texture coordinates of
+  // their own (`hasCornerUvs`) have separate parts.
   AssetPart& partOf(std::uint32_t image, bool hasCornerUvs) {
     const auto [index, isNew] = parts_.try_emplace({image, hasCornerUvs}, imported_.parts.size());
     if (isNew) {
@@ -222,8 +222,8 @@ class PlyMeshReader {
     return imported_.parts[index->second];
   }
 
-  // Gives the parts their vertices. Until then, their triangles have the file's indices of vertices, and their texture
-  // coordinates, if any, are those of the triangles' corners.
+  // Gives the parts their vertices. Before this call, triangles have the file's indices of vertices, and the texture
+  // coordinates of a part, if it has any, are those of its triangles' corners.
   void addVerticesToParts() {
     imported_.up = options_.up.value_or('z');
     const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
@@ -250,7 +250,7 @@ class PlyMeshReader {
     }
   }
 
-  // True if coordinates are in double precision or text, so that positions relative to an origin are finer.
+  // True if coordinates are doubles or texts, which float32 stores more exactly relative to an origin.
   bool hasExactVertices() const {
     const auto isExact = [](const PlyProperty& p) { return p.name.size() == 1 && p.value.size == 8; };
     const auto vertex = std::ranges::find(header_.elements, "vertex", &PlyElement::name);

@@ -57,7 +57,7 @@ class EarCutter {
       if (tests_ > mostTests) return false;
       if (!isDouble(at) && !isEar(at) && !(rejected >= uncut_.size() && isFlat(at))) {
         at = (at + 1) % uncut_.size();
-        ++rejected;  // corners one after the other that cannot be cut off
+        ++rejected;  // number of successive corners that cannot be cut off
         continue;
       }
       triangles_.push_back({before(at), uncut_[at], behind(at)});

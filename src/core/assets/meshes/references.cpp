@@ -43,7 +43,7 @@ std::vector<fs::path> modelFolders(const fs::path& file) {
   return folders;
 }
 
-// Returns the file of this name in a folder, ignoring case; empty if there is none. Of several the first by name.
+// Returns the file of this name in a folder, ignoring case: the first by name if there are several, empty if none.
 fs::path findIgnoringCase(const fs::path& folder, const std::string& name) {
   std::error_code error;
   fs::path first;
@@ -84,7 +84,7 @@ std::string decodeUri(std::string_view uri) {
 std::optional<fs::path> findInModelFolders(const fs::path& file, const std::string& name) {
   for (const fs::path& folder : modelFolders(file)) {
     for (const std::string& spelling : {name, decodeUri(name)}) {
-      // If a file inside of a model's folder names that model, the model is found from the folder above.
+      // If a file in a model's folder names the same model, the search finds the model in the folder above.
       if (!spelling.empty() && pathExists(folder / spelling)) return folder / spelling;
     }
   }

@@ -26,7 +26,7 @@ std::string decodeUri(std::string_view uri);
 // SDF_PATH, GZ_SIM_RESOURCE_PATH, IGN_GAZEBO_RESOURCE_PATH, GAZEBO_MODEL_PATH and ROS_PACKAGE_PATH.
 std::optional<std::filesystem::path> findInModelFolders(const std::filesystem::path& file, const std::string& name);
 
-// Returns the names of these variables, for messages.
+// Returns the names of the environment variables in which findInModelFolders() searches, for messages.
 std::string modelFolderVariables();
 
 // Finds the file that the asset at `asset` calls `name`; empty if there is none. A prefix model:// or file:// is

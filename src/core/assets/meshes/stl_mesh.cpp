@@ -44,7 +44,7 @@ class StlReader {
  private:
   struct Solid {
     std::string name;
-    std::size_t first;  // index of its first corner in corners_
+    std::size_t first;  // index of the solid's first corner in corners_
   };
 
   [[noreturn]] void fail(const std::string& problem) const { throw InputError({file_.string(), line_}, problem); }
@@ -56,7 +56,7 @@ class StlReader {
     return count;
   }
 
-  // Many binary files begin with "solid", too.
+  // True if the file is a text. Its first word does not suffice: many binary files begin with "solid", too.
   bool isText() const {
     if (text_.size() == kHeaderBytes + kFacetBytes * statedTriangles()) return false;
     const std::string_view head = std::string_view(text_).substr(0, 1024);
@@ -151,13 +151,13 @@ class StlReader {
     return trimmed(line);
   }
 
-  // Makes a part of each solid with triangles.
+  // Makes a part of each solid that has triangles.
   void makeParts() {
     imported_.up = options_.up.value_or('z');
     imported_.materials.emplace_back().stated = false;
     const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
     for (Vec3d& corner : corners_) corner = frame * corner;
-    // Coordinates of binary files are in single precision, so that an origin would not refine them.
+    // An origin makes only texts more exact: the coordinates of binary files are in single precision.
     if (line_ > 0) imported_.origin = originNear(corners_.size(), [this](std::size_t i) { return corners_[i]; });
     for (std::size_t k = 0; k < solids_.size(); ++k) {
       AssetPart& part = imported_.parts.emplace_back();
@@ -174,7 +174,7 @@ class StlReader {
 
   const std::filesystem::path& file_;
   const AssetOptions& options_;
-  std::string text_;                // bytes of the file, be they text or not
+  std::string text_;                // bytes of the file, text or binary
   std::string_view unread_{text_};  // what nextWord() has not read yet
   int line_ = 0;                    // line of the latest word, counted from 1; 0: the file is binary
   std::vector<Solid> solids_;

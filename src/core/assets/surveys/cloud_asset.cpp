@@ -64,7 +64,7 @@ class CloudAsset {
  private:
   [[noreturn]] void fail(const std::string& problem) const { throw InputError({file_.string()}, problem); }
 
-  // Makes the points at exactly [0, 0, 0] of the file NaN, if there are several: organised scans store misses there.
+  // If several points are at exactly [0, 0, 0] in the file, sets them to NaN: organised scans store misses there.
   void dropMisses() {
     std::vector<Vec3f*> misses;
     for (Vec3f& p : cloud_.scan.position) {
@@ -124,14 +124,14 @@ class CloudAsset {
     positions_.resize(count);
   }
 
-  // Returns the column that is no column of a Scan and means `name`, whatever its file calls it; null if there is none.
+  // Returns the foreign column that means `name`, whatever the file calls it; null if there is none.
   const ForeignColumn* foreign(std::string_view name) const {
     const auto meaning = [](const ForeignColumn& column) { return columnMeant(column.name); };
     const auto column = std::ranges::find(scan_.foreign, name, meaning);
     return column == scan_.foreign.end() ? nullptr : &*column;
   }
 
-  // Warns of what the reader left out, and of columns that no surface is made from.
+  // Warns of what the reader left out, and of foreign columns that are not used.
   void warnOfUnused() {
     constexpr std::size_t kMostNames = 8;
     std::vector<std::string> names;
@@ -178,9 +178,9 @@ class CloudAsset {
     }
   }
 
-  // Returns a guess of the intensity that means a reflectance of 1: 1 or 255 if no intensity is larger, else the
-  // greatest one. `greatest`: the greatest intensity of all. Outliers do not count: intensities above four times
-  // the 99.9th percentile, which is chosen by eye.
+  // Guesses the intensity that means a reflectance of 1: 1 if intensities are at most 1, 255 if they are at most 255,
+  // else the greatest one. `greatest`: the greatest intensity of all points. Ignores outliers: intensities above four
+  // times the 99.9th percentile. The factor is chosen by eye.
   double guessedFullIntensity(double greatest) const {
     constexpr std::size_t kSamples = 1'000'000;
     constexpr double kPercentile = 0.999, kOutlierFactor = 4;
@@ -203,9 +203,9 @@ class CloudAsset {
     return full;
   }
 
-  // Warns if intensities are clipped, or if a scale that is guessed makes all of them dark.
+  // Warns if intensities are clipped, or if the greatest one is so far below `full` that all points are dark.
   void warnOfIntensities(double full, double greatest) const {
-    constexpr double kLeastFraction = 0.05;  // of `full`, of the greatest intensity of a scale that fits
+    constexpr double kLeastFraction = 0.05;  // least ratio of the greatest intensity to `full`
     std::size_t above = 0, below = 0, missing = 0;
     for (const std::size_t i : chosen_) {
       const double value = double{scan_[kIntensity][i]};
@@ -237,7 +237,7 @@ class CloudAsset {
     image_ = std::move(image);
   }
 
-  // Fills the texture from intensities or else colours, as the options ask for. Returns false if it fills nothing.
+  // Fills the texture from the intensities or the colours, as the options demand. Returns false if it fills nothing.
   bool fill(Texture& image) {
     using enum PointOptions::Reflectance;
     const PointOptions::Reflectance source = options_.points.reflectance;
@@ -263,7 +263,7 @@ class CloudAsset {
     const double full = options_.points.full > 0 ? options_.points.full : guessedFullIntensity(greatest);
     if (options_.points.full == 0) warnOfIntensities(full, greatest);
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      // The order of the comparisons makes 0 of NaN.
+      // NaN becomes 0: std::max() returns its first argument if the second is NaN.
       const double value = std::min(std::max(0.0, double{intensity[chosen_[k]]} / full), 1.0);
       const auto grey = static_cast<std::uint8_t>(std::lround(255 * srgbOf(value)));
       std::fill_n(image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * k), 3, grey);
@@ -277,7 +277,7 @@ class CloudAsset {
   static std::optional<std::uint32_t> packedColor(T value) {
     constexpr std::uint32_t kNan = 0x7FC00000;  // other NaNs are colours with an alpha of 255
     if constexpr (std::is_floating_point_v<T>) {
-      // As floats, the bits of colours are below 1 or beyond these integers.
+      // The bits of a colour, read as a float, have a magnitude below 1 or beyond these integers.
       constexpr double kGreatest = std::numeric_limits<std::uint32_t>::max();
       constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
       const bool isInteger = std::fabs(value) >= 1 && double{value} <= kGreatest && double{value} >= kLeast;
@@ -297,7 +297,7 @@ class CloudAsset {
     return *colored > 0;
   }
 
-  // Fills the texture with colours of one number. Returns how many points have a colour.
+  // Fills the texture from a column of packed colours. Returns the number of points that have a colour.
   std::size_t fillFromPacked(const ForeignColumn& packed, Texture& image) const {
     std::size_t colored = 0;
     const auto fillFrom = [&](const auto& numbers) {
@@ -312,8 +312,8 @@ class CloudAsset {
     return colored;
   }
 
-  // Fills the texture from the columns red, green and blue. Returns how many points have a colour; nullopt if a column
-  // is missing or all are 0, as in LAS files.
+  // Fills the texture from the columns red, green and blue. Returns the number of points that have a colour; nullopt if
+  // a column is missing, or if all values are 0, as in LAS files without colours.
   std::optional<std::size_t> fillFromChannels(Texture& image) const {
     const std::array<std::optional<std::vector<double>>, 3> channels{numbers("red"), numbers("green"), numbers("blue")};
     if (!channels[0] || !channels[1] || !channels[2]) return std::nullopt;
@@ -335,7 +335,7 @@ class CloudAsset {
     return colored;
   }
 
-  // Stores the colour (0 to 255) of the chosen point k. A colour with a NaN becomes black; then returns false.
+  // Stores the colour (0 to 255) of the chosen point k. If a channel is NaN, stores black and returns false.
   static bool putColor(const std::array<double, 3>& color, std::size_t k, Texture& image) {
     const bool isStated = std::ranges::none_of(color, [](double channel) { return std::isnan(channel); });
     for (std::size_t c = 0; c < 3; ++c) {
@@ -345,8 +345,8 @@ class CloudAsset {
     return isStated;
   }
 
-  // Returns the value that is white: 1, 255 or 65535. Integers of 0 and 1 are as dark as they look, but a text does not
-  // tell them from numbers up to 1. Rounding can lift fractions above 1.
+  // Returns the value that means white: 1, 255 or 65535. Float columns whose values are at most 1 have the white 1,
+  // even if all are 0 or 1, since text files are read as floats. Rounding can lift fractions slightly above 1.
   double whiteOf(double greatest, bool areIntegers) const {
     const bool areFloats =
         std::visit([]<class T>(const std::vector<T>&) { return std::is_floating_point_v<T>; }, foreign("red")->values);
@@ -387,7 +387,7 @@ class CloudAsset {
       ++sums[label].second;
     }
     if (image_ == nullptr) return;
-    // Each point keeps its own reflectance; the material of a label states the mean of the label's points.
+    // Each point keeps its own reflectance. The material of a label gets the mean reflectance of the label's points.
     for (const auto& [key, part] : partOf) {
       const auto& [sum, count] = sums[key.second];
       Material& material = asset_.parts[part].fileMaterial;

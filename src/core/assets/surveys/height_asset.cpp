@@ -71,7 +71,7 @@ class HeightAsset {
     return earthCentred(radians(x * heights_.system.perUnit), radians(y * heights_.system.perUnit), z);
   }
 
-  // Sets the asset's origin and coordinate system; of a raster in degrees, the plane at its middle (localFromEarth_).
+  // Sets the asset's coordinate system, and its origin or, if the raster is in degrees, localFromEarth_.
   void placeOnEarth() {
     const auto [x, y] = heights_.centreOf(heights_.width / 2, heights_.height / 2);
     const double unit = options_.metresPerUnit;
@@ -90,7 +90,7 @@ class HeightAsset {
 
   // Throws InputError if heights cannot be on the earth.
   void checkHeights() const {
-    constexpr double kHighest = 30e3;  // m; beyond all mountains and trenches, and markers of missing samples but -9999
+    constexpr double kHighest = 30e3;  // m; above heights and depths on the earth, below markers other than -9999
     const auto [low, high] = heights_.range();
     const double farthest = -low > high ? low : high;
     if (std::isfinite(farthest) && std::fabs(farthest) * options_.metresPerUnit > kHighest) {
@@ -102,7 +102,7 @@ class HeightAsset {
   }
 
   // Throws InputError if latitudes cannot be on the earth, or if a raster without a coordinate system seems to be in
-  // degrees: if degrees were read as metres, hills would become needles. Warns if a raster with a system does.
+  // degrees: if degrees were read as metres, hills would become needles. Only warns if the raster has a system.
   void checkCoordinates() const {
     constexpr double kPole = 90 + 1e-6;  // degrees, with rounding
     constexpr double kSteepest = 3;      // largest ratio of height range to horizontal extent of a raster in metres
@@ -148,7 +148,7 @@ class HeightAsset {
     return Vec3d{x * heights_.system.perUnit, y * heights_.system.perUnit, z} * unit - asset_.origin;
   }
 
-  // Reads a band of another raster, where the heights are. Throws InputError if its coordinate system is another one.
+  // Reads a band of another raster within boundsOfHeights(). Throws InputError if the coordinate systems differ.
   Raster readBeside(const std::filesystem::path& file, RasterUse use, int band) const {
     Raster raster = readRaster(file, {.use = use, .band = band, .within = boundsOfHeights()});
     if (sameReference(heights_, raster)) return raster;
@@ -181,7 +181,7 @@ class HeightAsset {
     return bounds;
   }
 
-  // Returns the value that is white, which the greatest value of all channels shows: 1, 255 or 65535.
+  // Returns the value that means white, 1, 255 or 65535, guessed from the greatest value of all channels.
   double whiteOf(const std::array<std::vector<float>, 3>& channels) const {
     double greatest = 0;
     bool areIntegers = true;
@@ -239,8 +239,8 @@ class HeightAsset {
     image_ = std::move(image);
   }
 
-  // Adds the two triangles between four samples, of which (column, row) is the first, to the mesh of the cell's class,
-  // unless a sample has no height. The positions of both rows must be the two latest ones.
+  // Adds the two triangles of the cell between (column, row) and (column + 1, row + 1) to the mesh of the cell's class,
+  // unless one of its four samples has no height. positions_ must hold these two rows.
   void addCell(int column, int row) {
     const std::array<std::array<int, 2>, 4> corners{
         {{column, row}, {column, row + 1}, {column + 1, row + 1}, {column + 1, row}}};
@@ -258,7 +258,7 @@ class HeightAsset {
     ClassMesh& mesh = meshOf(classNumber);
     std::array<std::uint32_t, 4> v{};
     for (std::size_t k = 0; k < 4; ++k) v[k] = vertexOf(mesh, corners[k][0], corners[k][1], positions[k]);
-    // Triangles must face up, whatever the directions of rows and columns.
+    // Triangles must face up, in whichever directions rows and columns run.
     const bool facesDown = cross(positions[1] - positions[0], positions[2] - positions[0]).z < 0;
     const auto addTriangle = [&](std::size_t a, std::size_t b, std::size_t c) {
       asset_.parts[mesh.part].triangles.push_back(facesDown ? Triangle{v[a], v[c], v[b]} : Triangle{v[a], v[b], v[c]});
@@ -281,7 +281,7 @@ class HeightAsset {
     std::array<int, 2> rows{-1, -1};
   };
 
-  // Returns the mesh of a class; NaN is the class of cells without one.
+  // Returns the mesh of a class. `classNumber` is NaN for cells without a class.
   ClassMesh& meshOf(float classNumber) {
     const std::int64_t number = std::isfinite(classNumber) ? std::llround(classNumber) : -1;
     const auto [entry, isNew] = meshes_.try_emplace(number);
@@ -293,14 +293,14 @@ class HeightAsset {
     part.material = !classes_ ? "heights" : number < 0 ? "no class" : fmt::format("{}", number);
     part.fileMaterial.name = part.material;
     const auto image = options_.textures ? image_ : nullptr;
-    // The name tells callers that read without textures first that this part has one.
+    // Callers that first read without textures know by this name that the part has a texture.
     if (image_ != nullptr) part.texture = imageFile_.filename().string();
     using enum BaseColor::Source;
     setColor(part.fileMaterial, {.source = image ? Image : None, .image = image}, file_, options_, images_);
     return mesh;
   }
 
-  // Returns the index of a sample's vertex in the mesh of a class, which gets the vertex if it lacks it.
+  // Returns the index of a sample's vertex in the mesh of a class; adds the vertex if the mesh lacks it.
   std::uint32_t vertexOf(ClassMesh& mesh, int column, int row, const Vec3d& position) {
     const auto slot = static_cast<std::size_t>(row) % 2;
     if (mesh.rows[slot] != row) mesh.vertices[slot].assign(static_cast<std::size_t>(heights_.width), kNoVertex);
@@ -314,7 +314,7 @@ class HeightAsset {
     return vertex;
   }
 
-  // Returns the texture coordinates of a sample: at the image's edge if the image does not cover the sample.
+  // Returns the texture coordinates of a sample, clamped to the image if the image does not cover the sample.
   Vec2f uvOf(int column, int row) {
     const auto [x, y] = heights_.centreOf(column, row);
     auto [imageColumn, imageRow] = imageGrid_.columnAndRow(x, y);

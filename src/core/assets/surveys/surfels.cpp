@@ -32,7 +32,7 @@ struct Points {
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Points>, Points, 3, std::uint32_t>;
 
-// The nearest points of a point, the nearest first, which is the point itself.
+// The points nearest to a point, ordered by distance. The first one is the point itself.
 struct Neighborhood {
   std::vector<std::uint32_t> indices;
   std::vector<float> squaredDistances;  // m^2
@@ -69,8 +69,8 @@ bool fitPlane(const std::vector<Vec3f>& positions, const std::vector<std::uint32
   return solver.eigenvalues()[1] > kLineSpread * kLineSpread * solver.eigenvalues()[2];
 }
 
-// Returns the surfel of point i: facing up and as large as allowed if the point is alone. `normal`: of the point, zero
-// if unknown. `near` is storage.
+// Returns the surfel of point i; if the cloud has no other point, one that faces up and has the greatest radius.
+// `normal`: the point's normal, zero if unknown. `near`: storage for searches.
 Surfel surfelOf(const Tree& tree, const std::vector<Vec3f>& positions, std::size_t i, const Vec3d& normal,
                 const SurfelOptions& options, Neighborhood& near) {
   const auto count = static_cast<std::size_t>(options.neighbors) + 1;  // neighbours and the point itself
@@ -111,8 +111,8 @@ std::vector<Surfel> surfelsOf(const std::vector<Vec3f>& positions, const std::ve
 
 std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spacing) {
   struct Point {
-    std::array<std::int64_t, 3> cube;  // cube of the grid
-    double distance;                   // from the cube's centre (cube edges)
+    std::array<std::int64_t, 3> cube;  // indices of the cube in the grid
+    double distance;                   // distance from the cube's centre (cube edges)
     std::size_t index;
   };
   std::vector<Point> points(positions.size());

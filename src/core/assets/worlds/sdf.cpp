@@ -30,19 +30,19 @@ struct Model {
   std::filesystem::path definition;  // see WorldThing::definition
   std::vector<WorldPart> parts;      // in the model's frame
   std::vector<Model> children;
-  std::shared_ptr<SdfFrames> frames;  // to which poses in the model may be relative
+  std::shared_ptr<SdfFrames> frames;  // frames to which poses in the model may be relative
   const XmlNode* node = nullptr;      // the <model> or <include>, while the model around it is read
   Pose parentFromModel;
   SdfPose pose;                     // pose of the placement frame, as the file states it
   Pose placement;                   // pose of the placement frame in the model's frame
-  std::optional<Pose> poseByState;  // pose in the parent's frame by the world's state
-  bool merged = false;              // its links and models are those of the model that includes it
+  std::optional<Pose> poseByState;  // pose in the parent's frame, if the world's state gives one
+  bool merged = false;              // true: its links and models become those of the model that includes it
   bool missing = false;             // its file is missing
 };
 
-// The world's state as far as it concerns the models of one world or one model.
+// The part of a world's state that describes the models in a world or in a model.
 struct State {
-  const XmlNode* node = nullptr;  // a <state>, or the <model> in it; null: none
+  const XmlNode* node = nullptr;  // a <state> or a <model> in a state; null: none
   Pose worldFromModel;            // identity for the world
 };
 
@@ -62,7 +62,7 @@ class SdfReader {
       if (child.name != "world" && child.name != "model" && child.name != "include") continue;
       isEmpty = false;
       countUnread(child);
-      // A model beside worlds is read as the only one of a world.
+      // A model outside of all worlds is read as the only model of a world.
       const XmlNode worldOfModel{child.where, "", "", {}, {child}};
       for (Model& model : contentsOf(child.name == "world" ? child : worldOfModel, file, 0, {}).children) {
         models.push_back(std::move(model));
@@ -74,8 +74,8 @@ class SdfReader {
   }
 
  private:
-  // Counts the elements in an element that are left out, those that the table does not know, and those in wrong places;
-  // in a state, elements may stand anywhere.
+  // Counts elements in `element` and below it that sdfFormat() leaves out or does not know, or that kPlaces does not
+  // allow where they stand. In a state, elements may stand anywhere.
   void countUnread(const XmlNode& element, bool isInState = false) {
     static constexpr std::array<ElementPlace, 19> kPlaces{
         {{"model include", "sdf gazebo world model", true},
@@ -116,7 +116,7 @@ class SdfReader {
     }
   }
 
-  // Returns the child of a state (null: none) for the "model" or "link" of this name; null if there is none.
+  // Returns the "model" or "link" (`kind`) of this name in `state`; null if there is none or `state` is null.
   const XmlNode* stateOf(const XmlNode* state, std::string_view kind, const std::string& name) {
     if (state == nullptr) return nullptr;
     const auto child = std::ranges::find_if(state->children, [&](const XmlNode& node) {
@@ -153,8 +153,8 @@ class SdfReader {
   }
 
   // Reads the frames of a <world> or a <model> and the models in it, and returns them as a model without parts.
-  // `depth`: the number of models and worlds around it, 0 for a world. `state`: that of the model; a world states its
-  // own.
+  // `depth`: the number of models and worlds around it, 0 for a world. `state`: the state of the <model>; a <world>
+  // contains its own state.
   Model contentsOf(const XmlNode& around, const std::filesystem::path& file, int depth, State state) {
     if (depth > kDeepestModel) {
       around.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
@@ -180,7 +180,7 @@ class SdfReader {
       if (!model->missing) contents.children.push_back(std::move(*model));
     }
     if (depth == 0 && state.node != nullptr && world_.missing.empty()) countUnusedStates(*state.node);
-    // Poses may be relative to frames that stand behind them.
+    // Poses may be relative to frames that the file defines later.
     for (Model& model : contents.children) {
       const Pose pose = contents.frames->resolve(model.pose.relativeTo, *model.node) * model.pose.pose;
       model.parentFromModel = model.poseByState.value_or(pose);
@@ -196,7 +196,7 @@ class SdfReader {
     return {&node, pose, nullptr};
   }
 
-  // Adds the frame of a model to those of the world or model around it; of a merged model also the frames inside.
+  // Adds a model's frame to those of the world or model around it; if the model is merged, also the frames in it.
   static void addFramesOf(const Model& model, SdfFrames& around) {
     // The frame of a merged model has the name that libsdformat gives it, which no link of the model has.
     const std::string name = model.merged ? "_merged__" + model.name + "__model__" : model.name;
@@ -215,7 +215,7 @@ class SdfReader {
   }
 
   // Reads a <model> of a file. `depth`: see contentsOf(). `around`: the state of the world or model around it. `name`:
-  // the model's name there.
+  // the model's name in that world or model.
   Model readModel(const XmlNode& node, const std::filesystem::path& file, int depth, const State& around,
                   const std::string& name) {
     Model model;
@@ -247,7 +247,7 @@ class SdfReader {
     return model;
   }
 
-  // Adds a nested model to a model; of a merged one its parts and the models nested in it.
+  // Adds a nested model to a model. If it is merged, adds its parts and the models nested in it instead.
   static void addChild(Model child, Model& model) {
     if (!child.merged) return model.children.push_back(std::move(child));
     for (WorldPart& part : child.parts) {
@@ -260,7 +260,7 @@ class SdfReader {
     }
   }
 
-  // Adds the visuals of a link, moved to where the model's state has the link.
+  // Adds the visuals of a link. If the state gives the pose of the link, moves them there.
   void addLink(const XmlNode& node, const SdfLink& link, const State& state, std::vector<WorldPart>& parts) {
     const std::size_t first = parts.size();
     for (const XmlNode& visual : node.children) {
@@ -299,7 +299,7 @@ class SdfReader {
     const std::string nameHere = node.textOf("name", uri.ends_with(".sdf") ? nameInFile : name);
     Model model = readModel(*modelNode, path, depth, around, nameHere);
     if (node.child("name") == nullptr) model.nameInFile = nameInFile;
-    if (definition && !model.poseByState) model.definition = path;  // its parts are those of all copies
+    if (definition && !model.poseByState) model.definition = path;  // all copies have the same parts
     if (const XmlNode* frame = node.child("placement_frame")) {
       model.placement = model.frames->resolve(frame->text, node);
     }
@@ -319,7 +319,7 @@ class SdfReader {
     return model;
   }
 
-  // Returns the model in an included file; null if it has a light or an actor instead. Throws InputError for others.
+  // Returns the model of an included file; null if the file has a light or an actor instead. Else throws InputError.
   const XmlNode* modelIn(const XmlNode& root, const XmlNode& include) {
     if (root.name == "robot") {
       root.fail(fmt::format(
@@ -412,8 +412,8 @@ class SdfReader {
   }
 
   WorldFile world_;
-  std::set<const XmlNode*> usedStates_;             // those that stateOf() returned
-  std::map<std::filesystem::path, XmlNode> roots_;  // of the files that define models
+  std::set<const XmlNode*> usedStates_;             // elements that stateOf() returned
+  std::map<std::filesystem::path, XmlNode> roots_;  // root elements of the files that define models
   // Files that define models, by the folder of the file that includes them and their URI.
   std::map<std::pair<std::filesystem::path, std::string>, std::filesystem::path> definitions_;
 };

@@ -16,7 +16,7 @@ float fractionIn(const XmlNode& node) {
   return static_cast<float>(std::clamp(numbersIn(node, node.text, 1).front(), 0.0, 1.0));
 }
 
-// Returns how the scale of a model's state scales a shape in its own frame: round shapes stay round, as in Gazebo.
+// Returns how a state that scales a model by `scale` scales a shape of it: round shapes stay round, as in Gazebo.
 Mat3 scaleOf(const XmlNode& shape, const Vec3d& scale) {
   const double across = std::max(scale.x, scale.y);
   if (shape.name == "sphere") return Mat3::scale(Vec3d{1, 1, 1} * std::max(across, scale.z));
@@ -81,7 +81,7 @@ void readLook(const XmlNode& visual, const std::filesystem::path& file, WorldFil
   }
 }
 
-// Gives the part the mesh of a <mesh>. Returns false if its file is missing.
+// Sets the shape of the part to the mesh that a <mesh> names. Returns false if the mesh's file is missing.
 bool readMesh(const XmlNode& shape, const std::filesystem::path& file, WorldFile& world, WorldPart& part) {
   const std::optional<std::filesystem::path> path = fileOf(shape, file, world);
   if (!path) return false;
@@ -97,7 +97,7 @@ bool readMesh(const XmlNode& shape, const std::filesystem::path& file, WorldFile
   return true;
 }
 
-// Gives the part the surface of an element of <geometry>. Returns false if it has none, or if its file is missing.
+// Sets the part's shape to the surface of an element of <geometry>. Returns false if it has none or lacks its file.
 bool readShape(const XmlNode& geometry, const XmlNode& shape, const std::filesystem::path& file, WorldFile& world,
                WorldPart& part) {
   if (shape.name == "mesh") return readMesh(shape, file, world, part);

@@ -35,13 +35,13 @@ class SdfFrames {
   };
   std::map<std::string, Frame> byName;
   bool isWorld = false;
-  // If a file with frames is missing: the name of the frame whose pose stands for those of frames not in `byName`.
+  // If a file with frames is missing: the name of the frame that replaces all frames that `byName` lacks.
   std::optional<std::string> substitute;
 
-  // Adds a frame. A link keeps its name if a joint, frame or model has the same, which SDF 1.6 allows.
+  // Adds a frame. If a joint, frame or model has the name of a link, which SDF 1.6 allows, the name means the link.
   void add(const std::string& name, const Frame& frame);
 
-  // Returns the pose of a frame in the frame of the world or model. Errors are thrown at `from`.
+  // Returns the pose of a frame in the frame of the world or model. Errors name the place of `from`.
   Pose resolve(const std::string& name, const XmlNode& from) const;
 
  private:
@@ -50,13 +50,13 @@ class SdfFrames {
                std::set<std::pair<const SdfFrames*, std::string>>& visited) const;
 };
 
-// The link of a visual.
+// The link that contains a visual.
 struct SdfLink {
   std::string name;
   Pose modelFromLink;
-  const SdfFrames& frames;            // of the model
+  const SdfFrames& frames;            // frames of the model
   const std::filesystem::path& file;  // the model's file
-  Vec3d scale{1, 1, 1};               // of the model, by the world's state
+  Vec3d scale{1, 1, 1};               // scale of the model in the world's state
 };
 
 // Returns the visual as a part of the model; nullopt if it shows nothing. Adds what is left out or missing to `world`.

@@ -28,7 +28,7 @@ std::string sizeText(const XmlNode& shape, std::string_view key, std::string_vie
   return std::string(fallback);
 }
 
-// Returns the size. Throws InputError unless it is above 0.
+// Returns `size`. Throws InputError unless `size` is above 0.
 double positive(const XmlNode& shape, double size) {
   if (!(size > 0)) shape.fail(fmt::format("has the size {:g}, but sizes must be above 0", size));
   return size;
@@ -71,7 +71,7 @@ Outline outlineOf(const XmlNode& polyline) {
   return outline;
 }
 
-// Returns the corners of an outline in the plane z = 0, counter-clockwise or not.
+// Returns the corners of an outline (m, z = 0): counter-clockwise if `counterClockwise`, else clockwise.
 template <class Polygon>
 std::vector<Vec3d> cornersOf(const Polygon& outline, bool counterClockwise) {
   std::vector<Vec3d> corners;
@@ -82,7 +82,7 @@ std::vector<Vec3d> cornersOf(const Polygon& outline, bool counterClockwise) {
   return corners;
 }
 
-// Adds a wall from z = 0 to the height on each edge of an outline. It faces outwards if the corners are
+// Adds a wall from z = 0 to z = `height` on each edge of an outline. The walls face outwards if the corners are
 // counter-clockwise.
 void addWalls(Mesh& mesh, const std::vector<Vec3d>& corners, double height) {
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -92,8 +92,8 @@ void addWalls(Mesh& mesh, const std::vector<Vec3d>& corners, double height) {
   }
 }
 
-// Adds a flat polygon, whose triangles are counter-clockwise, at height z: a floor if z is 0, which faces down, else a
-// ceiling.
+// Adds a flat polygon at the height z (m): a floor, which faces down, if z is 0, else a ceiling, which faces up. The
+// triangles must be counter-clockwise.
 void addCap(Mesh& mesh, const std::vector<Vec3d>& outline, const std::vector<std::array<std::uint32_t, 3>>& triangles,
             double z) {
   for (const auto& triangle : triangles) {

@@ -23,13 +23,13 @@ std::optional<Mesh> solidOf(const XmlNode& shape);
 Mesh extrudedPolylines(const XmlNode& geometry);
 
 // Returns the surface of a <heightmap> as Gazebo builds it: centred at <pos>, with the first row of samples at the
-// greatest y. The first band of a PNG, a JPEG or another raster without georeference rises from 0 to <size>'s z, which
-// stands for its greatest value. The heights of a raster with georeference rise from its least to its greatest value;
-// without <size> it has its own size. Samples without a value leave holes. Throws InputError that names `shape` or the
-// file.
+// greatest y. In a PNG, a JPEG or another raster without georeference, the value 0 of the first band is at z = 0, and
+// the greatest value at the z of <size>. The heights of a raster with georeference count from their least value;
+// without <size> the raster has its own size. Samples without a value leave holes. Throws InputError that names `shape`
+// or the file.
 Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file);
 
-// Returns three sizes above 0 (m) from an element or attribute of a shape. Throws InputError for others.
+// Returns three sizes above 0 (m) from an element or attribute of a shape. Throws InputError for other values.
 Vec3d sizesOf(const XmlNode& shape, std::string_view key);
 
 // Returns the quaternion, scaled to length 1. Throws InputError if it is zero.

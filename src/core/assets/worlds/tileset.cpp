@@ -41,11 +41,11 @@ class TilesetReader {
   }
 
  private:
-  enum class Refine { Replace, Add };  // Add: a tile stays where its children are
+  enum class Refine { Replace, Add };  // Add: a tile is kept beside its children
 
   struct Tileset {
     std::filesystem::path file;
-    std::filesystem::path folder;  // of `file`, relative to that of the outermost tileset
+    std::filesystem::path folder;  // folder of `file`, relative to the outermost tileset's folder
     Mat3 zUpFromGltf;
   };
 
@@ -53,8 +53,8 @@ class TilesetReader {
     throw InputError({file.string()}, problem);
   }
 
-  // Adds the tiles of a tileset.json. `folder`: see Tileset. `earthFromParent`: the frame of the tile that names it.
-  // `inherited`: how tiles are refined unless they say otherwise. `depth`: how many tiles the tileset is in.
+  // Adds the tiles of a tileset.json. `folder`: see Tileset. `earthFromParent`: the frame of the tile that names the
+  // tileset. `inherited`: how tiles are refined unless they state it. `depth`: the number of tiles around the tileset.
   void readTileset(const std::filesystem::path& file, const std::filesystem::path& folder,
                    const Affine& earthFromParent, Refine inherited, int depth) {
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(file);
@@ -99,7 +99,7 @@ class TilesetReader {
   }
 
   // Returns the middle (earth frame) of a region, box or sphere; the tile's origin if the volume is none of these; the
-  // earth's centre for regions too large for one plane.
+  // earth's centre if a region is too large to be projected onto one plane.
   static Vec3d middleOf(const Json& volume, const Affine& earthFromTile) {
     if (const auto region = volume.find("region"); region != volume.end()) {
       auto [west, south, east, north, lowest, highest] = region->get<std::array<double, 6>>();  // rad, m
@@ -120,8 +120,8 @@ class TilesetReader {
     return earthFromTile * Vec3d{x, y, z};
   }
 
-  // Adds a tile, if it is one of the finest or if its children refine it by ADD, and all tiles below it. The first tile
-  // on the earth sets assetFromEarth_. Parameters: see readTileset().
+  // Adds the content of a tile, if the tile has no children or they refine it by ADD, and then all tiles below it. The
+  // first tile on the earth sets assetFromEarth_. Parameters: see readTileset().
   void readTile(const Json& tile, const Tileset& tileset, const Affine& earthFromParent, Refine inherited, int depth) {
     if (depth > kDeepestTile)
       fail(tileset.file, fmt::format("has tiles that are nested more than {} levels deep", kDeepestTile));
@@ -157,7 +157,7 @@ class TilesetReader {
     for (const Json& child : *children) readTile(child, tileset, earthFromTile, refine, depth + 1);
   }
 
-  // Returns the URIs of a tile's contents, and counts what they have and is left out.
+  // Returns the URIs of a tile's contents. Counts the keys and extensions of these contents that are left out.
   std::vector<std::string> contentsOf(const Json& tile, const Json& extensions) {
     std::vector<std::string> uris;
     const auto addContent = [&](const Json& content) {
@@ -199,7 +199,7 @@ class TilesetReader {
     addParts(std::move(mesh), file, name.string());
   }
 
-  // Adds the parts of a content, whose node names get its name as a prefix.
+  // Adds the parts of a content. Their nodes get its `name` as a prefix.
   void addParts(Asset mesh, const std::filesystem::path& file, const std::string& name) {
     asset_.dropped += mesh.dropped;
     flatten(mesh);
@@ -216,11 +216,11 @@ class TilesetReader {
 
   const AssetOptions& options_;
   Affine metresFromUnits_;
-  // East, north, up about the middle of the first tile that is on the earth: the root, unless its volume is the globe.
-  // metresFromUnits_ if a content comes before such a tile.
+  // The transform to east, north, up at the middle of the first tile on the earth: the root, unless its volume is the
+  // globe. It is metresFromUnits_ if a mesh comes before such a tile.
   std::optional<Affine> assetFromEarth_;
   Asset asset_;
-  std::set<std::filesystem::path> openTilesets_;  // the tileset that is read, and those that it is in
+  std::set<std::filesystem::path> openTilesets_;  // the tileset that is being read, and all tilesets around it
   LeftOut leftOut_;
   LeftOut leftOutOfTiles_;  // of the tiles' contents
   std::vector<MissingFileError> missing_;

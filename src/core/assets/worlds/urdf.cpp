@@ -64,7 +64,7 @@ class UrdfReader {
     }
   }
 
-  // Throws InputError if a joint names a link that does not exist, or unless one link at most is no child of a joint.
+  // Throws InputError if a joint names a link that does not exist, or if several links are not the child of a joint.
   void checkTree() const {
     for (const auto& [child, joint] : joints_) {
       for (const std::string& link : {child, joint.parent}) {
@@ -85,8 +85,8 @@ class UrdfReader {
     }
   }
 
-  // Counts the elements in an element that are left out, those that the table does not know, and those in wrong places.
-  // Throws InputError for macros.
+  // Counts elements in `element` and below it that urdfFormat() leaves out or does not know, or that kPlaces does not
+  // allow where they stand. Throws InputError for macros.
   void countUnread(const XmlNode& element) {
     static constexpr std::array<ElementPlace, 9> kPlaces{{{"link joint", "robot", true},
                                                           {"visual", "link", true},
@@ -121,7 +121,7 @@ class UrdfReader {
     Location where;
   };
 
-  // Adds a joint to joints_. Counts one that cannot be at 0. Throws InputError for a link with two parents.
+  // Adds a joint to joints_. Counts a joint that cannot be at 0. Throws InputError if a link has two parents.
   void readJoint(const XmlNode& joint) {
     const auto linkOf = [&](const char* role) {  // "parent" or "child"
       const XmlNode* const element = joint.child(role);
@@ -150,7 +150,7 @@ class UrdfReader {
     std::filesystem::path texture;
   };
 
-  // Returns the look of a material element. The first element of a name with a look gives it to all of this name.
+  // Returns the look of a material element. All materials of a name have the look of the first element that states one.
   Look readMaterial(const XmlNode& material) {
     const std::string name = material.attributeOr("name", "");
     if (looks_.contains(name)) return looks_.at(name);
@@ -222,7 +222,7 @@ class UrdfReader {
 
   std::filesystem::path file_;
   XmlNode root_;
-  std::set<std::string> links_;          // names
+  std::set<std::string> links_;          // names of all links
   std::map<std::string, Joint> joints_;  // joints, by name of their child link
   std::map<std::string, Look> looks_;
   WorldFile world_;

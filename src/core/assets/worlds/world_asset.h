@@ -32,9 +32,9 @@ Asset readWorld(const std::filesystem::path& file, std::string_view suffix, cons
 const FormatSupport& tilesetFormat();
 
 // Reads 3D Tiles 1.0 and 1.1 (OGC 22-025r4), as tilesetFormat() says. If the tileset is on the earth, the asset's
-// origin is the middle of the root tile, or if this is not on the earth's surface, of the first tile whose middle is,
-// with x east, y north and z up. A node's name begins with the content's path relative to the tileset and a slash.
-// Throws an InputError that names the file.
+// origin is the middle of the first tile whose middle is on the earth's surface, usually the root; x is east, y north
+// and z up. A node's name begins with the content's path relative to the tileset and a slash. Throws an InputError that
+// names the file.
 Asset readTileset(const std::filesystem::path& file, const AssetOptions& options);
 
 // Thrown for a file that another file names and that is missing.
@@ -47,8 +47,8 @@ class MissingFileError : public InputError {
   Location where;
 };
 
-// Adds the names of missing files to `leftOut` if `leaveOut`. Otherwise, if any file is missing, throws an InputError
-// with the message about the first one, and the name and place of each other one: one message names all of them.
+// Adds the names of missing files to `leftOut` if `leaveOut`. Otherwise, if any file is missing, throws one InputError:
+// the message about the first file, and the names and places of all others.
 void reportMissing(const std::vector<MissingFileError>& missing, bool leaveOut, LeftOut& leftOut);
 
 // Returns the file or folder that the element `from` of `file` calls `uri`: model://NAME/..., package://NAME/... (see

@@ -25,15 +25,15 @@ struct XmlNode {
   const XmlNode* child(std::string_view childName) const;          // first child with this name; null: none
   const std::string* attribute(std::string_view attribute) const;  // returns null if the attribute is absent
   std::string attributeOr(std::string_view attribute, std::string_view fallback) const;
-  // Returns the text of the first child with this name.
+  // Returns the text of the first child with this name; `fallback` if there is none.
   std::string textOf(std::string_view childName, std::string_view fallback) const;
 
   // Throws InputError at this element.
   [[noreturn]] void fail(const std::string& problem) const;
 };
 
-// Reads a file. Throws InputError with the file and its line if it is not XML, or nested deeper than 64 elements, or if
-// it must be expanded first.
+// Reads a file. Throws InputError with the file and its line if it is not XML, is nested deeper than 64 elements, or is
+// a template or names a file to include, which other programs must expand first.
 XmlNode readXml(const std::filesystem::path& file);
 
 // Returns the numbers in a text, separated by white space. Throws InputError at `node` unless there are exactly `count`
@@ -48,7 +48,7 @@ struct ElementPlace {
   bool isMany = false;  // false: of all elements with these names, a parent may have one
 };
 
-// Counts the children of an element that stand in a wrong place, and those after the first where one may stand.
+// Counts the children of an element that stand in a wrong place, and all but the first where only one may stand.
 // Elements that are not in the table may stand anywhere.
 void countMisplaced(const XmlNode& parent, std::span<const ElementPlace> places, LeftOut& leftOut);
 
