@@ -285,7 +285,8 @@ class LasReader {
       const std::string name(textAt(described_, 4, 32));
       const std::size_t type = static_cast<unsigned char>(described_[2]);
       const std::size_t options = static_cast<unsigned char>(described_[3]);
-      // Types from 11 on are pairs and triples of the first ten.
+      // Of type 0, undocumented bytes, `options` is the number of bytes. Types from 11 on are pairs and triples of the
+      // first ten (LAS 1.4, table of extra bytes).
       const std::uint64_t size =
           type == 0 ? options : kExtraBytes[(type - 1) % kExtraBytes.size()] * ((type - 1) / 10 + 1);
       if (size > recordBytes_ - firstByte) break;

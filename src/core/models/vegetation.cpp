@@ -293,16 +293,20 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
   const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
   const double height = draw.in(0.9, 2.4);
   const double depth = draw.in(0.6, 1.3);
+  constexpr double kLength = 2;                        // m, of the hedgerow
+  constexpr double kLeafWidth = 0.7, kLeafArea = 0.6;  // of a leaf: width / length, and area / (length * width)
+  constexpr double kLeafCover = 4;                     // area of all leaves / area of the hedgerow's side
+  constexpr int kMostLeaves = 3500;
   for (int k = 0; k < 6; ++k) {
     const Vec3d root{draw.in(-0.95, 0.95), draw.in(-0.1, 0.1), -0.1};
     const Vec3d tip{root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)};
     s.tube(bark, root, tip, 0.02, 0.006, 5);
   }
-  // Adds leaves, denser near the surface, with 4 times the area of the hedge's side (2 m long), but at most 3500. A
-  // leaf is 0.7 times as wide as long; its area is 0.6 times length times width.
-  const double leafLength = draw.in(0.09, 0.14);
-  const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * leafLength * leafLength));
-  for (int k = 0; k < std::min(leaves, 3500); ++k) {
+  // The leaves are denser near the surface.
+  const double leafLength = draw.in(0.09, 0.14);  // m, on average
+  const double areaOfLeaf = kLeafArea * kLeafWidth * leafLength * leafLength;
+  const int leaves = static_cast<int>(kLeafCover * kLength * height / areaOfLeaf);
+  for (int k = 0; k < std::min(leaves, kMostLeaves); ++k) {
     const double across = draw.in(-1, 1);
     const double outwards = std::copysign(std::pow(std::abs(across), 0.15), across);
     const double z = height * (1 - std::pow(draw.next(), 1.2) * 0.98);
@@ -314,7 +318,7 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
     const Vec3d normal = normalized(out + draw.direction() * 0.5);
     const Vec3d axis = crossways(normal, draw);
     const double length = draw.around(leafLength, 0.3);
-    appendLeaf(s, leaf, position - axis * (length / 2), position + axis * (length / 2), normal, length * 0.7);
+    appendLeaf(s, leaf, position - axis * (length / 2), position + axis * (length / 2), normal, length * kLeafWidth);
   }
   return s.finish();
 }

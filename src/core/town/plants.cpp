@@ -226,8 +226,10 @@ void placeWoods(Placer& placer) {
   const Character& c = l.character;
   if (c.woods <= 0) return;
   const std::vector<Model> bushes = placer.forms(4, models::makeUndergrowth, c.foliage);
-  // `density` is nearly normal (mean 0, standard deviation 1/4), so about a fraction `woods` of the land is above.
+  // Below, `density` is nearly normal, with mean 0 and deviation 1/4, so that it exceeds the threshold on about the
+  // fraction `woods` of the land. A straight line replaces the quantile.
   const double threshold = 0.42 * (1 - 2 * c.woods);
+  constexpr double kWoodSize = 45, kClearingSize = 12, kClearings = 0.4;  // m, m, weight; chosen by eye
   Draw lattice(l.seed, Kind::WoodLattice);
   const double spacing = lattice.in(3.2, 4.6);
   const double reach = l.halfSide - 8;
@@ -241,8 +243,8 @@ void placeWoods(Placer& placer) {
       const Beside b = l.besideAt(spot.at);
       // Skips spots at a road or sidewalk, and spots far from all roads, where nearer trees would hide a tree.
       if (!b.nearRoad || b.isOnRoadOrSidewalk(std::max(b.section.apron, 0.4))) continue;
-      const double density = relief({l.seed, Field::Woods}, spot.at.x, spot.at.y, 45) +
-                             0.4 * relief({l.seed, Field::Clearings}, spot.at.x, spot.at.y, 12);
+      const double density = relief({l.seed, Field::Woods}, spot.at.x, spot.at.y, kWoodSize) +
+                             kClearings * relief({l.seed, Field::Clearings}, spot.at.x, spot.at.y, kClearingSize);
       const std::optional<Land> land = l.areas.landAt(spot.at);
       if (land ? *land != Land::Wood : density < threshold) continue;
       if (draw.chance(0.55)) {

@@ -658,19 +658,20 @@ class ParticleStream {
     return hits;
   }
 
-  // Records the hit of the particle in a lane of group g. Without lists, `triangle` is the corner: see ParticleStream.
+  // Records the hit of the particle in a lane of group g. Without lists the corner is recorded; its triangle is looked
+  // up after the march, so its word is prefetched here. The distance travelled is in voxels of level 0.
   void recordHit(std::size_t g, std::size_t lane) {
     const LaneGroup& group = groups_[g];
     float travelled = group.travelledBefore[lane];
-    std::uint32_t triangle = group.corner[lane];
+    std::uint32_t triangleOrCorner = group.corner[lane];
     if constexpr (kLists) {
       const LineHit& nearest = intersector_.nearest[g * kLanes + lane];
       travelled += nearest.numerator / (nearest.denominator * static_cast<float>(field_.shape.voxel));
-      triangle = nearest.triangle;
+      triangleOrCorner = nearest.triangle;
     } else {
-      __builtin_prefetch(&field_.triangleOrList[triangle]);
+      __builtin_prefetch(&field_.triangleOrList[triangleOrCorner]);
     }
-    record(group.particle[lane], travelled, triangle, group.steps[lane], Outcome::Hit);
+    record(group.particle[lane], travelled, triangleOrCorner, group.steps[lane], Outcome::Hit);
   }
 
   // Records the particles that are done, and refills their lanes.

@@ -84,7 +84,8 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
   shape.voxel = options.voxel;
   const Corner centre = nearestBrickCorner(sensor, options.voxel);
   shape.centre = pointOf(centre, kBrickVoxels * options.voxel);
-  // The middle of a coarse level's box may be half a brick away from the field's centre; one more voxel is a margin.
+  // In voxels of the level. The middle of a coarse level's box may be half a brick of the level away from the field's
+  // centre; one more voxel is a margin.
   shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
   std::uint32_t levels = options.levels;
   if (levels == 0) {

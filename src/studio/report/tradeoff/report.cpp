@@ -81,8 +81,9 @@ class StudyPage {
     }
     for (const std::string& assignment : overridesIn(study_.pipelineText)) {
       page_["overrides"].push_back({{"word", shellWord(assignment)}});
-      const bool replaced = assignment.starts_with("method") || assignment.starts_with("tradeoff");
-      if (!replaced) page_["kept_overrides"].push_back(page_["overrides"].back());
+      // The suggested command sets the method that was chosen, and makes a dataset instead of a study.
+      const bool isInSuggestion = !assignment.starts_with("method") && !assignment.starts_with("tradeoff");
+      if (isInSuggestion) page_["kept_overrides"].push_back(page_["overrides"].back());
     }
     for (const ErrorPicture& p : study_.pictures) {
       if (p.png.empty()) continue;

@@ -25,13 +25,14 @@ struct PointerFunctions {
   // `x`, `y`: position of the pointer in the camera's picture (pixels).
   PointerFunctions(const ViewCamera& camera, const Affine& canvasFromItem, double x, double y)
       : orthographic(camera.orthographic) {
-    const Mat3 itemFromCanvas = transposed(canvasFromItem.linear);  // dot(d, L * p) = dot(transposed(L) * d, p)
-    const Vec3d itemFromEye = canvasFromItem.translation - camera.eye;
-    // Returns the function dot(axis, p - eye) - pixels * w, for p = canvasFromItem * point.
+    // With the linear part L: dot(d, canvasFromItem * point - eye) = dot(transposed(L) * d, point) + dot(d, eyeToItem).
+    const Mat3 transposedLinear = transposed(canvasFromItem.linear);
+    const Vec3d eyeToItem = canvasFromItem.translation - camera.eye;  // to the item's origin, along the canvas axes
+    // Returns the function dot(axis, canvasFromItem * point - eye) - pixels * w.
     const auto makeFunction = [&](const Vec3d& axis, double pixels) {
       const Vec3d direction = orthographic ? axis : axis - camera.forward * pixels;
-      return PointFunction{Vec3f(itemFromCanvas * direction),
-                           static_cast<float>(dot(direction, itemFromEye) - (orthographic ? pixels : 0))};
+      return PointFunction{Vec3f(transposedLinear * direction),
+                           static_cast<float>(dot(direction, eyeToItem) - (orthographic ? pixels : 0))};
     };
     right = makeFunction(camera.right * camera.focal, x - camera.centerX);
     down = makeFunction(camera.down * camera.focal, y - camera.centerY);
