@@ -56,8 +56,7 @@ class ComputeBackend {
   virtual const std::byte* copied(MappedCopy& readback) = 0;
   // Calls the program's invoke() for 0 to invocations - 1. The data that it writes is visible to later runs and reads.
   virtual void run(const ComputeRun& run) = 0;
-  // Calls `work` on the OpenGL thread. If `work` makes several calls of this backend, threads are not switched at each
-  // of them.
+  // Calls `work` on the OpenGL thread, so that calls of this backend in `work` do not each switch threads.
   virtual void atOnce(const std::function<void()>& work) = 0;
 };
 

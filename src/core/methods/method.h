@@ -22,7 +22,7 @@ std::span<const MethodEntry> methods();
 const MethodEntry& requireMethod(std::string_view name, const Location& where);
 // Returns the method with this name; null if there is none.
 const MethodEntry* findMethod(std::string_view name);
-// Returns the first entry of methods() that has a capability. At least one method must have it.
+// Returns the first entry of methods() with the capability `can`. At least one method must have this capability.
 const MethodEntry& firstMethodThat(bool MethodCapabilities::*can);
 // Returns the reference method with default options. The accuracy of other methods is measured against it, and scenes
 // are inspected with it before they are scanned.

@@ -113,7 +113,7 @@ using PixelAddress = std::uint32_t;
 constexpr PixelAddress kNoPixel = 0xFFFFFFFFu;
 
 // Returns the address of each image's first pixel and, as the last entry, the number of all pixels. Throws InputError
-// if they are too many.
+// if the pixels are too many.
 std::vector<PixelAddress> firstPixels(std::span<const Camera> cameras);
 
 // Returns the index of the image that has a pixel. `firsts`: the result of firstPixels().

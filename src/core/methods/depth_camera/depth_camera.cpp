@@ -29,9 +29,9 @@ namespace {
 
 constexpr std::size_t kSensorsInMemory = 16;  // largest number of beam tables whose views are cached
 constexpr double kReachMargin = 1e-3;         // images reach kReachMargin * (range + 1 m) beyond the sensor's range
-// Memory in addition to ray tracing's, measured with VTK on llvmpipe. With nothing to render a process takes 128 MiB,
-// with ray tracing 44 MiB. The bytes per triangle and per pixel were measured in the scene "street" of 1.28 million
-// placed triangles, with 3 and with 4 images of 2048 x 2048 pixels.
+// Measured with VTK on llvmpipe, as differences between processes. With nothing to render a process takes 128 MiB, with
+// ray tracing 44 MiB. The bytes per triangle and per pixel were measured in the scene "street" of 1.28 million placed
+// triangles, with 3 and with 4 images of 2048 x 2048 pixels.
 constexpr std::uint64_t kBytesOfLibraries = std::uint64_t{85} << 20;
 constexpr std::uint64_t kBytesPerPlacedTriangle = 60;
 constexpr std::uint64_t kBytesPerPixel = 16;
@@ -115,7 +115,7 @@ double angleBetween(const Quat& a, const Quat& b) {
   return 2 * std::atan2(length(Vec3d{between.x, between.y, between.z}), std::abs(between.w));
 }
 
-// Returns the number of renders of a revolution if the options do not set it: see stepsOf().
+// Returns the number of steps of a revolution if the options do not set the number: see stepsOf().
 std::uint64_t rendersFor(const std::vector<Pose>& poses) {
   if (poses.size() <= kFewPoses) return poses.size();
   double pathLength = 0;  // m

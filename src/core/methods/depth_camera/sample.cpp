@@ -24,7 +24,7 @@ constexpr double kFarAway = 1e6;        // m along the beam: second guess, if th
 constexpr double kLeastRange = 1e-30;   // m; excludes a range of 0 if the sensor has no minimum range
 constexpr double kLimitSlack = 1.2e-7;  // a range may be beyond a limit by this fraction: float32 rounding
 
-// Returns the nearest half-precision number, ties to even. Finite values beyond the largest one are clamped to it.
+// Returns the nearest half-precision number, ties to even. Finite values beyond kLargest are clamped to kLargest.
 double asHalf(double value) {
   constexpr double kLargest = 65504;
   constexpr int kBits = 11;            // bits of the significand

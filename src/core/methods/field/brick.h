@@ -123,8 +123,8 @@ constexpr std::uint32_t cornerIndex(int block, int lane) {
          coordinate(block % 3, lane % 3);
 }
 
-// Returns the radius of the largest ball around a block's centre that is inside of the ball of kGatherRadius around the
-// brick's centre, whose triangles have been gathered.
+// Triangles within kGatherRadius of a brick's centre are gathered. Returns the distance from a block's centre up to
+// which the gathered triangles include all triangles.
 inline float gatheredRadius(int block) {
   const auto& c = kBlockCentres;
   return kGatherRadius - std::sqrt(c.x[block] * c.x[block] + c.y[block] * c.y[block] + c.z[block] * c.z[block]);

@@ -102,7 +102,7 @@ bool BrickMaker::makeBlock(const BrickFrame& frame, int block) {
   blockDistance_[block] = std::min(std::sqrt(nearest.distance2), reach);
   if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) return true;
   // The search radius is the largest distance from a corner to the triangle that is nearest to the block's centre: no
-  // corner's nearest triangle is farther away. With lists it is at least kListRadius. It is at most kExactLimit.
+  // corner's nearest triangle is farther away. The radius is at least kListRadius with lists, and at most kExactLimit.
   const Points& p = brick::kBlockCorners[block];
   const Facet<float> facet = cache_.facetOf(world_.baked, nearest.triangle, frame);
   float farthest2 = lists_ ? brick::kListRadius * brick::kListRadius : 0.0f;

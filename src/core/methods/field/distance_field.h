@@ -3,11 +3,10 @@
 // A distance field around a sensor: distances to the nearest surface, with a finer resolution near surfaces and near
 // the sensor.
 //
-// A field has nested levels ("clipmaps", as in Unreal's global distance fields), each with voxels twice as large as
-// those of the level before. A level is a box of bricks of 8 x 8 x 8
-// voxels. A brick near a surface stores the distances at the 9 x 9 x 9 corners of its voxels; any other brick stores
-// one distance. Memory therefore grows with the surface area and not with the volume. Fields that move share their
-// bricks (BrickPool).
+// A field has nested levels ("clipmaps", as in Unreal's global distance fields). The voxels of a level are twice as
+// large as those of the level before. A level is a box of bricks of 8 x 8 x 8 voxels. A brick near a surface stores the
+// distances at the 9 x 9 x 9 corners of its voxels; any other brick stores one distance. Memory therefore grows with
+// the surface area and not with the volume. The fields at the positions of a moving sensor share bricks (BrickPool).
 //
 // Frames. "Lattice": corners of voxels have integer coordinates, counted from the world's origin (world.h) in voxels of
 // the level; brick b has the corners 8b to 8b + 8 along each axis. The values at a corner depend only on the corner's
@@ -39,15 +38,15 @@ constexpr std::uint32_t kLastOfList = 0x80000000u;  // this bit of an entry of D
 constexpr std::uint32_t kMaxLevels = 16;
 
 // All distances are in voxels of the corner's level. A brick is empty if its centre is at least kEmptyBrick from all
-// surfaces; every point of the brick is then more than 1 away from them (at least kEmptyBrick - 4 sqrt(3)). The
-// distances in full bricks are never too large: exact up to kExactLimit, and otherwise lower bounds that are at least
-// kExactLimit. They are rounded down to multiples of kDistanceStep.
+// surfaces; every point of the brick is then more than 1 voxel away (kEmptyBrick - 4 sqrt(3)). The distances
+// in full bricks are never too large: exact up to kExactLimit, and otherwise lower bounds of at least kExactLimit. All
+// are rounded down to multiples of kDistanceStep.
 constexpr float kEmptyBrick = 8.0f;
 constexpr float kExactLimit = 4.0f;
 // Largest distance of a corner from a surface for which the corner has a triangle: see DistanceField::triangleOrList.
 constexpr float kNearestLimit = 2.0f;
 // Largest distance of a corner from a surface for which the corner may have a list. If a corner is farther away, no
-// surface intersects the voxel centred at the corner, whose half diagonal is 0.8661.
+// surface intersects the voxel centred at the corner: half of a voxel's diagonal is 0.8661.
 constexpr float kListLimit = 0.93f;
 // Half side of the cube around a corner. The corner's list contains all triangles that intersect the cube. The cube is
 // larger than the voxel around the corner, because particles may test points slightly outside of the voxel: they look
@@ -76,7 +75,7 @@ struct FieldShape {
   // Voxels of level 0. A point is looked up in the finest level l for which the point's largest absolute coordinate
   // (field frame) is at most reach * 2^l; in the last level if no level is so large.
   float reach = 0;
-  // If true, corners near surfaces list all triangles that are near, otherwise only the nearest one. In "street" the
+  // True: corners near surfaces store lists of all near triangles; false: only the nearest triangle. In "street" the
   // lists take 40 MB in addition to 59 MB, and reduce the wrong labels among a million beams from 85,000 to 28.
   bool lists = false;
 

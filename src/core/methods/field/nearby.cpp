@@ -83,7 +83,7 @@ struct PointSearch {
   const Vec3f& point;  // voxels, relative to the centre of the brick
   FacetCache& facets;
   Ball ball;
-  NearestFacet nearest;  // so far
+  NearestFacet nearest;  // nearest triangle found so far
 };
 
 // Returns the search radius (m) for a squared distance (voxels^2), with a margin for the rounding of facets' distances.

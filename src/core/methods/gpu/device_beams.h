@@ -1,6 +1,6 @@
 #pragma once
 
-// The beams of a shot on a device, for shaders that compute its rays there. Beam tables stay on the device; only poses
+// The beams of a shot on a device, for shaders that compute the shot's rays. Beam tables stay on the device; only poses
 // are uploaded for each shot.
 
 #include <algorithm>

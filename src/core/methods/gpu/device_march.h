@@ -1,6 +1,6 @@
 #pragma once
 
-// Marches particles on a device, through fields that stay there between calls.
+// Marches particles on a device, through fields that stay on the device between calls.
 
 #include <array>
 #include <cstddef>
@@ -19,7 +19,7 @@ namespace scanmill {
 
 constexpr float kLeftToCpu = -1;  // value of Particles::begin that leaves a particle to the CPU
 
-// Values that the outcome column of hit records can have besides those of Outcome.
+// Values of the outcome column of hit records, in addition to the values of Outcome.
 constexpr std::uint32_t kPassesHole = 3;              // the particle continues behind a hole
 constexpr std::uint32_t kParticleDone = 0x80000000u;  // flag: the particle's result is complete
 
@@ -87,8 +87,7 @@ class DeviceFields {
   std::list<UploadedPool> pools_;  // most recently used first
 };
 
-// A program in two variants, for fields without lists and with lists, each compiled when it is first
-// needed.
+// A program in two variants, for fields without and with lists. A variant is compiled when it is first needed.
 class MarchPrograms {
  public:
   MarchPrograms(const ComputeDevice& device, const char* name, std::string (*shader)(bool lists))

@@ -65,7 +65,7 @@ class MaterialTables {
   // Appends to LabelTables::materials and LabelTables::texels.
   explicit MaterialTables(LabelTables& tables) : tables_(tables) {}
 
-  // Appends a material, and its texels unless an earlier material has the same ones.
+  // Appends a material, and its texels unless an earlier material has equal texels.
   void append(const Material& material) {
     const CompactMaterial base = compact(material);
     const bool hasHoles = material.alphaTested && material.texture != nullptr;

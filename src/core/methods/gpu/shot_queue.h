@@ -1,7 +1,7 @@
 #pragma once
 
-// Submits the shots of many threads to a device. While some shots are being processed, others queue up; one dispatch
-// then processes as many of these as it can.
+// Submits the shots of many threads to a device. While some shots are being processed, others queue up; the next
+// dispatch then processes as many of the waiting shots as it can.
 
 #include <algorithm>
 #include <condition_variable>
@@ -64,7 +64,7 @@ class ShotQueue {
   }
 
  private:
-  // Largest number of dispatches in flight: those whose hits are being computed or copied.
+  // Largest number of dispatches in flight. A dispatch is in flight while its hits are being computed or copied.
   static constexpr std::size_t kMostInFlight = 3;
   static constexpr std::uint64_t kMostBytesTogether = std::uint64_t{256} << 20;
 

@@ -82,8 +82,8 @@ class LightFollower {
 
   bool continues(std::uint16_t material) const { return material < continues_.size() && continues_[material] != 0; }
 
-  // Appends the rays that continue from the hit `i` of `ray`: one through a pane and one off a mirror, if the surface
-  // has these properties and the ray is strong enough.
+  // Appends the rays that continue from the hit `i` of `ray`. A pane lets a ray pass and a mirror reflects a ray; a
+  // surface may be both. A continued ray that is too weak is not appended.
   void appendContinuations(const ContinuedRay& ray, const Hits& hits, std::uint32_t i,
                            std::vector<ContinuedRay>& continued) const {
     const Material& material = materials_[hits.material[i]];
@@ -118,7 +118,7 @@ class LightFollower {
   }
 
   // Returns a shot with these rays as the beams of a single ring, in world axes, relative to the sensor's position at
-  // the start of the revolution. The shot refers to remaining_, so it is valid until the next call.
+  // the start of the revolution. The shot refers to remaining_, and is valid until the next call.
   Shot shotOf(const std::vector<ContinuedRay>& rays) {
     auto table = std::make_shared<BeamTable>();
     table->model = shot_.beams->model;
@@ -180,7 +180,7 @@ class LightFollower {
   const LightPaths& paths_;
   Hits& hits_;
   std::vector<float> remaining_;         // m, by ray of the last shotOf(): path left within the sensor's range
-  std::vector<std::uint8_t> continues_;  // by material: 1 if rays continue behind it or off it
+  std::vector<std::uint8_t> continues_;  // by material: 1 if rays continue through or off the material
 };
 
 }  // namespace

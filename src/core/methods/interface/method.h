@@ -33,7 +33,7 @@ struct BeamWarning {
 };
 
 struct TraceAccount {
-  StageSeconds seconds;               // seconds of each stage of the method; empty if it has only one stage
+  StageSeconds seconds;               // seconds of each stage; empty if the method has only one stage
   std::vector<BeamWarning> warnings;  // at most one per sensor and kind, ordered by sensor and then kind
 
   // Adds a warning. Of two warnings with the same sensor and kind, only the one with more beams is kept: a user is

@@ -47,8 +47,8 @@ static_assert(kLanes <= 16);
 using LaneFloats = float[kLanes];
 using LaneWords = std::uint32_t[kLanes];
 
-// A set of lanes, one bit per lane. Loops over its lanes take firstOf(lanes) and remove this lane by `lanes &= lanes -
-// 1`.
+// A set of lanes, one bit per lane. A loop over the set takes firstOf(lanes), and removes this lane by
+// `lanes &= lanes - 1`.
 using LaneBits = std::uint32_t;
 
 inline LaneBits bitsOf(Mask mask) {
@@ -291,7 +291,7 @@ struct LevelTables {
     }
   }
 
-  // Returns the entries of one of the tables for the levels of all lanes.
+  // Returns, for each lane, the entry of `table` for the lane's level.
   template <class D>
   static hn::Vec<D> at(D d, const hn::TFromD<D>* table, Ints level) {
     if constexpr (kLanes == kSize) {

@@ -24,7 +24,7 @@ namespace scanmill {
 
 // Particles before they march, as a structure of arrays in the field frame: lengths are in voxels of level 0.
 struct Particles {
-  using Vectors = std::array<std::vector<float>, 3>;  // an array each of the components x, y and z
+  using Vectors = std::array<std::vector<float>, 3>;  // one array for each of the components x, y, z
   Vectors origin;                                     // relative to the field's centre
   Vectors direction;                                  // unit vectors, world axes
   std::vector<float> begin, end;                      // limits of the marched section of the line; begin >= end: a miss

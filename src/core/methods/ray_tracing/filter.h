@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Returns the triangle to which Embree has given these ids.
+// Returns the triangle that Embree identifies by its ids of the instance, the geometry and the triangle.
 inline HitTriangle hitTriangle(const World& world, std::uint32_t instance, std::uint32_t geometry,
                                std::uint32_t primitive) {
   const PlacedBlock* placed =

@@ -44,7 +44,7 @@ struct TriangleBlock {
   std::uint32_t firstAlpha = 0;      // triangles with at least this index are alpha-tested
 
   const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
-  // Returns the index in `triangles` of the triangle that Embree knows by these numbers.
+  // Returns the index in `triangles` of a triangle, from Embree's ids of its geometry and of the triangle in it.
   std::uint32_t indexOf(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
     return primitiveOfGeometry + (geometry == 0 ? 0 : firstAlpha);
   }

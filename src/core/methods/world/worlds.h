@@ -22,9 +22,9 @@ class Worlds {
   // The scene must outlive this object.
   Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options);
 
-  // Returns the world whose origin is nearest to `sensor`, a position in the world frame (m), for rays that start at
-  // `time` or in the `duration` after it (s) and end less than `reach` (m) from `sensor`. If nothing moves, only
-  // `sensor` matters. `placed`: see Shot::placed. Safe to call from several threads.
+  // Returns the world whose origin is nearest to `sensor` (m, world frame). If something moves, it is the world of the
+  // revolution from `time` to time + duration (s), for rays that end less than `reach` (m) from `sensor`, with the
+  // placements `placed` (Shot::placed); otherwise only `sensor` matters. Safe to call from several threads.
   std::shared_ptr<const World> near(const Vec3d& sensor, double reach = std::numeric_limits<double>::infinity(),
                                     double time = 0, double duration = 0,
                                     const std::shared_ptr<const Placements>& placed = nullptr) const;

@@ -98,7 +98,7 @@ class CameraReader {
 
   // Returns worldFromCamera. Reads the rotation from the quaternion if the file has it, because the matrix is rounded.
   Pose readPose() const {
-    constexpr double kRoundedRotation = 1e-5;  // largest difference() of a rotation in float32 from an exact one
+    constexpr double kRoundedRotation = 1e-5;  // largest difference() between an exact rotation and its float32
     constexpr const char* kMeaning =
         "the rows of the 4 x 4 matrix that takes points as column vectors from the camera (x right, y down, z forward) "
         "to "

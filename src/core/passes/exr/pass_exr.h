@@ -22,9 +22,9 @@
 //   camera, units, writer (string)                        the camera's name, "m", the program's name
 //
 // Files of other programs can be read too. They need Z, the other requested passes, cameraMatrix and worldFromCamera
-// (m33f and m44f are accepted). The other attributes may be absent, but must not contradict these. Files may have scan
-// lines or tiles, one part or several, and any lossless compression. A layer's name may precede a channel's name
-// ("ViewLayer.Normal.X"), and these names are accepted:
+// (m33f and m44f are accepted). The other attributes may be absent, but must not contradict these two. Files may have
+// scan lines or tiles, one part or several, and any lossless compression. A layer's name may precede a channel's name
+// ("ViewLayer.Normal.X"), and these other names are accepted:
 //
 //   Z: also Depth.Z and depth.Z     N.X ...: also Normal.X ...     single values: also with .X or .V at the end
 //   instance: also IndexOB          material: also IndexMA

@@ -20,7 +20,7 @@ constexpr std::size_t kChunkTriangles = 1024;
 // Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kFraction * the mesh's size. The
 // reason is that llvmpipe interpolates depth in float32 across the complete triangle, even if its corners are clipped
 // away: the relative error is 1e-4 for a triangle of 20 km, and 1e-5 below 1 km. This depth only decides which triangle
-// is visible; the depth that is returned is computed in double precision (see DrawnView::seen).
+// is visible; the depth that is returned is computed in double precision (see DrawnView::triangleAt).
 constexpr double kLongestEdge = 256;
 constexpr double kFraction = 1.0 / 256;
 

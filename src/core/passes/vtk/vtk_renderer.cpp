@@ -300,7 +300,7 @@ struct Device {
       plugin->upload(geometry);
       plugin->finish();
     });
-    for (ViewBatch* batch : {&geometry.solid, &geometry.cut}) {  // frees the other arrays
+    for (ViewBatch* batch : {&geometry.solid, &geometry.cut}) {  // frees the arrays that only the device needs
       *batch = {.positions = {},
                 .uvs = {},
                 .cutouts = {},

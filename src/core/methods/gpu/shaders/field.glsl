@@ -10,13 +10,13 @@ uint fetch(usamplerBuffer array, uint i) {
 }
 
 struct Voxel {
-  float scale;      // voxels per voxel of level 0
-  float voxelSize;  // in voxels of level 0
+  float scale;      // side of a voxel of level 0, in voxels of the level
+  float voxelSize;  // side of a voxel of the level, in voxels of level 0
   vec3 f;  // position in the voxel
   vec3 r;  // position relative to the nearest corner
   vec3 b;  // position relative to the brick's centre
   bool full;  // true if the voxel's brick is near a surface
-  uint brick;    // if full, the brick's number, otherwise the bits of the distance of its centre from surfaces
+  uint brick;    // if full, the brick's number, otherwise the bits of the distance from its centre to surfaces
   uint cell;     // index of the voxel's first corner, if its brick is full
   uint nearest;  // index of the corner nearest to the point, if the brick is full
 };

@@ -30,8 +30,8 @@ struct Search {
   uint triangle;
 };
 
-// Intersects a particle's line with a triangle (Moeller and Trumbore, see march_stream.h). A hit that is nearer than
-// the one before, by more than `tie`, replaces it.
+// Intersects a particle's line with a triangle (Moeller and Trumbore, see march_stream.h). The hit replaces
+// the search's hit if it is nearer by more than `tie`.
 void intersect(inout Search search, uint triangle, Facet facet) {
   precise vec3 p = crossed(search.d, facet.ac);
   precise float determinant = dotted(facet.ab, p);
