@@ -1,4 +1,4 @@
-// Bicycles and motorcycles.
+// Builds bicycles and motorcycles.
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// Walls with windows and doors, and the details of houses.
+// Builds walls with windows and doors, and the details of houses.
 
 #include "models/facade.h"
 

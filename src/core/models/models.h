@@ -130,8 +130,8 @@ class Shape {
   // tube() appends a straight pipe from `a` to `b`; rod(), a straight pipe with the same radius at both ends.
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
   void rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments = 8);
-  // Appends the surface of a profile of (radius, z) that rotates about the z axis. It faces to the right of the
-  // profile's direction: outwards where the profile goes upwards. `loop`: whether the profile is closed.
+  // Appends the surface of a profile of (radius, z) that rotates about the z axis. The surface faces to the right of
+  // the profile's direction: outwards where the profile goes upwards. `loop`: whether the profile is closed.
   void revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
                Loop loop = Loop::Open);
   // `thickness`: radius of the ring's cross section (m); `corners`: number of its corners.
@@ -251,7 +251,7 @@ void appendWheel(Shape& shape, std::string_view className, const Affine& pose, d
 // Appends two wheels that stand on the ground at (x, y) and (x, -y), with their outer sides away from each other.
 void appendWheels(Shape& shape, std::string_view className, double x, double y, double radius, double width);
 
-// The points of a bicycle or motorcycle that its rider touches, in its frame (m).
+// The points of a bicycle or motorcycle that the rider touches, in the vehicle's frame (m).
 struct RiderFit {
   Vec3d saddle, leftGrip, rightGrip, leftPedal, rightPedal;
 };

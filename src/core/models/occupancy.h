@@ -97,7 +97,7 @@ class Occupancy {
  private:
   static constexpr double kCell = 8;  // m, side of a grid cell
   std::vector<Footprint> rectangles_;
-  CellIndex cells_{kCell};  // of indices in rectangles_, in all cells that their circumcircles may overlap
+  CellIndex cells_{kCell};  // indices in rectangles_, in all cells that a rectangle's circumcircle may overlap
 };
 
 }  // namespace scanmill::models

@@ -1,4 +1,4 @@
-// Traffic signs, street lamps and traffic lights. Their posts begin a little below the ground.
+// Builds traffic signs, street lamps, traffic lights and utility poles. Posts begin a little below the ground.
 
 #include <array>
 #include <cmath>

@@ -125,7 +125,7 @@ struct TrunkAxis {
   }
 };
 
-// A ball of leaves of a crown (m).
+// A ball of leaves in a crown (m).
 struct Cluster {
   Vec3d center;
   double radius;

@@ -24,7 +24,7 @@ struct FurnishedRoad {
   double from, to;
 };
 
-// Returns the parts of all roads that are not minor.
+// Returns a part of each road that is not minor.
 std::vector<FurnishedRoad> furnishedRoads(const Layout& l) {
   std::vector<FurnishedRoad> parts;
   for (const Road& road : l.roads()) {
@@ -34,8 +34,8 @@ std::vector<FurnishedRoad> furnishedRoads(const Layout& l) {
   return parts;
 }
 
-// Tries to place `per100m` objects per 100 m of each road that is not minor: calls tryPlace(draw, road, along, side)
-// with random positions (`along`: m; `side`: 1 left, -1 right) until the result is true: at most kTries each.
+// Tries to place `per100m` objects per 100 m of each road that is not minor. For each object, calls tryPlace(draw,
+// road, along, side) with random positions (m; side 1: left, -1: right) up to kTries times, until the result is true.
 template <class TryPlace>
 void placeAlongRoads(const Layout& l, Kind kind, double per100m, const TryPlace& tryPlace) {
   for (const FurnishedRoad& part : furnishedRoads(l)) {

@@ -10,7 +10,7 @@ namespace {
 constexpr double kSideways = 2;     // m/s^2, largest lateral acceleration in bends
 constexpr double kSlowing = 1.2;    // m/s^2, deceleration before bends
 constexpr double kHardest = 8;      // m/s^2, largest deceleration of a vehicle
-constexpr double kRunsAmber = 3.5;  // m/s^2; drivers who had to brake harder do not stop at a red light
+constexpr double kRunsAmber = 3.5;  // m/s^2; drivers who would have to brake harder do not stop at red
 constexpr double kSight = 120;      // m, how far drivers look ahead
 constexpr double kNone = std::numeric_limits<double>::infinity();
 

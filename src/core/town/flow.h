@@ -8,14 +8,14 @@
 
 namespace scanmill::town {
 
-// The part of a route on one lane; routes can share lanes. d m along the route is at d + shift m along the lane.
+// The part of a route on one lane; routes can share lanes. The point d m along the route is d + shift m along the lane.
 struct Leg {
   std::uint32_t lane = 0;
   double from = 0, to = 0;  // m along the route, ends of this part
   double shift = 0;
 };
 
-// Rules of a stop line, by which it is closed: always, while a light is red, or while a lane with priority is occupied.
+// The rules by which a stop line is closed: always; while a light is red; while a lane with priority is occupied.
 struct AlwaysClosed {};
 // The light is red during the first `red` seconds of each period of `period` seconds; a period begins at `offset` (s).
 struct TrafficLight {
@@ -27,7 +27,7 @@ struct GiveWay {
   double from = 0, to = 0;
 };
 
-// A line where vehicles stop while it is closed.
+// A line at which vehicles stop while the line is closed.
 struct StopLine {
   double at = 0;  // m along the route
   std::variant<AlwaysClosed, TrafficLight, GiveWay> rule{};
@@ -35,7 +35,7 @@ struct StopLine {
 };
 
 struct Route {
-  double length = 0;  // m; vehicles at the end of the route are ignored
+  double length = 0;  // m; vehicles that have reached the end are ignored
   std::vector<Leg> legs;
   std::vector<StopLine> stops;
   std::vector<double> limit;  // speed limits (m/s) at 0, kLimitStep, ... m along the route: see inBends()

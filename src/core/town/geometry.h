@@ -44,7 +44,7 @@ Nearest nearestOn(const Line& line, const Point2& p);
 // Returns the runs of successive points that are in the square about the origin with sides of 2 * half.
 std::vector<Line> runsWithin(const Line& line, double half);
 
-// True if the point is inside by the even-odd rule over all rings.
+// True if the point is inside the rings by the even-odd rule.
 bool isInside(const std::vector<const Polygon*>& rings, const Point2& p);
 // Returns the distance (m) between a point and the nearest side of any ring.
 double distanceToRings(const std::vector<const Polygon*>& rings, const Point2& p);
@@ -74,9 +74,9 @@ struct FieldAddress {
   std::uint32_t number = 0;  // index among the fields of this kind
 };
 
-// Returns a random field of mean 0 that varies over about `size` metres: gradient noise (Perlin, "Improving noise",
-// SIGGRAPH 2002) on a lattice whose gradients follow from the address. Values are between -1 and 1 with a standard
-// deviation of about 0.25. They are the same on every machine, since sums and products are in a fixed order.
+// Returns the value of a random field at (x, y): gradient noise (Perlin, "Improving noise", SIGGRAPH 2002) on a lattice
+// of `size` metres, whose gradients follow from the address. Values are between -1 and 1, with mean 0 and a standard
+// deviation of about 0.25, and are the same on every machine, since sums and products are in a fixed order.
 double relief(const FieldAddress& address, double x, double y, double size);
 
 }  // namespace scanmill::town

@@ -82,7 +82,7 @@ class GroundMaker {
     });
   }
 
-  // Divides triangles along the line on which field(index of a point) (m) is zero.
+  // Divides triangles along the line on which a field is zero. field(p): value (m) at the tiling's point p.
   template <class Field>
   void cut(const Field& field) {
     std::vector<double> values(tiling_.points.size());
@@ -163,7 +163,7 @@ class GroundMaker {
     addWalls(isLowTriangle);
   }
 
-  // Adds curbs' walls at the edges between a low and a high triangle, which contain an edge in opposite directions.
+  // Adds a curb's wall at each edge that a low triangle shares, in the opposite direction, with a high triangle.
   void addWalls(const std::vector<bool>& isLowTriangle) {
     const SurfaceIndex curb = surfaces_[static_cast<std::size_t>(GroundKind::Curb)];
     const auto forEdgesAtBothHeights = [&](bool low, const auto& visit) {
@@ -196,7 +196,7 @@ class GroundMaker {
   Shape shape_;
   std::array<SurfaceIndex, 12> surfaces_{};
   Tiling tiling_;
-  // Parts of a point's Beside: `edge` (m), and the index of `section` in sections_. Takes a fifth of the memory.
+  // Parts of a point's Beside, in a fifth of the memory: `edge` (m), and the index of `section` in sections_.
   struct EdgeAndSection {
     double edge;
     std::uint32_t section;

@@ -25,7 +25,7 @@ class Boundaries {
  public:
   explicit Boundaries(Placer& placer) : placer_(placer) {}
 
-  // Places a row of panels from `a` to `b`, unless they are less than kShortest apart.
+  // Places a row of panels from `a` to `b`, unless the points are less than kShortest apart.
   void placeRow(Fencing kind, int form, const Point2& a, const Point2& b) {
     constexpr double kShortest = 0.3;  // m
     if (distance(a, b) < kShortest) return;
@@ -48,7 +48,7 @@ class Boundaries {
       for (std::size_t k = first; k < panels.size(); ++k) sameKind.add(panels[k]);
     }
     for (const Footprint& f : panels) placer_.occupancy.add(f);
-    // The same text for all towns on the map gives only one warning.
+    // All towns on the map give the same text, which is reported only once.
     if (!leftOut_) return;
     warn("{}: left out: pieces of walls, fences and hedges where the town has roads, paths, houses or trees",
          placer_.layout.parameters.map.string());

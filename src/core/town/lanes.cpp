@@ -61,7 +61,7 @@ LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double 
   return result;
 }
 
-// Among the side roads that are long enough, `from` is the first one that may be left, `into` the last to be entered.
+// Of the side roads that are long enough, `from` is the first that vehicles may leave, `into` the last they may enter.
 EgoRoads egoRoads(const Layout& l) {
   constexpr double kLeastMain = 30;   // m, least length of the main road between two turns, or before the only turn
   constexpr double kLeastLanes = 20;  // m, least length of a side road's lanes

@@ -30,7 +30,7 @@ struct LanePoints {
     std::uint32_t road;
     double along;  // m
   };
-  std::vector<RoadPosition> positions;  // points[firstOnRoad + i] is beside positions[i]
+  std::vector<RoadPosition> positions;  // [i]: road position of points[firstOnRoad + i]
   std::size_t firstOnRoad = 0;
 };
 

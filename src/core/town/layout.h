@@ -28,10 +28,10 @@ class Areas {
   void add(MapArea area);
   const std::vector<MapArea>& list() const { return areas_; }
 
-  // landAt() returns the kind of the smallest area that contains a point, indexAt() its index in list(); nullopt: none.
+  // landAt() returns the kind, indexAt() the index in list(), of the smallest area that contains `p`; nullopt: no area.
   std::optional<Land> landAt(const Point2& p) const;
   std::optional<std::uint32_t> indexAt(const Point2& p) const;
-  // Returns the distance (m) to the nearest water, parking lot or square: negative inside of it, at most kReach.
+  // Returns the distance (m) to the nearest edge of water, a parking lot or a square: negative inside, at most kReach.
   double outsideHard(const Point2& p) const;
 
  private:
@@ -101,8 +101,8 @@ constexpr double kPathHalf = 0.9;  // m, half of the width of a path whose width
 
 class Layout {
  public:
-  static constexpr double kBeyond = 130;  // m that the main road continues beyond its built-up part
-  static constexpr double kEdge = 20;     // m that the ground continues beyond the roads
+  static constexpr double kBeyond = 130;  // m by which the main road extends beyond its built-up part
+  static constexpr double kEdge = 20;     // m by which the ground extends beyond the roads
 
   Layout(const Parameters& keys, std::uint64_t townSeed);
   Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& map);
@@ -144,8 +144,8 @@ class Layout {
   std::vector<PlacedBlock> blocks;
   std::vector<models::Footprint> covers;  // rectangles of ground that are covered by houses, garages and blocks
   Areas areas;
-  std::vector<MapBarrier> barriers;  // of the map; empty without a map
-  std::vector<MapTree> trees;        // of the map; empty without a map
+  std::vector<MapBarrier> barriers;  // barriers of the map; empty without a map
+  std::vector<MapTree> trees;        // trees of the map; empty without a map
   std::vector<Patch> patches;
   std::vector<Pothole> potholes;
   double mainFrom = 0, mainTo = 0;  // m along the main road, the ends of its built-up part

@@ -310,7 +310,7 @@ void Layout::addPlots(const Road& road, int side, double from, double to) {
     PlotHouse plotHouse = drawPlotHouse(draw, road, plot);
     plot.depth = plotHouse.house.depth;
     plot.fencing = drawFencing(draw, plot.setback);
-    constexpr double kLeastWidth = 6.5, kTight = 0.5;  // m, least width for a house; driveway minus gap
+    constexpr double kLeastWidth = 6.5, kTight = 0.5;  // m, least width for a house; excess of a driveway over the gap
     plotHouse.wanted = draw.chance(character.built) && plotHouse.width >= kLeastWidth;
     plotHouse.hasDriveway = !plotHouse.attached && draw.chance(0.6) && plotHouse.gap > kDriveway - kTight;
     plot.built = buildOn(plot, road, plotHouse, draw);

@@ -77,7 +77,7 @@ struct MapArea {
   Land land = Land::Grass;
   Polygon outline;
   std::vector<Polygon> holes;
-  bool square = true;  // for paved areas; true: benches and fountains may be placed on it
+  bool square = true;  // for paved areas; true: benches and fountains may be placed on the area
 };
 
 struct MapBarrier {
@@ -123,7 +123,7 @@ struct MapPlace : MapContents {
   std::string district = "suburban";  // value of the key `district`
 };
 
-// The tags and elements that readMap() reads and leaves out.
+// Lists the tags and elements that readMap() reads, and those that readMap() leaves out.
 const FormatSupport& osmFormat();
 
 // Returns the latitude and longitude (degrees) of a point in the map's frame.
@@ -151,11 +151,11 @@ std::optional<bool> parkingOf(const OsmTags& tags);
 bool isPath(const OsmTags& tags);
 // True if a path is a road's pavement, which is built as part of the road.
 bool isSidewalk(const OsmTags& tags);
-// True if an object is on the ground. Objects that are not, such as tunnels and bridges, are left out.
+// True if an object is on the ground. Other objects, such as tunnels and bridges, are left out.
 bool onGround(const OsmTags& tags);
-// True if the map says of an object that it does not exist yet, or no longer.
+// True if the map says that an object does not exist yet or no longer exists.
 bool isAbsent(const OsmTags& tags);
-// True if the map gives one of these values of surface, or no surface.
+// True if the tag `surface` has one of the values or is missing.
 bool hasSurface(const OsmTags& tags, std::initializer_list<std::string_view> values);
 // True if an element has the key highway and is tagged as an area; its outline may still be open.
 bool isHighwayArea(const OsmTags& tags);
@@ -178,7 +178,7 @@ bool isRectangular(const Polygon& outline, const models::Footprint& about);
 
 // Moves each part into its building, found by relation or position; a part outside of all buildings becomes a
 // building. If the parts of a building do not cover its outline, adds the uncovered regions as further parts. Removes
-// buildings and parts without a height, and counts in `leftOut` those that differ from the map.
+// buildings and parts without a height. Counts these, and buildings and parts that differ from the map, in `leftOut`.
 void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> parts, LeftOut& leftOut);
 
 }  // namespace scanmill::town

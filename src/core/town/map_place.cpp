@@ -171,7 +171,7 @@ class Cutter {
     place_.mainTo = std::min(main.length() - kEnd, origin + halfLength);
   }
 
-  // Cuts a road at its nodes on the main road and adds the pieces. Reverses pieces whose end is the only such node.
+  // Cuts a road at its nodes on the main road and adds the pieces, reversed if only their end is on the main road.
   void addOtherRoad(const MapRoad& road) {
     const auto isOnMain = [&](std::ptrdiff_t i) {
       return mainNodes_.contains(road.nodes[static_cast<std::size_t>(i)]);
@@ -404,7 +404,7 @@ void joinEnds(std::vector<Piece>& pieces) {
   }
 }
 
-// Returns the road of all pieces joined from `start` on, with the properties of the longest. Marks them in `used`.
+// Returns the road of all pieces joined from `start` on, with the longest one's properties. Marks the pieces as used.
 MapRoad joinPieces(const std::vector<Piece>& pieces, const End& start, std::vector<bool>& used) {
   std::vector<Point2> line;
   std::vector<std::int64_t> nodes;
@@ -417,7 +417,7 @@ MapRoad joinPieces(const std::vector<Piece>& pieces, const End& start, std::vect
       std::ranges::reverse(piece.line);
       std::ranges::reverse(piece.nodes);
     }
-    const std::ptrdiff_t common = line.empty() ? 0 : 1;  // number of points at the start that `line` has already
+    const std::ptrdiff_t common = line.empty() ? 0 : 1;  // number of the piece's first points that `line` has already
     line.insert(line.end(), piece.line.begin() + common, piece.line.end());
     nodes.insert(nodes.end(), piece.nodes.begin() + common, piece.nodes.end());
     if (longest.line.empty() || piece.length() > longest.length()) longest = std::move(piece);

@@ -47,7 +47,7 @@ constexpr std::string_view kObjects =
 const std::initializer_list<std::string_view> kPlaceKeys = {
     "amenity", "emergency", "golf", "military", "parking", "place", "public_transport", "tourism"};
 
-// True if `words`, which spaces separate, contain the word `searched`.
+// True if `words` (separated by spaces) contain the word `searched`.
 bool hasWord(std::string_view words, std::string_view searched) {
   for (std::string_view word = takeWord(words); !word.empty(); word = takeWord(words)) {
     if (word == searched) return true;

@@ -16,7 +16,7 @@ constexpr double kMarkingHeight = 0.004;  // m, height of markings and manhole c
 constexpr double kEndOfRoad = 4;          // m, length without dashes, covers and repairs at each end of a road
 constexpr double kHalfLine = 0.06;        // m, half of the width of a dashed line
 
-// Paints a stop line (solid) or give-way line (dashed) for vehicles against the road's line. Returns its piece count.
+// Paints the solid (stop) or dashed (give way) line on the lane against the road's line. Returns the number of pieces.
 std::uint32_t paintStopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
                             TrafficSign sign) {
   const bool solid = sign == TrafficSign::Stop;

@@ -61,8 +61,8 @@ struct OsmArea {
   std::vector<OsmNode> outer;
   std::vector<std::vector<OsmNode>> inner;
   std::string fault;  // why the area has no rings, such as "missing nodes"; empty: it has rings
-  // Areas with the same id are one building. It is the id of the relation with `type: building` that has the area as a
-  // member; otherwise, of the multipolygon if that has several outer rings; otherwise 0.
+  // Areas with the same id, unless 0, are one building: the id of the relation with `type: building` that has the area
+  // as a member; otherwise the id of the multipolygon if the multipolygon has several outer rings; otherwise 0.
   std::int64_t building = 0;
 };
 

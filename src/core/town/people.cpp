@@ -159,7 +159,7 @@ void placeParkedRow(Placer& placer, Draw& draw, const std::vector<Model>& forms,
                     int most) {
   constexpr double kApart = 0.75, kApartAlong = 2.2;  // m between neighbours across and along the pavement
   constexpr double kWide = 2.6;                       // m; on narrower sidewalks, vehicles are one behind the other
-  constexpr double kFromWalls = 1.1;                  // m from the outer edge: pedestrians can pass at the road side
+  constexpr double kFromWalls = 1.1;                  // m from the row's middle to the outer edge; pedestrians can pass
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
     std::optional<PavementPosition> position = drawPosition(placer, draw);
     if (!position) continue;

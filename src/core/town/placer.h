@@ -45,7 +45,7 @@ class Placer {
     const std::string name = shape.mesh.name;
     builder.place(shape.finish().mesh, worldFromTown, name);
   }
-  // Returns the result of tryPlace("PREFIX NUMBER") with the next free number; true uses up the number.
+  // Returns tryPlace("PREFIX NUMBER") for the prefix's next free number, which is used up if the result is true.
   template <class TryPlace>
   bool tryNumbered(const std::string& prefix, const TryPlace& tryPlace) {
     int& number = numbers[prefix];
@@ -79,8 +79,8 @@ class Placer {
   struct Light {
     static constexpr double kPeriod = 44;  // s, period of the light
     static constexpr double kRed = 16;     // s, duration of red in each period
-    double stopAgainstLine;                // m along the road, where vehicles stop that drive against its line
-    double stopWithLine;                   // m, for vehicles that drive in the direction of the line
+    double stopAgainstLine;                // m along the road, stop of vehicles against the road's line
+    double stopWithLine;                   // m along the road, stop of vehicles in the line's direction
     double offset;                         // s, time at which a period begins
     bool marked;                           // true: there is a stop line on the road
   };
@@ -101,7 +101,7 @@ class Placer {
   std::map<std::pair<models::Kind, int>, Model> models_;
 };
 
-// Return the model of a random car, a random lorry, and the bus.
+// anyCar() and anyTruck() return the model of a random car or lorry, busOf() the model of the bus.
 const Model& anyCar(Placer& placer, Draw& draw);
 const Model& anyTruck(Placer& placer, Draw& draw);
 const Model& busOf(Placer& placer);

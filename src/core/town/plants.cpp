@@ -39,8 +39,8 @@ const TreeModel& randomTree(Placer& placer, Draw& draw, Trees kind, bool far) {
 }
 
 // Plants a tree of a random form and size. Only the trunk needs free ground; crowns may overlap. `largestCrown`: limit
-// of the crown's radius (m); 0: none. `mapped`: height and crown on the map, which replace random sizes. Returns false
-// if the spot is not free, or if the limits of the crown would scale the model by less than 0.5.
+// of the crown's radius (m); 0: no limit. `mapped`: height and crown on the map, which replace random sizes. Returns
+// false if the spot is not free, or if the limits of the crown would scale the model by less than 0.5.
 bool plant(Placer& placer, Draw& draw, Spot spot, Trees kind, double largestCrown, const std::string& name,
            const MapTree& mapped = {}) {
   constexpr double kTrunkBelow = 0.05;  // m of the trunk below the ground
@@ -197,7 +197,7 @@ void placeMapTrees(Placer& placer) {
     const std::string name = fmt::format("tree {}", treeNumber);
     leftOut |= onRoad || !plant(placer, draw, spot, Trees::Broadleaf, 0, name, tree);
   }
-  // The same text for all towns on the map gives only one warning.
+  // All towns on the map give the same text, which is reported only once.
   if (leftOut) {
     warn("{}: left out: trees where the town has roads, paths, houses or other trees", l.parameters.map.string());
   }
@@ -295,7 +295,7 @@ void placeGrass(Placer& placer) {
   const Character& c = l.character;
   if (c.season == Season::Winter || c.plain) return;  // the grass is below the snow, or mown
   constexpr int kTuftForms = 6, kMostTufts = 2500;
-  constexpr double kReach = 5;  // m beyond the sidewalk, to which tufts are placed from the curb on
+  constexpr double kReach = 5;  // m; tufts are placed from the curb to this distance beyond the sidewalk
   // The density of tufts in the town: 0 if all grass is mown.
   const double meanDensity = Draw(l.seed, Kind::Grass).in(0, c.country ? 0.9 : c.terraced ? 0.2 : 0.45);
   const auto tufts = placer.forms(kTuftForms, [&](SceneBuilder& builder, std::uint64_t seed, int form) {

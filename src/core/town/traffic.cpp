@@ -26,7 +26,7 @@ constexpr double kWarmUp = 20;               // s, simulated before time 0
 constexpr double kDuration = 120;            // s; all vehicles stand still after this time
 constexpr double kInterval = 0.25;           // s between the stored positions of a vehicle
 constexpr double kBeforeEnd = 0.1;           // m from a last stop line to the route's end, where vehicles would vanish
-constexpr double kStartGap = 22;             // m, least distance of vehicles at the start, plus the way of a second
+constexpr double kStartGap = 22;             // m between vehicles at the start, plus the distance driven in 1 s
 constexpr double kAlways = -1e9;             // s, start time of vehicles that never wait
 constexpr std::uint32_t kPassing = 1 << 20;  // first number of the lanes beside the rightmost ones
 
@@ -35,8 +35,8 @@ struct VehiclePath {
   std::shared_ptr<const Path> path;
   LanePoints lane;  // `points` are in the world's frame
 
-  // Returns the distance along the path (m) at which the path passes `along` (m) on a road. If it does not, returns the
-  // distance of the path's last point on the road, or 0 if the path has no point on the road.
+  // Returns the distance along the path (m) at which the path passes `along` (m) on a road. Otherwise returns
+  // the distance of the path's last point on the road, or 0 if the path has no point on the road.
   double distanceAt(std::uint32_t road, double along) const {
     const auto distanceOf = [&](std::size_t i) { return path->distanceOfPoint(lane.firstOnRoad + i); };
     std::optional<std::size_t> previous;  // index of the previous point on the road
@@ -112,7 +112,7 @@ class Traffic {
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
 
-  // Returns the first position (m along the road) between two others where an object blocks the lane; nullopt: none.
+  // Returns the first position from `from` to `to` (m along the road) where an object blocks the lane; nullopt: none.
   std::optional<double> firstObstacle(std::uint32_t r, double from, double to) const {
     const double direction = to >= from ? 1 : -1;
     const double lateral = road(r).oneWay() ? 0 : std::max(road(r).laneMiddle(), 0.9 + kMiddle);
@@ -215,9 +215,9 @@ class Traffic {
     return index;
   }
 
-  // Adds the route from a side road into the main road. At the stop line it gives way. Returns the route's index.
+  // Adds the route from a side road into the main road, with a give-way line. Returns the route's index.
   std::uint32_t addTurnOutOf(const Road& side) {
-    constexpr double kLooksBack = 50, kLooksAhead = 14;  // m of lane 0 before and behind the merge, to be free
+    constexpr double kLooksBack = 50, kLooksAhead = 14;  // m before and behind the merge that must be free
     constexpr double kLeaves = 6, kEnters = 1;  // m behind the stop line: end of the side lane, start of lane 0
     const double mergeAlong = *side.joins - turnStart(side);  // m along the main road
     const std::uint32_t r = side.number;
@@ -258,8 +258,8 @@ class Traffic {
     }
   }
 
-  // Adds the vehicles that drive through the town or turn off. They start at least kStartGap plus the way of one second
-  // apart. The first cyclistCount() vehicles in the built-up part are cyclists.
+  // Adds the vehicles that drive through the town or turn off. They start at least kStartGap plus the distance
+  // driven in 1 s apart. The first cyclistCount() vehicles in the built-up part are cyclists.
   void drawThrough() {
     if (!main_.against) return;
     constexpr double kHeavyShare = 0.27, kBusShare = 0.16, kMotorcycleShare = 0.2, kTurnShare = 0.25;
