@@ -182,7 +182,7 @@ class BodyMaker {
     return f_.bulge * std::max(0.0, 1 - height * height) * (1 - 0.5 * std::pow(std::abs(y) / width, 4.0));
   }
 
-  // Closes the body's front or rear end. `half`: the left half of the cross section there.
+  // Closes the body's front or rear end. `half`: the left half of the cross section at this end.
   void cap(const std::vector<Vec3d>& half, bool rear) {
     constexpr int kAcross = 8;
     const double end = rear ? -f_.length / 2 : f_.length / 2;

@@ -293,8 +293,8 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
   const auto [leaf, bark] = s.surfaces("vegetation", "leaf", "bark");
   const double height = draw.in(0.9, 2.4);
   const double depth = draw.in(0.6, 1.3);
-  constexpr double kLength = 2;                        // m, of the hedgerow
-  constexpr double kLeafWidth = 0.7, kLeafArea = 0.6;  // of a leaf: width / length, and area / (length * width)
+  constexpr double kLength = 2;                        // m, length of the hedgerow
+  constexpr double kLeafWidth = 0.7, kLeafArea = 0.6;  // a leaf's width / length, and its area / (length * width)
   constexpr double kLeafCover = 4;                     // area of all leaves / area of the hedgerow's side
   constexpr int kMostLeaves = 3500;
   for (int k = 0; k < 6; ++k) {
@@ -302,7 +302,7 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
     const Vec3d tip{root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)};
     s.tube(bark, root, tip, 0.02, 0.006, 5);
   }
-  // The leaves are denser near the surface.
+  // Adds leaves, which are denser near the surface of the hedgerow.
   const double leafLength = draw.in(0.09, 0.14);  // m, on average
   const double areaOfLeaf = kLeafArea * kLeafWidth * leafLength * leafLength;
   const int leaves = static_cast<int>(kLeafCover * kLength * height / areaOfLeaf);

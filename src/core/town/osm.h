@@ -49,7 +49,7 @@ struct OsmPoint {
 
 struct OsmWay {
   OsmTags tags;
-  std::vector<std::vector<OsmNode>> runs;  // successive nodes; nodes that are missing in the extract divide a way
+  std::vector<std::vector<OsmNode>> runs;  // successive nodes; a node that the extract lacks ends a run
   bool area = false;                       // true: the way is a closed outline, and its tags may be those of an area
   bool incomplete = false;                 // true: the extract lacks some of the way's nodes
 };

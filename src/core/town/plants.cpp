@@ -226,8 +226,8 @@ void placeWoods(Placer& placer) {
   const Character& c = l.character;
   if (c.woods <= 0) return;
   const std::vector<Model> bushes = placer.forms(4, models::makeUndergrowth, c.foliage);
-  // Below, `density` is nearly normal, with mean 0 and deviation 1/4, so that it exceeds the threshold on about the
-  // fraction `woods` of the land. A straight line replaces the quantile.
+  // `density` (see below) is nearly normal, with mean 0 and standard deviation 1/4. It exceeds the threshold on about
+  // the fraction `woods` of the land: the threshold is a linear approximation of the quantile.
   const double threshold = 0.42 * (1 - 2 * c.woods);
   constexpr double kWoodSize = 45, kClearingSize = 12, kClearings = 0.4;  // m, m, weight; chosen by eye
   Draw lattice(l.seed, Kind::WoodLattice);

@@ -28,7 +28,7 @@ constexpr double kInterval = 0.25;           // s between the stored positions o
 constexpr double kBeforeEnd = 0.1;           // m from a last stop line to the route's end, where vehicles would vanish
 constexpr double kStartGap = 22;             // m between vehicles at the start, plus the distance driven in 1 s
 constexpr double kAlways = -1e9;             // s, start time of vehicles that never wait
-constexpr std::uint32_t kPassing = 1 << 20;  // first number of the lanes beside the rightmost ones
+constexpr std::uint32_t kPassing = 1 << 20;  // first number of the passing lanes
 
 // The path of a vehicle along lanes, in the world's frame.
 struct VehiclePath {
