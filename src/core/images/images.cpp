@@ -204,7 +204,7 @@ class RgbaConverter {
     if (colorChannels() >= 3) colors_ = {0, 1, 2};
   }
 
-  // Returns the number of colour channels, which alpha follows.
+  // Returns the number of colour channels. The alpha channel, if there is one, follows them.
   int colorChannels() const { return alpha_ >= 0 ? alpha_ : channels_; }
 
   // Returns the number of channels that become neither colour nor alpha.

@@ -113,8 +113,8 @@ class OpenImageIoReader final : public ImageReader {
     return channel.size() == 1 && letters.find(channel) != letters.npos;
   }
 
-  // True if the channels are linear light: by convention colours in floats are. One channel of floats holds measures,
-  // such as opacity, unless EXR names it a colour or the luminance (Y).
+  // True if the channels hold linear light, as colours in floats do by convention. A single channel of floats is a
+  // measure, such as opacity, unless an EXR names it a colour or the luminance (Y).
   bool isLinear() const {
     const OIIO::ImageSpec& spec = input_->spec();
     const bool isColorOfExr =
@@ -122,7 +122,7 @@ class OpenImageIoReader final : public ImageReader {
     return spec.format.is_floating_point() && (spec.nchannels >= 3 || isColorOfExr);
   }
 
-  // Converts the rows in light_ to bytes: colours, divided by alpha if they are multiplied by it, to sRGB; alpha
+  // Converts the rows in light_ to bytes: colours to sRGB, divided by alpha if they are multiplied by alpha. Alpha
   // remains linear.
   void encode(std::uint8_t* pixels) const {
     const auto channels = static_cast<std::size_t>(input_->spec().nchannels);

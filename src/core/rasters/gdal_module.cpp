@@ -43,7 +43,7 @@ namespace {
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 constexpr double kUsualMarker = -9999;  // marks missing samples in many files; the default of Esri's text grids
 
-// Lets the first axis of a coordinate system be x (east) and the second y (north), as in rasters.
+// Returns the system with x (east) as its first axis and y (north) as its second, as in rasters.
 OGRSpatialReference withEastFirst(OGRSpatialReference reference) {
   reference.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return reference;

@@ -35,8 +35,8 @@ struct CoordinateSystem {
 // Reads a definition, such as OGC's or Esri's well-known text. The stretch is that at (x, y) in its coordinates.
 CoordinateSystem coordinateSystem(std::string_view definition, double x, double y);
 
-// The keys of "OGC GeoTIFF Standard", OGC 19-008r4, 7, as they stand in LAS files too: a directory of uint16, and
-// float64 numbers and texts to which it refers.
+// The keys of a GeoTIFF ("OGC GeoTIFF Standard", OGC 19-008r4, 7), which LAS files have too: a directory of uint16, and
+// the float64 numbers and texts to which the directory refers.
 struct GeoKeys {
   std::string_view directory, numbers, texts;
 };

@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-// How a surface looks, as its file says.
+// The appearance of a surface, as the file states it.
 struct Look {
   std::string material;   // name of the material in the file
   std::string texture;    // base colour image as the file names it ("textures/leaf.png", without URI escapes), or empty
@@ -91,9 +91,9 @@ struct AssetOptions {
   double metresPerUnit = 1.0;
   bool unitStated = false;  // true: units that LAS files state are ignored
   // The up axis of the file's coordinates, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from
-  // x-up. It overrides the axis that the file declares. If not set, the file decides: COLLADA by up_axis (y if
-  // absent); glTF and AC3D are y-up by their specifications, .blend is z-up; OBJ, PLY and STL, which cannot declare an
-  // axis, count as z-up. Files that Blender imports, which it turns upright, are refused if the option is set.
+  // x-up. It overrides the axis that the file declares. If not set, the file decides: COLLADA by up_axis (y if absent);
+  // glTF and AC3D are y-up by their specifications, .blend is z-up; OBJ, PLY and STL, which cannot declare an axis,
+  // count as z-up. Must not be set for files that Blender imports, since Blender turns them upright.
   std::optional<char> up = std::nullopt;
   AlphaUse alpha = AlphaUse::Auto;
   bool textures = true;                         // false: only textures with alpha are loaded, for alpha tests
@@ -117,12 +117,12 @@ struct Asset {
   std::filesystem::path file;
   char up = 'z';            // up axis of the file's coordinates: AssetOptions::up if set, else the file's axis
   bool upDeclared = false;  // true if the file or its kind states the up axis
-  double statedUnit = 0;    // metres per unit as the file or its kind states it; 0: neither does
+  double statedUnit = 0;    // metres per unit, as the file or its kind states it; 0: not stated
   std::vector<AssetPart> parts;
   Vec3d origin;  // m, asset frame; `parts` are relative to it; zero unless coordinates are too large for float32
   std::vector<InstancedParts> instanced;
   std::string system;      // coordinate system of a survey, whose x and y (m) are those of the parts; empty: not stated
-  bool ownMiddle = false;  // true: on the earth, in degrees or earth-centred. x and y are relative to the middle, which
+  bool ownMiddle = false;  // true: the file is in degrees or earth-centred; x and y are relative to its middle, which
                            // `system` names
   Dropped dropped;         // triangles with indices out of range; clean() drops other broken triangles
 };

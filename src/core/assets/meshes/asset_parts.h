@@ -25,9 +25,9 @@ Mat3 zUpFrom(char up);
 // Returns the transform from the coordinates of a file to the asset's frame: metres, z up.
 Mat3 assetFromFile(char up, double metresPerUnit);
 
-// Returns an origin near most of `count` positions (m), which position(i) returns: the median along each axis of at
-// most 2000 of them, which ignores outliers, in whole metres, or 0 along axes on which it is small. Positions that are
-// not finite are ignored.
+// Returns an origin near most of `count` positions (m), which position(i) returns: along each axis the median of at
+// most 2000 of them, in whole metres, or 0 if the median is small. The median ignores outliers. Positions that are not
+// finite are ignored.
 Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position);
 
 // Removes vertices that no triangle of the part uses, and merges bit-identical ones, since some kinds of files have
@@ -66,7 +66,7 @@ void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut);
 // Returns the bounds of all finite vertices in the asset's frame (m), including those of Asset::instanced.
 Box boundsOf(const Asset& asset);
 
-// Moves copies of Asset::instanced to Asset::parts, each copy as a node. Asset::origin must be 0 if there are any.
+// Moves copies of Asset::instanced to Asset::parts, each as a separate node. Assets with copies must have the origin 0.
 void flatten(Asset& asset);
 
 }  // namespace scanmill

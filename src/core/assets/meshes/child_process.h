@@ -18,9 +18,9 @@ class ChildEnded : public Error {
 };
 
 // Calls `work` in a child process, and returns the bytes that `work` returned. The child may crash, hang or request too
-// much memory without harm to this process. Its output is discarded. It may use `memory` bytes more than this process
-// uses now, and `seconds` of CPU time. Throws ChildEnded, or an Error with the message of an exception thrown by
-// `work`.
+// much memory without harm to this process. The child's output is discarded. The child may use `memory` bytes more than
+// this process uses now, and `seconds` of CPU time. Throws ChildEnded, or an Error with the message of an exception
+// thrown by `work`.
 std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds);
 
 }  // namespace scanmill

@@ -18,7 +18,7 @@
 namespace scanmill {
 namespace {
 
-// Writes values to bytes, or reads them back. A child process and its parent, which have the same build, use it.
+// Writes values to bytes, or reads them back. Child and parent process, which have the same build, exchange them.
 class Archive {
  public:
   // An archive that writes.

@@ -1,7 +1,7 @@
 #pragma once
 
-// The contents of a mesh file as its reader returns them: plain data, which a child process can send to its parent. The
-// readers of OBJ, PLY and STL, and (by the assimp library) of COLLADA and AC3D. The looks of the file's materials.
+// The contents of a mesh file as its reader returns them: plain data, which a child process can send to its parent.
+// Also declares the readers: of OBJ, PLY and STL, and, by the assimp library, of COLLADA and AC3D.
 
 #include <array>
 #include <cstdint>
@@ -52,9 +52,9 @@ struct ImportedFile : Asset {
   LeftOut leftOut;
 };
 
-// Readers of mesh files. `file` must exist. Triangles with indices out of range are dropped and counted. They throw
-// InputError, with the line of text files, for what cannot be read, and for a file outside of the asset's folder unless
-// AssetOptions::allowOutside is set. Their formats: `scanmill list inputs`.
+// Readers of mesh files; `scanmill list inputs` lists their formats. `file` must exist. Triangles with indices out of
+// range are dropped and counted. The readers throw InputError, with the line of text files, for contents that they
+// cannot read, and for a file outside of the asset's folder unless AssetOptions::allowOutside is set.
 const FormatSupport& objFormat();
 const FormatSupport& plyMeshFormat();
 const FormatSupport& stlFormat();

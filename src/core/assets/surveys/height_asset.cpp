@@ -88,7 +88,7 @@ class HeightAsset {
     asset_.origin = {std::floor(x * heights_.system.perUnit) * unit, std::floor(y * heights_.system.perUnit) * unit, 0};
   }
 
-  // Throws InputError if heights cannot be on the earth.
+  // Throws InputError if heights are higher or deeper than any on the earth.
   void checkHeights() const {
     constexpr double kHighest = 30e3;  // m; above heights and depths on the earth, below markers other than -9999
     const auto [low, high] = heights_.range();

@@ -384,7 +384,7 @@ class SdfReader {
   }
 
   // Adds the things of a model, whose name in the world is `name`. A model without visuals is not a thing, but the
-  // models nested in it are: a single one has its name, several are called NAME/NESTED.
+  // models nested in it are: a single one gets the name `name`, several are called NAME/NESTED.
   void addThings(const Affine& worldFromModel, const Model& model, const std::string& name) {
     if (model.parts.empty()) {
       for (const Model& child : model.children) {
@@ -398,7 +398,7 @@ class SdfReader {
     world_.things.push_back(std::move(thing));
   }
 
-  // Adds the parts of a model and of all models nested in it, whose names in the thing begin with `prefix`.
+  // Adds the parts of a model and of all models nested in it. The names of the parts begin with `prefix`.
   static void addParts(const Affine& thingFromModel, const std::string& prefix, const Model& model,
                        std::vector<WorldPart>& parts) {
     for (WorldPart part : model.parts) {

@@ -97,7 +97,7 @@ bool readMesh(const XmlNode& shape, const std::filesystem::path& file, WorldFile
   return true;
 }
 
-// Sets the part's shape to the surface of an element of <geometry>. Returns false if it has none or lacks its file.
+// Sets the part's shape from an element of <geometry>. Returns false if it is no surface or its file is missing.
 bool readShape(const XmlNode& geometry, const XmlNode& shape, const std::filesystem::path& file, WorldFile& world,
                WorldPart& part) {
   if (shape.name == "mesh") return readMesh(shape, file, world, part);
@@ -160,7 +160,7 @@ Pose SdfFrames::resolve(const std::string& name, const XmlNode& from,
   }
   if (visited.size() > kLongestChain)
     from.fail(fmt::format("has a pose relative to a chain of more than {} frames", kLongestChain));
-  // Files that sdformat 1.7 flattened have frames with colons in their names.
+  // Files that sdformat 1.7 flattened have colons in the names of frames.
   const std::size_t colons = byName.contains(name) ? std::string::npos : name.find("::");
   const auto found = byName.find(name.substr(0, colons));
   if (found == byName.end() && substitute) return resolve(*substitute, from, visited);

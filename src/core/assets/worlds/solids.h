@@ -18,7 +18,7 @@ namespace scanmill {
 std::optional<Mesh> solidOf(const XmlNode& shape);
 
 // Returns the floor, the ceiling and the walls of all <polyline>s of a <geometry>, extruded along z from 0 to the
-// <height> of the first one. What an odd number of outlines encloses is solid, so that an outline within another one is
+// <height> of the first one. Areas within an odd number of outlines are solid, so that an outline within another one is
 // a hole. Throws InputError for a height that is not above 0, and for outlines without area or with too many points.
 Mesh extrudedPolylines(const XmlNode& geometry);
 

@@ -75,7 +75,7 @@ class WorldAsset {
   }
 
  private:
-  // Adds the parts of a thing, which is one node. Their names begin with `name`.
+  // Adds the parts of a thing as one node. The names of the parts begin with `name`.
   void addThing(const WorldThing& thing, const std::string& name, const Affine& assetFromThing,
                 std::vector<AssetPart>& parts) {
     for (const WorldPart& visual : thing.parts) {

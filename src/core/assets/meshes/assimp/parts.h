@@ -19,7 +19,7 @@ ImportedFile readByAssimp(const std::filesystem::path& file, const std::string& 
 // Returns advice for messages about a file of this kind that cannot be read.
 std::string remedyFor(const std::string& kind);
 
-// Returns the text of an AC3D file (AC3Db or AC3Dc) as assimp reads it, and counts what is left out:
+// Returns the text of an AC3D file (AC3Db or AC3Dc), changed for assimp, and counts what is left out. The text has:
 // - at most one texture per object. Racing games write several. The texture with the role `base`, or else the first
 //   texture, is the colour and is kept; the others are shading and skid marks;
 // - the transform of an object (`rot`, `loc`) in a group around the object and its kids, because assimp shifts surfaces

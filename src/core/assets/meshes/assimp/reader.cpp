@@ -50,7 +50,7 @@ ImportedMap firstMap(const aiMaterial& material, std::initializer_list<aiTexture
     if (aiUVTransform transform; material.Get(AI_MATKEY_UVTRANSFORM(type, 0), transform) == aiReturn_SUCCESS) {
       map.placement.scale = {transform.mScaling.x, transform.mScaling.y};
       map.placement.offset = {transform.mTranslation.x, transform.mTranslation.y};
-      // The importer takes degrees for radians, and no specification states the sign.
+      // The importer reads degrees as radians, and no specification states the direction of the rotation.
       if (transform.mRotation != 0) leftOut.add("rotations of images (rotateUV)");
     }
     map.inverted = (numberOf(material, AI_MATKEY_TEXFLAGS(type, 0), 0) & aiTextureFlags_Invert) != 0;

@@ -42,7 +42,7 @@ struct JsonObject {
   }
   const Json& list(const char* key) const { return list(key, pathOf(key)); }
 
-  // Returns a value, which `name` names in messages, that must be an index below `count`.
+  // Returns `value` as an index. Throws unless it is an index below `count`. `name`: the value's name in messages.
   Index index(const Json& value, std::size_t count, const std::string& name) const {
     const JsonObject named{model, value, name};
     if (!value.is_number_unsigned()) named.failInvalid("is not an index");
@@ -78,7 +78,7 @@ struct JsonObject {
     return true;
   }
 
-  // Returns the object under a key; nullopt if the key is absent. Messages name it by the path of this object.
+  // Returns the object under a key; nullopt if the key is absent. Messages call the result by the path of this object.
   std::optional<JsonObject> object(const char* key) const {
     const auto value = json.find(key);
     if (value == json.end()) return std::nullopt;

@@ -315,7 +315,7 @@ class ModelReader {
     }
   }
 
-  // Throws if a node of the scene has two parents or is its own ancestor. Counts other nodes with meshes.
+  // Throws if a node has two parents or is its own ancestor. Counts nodes with meshes that are outside of the scene.
   void checkTree() const {
     std::vector<std::pair<Index, int>> pending;  // nodes and their depths
     for (const Index root : model_.roots) pending.emplace_back(root, 1);

@@ -18,7 +18,7 @@ constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;  // sizes (bytes)
 constexpr std::uint32_t kTileMagic = 0x6D643362;          // "b3dm"
 constexpr std::size_t kTileHeader = 28;                   // size of a tile's header (bytes)
 constexpr std::uint64_t kMostStride = 252;                // largest stride in a view (bytes; glTF 2.0, 5.11.4)
-// Offsets in the header of the sizes (bytes) of a tile's tables.
+// Offsets (bytes) in a tile's header, at which it states the sizes of the tile's tables (bytes).
 constexpr std::size_t kFeaturesAt = 12, kBinaryFeaturesAt = 16, kBatchesAt = 20, kBinaryBatchesAt = 24;
 
 // Returns the glTF in a tile of 3D Tiles 1.0. A tile consists of a header, a feature table (JSON, then binary), a batch

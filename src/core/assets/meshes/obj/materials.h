@@ -24,8 +24,8 @@
 
 namespace scanmill::obj {
 
-// The statements of OBJ files and of their material libraries, one after the other: a keyword, and the rest of its
-// line. A line that ends with a backslash goes on in the next line. Lines that begin with # are comments.
+// Reads the statements of an OBJ file or a material library, one after the other. A statement is a keyword and the rest
+// of its line; after a backslash at its end it continues in the next line. Lines that begin with # are comments.
 class Statements {
  public:
   // `text` must outlive the object.
@@ -35,7 +35,7 @@ class Statements {
   bool next();
 
   std::string_view keyword() const { return keyword_; }
-  // The line behind the keyword, without blanks at both ends, but with a comment: names may contain #.
+  // Returns the line after the keyword, without blanks at both ends, but with a comment: names may contain #.
   std::string_view rest() const { return rest_; }
   // Splits the line behind the keyword, up to a comment, into words. The result is valid until the next call.
   const std::vector<std::string_view>& words();
@@ -67,7 +67,7 @@ struct Materials {
   std::map<std::string, std::size_t> byName;
   LeftOut leftOut;
 
-  // Returns the index of the material; adds one without colour if the name is unknown.
+  // Returns the index of the material; adds a material without a colour if the name is unknown.
   std::size_t indexOf(const std::string& name);
   // Must be called after all libraries are read. Counts materials that place their two images differently and, if the
   // file has libraries and none is missing (`isComplete`), materials that faces name but no library defines.
