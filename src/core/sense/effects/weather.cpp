@@ -179,12 +179,8 @@ class WeatherEffect : public Effect {
     extinguish(returns);
     if (o_.wet > 0) wetGround(hits, shot, returns);
     const Falloff& falloff = returns.falloff;
-<<<<<<< HEAD
-    // Convert the least power from the unit of `least` to that of the effect `intensity`: power 1 at falloff.reference.
-=======
     // Converts the least power from the power of a white target at kUnitRange to that at falloff.reference, the unit of
     // the effect `intensity`. Echoes of half the power that is detected half of the time are still detected at times.
->>>>>>> cd32ef23 (Values in hedgerows, woods, picking and reports are named; comments say units, orders and why)
     const double rangeRatio = falloff.inverseSquare ? falloff.reference / kUnitRange : 1;
     Reception reception{.falloff = falloff,
                         .least = (o_.least > 0 ? o_.least : kUsualLeastPower) * rangeRatio * rangeRatio};
