@@ -308,8 +308,8 @@ class DepthCameraMethod : public DepthCamera {
 
   std::uint64_t memoryBytes() const override {
     if (scene_ == nullptr) return 0;
-    // The layout "auto" is counted as three square images, more than most sensors need. For a moving sensor,
-    // only the images of one step are in memory.
+    // The layout "auto" is counted as three square images, more than most sensors need. For a
+    // moving sensor, only the images of one step are in memory.
     const std::uint64_t width = options_.layout.resolution;
     const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
                                  : options_.layout.layout == CameraLayout::Four90 ? 4

@@ -116,7 +116,7 @@ struct Spread {
   static double edge(int bin) { return azimuthOf(bin * (4.0 / kBins)); }
 
   // Returns representative directions whose projections bound the projections of all beams: each bin is split at the
-  // slopes -steep and steep, and the directions are the corners of its parts.
+  // slopes -steep and steep, and the directions are the corners of the bin's parts in azimuth and slope.
   std::vector<Vec3d> corners(double steep) const {
     std::vector<Vec3d> directions;
     const double steeper = steep * (1 + 1e-9);  // so that these directions certainly count as steep

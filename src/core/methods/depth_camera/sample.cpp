@@ -80,7 +80,7 @@ class Sampler {
     }
   }
 
-  // Samples all beams. Returns the number of beams that are in no image. Called once.
+  // Samples all beams. Returns the number of beams that are in no image. Must be called only once.
   std::uint64_t run() {
     for (std::size_t firstBeam = 0; firstBeam < beams_.direction.size(); firstBeam += kBatch) {
       Batch batch;

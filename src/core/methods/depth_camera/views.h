@@ -180,7 +180,7 @@ inline std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const
 // point, the image in which the point has the largest depth is used.
 inline void project(std::span<const CameraView> views, const double* x, const double* y, const double* z,
                     std::size_t count, Projected kind, ImagePositions positions) {
-  // By point, the best of the images tested so far: position in it (px), depth (m), and its index as a double.
+  // By point: position (px) and depth (m) in the best image tested so far, and the image's index, as a double.
   alignas(64) double bestU[kBlock], bestV[kBlock], bestDepth[kBlock], bestView[kBlock];
   for (std::size_t i = 0; i < count; ++i) {
     bestU[i] = bestV[i] = bestDepth[i] = 0;

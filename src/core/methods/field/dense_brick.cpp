@@ -17,10 +17,10 @@ constexpr std::size_t kFewOfBlock = 128;
 
 }  // namespace
 
-// Adds a triangle to listings_ for each corner of a crowded block whose cube it intersects, and updates the distances
-// of these corners. The cube test is rarely needed: most triangles of foliage are completely inside one cube, and most
-// others have a corner in each cube that they intersect. The exact distance is also rarely needed: few triangles are
-// nearer to a corner than the triangles before them.
+// Adds a triangle to listings_ for each corner of crowded blocks whose cube the triangle intersects, and updates the
+// distances of these corners. The cube test is rarely needed: most triangles of foliage are completely inside one cube,
+// and most others have a corner in each cube that they intersect. The exact distance is also rarely needed: few
+// triangles are nearer to a corner than all earlier triangles.
 void BrickMaker::addListings(const BrickFrame& frame, std::uint32_t triangle) {
   const TriangleCorners corners = cornersAt(world_.baked, triangle, frame);
   Box box;

@@ -211,7 +211,7 @@ class Builder {
     }
   }
 
-  // Lists the full bricks that are new in newEntries_, and counts the others. Throws Error if full bricks are too many.
+  // Sets newEntries_ to the new full bricks, and counts the other full bricks. Throws Error if both are too many.
   void findNewBricks() {
     for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
       const std::uint32_t entry = field_->table[i];

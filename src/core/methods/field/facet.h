@@ -10,13 +10,13 @@
 namespace scanmill {
 
 // Affine functions of a point p, with unit gradients: the height of p over the triangle's plane and, for each edge, the
-// distance by which p is inside of the edge, before its start and past its end. Their constants are computed in double.
-// The constants that matter at p are about as large as p, however large the triangle is and however far away its
-// corners are, so that float32 suffices to evaluate the functions.
+// distances by which p is inside of the edge, before the edge's start and past the edge's end. Their constants are
+// computed in double. The constants that matter at p are about as large as p, however large the triangle is and however
+// far away its corners are, so that float32 suffices to evaluate the functions.
 template <class T>
 struct Facet {
   Vec3<T> normal;
-  T height;  // of p over the plane: normal . p + height
+  T height;  // the height of p over the plane is normal . p + height
   struct Edge {
     Vec3<T> inward;  // unit vector in the triangle's plane, perpendicular to the edge, pointing inwards
     T inside;        // p is inside of the edge by inward . p + inside

@@ -76,7 +76,7 @@ Vec3d metresOf(const BrickFrame& frame, const Vec3f& point) {
   return frame.centre + Vec3d(point) * frame.voxel;
 }
 
-// The state of nearestFacet().
+// The arguments and the result of a search by nearestFacet().
 struct PointSearch {
   const TriangleBlock& block;
   const BrickFrame& frame;
@@ -92,7 +92,7 @@ double reachOf(const BrickFrame& frame, float distance2) {
   return (double{std::sqrt(distance2)} + kReachMargin) * frame.voxel;
 }
 
-// Compares a triangle with the nearest one of a PointSearch. Returns true if the query's radius has changed.
+// Compares a triangle with the nearest triangle of a PointSearch. Returns true if the query's radius has changed.
 bool visitNearest(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<PointSearch*>(arguments->userPtr);
   const std::uint32_t triangle = search.block.indexOf(arguments->geomID, arguments->primID);
@@ -113,7 +113,7 @@ bool visitNearest(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
-// The state of gatherTriangles().
+// The arguments and the result of a search by gatherTriangles().
 struct Gathering {
   const TriangleBlock& block;
   Ball margin;     // ball at the cube's centre; its radius is the margin around the cube
@@ -122,7 +122,7 @@ struct Gathering {
   std::vector<std::uint32_t>& triangles;
 };
 
-// Adds a triangle to a Gathering. Returns true if the query's radius has changed.
+// Adds a triangle to a Gathering if it may be within the margin. Returns true if the query's radius has changed.
 bool visitGathered(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<Gathering*>(arguments->userPtr);
   if (search.triangles.size() > search.mostTriangles) return false;

@@ -102,8 +102,8 @@ class ShotQueue {
             }};
   }
 
-  // Submits works together, sets the results of their Waiting, and returns true. If several works fail, only returns
-  // false.
+  // Submits works together, sets the results of their Waiting, and returns true. If submitting several works fails,
+  // sets no results and returns false.
   bool dispatch(const std::vector<Waiting*>& together, std::shared_ptr<Batch> batch,
                 std::unique_lock<std::mutex>& lock) {
     std::vector<const Work*> works;

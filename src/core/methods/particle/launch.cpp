@@ -14,7 +14,7 @@ double inverseOf(double component) {
   return 1 / (std::fabs(component) < kSmallest ? kSmallest : component);
 }
 
-// Clips the sections of lines to low <= coordinate <= high (m) on one axis. `origin`, `direction`: of the lines.
+// Clips the lines' sections to low <= coordinate <= high (m) on one axis. `origin`, `direction`: lines, on this axis.
 void clip(double low, double high, const Lane& origin, const Lane& direction, Sections& sections) {
   for (int i = 0; i < kPacket; ++i) {
     const double inverse = inverseOf(direction[i]);

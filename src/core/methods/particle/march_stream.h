@@ -589,7 +589,7 @@ class ParticleStream {
     return {hn::IfThenElse(full, inFullBrick, ball.ahead), hn::AndNot(emptyVoxel, leavesBall)};
   }
 
-  // Near a surface, a particle moves by the interpolated distance. It hits the surface if that is <= kHitDistance.
+  // Near a surface, a particle moves by the interpolated distance, and hits it if the distance is <= kHitDistance.
   HWY_INLINE static Stride strideWithoutLists(const LaneGroup& group, const FreeBall& ball) {
     if (hn::AllTrue(kFloats, ball.isolated)) return {ball.ahead, hn::FirstN(kFloats, 0)};
     const Floats distance = interpolate(group);

@@ -32,7 +32,7 @@ std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
 constexpr std::uint32_t kUsualLevels = 5;  // assumed for `levels: auto`; enough for ranges of 120 to 200 m
 constexpr double kFarthestBrick = 1e15;    // largest lattice coordinate of a brick: its corners are exact in double
 
-// Returns the point (m) whose lattice coordinates, in units of `size` (m), are these.
+// Returns the point (m) with the lattice coordinates `corner`, whose unit is `size` (m).
 Vec3d pointOf(const Corner& corner, double size) {
   return {static_cast<double>(corner[0]) * size, static_cast<double>(corner[1]) * size,
           static_cast<double>(corner[2]) * size};

@@ -1,14 +1,15 @@
 #pragma once
 
-// How a beam becomes a hit, in five steps: launch() makes Particles, marchCpu() marches them, their ends are
-// HitRecords, and resolve() turns these into Hits. A device does the same by the shaders launch.glsl, march_*.glsl and
+// How a beam becomes a hit: launch() makes Particles, marchCpu() marches the particles and writes HitRecords, and
+// resolve() turns the records into Hits. A device does the same by the shaders launch.glsl, march_*.glsl and
 // resolve_*.glsl in methods/gpu/shaders.
 //
 // The march is sphere tracing (Hart 1996): particles march from the sensor through a distance field. The length of each
-// step is the distance around the particle that the field says is free. A particle ends where it hits a surface, at the
-// end of its path, or after its largest number of steps. The SIMD lanes of the CPU (march_stream.h) and the shaders use
-// float32 and only additions, multiplications, comparisons and conversions, in the same order and without contraction
-// to fused operations. Both therefore take the same steps, bit by bit, on any CPU or GPU that follows IEEE 754.
+// step is the radius around the particle in which the field has no surface. A particle ends where it hits a surface, at
+// the end of its path, or after its largest number of steps. The SIMD lanes of the CPU (march_stream.h) and the shaders
+// use float32 and only additions, multiplications, comparisons and conversions, in the same order and without
+// contraction to fused operations. Both therefore take the same steps, bit by bit, on any CPU or GPU that follows
+// IEEE 754.
 
 #include <array>
 #include <cstdint>

@@ -25,7 +25,7 @@ float endOf(float blockedBeyond, float far) {
   return std::min(far, blockedBeyond + (blockedBeyond * kMargin + kMargin));
 }
 
-// Returns the largest distance (m) of the shot's positions from the first one.
+// Returns the largest distance (m) of the shot's positions from the shot's first position.
 double travelOf(const Shot& shot) {
   double travel = 0;
   const Vec3d start = shot.worldFromSensor.front().translation;

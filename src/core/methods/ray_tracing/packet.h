@@ -25,10 +25,10 @@ struct PacketJob {
 // about hits at exactly the maximum.
 float searchDistance(const BeamTable& beams);
 
-// Returns a distance (m) from the shot's first position that no ray of the shot exceeds. Rays that start far from the
-// sensor may end early: see Shot::blockedBeyond.
+// Returns a distance (m) from the shot's first position, within which all rays of the shot end. Rays that start far
+// from the sensor may end early: see Shot::blockedBeyond.
 double farthestEnd(const Shot& shot);
-// Returns a distance (m) from the shot's first position that no ray exceeds whose origin is at most `farthestOrigin`
+// Returns a distance (m) from the shot's first position, within which all rays end that start at most `farthestOrigin`
 // (m) from the sensor's origin.
 double farthestEnd(const Shot& shot, double farthestOrigin);
 

@@ -17,7 +17,7 @@ namespace {
 constexpr double kBoxMargin = 1e-3;    // m, margin around boxes for rounding
 constexpr double kAngleMargin = 1e-6;  // rad, margin of the cone around a thing for rounding
 
-// The state of thingFilter(), which Embree passes on.
+// The arguments of thingFilter(), which Embree passes to the filter.
 struct ThingContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;

@@ -72,8 +72,8 @@ bool needsUvs(const Scene& scene, const Mesh& mesh) {
   return !mesh.uvs.empty() && std::ranges::any_of(mesh.surfaces, isTextured);
 }
 
-// Adds the triangles [first, end) of a block, if there are any, to an Embree scene as the geometry `id`. If a filter is
-// null, its hits are not filtered.
+// Adds the triangles [first, end) of a block, if there are any, to an Embree scene as the geometry `id`. A null
+// filter accepts all hits.
 void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& block, std::uint32_t first,
                      std::uint32_t end, unsigned id, RTCFilterFunctionN filter, RTCFilterFunctionN occlusionFilter) {
   if (first == end) return;

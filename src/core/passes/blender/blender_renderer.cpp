@@ -79,8 +79,8 @@ class ExactDepth {
     }
   }
 
-  // Returns the depth (m) of the triangle's plane at a pixel's centre. If it differs from Blender's depth, which is
-  // `visible.depth`, by more than a fraction of kPlaneShare, as for a triangle seen edge-on, returns Blender's depth.
+  // Returns the depth (m) of the triangle's plane at a pixel's centre. If Blender's depth, which is
+  // `visible.depth`, differs by more than the fraction kPlaneShare, as for triangles seen edge-on, returns Blender's.
   float depthAt(std::size_t column, std::size_t row, const VisibleTriangle& visible) const {
     const Affine& cameraFromMesh = cameraFromMesh_[visible.instance - 1];
     const Mesh& mesh = scene_.meshes[scene_.instances[visible.instance - 1].mesh];

@@ -13,7 +13,7 @@ namespace scanmill {
 
 // Consecutive triangles of a batch, all of one mesh, and their bounds (m, mesh axes, relative to ViewMesh::origin).
 struct ViewChunk {
-  std::uint32_t firstTriangle = 0;  // index within the chunk's batch
+  std::uint32_t firstTriangle = 0;  // index in the chunk's batch
   std::uint32_t triangles = 0;
   Vec3f low;
   Vec3f high;

@@ -30,8 +30,8 @@ struct Search {
   uint triangle;
 };
 
-// Intersects a particle's line with a triangle (Moeller and Trumbore, see march_stream.h). The hit replaces
-// the search's hit if it is nearer by more than `tie`.
+// Intersects a particle's line with a triangle (Moeller and Trumbore, see march_stream.h). The new
+// hit replaces the hit of `search` if the new hit is nearer by more than `tie`.
 void intersect(inout Search search, uint triangle, Facet facet) {
   precise vec3 p = crossed(search.d, facet.ac);
   precise float determinant = dotted(facet.ab, p);
