@@ -37,7 +37,7 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   }
 }
 
-// Checks a text grid (Esri's .asc), whose lines of heading, a key and its value, stand before the samples. Throws
+// Checks a text grid (Esri's .asc), in which header lines, each a key and a value, come before the samples. Throws
 // InputError for a grid without a position, which GDAL would place at [0, 0], and for missing samples and words that
 // are no numbers, which GDAL would read as 0.
 void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header) {
@@ -81,7 +81,7 @@ void checkFiles(const std::filesystem::path& file, const RasterHeader& header) {
   if (header.driver == "GRASSASCIIGrid") fail(file, "is a text grid of GRASS: write a GeoTIFF by r.out.gdal");
   for (const std::filesystem::path usedFile : header.files) {
     const std::string ending = lowerExtension(usedFile);
-    // If a mosaic is part of another mosaic, GDAL fills its gaps with 0.
+    // In a mosaic of mosaics, GDAL fills the gaps of the inner mosaics with 0.
     if (ending == ".vrt" && usedFile.filename() != file.filename()) {
       fail(file, fmt::format("is a mosaic of mosaics such as {}: build it from their rasters by gdalbuildvrt, or make "
                              "it one raster by gdalwarp -dstnodata -9999",

@@ -221,8 +221,8 @@ class CloudAsset {
         file_.string(), full, grouped(above), grouped(chosen_.size()), greatest, grouped(below), grouped(missing));
   }
 
-  // Makes a texture with one texel per point, if the options and the file allow: the intensity as a grey, or the
-  // colour.
+  // Makes a texture with one texel per point, which shows the intensity as a grey, or else the colour. Makes none if
+  // the options or the file do not allow it.
   void makeTexture() {
     auto image = std::make_shared<Texture>();
     image->file = file_.string();

@@ -307,7 +307,7 @@ class SdfReader {
     return model;
   }
 
-  // Returns a model without contents in place of one whose file is missing.
+  // Returns a model without contents, which replaces a model whose file is missing.
   Model missingModel(const XmlNode& include, const std::string& name, const MissingFileError& error) {
     world_.missing.push_back(error);
     Model model;

@@ -16,7 +16,7 @@ float fractionIn(const XmlNode& node) {
   return static_cast<float>(std::clamp(numbersIn(node, node.text, 1).front(), 0.0, 1.0));
 }
 
-// Returns how a state that scales a model by `scale` scales a shape of it: round shapes stay round, as in Gazebo.
+// Returns the scale of a shape whose model the world's state scales by `scale`: round shapes stay round, as in Gazebo.
 Mat3 scaleOf(const XmlNode& shape, const Vec3d& scale) {
   const double across = std::max(scale.x, scale.y);
   if (shape.name == "sphere") return Mat3::scale(Vec3d{1, 1, 1} * std::max(across, scale.z));

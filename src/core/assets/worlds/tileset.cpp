@@ -53,8 +53,8 @@ class TilesetReader {
     throw InputError({file.string()}, problem);
   }
 
-  // Adds the tiles of a tileset.json. `folder`: see Tileset. `earthFromParent`: the frame of the tile that names the
-  // tileset. `inherited`: how tiles are refined unless they state it. `depth`: the number of tiles around the tileset.
+  // Adds the tiles of a tileset.json. `folder`: see Tileset. `earthFromParent`: the transform of the tile that names
+  // it. `inherited`: how tiles are refined unless they state it. `depth`: the number of tiles around the tileset.
   void readTileset(const std::filesystem::path& file, const std::filesystem::path& folder,
                    const Affine& earthFromParent, Refine inherited, int depth) {
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(file);

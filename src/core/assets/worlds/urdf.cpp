@@ -171,7 +171,7 @@ class UrdfReader {
     return look;
   }
 
-  // Returns robotFromLink. The robot's frame is the frame of its root link.
+  // Returns the transform from a link's frame to the robot's frame, which is the frame of the root link.
   Affine robotFromLinkOf(std::string name, const XmlNode& link) const {
     Affine robotFromLink;
     std::set<std::string> visitedLinks;

@@ -18,8 +18,8 @@
 namespace scanmill {
 namespace {
 
-// Returns a name without the numbers at its end and before slashes: "car_01_002" becomes "car", "row_1/car_2"
-// "row/car".
+// Returns a name without the numbers at its end and before slashes: "car" for "car_01_002", "row/car" for
+// "row_1/car_2".
 std::string withoutNumbers(const std::string& name) {
   std::string shortName;
   for (std::size_t begin = 0; begin <= name.size();) {
@@ -156,7 +156,7 @@ class WorldAsset {
     return submeshParts;
   }
 
-  // Reads a mesh file, once, into parts in its frame.
+  // Returns a mesh file as parts in the file's frame. Reads each file only once.
   const Asset& meshOf(const std::filesystem::path& path, const Location& where) {
     const auto cached = meshes_.find(path);
     if (cached != meshes_.end()) return cached->second;
