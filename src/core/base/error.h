@@ -4,7 +4,8 @@
 //
 //   throw InputError({"scene.yaml", 12, 3}, "unknown class '{}'", "raod");  // scene.yaml:12:3: unknown class 'raod'
 //
-// A message with further arguments is a format of the fmt library; a message alone may hold braces.
+// A message with further arguments is a format string of fmt; a message without arguments is used as it is, with
+// braces.
 
 #include <fmt/core.h>
 

@@ -30,7 +30,8 @@ std::string reason() {
   return std::strerror(errno);
 }
 
-// Returns the ending of a temporary name. The random part tells processes of one number in several containers apart.
+// Returns the ending of a temporary name. The random part distinguishes processes with the same id in several
+// containers.
 std::string temporarySuffix() {
   std::string host = hostName().substr(0, 32);
   std::ranges::replace_if(

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads and writes whole files, whose final names they get only when they are complete; temporary folders.
+// Reads files, writes files that get their final name only when they are complete, and creates temporary folders.
 
 #include <filesystem>
 #include <functional>
@@ -25,7 +25,7 @@ struct [[nodiscard]] Descriptor {
   int number;
 };
 
-// Return false also where the system cannot tell. Inline, since modules use them.
+// These three return false also if the system reports an error. They are inline, since modules use them.
 inline bool pathExists(const std::filesystem::path& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored);
@@ -47,10 +47,10 @@ std::string readFile(const std::filesystem::path& path);
 void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& visit);
 
 // A file that is written under a temporary name in its folder, NAME.partial-PID-RANDOM-HOST, which no other process can
-// have. commit() flushes it to the disk and gives it its final name, also where a link had this name. Without commit(),
-// because of an exception or an early return, the destructor removes the temporary file, and a file of the final name
-// stays as it was. The constructor, write(), flush() and commit() throw an Error with the path and the reason, such as
-// "No space left on device".
+// have. commit() flushes the file to the disk and gives it its final name; a link of this name is replaced. Without
+// commit(), because of an exception or an early return, the destructor removes the temporary file, and a file of the
+// final name stays as it was. The constructor, write(), flush() and commit() throw an Error with the path and the
+// reason, such as "No space left on device".
 class [[nodiscard]] AtomicFile {
  public:
   explicit AtomicFile(const std::filesystem::path& path) : AtomicFile(path.parent_path(), path) {}
@@ -75,8 +75,8 @@ class [[nodiscard]] AtomicFile {
   bool flushed_ = false;
 };
 
-// Writes a complete file by an AtomicFile; the first function makes its folder, if that is missing. Throws Error as
-// AtomicFile does.
+// Writes a complete file by an AtomicFile. The first function creates the file's folder if it is missing. Throws Error
+// as AtomicFile does.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 void writeFile(const std::filesystem::path& folder, const std::filesystem::path& path, std::string_view bytes);
 

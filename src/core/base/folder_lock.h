@@ -18,8 +18,8 @@ enum class LockKind {
 // Holds a lock file. The destructor removes the file if it is certain that no other process holds the lock. The file
 // states which process took the lock last, on which host, and since when. The lock is the operating system's (flock; on
 // network file systems Linux turns it into a lock of the server). A process that dies therefore loses the lock and
-// leaves only a file that nobody holds. On a file system without locks a shared lock keeps no process out, and a file
-// that was taken alone counts as held if its process still runs on this host, or if it was written on another host.
+// leaves only a file that nobody holds. On a file system without locks, a shared lock keeps no process out, and an
+// exclusive lock counts as held if the process that the file names still runs on this host or ran on another host.
 class [[nodiscard]] FolderLock {
  public:
   // `folder` must exist and may be a link; error messages name this path. `file` lies in `folder` or in folders below

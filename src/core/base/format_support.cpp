@@ -62,7 +62,7 @@ void LeftOut::warn(const std::string& file) const {
   static std::mutex mutex;
   static std::map<std::string, std::set<std::string>> filesOf;  // by folder and text
   const std::scoped_lock lock(mutex);
-  constexpr std::size_t kMostNamed = 3;  // files of a folder that are named for the same text
+  constexpr std::size_t kMostNamed = 3;  // files of a folder named in warnings with the same text
   const std::size_t slash = file.rfind('/');
   std::set<std::string>& files = filesOf[file.substr(0, slash == std::string::npos ? 0 : slash) + "\n" + text()];
   if (files.size() > kMostNamed) return;

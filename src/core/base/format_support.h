@@ -27,7 +27,7 @@ struct FormatSupport {
   std::string_view name;      // "OBJ"
   std::string_view suffixes;  // ".obj, .mtl"
   std::vector<FormatElements> elements;
-  std::string_view how = {};          // what is read, and how: sentences without a stop after the last
+  std::string_view how = {};          // what is read, and how: sentences, the last without a full stop
   std::string_view alsoLeftOut = {};  // what warnings name besides what `elements` leaves out, separated by semicolons
 
   // Returns the row that names a keyword; null if none does.
@@ -40,18 +40,18 @@ class LeftOut {
  public:
   // `what`: a noun in the plural.
   void add(const std::string& what, std::uint64_t count = 1);
-  // Adds what the table calls a keyword that it leaves out, or the keyword in quotes if the table does not know it.
-  // Does nothing for keywords that are read or unused.
+  // Counts a keyword of the file: under the row's `note` if the table leaves the keyword out, under the keyword in
+  // quotes if the table lacks it. Does nothing for keywords that are read or unused.
   void addKeyword(const FormatSupport& format, std::string_view keyword);
   void add(const LeftOut& other);
-  // Adds the bytes that a file has behind what its header states, unless all of them are blanks or zeros.
+  // Counts the bytes `rest` behind the contents that a file's header states, unless all are blanks or zeros.
   void addRest(std::string_view rest);
   bool empty() const { return counts_.empty(); }
   const std::map<std::string, std::uint64_t>& counts() const { return counts_; }
   // Returns, for example, "2 polylines, 1 heightmaps".
   std::string text() const;
-  // Warns "FILE: left out: 2 polylines, 1 heightmaps", if anything was added. Three files of a folder are named for the
-  // same text; then one warning says that it holds for further ones.
+  // Warns "FILE: left out: 2 polylines, 1 heightmaps", if anything was added. For files of one folder with the same
+  // text, warns of the first three and then once of all further ones.
   void warn(const std::string& file) const;
 
  private:

@@ -22,7 +22,7 @@ constexpr double kMostFiles = 100'000;
 constexpr double kMostCopies = 10'000'000;
 constexpr double kMostBytes = 2147483648.0;
 constexpr double kMostPixels = 2147483648.0;
-constexpr double kMorePerByte = 64;  // further bytes, and pixels, for each byte of the files
+constexpr double kMorePerByte = 64;  // growth of kMostBytes and kMostPixels per byte of the files
 constexpr double kMostSeconds = 600;
 
 std::atomic<double> factor{1};
@@ -58,7 +58,7 @@ thread_local InputBudget::Counts* counts = nullptr;
                   exceeded));
 }
 
-// Adds to a sum and compares it with its limit, which `describe` words ("would decode more than {}").
+// Adds `amount` to `sum`. Throws if the sum exceeds `limit`, with the text that describe(limit) returns.
 template <class Text>
 void add(double& sum, double amount, double limit, const Location& where, const Text& describe) {
   sum += amount;

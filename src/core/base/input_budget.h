@@ -20,7 +20,8 @@
 namespace scanmill {
 
 // While such an object lives on a thread, the functions below count on this thread. If the thread has a budget already,
-// the new object joins it: the outermost decides what belongs together. Without a budget nothing is counted.
+// the new object joins it: all count together as long as the outermost object lives. Without a budget nothing is
+// counted.
 class [[nodiscard]] InputBudget {
  public:
   InputBudget();
@@ -33,23 +34,23 @@ class [[nodiscard]] InputBudget {
   std::unique_ptr<Counts> started_;  // null if this object has joined another
 };
 
-// Each of these throws an InputLimitError at `where` that names the limit if the sum is beyond it, or if the thread has
-// computed for longer than the limit of time.
+// Each of the next five functions throws an InputLimitError at `where` if its sum exceeds the limit, which the message
+// names, or if the thread has computed for longer than the limit of time.
 //
 // Counts a file that is opened, at most 100,000. The size of each file, counted once however often it is opened, raises
 // the limits of bytes and pixels. readFile() calls it.
 void chargeFile(const std::filesystem::path& file);
 // Counts placed meshes, nodes, tiles, models and the like, at most ten million, and `each` bytes of memory for each.
 void chargeCopies(std::uint64_t copies, const Location& where, double each = 1024);
-// Counts bytes that are decompressed, or made of the same data again: at most 2 GiB and 64 times the size of the files.
-// Also throws if these bytes alone are more than memoryLimitBytes().
+// Counts bytes that are decompressed, or copied from data already counted: at most 2 GiB and 64 times the size of the
+// files. Also throws if these bytes alone are more than memoryLimitBytes().
 void chargeBytes(double bytes, const Location& where);
 // Counts pixels of images that are decoded: at most 2^31 and 64 for each byte of the files.
 void chargePixels(double pixels, const Location& where);
 // Checks the time alone, at every 256th call: at most ten minutes of this thread's processor time.
 void chargeTime(const Location& where);
 
-// Thrown by the functions above. Readers that do without a damaged file, such as an image, must let it pass.
+// Thrown by the functions above. Readers that go on without a damaged file, such as an image, must not catch it.
 class InputLimitError : public InputError {
  public:
   using InputError::InputError;
@@ -66,8 +67,8 @@ class [[nodiscard]] InputLimitFactor {
   double previous_;
 };
 
-// While such an object lives on a thread, it collects the files that this thread reads. A second object on the thread
-// takes the files from the first one as long as it lives.
+// While such an object lives on a thread, it collects the files that this thread reads. While a second object lives on
+// the same thread, only the second one collects files.
 class [[nodiscard]] FilesRead {
  public:
   FilesRead();

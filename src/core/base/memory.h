@@ -26,8 +26,8 @@ std::uint64_t residentBytes();
 // Returns true if more than half of memoryLimitBytes() is resident.
 bool memoryIsScarce();
 
-// Returns freed memory to the system if memory is scarce. The allocator retains freed memory for each thread, and gets
-// pages that it uses again cheaper than new ones: for a town, returning it took a quarter of the set-up.
+// Returns freed memory to the system if memory is scarce. Otherwise the allocator retains freed memory, because new
+// pages cost more than reused ones: for a town, returning memory took a quarter of the set-up.
 void returnFreedMemoryIfScarce();
 
 }  // namespace scanmill

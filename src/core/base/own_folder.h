@@ -30,8 +30,8 @@ class ForeignFile : public InputError {
 // cannot be followed, such as links in a circle.
 bool isWithin(const std::filesystem::path& path, const std::filesystem::path& folder);
 
-// Opens the folder that contains `file`, for openat() and the like (O_PATH). `what` stands in the Error where this
-// fails: "a.txt: cannot be written: No such file or directory".
+// Opens the folder that contains `file` with O_PATH, for openat() and similar calls. `what` is the middle part of the
+// Error's message, as in "a.txt: cannot be written: No such file or directory".
 Descriptor openFolderOf(const std::filesystem::path& folder, const std::filesystem::path& file, const char* what);
 
 // Creates the folder `below` and the folders between. Returns true if `below` is new.

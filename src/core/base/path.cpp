@@ -24,7 +24,7 @@ Path::Path(const std::vector<Vec3d>& points) {
   const std::size_t count = points.size() - 1;
   // Centripetal knots: the parameter grows by the square root of the chord.
   std::vector<double> knot(count);  // growth of the parameter from each point to the next
-  std::vector<Vec3d> slope(count);  // derivative of the chord by the parameter
+  std::vector<Vec3d> slope(count);  // chord divided by the growth of the parameter
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3d chord = points[i + 1] - points[i];
     knot[i] = std::sqrt(scanmill::length(chord));

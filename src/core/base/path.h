@@ -18,18 +18,17 @@ class Path {
   // Creates the spline through at least two points (m). Consecutive points must differ, and the path must not turn
   // straight back.
   explicit Path(const std::vector<Vec3d>& points);
-  // Creates the straight lines through at least two points (m). A parabola rounds each corner: it leaves the lines
-  // `rounding` metres (above 0) before and behind the corner, or half the distance to the nearer of the two
-  // neighbouring points if that is less. At a right angle it passes the corner at 0.35 times the length that it cuts
-  // off each line.
+  // Creates the straight lines through at least two points (m). A parabola rounds each corner: it begins and ends
+  // `rounding` metres (above 0) from the corner, or half the distance to the nearer of the two neighbouring points if
+  // that is less. It passes a right angle at a distance of 0.35 times this length.
   static Path lines(const std::vector<Vec3d>& points, double rounding);
 
   double length() const { return distances_.back(); }  // length of the path (m)
   // Returns the pose at a distance along the path (m): x heads along the path, without roll. A distance before the
   // start or beyond the end gives the pose at that end.
   Pose pose(double distance) const;
-  // Returns the signed curvature in the horizontal plane (1/m; positive in left turns) at a distance along the path
-  // (m), from the headings `reach` metres before and behind.
+  // Returns the mean signed curvature in the horizontal plane (1/m; positive in left turns) of the part of the path
+  // from distance - reach to distance + reach (m): its change of heading, divided by its length.
   double curvature(double distance, double reach) const;
   // Returns the distance along the path (m) at which the path passes the waypoint with this index, or is nearest to it
   // if the corner is rounded.

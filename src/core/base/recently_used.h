@@ -21,8 +21,8 @@ class RecentlyUsed {
     return &entries_.front();
   }
 
-  // Returns find(isWanted), or else adds the result of make(). If there are `most` entries (at least 1), the least
-  // recently used one is dropped before make() is called.
+  // Returns the entry that find(isWanted) finds; if there is none, adds the result of make() and returns it. If there
+  // are `most` entries (at least 1), the least recently used entry is dropped before make() is called.
   template <class Test, class Make>
   Entry& findOrAdd(const Test& isWanted, std::size_t most, const Make& make) {
     if (Entry* const found = find(isWanted)) return *found;

@@ -98,7 +98,7 @@ class [[nodiscard]] StageTask {
 
  private:
   StageTimer* timer_;  // null: the task runs on the timer's own thread, or there is no timer
-  // The calling thread's innermost timer when the task began. The task's time is no part of that timer's.
+  // The calling thread's innermost timer when the task began; it does not count the time of the task.
   StageTimer* previous_;
   double start_ = 0;
 };

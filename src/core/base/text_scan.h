@@ -77,7 +77,7 @@ inline void splitCells(std::string_view line, char separator, std::vector<std::s
   line = trimmed(line);
   const bool hasQuotes = line.find('"') != line.npos;
   for (bool hasNext = true; hasNext;) {
-    std::size_t searchBegin = 0;  // of the separator: behind a cell in quotation marks
+    std::size_t searchBegin = 0;  // where the search for the separator begins: after a quoted cell
     if (hasQuotes) {
       const std::size_t begin = std::min(line.find_first_not_of(" \t"), line.size());
       const std::size_t quote = line.substr(begin).starts_with('"') ? line.find('"', begin + 1) : line.npos;
@@ -103,7 +103,7 @@ bool parseNumber(std::string_view text, T& number) {
   const auto [stop, error] = std::from_chars(text.data(), end, number);
   if (stop != end) return false;
   if constexpr (std::is_floating_point_v<T>) {
-    if (error == std::errc::result_out_of_range) {  // strtod() tells too small from too large
+    if (error == std::errc::result_out_of_range) {  // strtod() distinguishes too small from too large
       const double value = std::strtod(std::string(text).c_str(), nullptr);
       if (value > -1 && value < 1) number = 0;
       return value > -1 && value < 1;

@@ -84,15 +84,16 @@ std::string columnMeant(std::string_view name) {
 
 void adoptColumns(Cloud& cloud, const Location& where) {
   Scan& scan = cloud.scan;
-  for (const bool hasOwnName : {true, false}) {  // columns with the column's own name come first
-    // The function copies a foreign column to the column that it means, and returns true if the copy succeeded.
+  for (const bool hasOwnName : {true, false}) {  // first columns named as in the table, then those with other names
+    // Copies a foreign column into the column of the table that its name means, if the scan lacks that column. Returns
+    // true if the column was copied and can therefore be erased.
     std::erase_if(scan.foreign, [&](const ForeignColumn& column) {
       const std::string meant = columnMeant(column.name);
       if (hasOwnName != (lowerCase(column.name) == meant)) return false;
       bool adopted = false;
       visitTable(scan, [&](auto key, auto& values) {
         if (key.row.name != meant) return;
-        // Scanners that do not measure intensities fill their column with 0.
+        // Scanners that do not measure intensities fill the intensity column with 0: it counts as absent.
         const bool isZero = key.index == kIntensity.index && std::ranges::count(values, 0) == std::ssize(values);
         if (scan.has(key) && !isZero) return;
         try {

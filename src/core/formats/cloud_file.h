@@ -19,7 +19,7 @@ struct Cloud {
   Scan scan = {};
   Pose worldFromFile = {};  // pose of the file's coordinates (VIEWPOINT of PCD); others state none: the identity
   std::map<std::uint32_t, std::string> classNames = {};  // by label, as the file states them (LAS); may be empty
-  LeftOut leftOut = {};                                  // what the reader leaves out; the caller tells it
+  LeftOut leftOut = {};                                  // what the reader leaves out; the caller warns of it
   std::string system = {};  // the coordinate system of a LAS (WKT or "EPSG:32632"); empty: not stated
 };
 
@@ -40,16 +40,16 @@ std::string scanSuffixes();
 
 enum class CloudUnit {
   OfFile,  // coordinates in feet, as a LAS file can state, become metres; degrees are refused
-  Metre,   // what the file states counts for nothing
+  Metre,   // coordinates are metres, whatever unit the file states
 };
 
-// Reads a cloud. Columns of the table (scan/columns.h) that other programs call otherwise are found by the names in
-// cloudColumns() (formats/readers.h). Columns that are not in the table (red, green, blue, nx, ny, nz, gps_time)
-// become foreign columns. With a scan of SemanticKITTI its label file is read too. Throws an InputError that names the
-// file, and the line of a text file.
+// Reads a cloud. Columns of the table (scan/columns.h) are also found by the names that other programs give them, see
+// cloudColumns() (formats/readers.h). Columns that are not in the table (red, green, blue, nx, ny, nz, gps_time) become
+// foreign columns. With a scan of SemanticKITTI its label file is read too. Throws an InputError that names the file,
+// and the line of a text file.
 Cloud readCloud(const std::filesystem::path& file, CloudUnit unit = CloudUnit::OfFile);
 
-// Returns the cloud's scan, and warns of what was left out of `what`, the name of the file.
+// Returns the cloud's scan, and warns of what the reader left out. `what`: name of the file in the warning.
 Scan scanOf(Cloud cloud, const std::string& what);
 
 }  // namespace scanmill

@@ -121,8 +121,8 @@ class CsvReader {
   }
 
   // Returns the function that stores the cells of the column with this name: a coordinate, a column of the table or,
-  // for other names, a foreign column. Texts in a foreign column become NaN, and are counted as left out unless point
-  // clouds have such a column.
+  // for other names, a foreign column. Texts in a foreign column become NaN, and are counted as left out, unless
+  // cloudColumns() lists the column.
   ReadCell cellReader(const std::string& name) {
     for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
       if (name != kAxes[axis].first) continue;
@@ -135,7 +135,7 @@ class CsvReader {
     visitTable(cloud_.scan, [&]<class Value>(auto key, std::vector<Value>& values) {
       if (key.row.name != name) return;
       if (key.index == kLabel.index || key.index == kInstance.index) {
-        // adoptColumns() takes the numbers below 0 for none.
+        // The column is foreign until adoptColumns(), which replaces the numbers below 0 that mean none.
         readTableCell = [readForeign = foreignReader(name), name](std::string_view word, const Location& where) {
           Value ignored = 0;  // the number must fit the column's type
           if (!word.starts_with('-')) readNumber(word, ignored, name, where);

@@ -27,7 +27,7 @@ constexpr std::uint16_t kWktBit = 1 << 4;  // of the global encoding: the coordi
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 constexpr std::size_t kLeastHeader = 227;  // size of the header of versions 1.0 to 1.2 (bytes)
 constexpr std::array<std::size_t, 11> kLeastRecord{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
-// Offsets in a record (bytes); 0: none.
+// Offsets in a point's record (bytes), by point format; 0: the format lacks the field.
 constexpr std::array<std::size_t, 11> kGpsTimeAt{0, 20, 0, 20, 20, 20, 22, 22, 22, 22, 22};
 constexpr std::array<std::size_t, 11> kColorsAt{0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
 constexpr std::uint8_t kCompressed = 0x80;
@@ -101,14 +101,14 @@ class LasReader {
     return {position[0], position[1], position[2]};
   }
 
-  // Reads the records between the header and the points, and those behind the points of LAS 1.4.
+  // Reads the records between the header and the points and, in LAS 1.4, those behind the points.
   void readRecords(std::uint64_t points) {
     readRecordsAt<std::uint16_t>(at<std::uint16_t>(kHeaderSize), points, at<std::uint32_t>(kRecords));
     if (at<std::uint8_t>(kMinor) < 4 || at<std::uint16_t>(kHeaderSize) < kPoints) return;
     readRecordsAt<std::uint64_t>(at<std::uint64_t>(kLaterRecordsAt), bytes_.size(), at<std::uint32_t>(kLaterRecords));
   }
 
-  // Reads records at `begin`, which state the size of their data in an integer of this type.
+  // Reads up to `count` records from `begin` to `end`. `Length`: type of the field with the size of a record's data.
   template <class Length>
   void readRecordsAt(std::uint64_t begin, std::uint64_t end, std::uint32_t count) {
     constexpr std::uint64_t kHead = 52 + sizeof(Length);  // size (bytes) of what stands before the data
@@ -120,7 +120,7 @@ class LasReader {
     }
   }
 
-  // Returns where points can end: at the records behind them, or at the file's end.
+  // Returns the offset (bytes) at which the points end at the latest: at the records behind them, or the file's end.
   std::uint64_t endOfPoints(std::uint64_t first) const {
     const int minor = at<std::uint8_t>(kMinor);
     std::uint64_t end = bytes_.size();
@@ -158,8 +158,8 @@ class LasReader {
     return field.substr(0, field.find('\0'));
   }
 
-  // Returns the coordinate system at a point, from the well-known text or the keys of GeoTIFF; one without a definition
-  // if it cannot be read. Sets `description` for messages to the text, or to the reason if it cannot be read.
+  // Returns the coordinate system at a point, from the well-known text or the keys of GeoTIFF. Sets `description`, for
+  // messages, to its source. If it cannot be read, returns an empty system, and the reason in `description`.
   CoordinateSystem readSystem(bool byWkt, const Vec3d& point, std::string& description) const {
     try {
       description = byWkt ? quotedForMessage(textAt(wkt_, 0, 60)) : "keys of GeoTIFF";
@@ -171,8 +171,9 @@ class LasReader {
     }
   }
 
-  // Sets metres_ and Cloud::system by the coordinate system at the first point, and warns of what may surprise. Throws
-  // InputError if the coordinates are no lengths. `first`: offset of the first point (bytes).
+  // Sets metres_ and Cloud::system by the coordinate system at the first point, and warns if the system cannot be read,
+  // is not in metres or stretches lengths. Throws InputError if the coordinates are no lengths. `first`: offset of the
+  // first point (bytes).
   void applyUnit(std::uint64_t first, std::uint64_t points) {
     if (wkt_.empty() && geoKeys_.empty()) return;
     const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
@@ -208,7 +209,7 @@ class LasReader {
     }
   }
 
-  // Returns the first byte of the record of each point that is not marked as withheld.
+  // Returns the offset (bytes) of the record of each point that is not marked as withheld.
   std::vector<std::uint64_t> recordsOf(std::uint64_t first, std::uint64_t points) {
     std::vector<std::uint64_t> records;
     records.reserve(points);
@@ -224,7 +225,7 @@ class LasReader {
   bool isModern() const { return format_ >= 6; }                  // formats of LAS 1.4
   bool hasFlags() const { return at<std::uint8_t>(kMinor) > 0; }  // LAS 1.0 has classes of 8 bits and no flags
 
-  // Reads the points and their columns; the first one is at the offset `first` (bytes).
+  // Reads `points` points with their columns. `first`: offset of the first point's record (bytes).
   void readPoints(std::uint64_t first, std::uint64_t points) {
     const std::vector<std::uint64_t> records = recordsOf(first, points);
     if (!records.empty()) cloud_.origin = cloudOrigin(positionAt(records.front()));
@@ -252,7 +253,7 @@ class LasReader {
     chooseLabels(std::move(labels));
   }
 
-  // Takes the complete intensities of our own exports from the extra bytes, else those of the points.
+  // Sets the column intensity: to the extra bytes with complete intensities of our own exports, else to `intensities`.
   void chooseIntensities(std::vector<float> intensities) {
     for (ForeignColumn& column : cloud_.scan.foreign) {
       if (column.name != kLasExactIntensity) continue;
@@ -263,7 +264,7 @@ class LasReader {
     cloud_.scan.columnsIfEmpty.add(kIntensity.index);
   }
 
-  // Takes the classes of the points; if all are 0, those of a column among the extra bytes.
+  // Sets the column label: to `labels` or, if all are 0, to the extra bytes with labels, if there are any.
   void chooseLabels(std::vector<std::uint16_t> labels) {
     Scan& scan = cloud_.scan;
     const bool classified = std::ranges::any_of(labels, [](std::uint16_t label) { return label != 0; });
@@ -277,7 +278,7 @@ class LasReader {
     }
   }
 
-  // Adds the extra bytes that described_ describes as foreign columns.
+  // Adds extra bytes as foreign columns, as described_ describes them.
   void readExtraBytes(const std::vector<std::uint64_t>& records) {
     constexpr std::size_t kDescription = 192;
     std::uint64_t firstByte = kLeastRecord[format_];
@@ -285,8 +286,8 @@ class LasReader {
       const std::string name(textAt(described_, 4, 32));
       const std::size_t type = static_cast<unsigned char>(described_[2]);
       const std::size_t options = static_cast<unsigned char>(described_[3]);
-      // Of type 0, undocumented bytes, `options` is the number of bytes. Types from 11 on are pairs and triples of the
-      // first ten (LAS 1.4, table of extra bytes).
+      // For type 0 (undocumented bytes), `options` is the number of bytes. Types from 11 on are pairs and triples of
+      // the first ten (LAS 1.4, table of extra bytes).
       const std::uint64_t size =
           type == 0 ? options : kExtraBytes[(type - 1) % kExtraBytes.size()] * ((type - 1) / 10 + 1);
       if (size > recordBytes_ - firstByte) break;

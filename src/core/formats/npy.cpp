@@ -67,7 +67,7 @@ NpyArray parseNpy(const std::string& name, const std::string& file, const std::s
   splitCells(shape.substr(0, shape.find(')')), ',', sizes);
   if (!sizes[0].starts_with('(')) fail("its header states no shape");
   sizes[0].remove_prefix(1);
-  for (const std::string_view size : sizes) {  // "(3,)" has an empty one
+  for (const std::string_view size : sizes) {  // "(3,)" has an empty cell
     if (!size.empty() && !parseNumber(size, array.shape.emplace_back())) fail("its header states no shape");
   }
   array.bytes = file.substr(kBeforeHeader + headerBytes);

@@ -24,7 +24,7 @@ std::string zipOf(std::span<const std::pair<std::string, std::string>> files);
 
 struct NpyArray {
   std::string name;                // file name without .npy
-  std::string type;                // first 3 characters of NumPy's type ("<f4"); no valid type if structured
+  std::string type;                // first 3 characters of NumPy's type ("<f4"); not a valid type for structured arrays
   std::vector<std::size_t> shape;  // empty for a single number
   std::string bytes;               // elements, last index fastest; if numbers, exactly as many as `shape` says
 };

@@ -195,7 +195,7 @@ class BodyReader {
   BodyReader(PcdHeader header, const std::string& what, bool exact)
       : header_(std::move(header)), where_{what, 0, 0}, exact_(exact) {
     if (!exact_ || header_.data != "ascii") return;
-    // Digits of a text may be more than its header's type holds.
+    // Numbers of a text may have more digits than the header's type holds: read coordinates as doubles.
     for (PcdField& field : header_.fields) {
       const bool isCoordinate = field.type == 'F' && (field.name == "x" || field.name == "y" || field.name == "z");
       if (isCoordinate) field.size = sizeof(double);

@@ -54,7 +54,7 @@ class PlyBody {
 
   // Must be called before the numbers of a row are read. `row`: from 0.
   void beginRow(const PlyElement& element, std::uint64_t row);
-  // Returns the next number of a row: the property's value, or a member of the list that it is.
+  // Returns the next number of a row: the property's value or, if the property is a list, its next member.
   double number(const PlyProperty& property) { return next(property, property.value); }
   // Returns the length of a list.
   std::uint64_t length(const PlyProperty& property);

@@ -67,7 +67,7 @@ class PlyReader {
     if (isLast) cloud_.leftOut.addRest(body_.rest());
   }
 
-  // Returns the column that means the coordinate with this name.
+  // Returns the column that the file has for the coordinate `name`. Throws InputError if there is none.
   const PlyColumn& require(const char* name) const {
     const auto column = std::ranges::find_if(
         columns_, [&](const PlyColumn& c) { return columnMeant(c.property.name) == name && !c.property.isList(); });
@@ -75,7 +75,7 @@ class PlyReader {
     return *column;
   }
 
-  // Makes the cloud of `count` points from columns_. Columns that stay foreign get the names that clouds use for them.
+  // Makes the cloud of `count` points from columns_. Foreign columns get the name of columnMeant() if it is free.
   void build(std::uint64_t count) {
     const PlyColumn& x = require("x");
     const PlyColumn& y = require("y");

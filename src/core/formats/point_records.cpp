@@ -39,9 +39,9 @@ std::vector<double> azimuthsOf(const std::vector<Vec3f>& points) {
   return azimuths;
 }
 
-// Returns the index of the first point of each ring, if each is one turn that starts straight ahead. A new ring begins
-// where the azimuth crosses straight ahead after at least half a turn, so that points slightly out of order near this
-// azimuth begin no further rings.
+// Returns the index of the first point of each ring, if each ring is one turn that starts straight ahead. A new ring
+// begins where the azimuth crosses straight ahead after at least half a turn, so that points slightly out of order near
+// this azimuth begin no further rings.
 std::vector<std::size_t> ringStarts(const std::vector<double>& azimuths) {
   double sum = 0;  // rad, of the steps from point to point
   for (std::size_t i = 1; i < azimuths.size(); ++i) sum += wrapped(azimuths[i] - azimuths[i - 1]);

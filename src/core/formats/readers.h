@@ -28,7 +28,7 @@ std::unique_ptr<Format> makePcd(Fields& options);
 std::unique_ptr<Format> makeDraco(Fields& options);
 std::unique_ptr<Format> makeCsv(Fields& options);
 
-// What becomes of the parts of the files of each kind.
+// Return, for each kind of file, the table of what its reader reads and leaves out.
 const FormatSupport& pcdFormat();
 const FormatSupport& csvFormat();
 const FormatSupport& dracoFormat();
@@ -36,11 +36,11 @@ const FormatSupport& lasFormat();
 const FormatSupport& plyCloudFormat();
 const FormatSupport& pointRecordsFormat();
 
-// Columns of the readers below are found by the names in cloudColumns(); others become foreign columns. All throw an
-// InputError that begins with `what`, the name of the bytes, and the line of a text file.
+// The readers below find columns by the names in cloudColumns(); other columns become foreign. All throw an InputError
+// that begins with `what`, the name of the bytes, and in text files with the line.
 //
 // `exact`: positions are read in double precision and made relative to cloudOrigin() of the first finite point
-// (cloud_file.h); false: they are the file's numbers in float32, and the origin is zero.
+// (cloud_file.h); false: positions are the file's numbers in float32, and the origin is zero.
 
 // Reads any valid PCD. Fields may be in any order and of any numeric type whose values fit the column. Fields of
 // several values a point are left out. `worldFromFile` is the VIEWPOINT: a quaternion whose length is off by up to a
@@ -64,23 +64,23 @@ Cloud readLas(std::string_view bytes, const std::string& what, CloudUnit unit = 
 // Reads the points of a PLY file (the element `vertex`). Properties that are lists are left out.
 Cloud readPly(const std::filesystem::path& file);
 
-// The names that mean the same are a row, whose first name is the column's. Names are in lower case, without
-// CloudCompare's prefix `scalar_`. Unused names are columns that a scene has no use for.
+// Returns the table of columns' names. A row lists the names of one column, beginning with its own. Names are in lower
+// case, without CloudCompare's prefix `scalar_`. Rows of Use::Unused are columns that a scene does not need.
 const FormatSupport& cloudColumns();
 
-// Returns the column that a name means ("label" for "scalar_Classification"); the name itself, in lower case and
-// without `scalar_`, if it means no other.
+// Returns the column that a name means ("label" for "scalar_Classification"); for names that no row of Use::Read has,
+// the name in lower case and without `scalar_`.
 std::string columnMeant(std::string_view name);
 
 // Turns foreign columns into those columns of the table that their names mean and the scan lacks; an intensity column
-// of zeros alone is replaced, too. Of several columns with one meaning the one with the column's own name is taken,
-// else the first; the others stay foreign. Numbers of instances below 0 mean none: if there are any, the other numbers
-// are counted from 1 on. The labels -1 and -100 become 0, or 65535 if the column has a 0, which may be a class. If a
-// number does not fit the type, throws an InputError at `where` if the column has the column's own name and `where`
-// names a file, else leaves the column foreign and says so in cloud.leftOut.
+// of zeros alone is replaced, too. Of several columns with the same meaning, the column that has the table's name is
+// used, else the first; the others stay foreign. Numbers of instances below 0 mean none: if there are any, the other
+// numbers are counted from 1 on. The labels -1 and -100 become 0, or 65535 if the column has a 0, which may be a class.
+// If a number does not fit the type, throws an InputError at `where` if the column has the table's name and `where`
+// names a file; otherwise the column stays foreign and is counted in cloud.leftOut.
 void adoptColumns(Cloud& cloud, const Location& where);
 
-// Sets the positions of a scan to `exact` (m) and the cloud's origin to cloudOrigin() of the first finite one.
+// Sets the positions of a scan to `exact` (m) and the cloud's origin to cloudOrigin() of the first finite position.
 void setPositions(const std::vector<Vec3d>& exact, Cloud& cloud);
 
 // Files of bare float32 records, the scans of KITTI, SemanticKITTI and nuScenes, and the label files beside them.

@@ -25,7 +25,7 @@ void appendRows(const Scan& scan, char separator, std::string& out);
 // Returns an upper bound of the characters in a line of a scan with these columns.
 std::size_t longestRow(ColumnSet columns);
 
-// Returns the end of a message about a number that does not fit the column: what to do. Empty for most columns.
+// Returns advice that ends a message about a number that does not fit the column; empty for most columns.
 inline std::string_view columnRemedy(std::string_view column) {
   return column == "label"
              ? "; number the classes so, with 0 for none; if the numbers hold class and instance, as "

@@ -92,7 +92,7 @@ constexpr Column motionColumn(std::string_view name, std::string_view unit, Chan
           .display = {.unit = unit, .decimals = 3}};
 }
 
-// Returns the row of an angle of the noise-free point, from -limit to limit (rad).
+// Returns the row of a column that holds an angle of the noise-free point, from -limit to limit (rad).
 constexpr Column angleColumn(std::string_view name, double limit, std::string_view meaning) {
   return {.name = name,
           .type = ColumnType::Float32,

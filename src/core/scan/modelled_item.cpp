@@ -20,7 +20,7 @@ std::string lineOf(const ModelledItem& item) {
 
 namespace {
 
-// Returns the fields in which two items must be equal to be listed as one item about several scenes.
+// Returns the fields that must be equal for two items to become one item about the scenes of both.
 auto fieldsOfAnyScene(const ModelledItem& item) {
   return std::tie(item.topic, item.text, item.leftOut, item.sensor, item.options);
 }

@@ -18,7 +18,7 @@ struct ModelledItem {
   std::string sensor = {};               // name of the sensor that the item is about; empty: all sensors
   std::string options = {};              // options of an effect, as YAML on one line
   std::vector<std::string> scenes = {};  // scenes with their seeds, such as "street-s1"; empty: all scenes
-  std::uint64_t parts = 0;  // number of parts of a scene that the item is about, the most of any scene; 0: not of parts
+  std::uint64_t parts = 0;               // largest number of a scene's parts that the item is about; 0: not about parts
 
   bool operator==(const ModelledItem&) const = default;
 };

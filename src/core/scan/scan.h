@@ -46,7 +46,7 @@ class Scan {
 
   std::vector<Vec3f> position;         // m, sensor frame
   std::vector<ForeignColumn> foreign;  // each has one value per point
-  ColumnSet columnsIfEmpty;  // columns of a scan without points, whose vectors are all empty; else without a meaning
+  ColumnSet columnsIfEmpty;            // columns of a scan without points; unused if the scan has points
 
   // The reason of each beam of the sensor (values of Reason, scan/reasons.h), indexed by ring * columns + column; empty
   // if it was not asked for. It is not a column, since beams without a return have a reason too.
@@ -129,7 +129,7 @@ struct PointKey {
 // as a first return.
 PointKey keyOf(const Scan& scan, std::size_t point);
 
-// Returns one more than the largest ring, column and number in the keys of a scan.
+// Returns one more than the largest ring, column and number in the keys of a scan; zeros without points.
 PointKey extentOf(const Scan& scan);
 
 }  // namespace scanmill
