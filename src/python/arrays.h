@@ -24,7 +24,7 @@ namespace scanmill {
 void definePassRecorder(pybind11::module_& module);
 void defineSimulator(pybind11::module_& module);
 
-// An argument that is given as an array of another type or order is converted.
+// An array argument with elements T in C order. Python's arrays of other types or orders are converted.
 template <class T>
 using Array = pybind11::array_t<T, pybind11::array::c_style | pybind11::array::forcecast>;
 
@@ -49,7 +49,7 @@ pybind11::array_t<T> arrayOf(std::vector<V>&& values, const std::vector<pybind11
   return pybind11::array_t<T>(shape, data, owner);
 }
 
-// The type of a column's array: of unsigned types that PyTorch may lack, the next larger signed one (of uint64: int64).
+// Type of an array's elements: int32 for uint16, int64 for uint32 and uint64, which PyTorch may lack, otherwise T.
 template <class T>
 using ArrayType = std::conditional_t<
     std::is_same_v<T, std::uint16_t>, std::int32_t,

@@ -67,9 +67,9 @@ struct SimulatedShot {
 
 // An object of the scene: all instances that share a name.
 struct SceneObject {
-  Affine worldFromObject;             // without scale; that of its first instance
+  Affine worldFromObject;             // without scale: the pose of its first instance
   std::vector<std::uint32_t> things;  // ids of its things, ascending
-  bool moves = false;                 // true: it moves by itself
+  bool moves = false;                 // true: the scene itself moves the object
 };
 
 // Makes scans of one scene. Safe to use from several threads.
@@ -124,8 +124,8 @@ Surface addSurface(SceneBuilder& builder, const ArraySurface& arraySurface) {
   return surface;
 }
 
-// Returns the velocity of a sensor (m/s) from each of its poses to the next, of the last pose that of the one before.
-// `duration`: s, in which the sensor takes all poses at equal intervals. Of one pose: nothing.
+// Returns the velocity of a sensor (m/s) from each of its poses to the next; the last pose has the velocity of the pose
+// before it. Successive poses are duration / poses.size() (s) apart. Returns nothing for a single pose.
 std::vector<Vec3d> velocitiesOf(const std::vector<Pose>& poses, double duration) {
   std::vector<Vec3d> velocities;
   const double step = duration / static_cast<double>(poses.size());
@@ -186,7 +186,8 @@ Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& f
   }
 }
 
-// Returns the indices of an object's instances: of those with this name, or else of all copies of the object.
+// Returns the indices of the instances called `name` or, if there are none, of its copies NAME#1, NAME#2, ...; throws
+// InputError without either.
 const std::vector<std::uint32_t>& Simulator::instancesOf(const std::string& name) const {
   for (const auto* indicesByName : {&instances_, &copies_}) {
     if (const auto entry = indicesByName->find(name); entry != indicesByName->end()) return entry->second;
@@ -326,8 +327,8 @@ std::vector<Pose> posesOf(const Array<double>& rows) {
   return poses;
 }
 
-// Returns a dictionary of arrays for each sensor. `poses`: for each sensor an array as for posesOf(); the others as for
-// objectPosesOf() and SimulatedShot.
+// Returns a dictionary of arrays for each sensor. `poses`: an array for each sensor, see posesOf(). For the other
+// parameters see objectPosesOf() and SimulatedShot.
 py::list simulate(const Simulator& simulator, const std::vector<Array<double>>& poses, double time, std::uint32_t frame,
                   const std::vector<std::string>& names, const Array<double>& matrices, const Array<double>& velocities,
                   const Array<bool>& hidden, bool moving) {

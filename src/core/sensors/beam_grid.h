@@ -15,7 +15,7 @@ class BeamGrid {
   explicit BeamGrid(const BeamTable& beams);
 
   // Calls visit(index) for every beam within `angle` (rad) of a unit vector, and also for some beams farther away,
-  // until it returns true. The order of the calls is fixed. Returns true if visit() has.
+  // until visit() returns true. The order of the calls is fixed. Returns true if a call returned true.
   template <class Visit>
   bool forBeamsNear(const Vec3d& direction, double angle, const Visit& visit) const {
     const CellRange cells = cellsAround(direction, angle);

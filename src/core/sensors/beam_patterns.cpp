@@ -36,7 +36,8 @@ std::uint32_t toIndex(double number, const Location& where) {
   return static_cast<std::uint32_t>(number);
 }
 
-// Returns a row of the table. Without rings, the rows are the columns of one ring. A column that the table lacks is 0.
+// Returns a row of the table. Without a column `ring`, row number k is column k of the only ring. Values whose column
+// the table lacks are 0.
 BeamRow readRow(const TextTable& table, std::size_t row) {
   const auto number = [&](const char* name, Range range) { return table.number(row, name, range); };
   const auto origin = [&](const char* name) { return static_cast<float>(number(name, {-10, 10})); };
@@ -117,7 +118,7 @@ ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32
   ListedBeams beams;
   for (const double middleElevation : elevation) {
     for (std::uint32_t column = 0; column < columns; ++column) {
-      // The pixel's position on a plane at distance 1: to the left, and at the height tan(middleElevation).
+      // The pixel lies on a plane at distance 1, `left` to the left of the axis, at the height tan(middleElevation).
       const double left =
           columns == 1 ? 0 : std::tan(field / 2) * (2.0 * column / (columns - 1) - 1) * (clockwise ? -1 : 1);
       beams.azimuth.push_back(azimuth + std::atan(left));

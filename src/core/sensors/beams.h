@@ -69,8 +69,8 @@ struct BeamTable {
 
   // Compact description of the beams, which the manifest stores; fillBeams() computes the three tables above from it.
   // Rings on cones about the z axis are described by the members below. In the other patterns, `field` is a full
-  // circle, and of the members for cones only `elevation` and `topDown` of listed beams and `firingOffset` of a rosette
-  // are used. A rosette is traced by each ring; its columns fire evenly over the period.
+  // circle. Listed beams also use `elevation` and `topDown`, and a rosette uses `firingOffset`; the other members for
+  // cones are unused. A rosette is traced by each ring; its columns fire evenly over the period.
   struct RingsOnCones {};
   std::variant<RingsOnCones, std::shared_ptr<const ListedBeams>, Rosette> pattern;
   double sweep = 0;                   // s, time from the first to the last column of a partial field; 0: the part of
@@ -89,7 +89,7 @@ struct BeamTable {
   // Shifts of the beam's origin per ring (m): to the left, perpendicular to the beam; and upwards, perpendicular to the
   // beam and to the left. Each array is empty if all its values are zero.
   std::vector<double> originLeft, originUp;
-  bool topDown = false;  // true if ring 0 is the highest ring; for listed beams, if it is above the last ring
+  bool topDown = false;  // true: ring 0 is the highest ring, or for listed beams is above the last ring
 
   // Full width of the beam across (in azimuth) and up (in elevation): exit width + divergence * range. The width of a
   // Gaussian beam is measured where the power has fallen to 1/e^2 of the power in the middle. Zero if the sensor file

@@ -33,7 +33,7 @@ std::vector<std::size_t> rowsByChannel(const TextTable& table) {
   for (std::size_t row = 0; row < table.size(); ++row) channels.push_back(table.number(row, *name));
   const double firstChannel = std::ranges::find(channels, 0) == channels.end() ? 1 : 0;
   const double lastChannel = firstChannel + static_cast<double>(table.size()) - 1;
-  std::vector<bool> isTaken(table.size());  // by channel, from the first one
+  std::vector<bool> isTaken(table.size());  // by channel, counted from the first channel
   for (std::size_t row = 0; row < table.size(); ++row) {
     const double channel = channels[row];
     if (channel != std::floor(channel) || channel < firstChannel || channel > lastChannel) {
@@ -50,7 +50,7 @@ std::vector<std::size_t> rowsByChannel(const TextTable& table) {
   return rows;
 }
 
-// The keys per ring that follow from a calibration and the values of the lasers that they get.
+// The keys per ring that a calibration sets, and for each key the member of Laser with its values.
 constexpr std::pair<const char*, double Laser::*> kRingKeys[] = {{"elevation_deg", &Laser::elevation},
                                                                  {"azimuth_offset_deg", &Laser::azimuth},
                                                                  {"origin_left_m", &Laser::left},

@@ -12,7 +12,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kSmooth = 0.3;        // m of path before and behind a sample over which the profile is averaged,
+constexpr double kSmooth = 0.3;        // m of path before and after a sample over which the profile is averaged,
                                        // since springs and tyres smooth it
 constexpr double kBareUntilLost = 10;  // m of path without ground, after which ground of any height is accepted
 constexpr double kSpacing = 0.1;       // m, largest distance between samples
@@ -54,7 +54,7 @@ std::optional<GroundSample> sampleAt(const GroundOptions& options, const Pose& p
     z[i] = ground.value_or(0);
   }
   // A wheel without ground is put into the plane of the other three wheels. In the order of kWheels, index ^ 1 is the
-  // wheel on the other side, index ^ 2 the wheel before or behind, and index ^ 3 the wheel diagonally opposite.
+  // wheel on the other side, index ^ 2 the other wheel on the same side, and index ^ 3 the wheel diagonally opposite.
   if (hanging) z[*hanging] = z[*hanging ^ 1] + z[*hanging ^ 2] - z[*hanging ^ 3];
   const auto [wheelbase, track] = *options.wheels;
   return GroundSample{.height = (z[0] + z[1] + z[2] + z[3]) / 4,
@@ -92,8 +92,8 @@ GroundSample fitAt(std::size_t middle, std::size_t reach, const std::vector<Grou
   return {fitted(sum.height, sumTimesD.height), fitted(sum.along, sumTimesD.along), fitted(sum.left, sumTimesD.left)};
 }
 
-// Smooths each sample over its neighbours on the path, up to kSmooth before and behind the sample. `driven`: m along
-// the path, by sample.
+// Smooths each sample over its neighbours on the path, up to kSmooth before and after the sample. `driven`: m along the
+// path, by sample.
 std::vector<GroundSample> smoothed(const std::vector<GroundSample>& samples, const std::vector<double>& driven) {
   std::vector<GroundSample> means;
   means.reserve(samples.size());
@@ -187,7 +187,7 @@ std::vector<double> GroundProfile::samplePositions(const PoseOnPath& poseOnPath,
   std::vector<double> positions{knots.front()};
   for (std::size_t i = 1; i < knots.size(); ++i) {
     const double from = knots[i - 1];
-    const double span = knots[i] - from;  // m or s, as the positions
+    const double span = knots[i] - from;  // m or s, like the positions
     const double metres = length(poseOnPath(knots[i]).translation - poseOnPath(from).translation);
     const double steps = std::max(std::ceil(metres / kSpacing), 1.0);
     if (static_cast<double>(positions.size()) + steps > static_cast<double>(kMostSamples)) {

@@ -48,10 +48,10 @@ class GroundProfile {
   // Returns the vehicle's pose at a position on the path (in m or s), before the pose is placed on the ground.
   using PoseOnPath = std::function<Pose(double)>;
 
-  // Samples the ground at ascending `positions` on the path. The first sample is the ground under the pose;
-  // each later sample is the ground nearest in height to the previous sample, so that a bridge is not confused with
-  // what lies beneath it. Over gaps the vehicle keeps its height; after 10 m without ground the ground under the pose
-  // is taken again. Throws InputError at `options.where` if no part of the path has ground.
+  // Samples the ground at ascending `positions` on the path. The first sample is the ground under the pose; each later
+  // sample is the ground nearest in height to the previous sample, so that a bridge is not confused with what lies
+  // beneath it. Over gaps the vehicle keeps its height; after 10 m without ground, ground at any height is accepted.
+  // Throws InputError at `options.where` if no part of the path has ground.
   GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> positions,
                 const Ground& ground);
 

@@ -18,7 +18,7 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file.string()) {
     std::string text = readFile(file);
-    std::ranges::replace(text, '\t', ' ');  // JSON is YAML but for its tabs
+    std::ranges::replace(text, '\t', ' ');  // JSON without tabs is also YAML
     root_ = parseYaml(text, file_);
     if (root_.kind != Value::Kind::Map) fail("is not the metadata of an Ouster sensor: it must be a map");
   }
@@ -88,7 +88,7 @@ class Reader {
   }
 
   // Sets columns and rate from the mode, such as 1024x10. Early firmware may lack the mode; the columns and the rate
-  // then stand in the format of the packets, or nowhere.
+  // are then read from the packets' format, if it states them.
   void readMode(OusterMetadata& m) const {
     const Value* const mode = find("config_params", "lidar_mode");
     const std::string text = mode == nullptr ? "" : mode->text;
@@ -124,7 +124,7 @@ class Reader {
     m.windowColumns = m.columns;
     const Value* const window = format("column_window");
     const Value* const azimuths = find("config_params", "azimuth_window");
-    using Ends = std::vector<double>;  // the first and the last of a window
+    using Ends = std::vector<double>;  // first and last column, or first and last azimuth, of a window
     const Ends allColumns{0, m.columns - 1.0};
     const Ends columns = window == nullptr ? allColumns : readNumbers(*window, "column_window");
     // Firmware 1.13 counts azimuths in hundredths of a degree, later firmware in thousandths.
@@ -160,7 +160,7 @@ class Reader {
       m.originHeight = (*t)[11] * 1e-3;
       if ((*t)[3] != 0 || (*t)[7] != 0) failTransform("lidar_to_sensor_transform");
     }
-    // If the beams' origins are above the lidar's, lidar_origin_to_beam_origin_mm is the length of both offsets.
+    // The transform replaces lidar_origin_to_beam_origin_mm, which is the length of the shift, not its horizontal part.
     if (const auto t = transform("beam_intrinsics", "beam_to_lidar_transform")) {
       m.originOffset = (*t)[3] * 1e-3;
       m.originHeight += (*t)[11] * 1e-3;

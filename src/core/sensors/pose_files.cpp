@@ -18,8 +18,8 @@
 namespace scanmill {
 namespace {
 
-// Files state rotations with few digits; a larger sum of the errors of a matrix, or error of a quaternion's length, is
-// a mistake in the file.
+// Largest sum of a matrix's deviations from a rotation, and largest deviation of a quaternion's length from 1, that a
+// file's few digits explain. Larger deviations are mistakes in the file.
 constexpr double kMostRotationError = 1e-2;
 
 // Returns the numbers of a text, which blanks separate. `description` says in messages what the numbers are.
@@ -89,8 +89,8 @@ void setHeadingsOfTravel(std::vector<StampedPose>& poses) {
   }
 }
 
-// Gives the columns that other programs write the names that readPoseTable() reads. The ground truth of the EuRoC
-// dataset, whose times are in ns, may name them without a unit.
+// Renames the columns of other programs to the names that readPoseTable() reads. The ground truth of the EuRoC dataset,
+// whose times are in ns, may name them without a unit.
 void renameColumns(TextTable& table) {
   constexpr std::pair<const char*, const char*> kEuroc[] = {
       {"timestamp", "time_ns"}, {"p_rs_r_x", "x"}, {"p_rs_r_y", "y"}, {"p_rs_r_z", "z"},

@@ -169,7 +169,7 @@ std::array<double, 2> readWidths(Fields& fields, std::string_view key, double la
   return {widths[0] * 1e-3, widths[1] * 1e-3};
 }
 
-// Throws InputError if the calibration that `sensor` names has not as many lasers as the preset has rings. A sensor
+// Throws InputError if the calibration that `sensor` names has more or fewer lasers than the preset has rings. A sensor
 // without calibration and a preset without rings on cones are not checked.
 void checkSameLasers(const Value& preset, const Value& sensor) {
   const Value* elevation = preset.find("elevation_deg");
@@ -191,7 +191,7 @@ const std::initializer_list<std::string_view> kSensorKeys = {
     "origin_offset_m", "origin_height_m", "origin_left_m", "origin_up_m", "exit_width_mm",  "turns_while_firing",
     "divergence_mrad", "beam_shape",      "pulse_ns",      "effects"};
 
-// Refuses other keys, and the keys of cones, beside `key`.
+// Throws InputError if the sensor has one of `otherKeys` or a key of rings on cones, which have no effect beside `key`.
 void refuseBeside(Fields& fields, const char* key, std::initializer_list<std::string_view> otherKeys) {
   const std::string why = fmt::format("has no effect beside `{}`: leave it out", key);
   fields.refuse(otherKeys, why);

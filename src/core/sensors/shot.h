@@ -27,8 +27,8 @@ struct Shot {
   std::uint32_t scene = 0;   // index of the sequence in the pipeline
   std::uint32_t frame = 0;   // index in the sequence
   std::uint32_t sensor = 0;  // index of the sensor on the vehicle
-  // Index of the revolution among those of this sensor in the sample, at most kMostRevolutions - 1: a sensor that turns
-  // faster than the slowest one has several.
+  // Index of the revolution within this sensor and sample, below kMostRevolutions. A sensor that turns faster than the
+  // slowest sensor has several revolutions in a sample.
   std::uint32_t revolution = 0;
   std::string sensorName;
   std::string sample;   // key of the sample; file names of the shot begin with it
@@ -56,11 +56,11 @@ struct Shot {
   // blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore it. The array must outlive the shot.
   std::span<const float> blockedBeyond;
 
-  // Places objects of the scene for this shot elsewhere than the scene does; null: all are where the scene has them.
-  // The scene must be `placeable`.
+  // Poses of objects in this shot that replace the poses of the scene; null: all objects have the scene's poses. The
+  // scene must be `placeable`.
   std::shared_ptr<const Placements> placed;
 
-  // Revolutions of one sensor in one sample: the address of random numbers has eight bits for them.
+  // Largest number of a sensor's revolutions in a sample: the address of random numbers has 8 bits for the index.
   static constexpr std::uint32_t kMostRevolutions = 256;
   // Returns the frame in the address of the shot's random numbers. Trajectory::kMaxFrames leaves the upper bits free.
   std::uint32_t randomFrame() const { return frame | revolution << 24; }

@@ -11,7 +11,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kStep = 0.25;   // m, largest distance between the positions where the speed is computed
-constexpr double kReach = 2;     // m; the curvature is measured from this far before to this far behind a position
+constexpr double kReach = 2;     // m; the curvature is measured over this length before and after a position
 constexpr double kCrawl = 1e-3;  // m/s; least mean speed between two positions, so that a vehicle that starts or stops
                                  // takes a finite time
 
@@ -26,8 +26,8 @@ SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, 
   for (const DriveStop& stop : stops) positions.push_back(stop.position);
   std::ranges::sort(positions);
   positions.erase(std::unique(positions.begin(), positions.end()), positions.end());
-  // The speed is first limited by curvature, ends and stops, then by the acceleration from the position before and by
-  // the braking to the position behind.
+  // The speed is first limited by curvature, ends and stops, then by accelerating from the previous position and by
+  // braking to the next position.
   std::vector<double> speeds;  // m/s, by position
   speeds.reserve(positions.size());
   for (const double position : positions) {

@@ -12,8 +12,8 @@ namespace scanmill {
 namespace {
 
 struct TimeUnit {
-  std::string_view name;  // of the column
-  double seconds;         // per unit
+  std::string_view name;  // name of the column of times
+  double seconds;         // length of the unit (s)
 };
 constexpr TimeUnit kTimes[] = {{"time", 1}, {"time_s", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
 
@@ -36,7 +36,7 @@ std::string columnName(std::string_view heading) {
   return name;
 }
 
-// Some of Hesai's files end with a checksum.
+// True if a line is a hexadecimal checksum, with which some of Hesai's files end.
 bool isChecksum(std::string_view text) {
   return text.size() >= 32 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
@@ -76,7 +76,7 @@ TextTable::TextTable(const std::filesystem::path& file) : bytes_(readFile(file))
     splitCells(line.text, semicolons ? ';' : line.text.find(',') != line.text.npos ? ',' : ' ', cells);
     if (names_.empty()) {
       for (const std::string_view cell : cells) names_.push_back(columnName(cell));
-      while (!names_.empty() && names_.back().empty()) names_.pop_back();  // of separators at the line's end
+      while (!names_.empty() && names_.back().empty()) names_.pop_back();  // from separators at the line's end
       continue;
     }
     if (&line == &lines.back() && isChecksum(cells.front())) continue;

@@ -26,8 +26,8 @@ std::vector<TextLine> linesOf(std::string_view bytes, const std::filesystem::pat
 double numberOf(std::string_view text, const Location& where);
 
 // A table whose first line names its columns, perhaps behind a #. Cells are separated by semicolons; if the line has
-// none, by commas; if it has neither, by blanks. Names are in lower case, of letters, digits and _; the unit that
-// stands in brackets or after a slash follows them: "Time/s", "time (s)" and "Time [sec]" are time_s, "x [m]" is x. All
+// none, by commas; if it has neither, by blanks. Names are in lower case, of letters, digits and _; a unit in brackets
+// or after a slash is appended, except metres: "Time/s", "time (s)" and "Time [sec]" are time_s, "x [m]" is x. All
 // methods throw InputError with the line.
 class TextTable {
  public:

@@ -105,8 +105,8 @@ class Trajectory {
   std::uint32_t frames() const { return frames_; }  // number of frames
   // Returns the time of a frame's start (s since the start of the trajectory).
   double frameTime(std::uint32_t frame) const;
-  // Returns the time from frame to frame (s); of frames that are equally far apart on a drive that accelerates, the
-  // shortest one.
+  // Returns the time from frame to frame (s). If the frames of an accelerating drive are equally spaced along the path,
+  // this is the shortest time.
   double interval() const { return interval_; }
   // Returns true if the vehicle drives without a break and its frames are equally far apart in time.
   bool regular() const { return !still() && everyMetres_ <= 0; }
@@ -150,7 +150,7 @@ class Trajectory {
   void readPoses(Fields& fields, double period, double limit);
   void readRecorded(Fields& fields, double period, double limit);
   void readDrive(Fields& fields, double period, double limit, std::uint64_t seed, const SceneLanes* lanes);
-  // Read the rest of a drive with `on`, and of a drive along waypoints or lanes: the path and the number of frames.
+  // Read the path and the number of frames: of a drive with the key `on`, and of a drive along waypoints or lanes.
   void readRandomDrive(Fields& fields, double limit, const Location& where);
   void readPathDrive(Fields& fields, double limit, const SceneLanes* lanes);
   void readPath(Fields& fields, const SceneLanes* lanes);

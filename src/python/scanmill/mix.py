@@ -237,7 +237,7 @@ def _joined(sample: Sample, other: Sample) -> Sample:
 
 def _renumbered(other: Sample, sample: Sample) -> Sample:
     """Returns the other sample with unused ids in place of the instance ids that both samples use; 0 is no id."""
-    used, ids = (  # of the sample and of the other one, ascending
+    used, ids = (  # ids of the sample and ids of the other sample, ascending
         np.unique(np.concatenate([np.empty(0, np.int64), *(s[name].astype(np.int64) for name in IDS if name in s)]))
         for s in (sample, other)
     )

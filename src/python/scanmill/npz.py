@@ -37,7 +37,7 @@ def read_npz(archive: bytes, name: str) -> dict[str, NDArray[Any]]:
 
 
 def _read_npy(members: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
-    # zipfile does not hold members of the other kinds to the size that they state.
+    # For other kinds of compression, zipfile does not enforce the size that a member states.
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError(f"{member.filename} is not compressed by deflate")
     content = members.read(member)

@@ -17,8 +17,8 @@ from .dataset import Path
 from .geometry import Pose, pose_matrix, quaternion_of
 from .words import require_known
 
-# For each camera of the cube the axes of its image (right, down) and its line of sight, in the sensor's axes (x forward,
-# y left, z up): front, and what one sees from there after turning to the side, tilting up or tilting down.
+# For each camera of the cube the axes of its image (right, down) and its line of sight, in the sensor's axes (x
+# forward, y left, z up): the front view, and the views after turning it to the side, up or down.
 CAMERAS = {
     "front": ((0, -1, 0), (0, 0, -1), (1, 0, 0)),
     "left": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),

@@ -207,7 +207,7 @@ class Scan:
         duration = starts[-1] - starts[0]  # s, from the first to the last column
         if not duration > 0:
             return transformed(self.poses[0], self.xyz)
-        fractions = (starts - starts[0]) / duration  # of the motion, by column
+        fractions = (starts - starts[0]) / duration  # by column: fraction of the motion at its firing time
         if len(self.poses) == len(starts) > 2 and (self.organised or "column" in self):
             column = np.arange(self.xyz.shape[1]) if self.organised else self["column"]
             return transformed(self.poses[column], self.xyz)

@@ -66,8 +66,8 @@ class SceneObject:
     """An object of a scene: all that is placed in it by one name."""
 
     pose: NDArray[np.float64]  # (4, 4), world from object, without scale
-    instances: list[int]  # its numbers in the column `instance`; empty for a class without instances, such as a road
-    moves: bool  # whether the scene itself moves it
+    instances: list[int]  # ids in the column `instance`; empty for a class without instances, such as a road
+    moves: bool  # True if the scene itself moves the object
 
     def __repr__(self) -> str:
         x, y, z = self.pose[:3, 3]
