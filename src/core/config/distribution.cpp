@@ -63,7 +63,7 @@ Normal readNormal(Fields& fields) {
   return {mean, deviation, ends};
 }
 
-// Returns the quantile `random` (0 to 1) of the distribution: uniform random numbers give normal ones.
+// Returns the quantile `random` (0 to 1) of the cut-off distribution; uniform numbers thus give random values.
 double sampleNormal(const Normal& normal, double random) {
   const double low = normalProbability((normal.ends.low - normal.mean) / normal.deviation);
   const double high = normalProbability((normal.ends.high - normal.mean) / normal.deviation);
@@ -71,7 +71,7 @@ double sampleNormal(const Normal& normal, double random) {
                     normal.ends.high);
 }
 
-// Returns a scalar in the place of the distribution: its location and key stay.
+// Returns a scalar with this text, at the file position and with the key of the distribution that it replaces.
 Value scalar(const Value& distribution, std::string text) {
   Value value = distribution;
   value.kind = Value::Kind::Scalar;
@@ -80,8 +80,7 @@ Value scalar(const Value& distribution, std::string text) {
   return value;
 }
 
-// Returns the integers of a choice such as [1, ..., 9], written with "..." between two integers; empty if the choice is
-// a list of items.
+// Returns the integers that a choice such as [1, ..., 9] stands for; empty if the choice has no "...".
 std::vector<PlacedInteger> readSpan(const Value& list) {
   const std::vector<Value>& items = readList(list, "choice");
   const bool spans = std::ranges::any_of(
@@ -90,7 +89,7 @@ std::vector<PlacedInteger> readSpan(const Value& list) {
   return spans ? readIntegers(list, "choice", -kMost, kMost) : std::vector<PlacedInteger>{};
 }
 
-// Returns an item of the choice. Its key, for messages, is the key of the distribution.
+// Returns an item of the choice `list`, with the key position of the distribution, which messages then name.
 Value itemOf(const Value& distribution, const Value& list, std::size_t index) {
   Value item = list.items[index];
   item.keyLine = distribution.keyLine;
@@ -116,12 +115,12 @@ std::vector<double> readWeights(Fields& fields) {
   return weights;
 }
 
-// Returns the index of the item that a random number from 0 to 1 selects. `weights`: one per item, or none if all are
-// equally likely.
+// Returns the index of the item that the random number `random` (0 to 1) selects. `weights`: one per item; empty if all
+// items are equally likely.
 std::size_t sampleIndex(const std::vector<double>& weights, std::size_t items, double random) {
   if (weights.empty()) return std::min(static_cast<std::size_t>(random * static_cast<double>(items)), items - 1);
   double remaining = random * std::accumulate(weights.begin(), weights.end(), 0.0);
-  std::size_t selected = 0;  // if rounding leaves a rest, the last item with a positive weight
+  std::size_t selected = 0;  // after rounding errors, the last item with a positive weight
   for (std::size_t i = 0; i < items; ++i) {
     if (weights[i] <= 0) continue;
     selected = i;
@@ -147,7 +146,7 @@ bool isStratified(Fields& fields) {
   return fields.choice("stratify", {"none", "split"}, "none") == "split";
 }
 
-// Returns the keys of a distribution, after a check that exactly one of them is `uniform`, `normal` or `choice`.
+// Returns the keys of a distribution. Throws InputError unless exactly one of them is `uniform`, `normal` or `choice`.
 Fields fieldsOf(const Value& value) {
   Fields fields(value, "distribution");
   fields.also({"uniform", "normal", "choice", "weights", "within", "per", "stratify"}).finish();
@@ -160,7 +159,7 @@ Fields fieldsOf(const Value& value) {
   return fields;
 }
 
-// Returns the value that a random number from 0 to 1 selects. `fields`: the result of fieldsOf().
+// Returns the value that the random number `random` (0 to 1) selects. `fields`: the result of fieldsOf().
 Value sample(Fields& fields, double random) {
   if (fields.has("choice")) return sampleChoice(fields, random);
   if (fields.has("normal")) {
@@ -171,8 +170,8 @@ Value sample(Fields& fields, double random) {
   return scalar(fields.value(), fmt::format("{}", number));
 }
 
-// Returns the end (see countCases()) that a distribution takes in a case. If the end is an item of a choice,
-// `caseNumber` becomes the number of the case for distributions within the item.
+// Returns the end (see countCases()) of a distribution in the case `caseNumber`. If the end is an item of a choice,
+// sets `caseNumber` to the case in which distributions within this item are replaced.
 Value endOf(const Value& value, std::size_t& caseNumber) {
   Fields fields = fieldsOf(value);
   const bool isLowEnd = caseNumber % 2 == 0;
@@ -182,7 +181,7 @@ Value endOf(const Value& value, std::size_t& caseNumber) {
     return scalar(value, fmt::format("{}", isLowEnd ? ends.low : ends.high));
   }
   const Value& list = fields.require("choice");
-  readWeights(fields);  // throws if they are wrong
+  readWeights(fields);  // throws if the weights are invalid
   const std::vector<PlacedInteger> span = readSpan(list);
   if (!span.empty()) {
     const auto [low, high] = std::ranges::minmax_element(span, {}, &PlacedInteger::value);
@@ -218,8 +217,8 @@ std::uint64_t permuted(std::uint64_t index, std::uint64_t count, RandomAddress a
   return index;
 }
 
-// Returns the random number from 0 to 1 that selects the value of a key. `fields`: the key's distribution. `place`:
-// where the sequence and the frame are in their split, for stratified distributions.
+// Returns the random number (0 to 1) that selects the value of a key. `fields`: the key's distribution. `place`:
+// position of the sequence and the frame in their split, which stratified distributions use.
 double randomNumberOf(const std::string& key, RandomAddress address, Fields& fields, const PlaceInSplit& place) {
   const bool perFrame = isPerFrame(fields);
   const bool stratified = isStratified(fields);
@@ -240,7 +239,7 @@ void forEachWithin(const Value& value, const auto& apply) {
   for (const Value::Entry& entry : value.entries) apply(entry.value);
 }
 
-// Appends an entry for each scalar and each empty value within a value that was sampled for a key.
+// Appends to `draws` an entry for each scalar and each empty value within `value`, which was sampled for `key`.
 void addValues(const Value& value, const std::string& key, std::vector<DrawnValue>& draws) {
   for (std::size_t i = 0; i < value.items.size(); ++i) {
     addValues(value.items[i], fmt::format("{}.{}", key, i), draws);
@@ -295,12 +294,12 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
   if (isDistribution(value)) {
     Value sampled = value;
     RandomAddress numbered = address;
-    // An item of a choice may be a distribution again: further numbers of the address (of 16) are used until it is not.
+    // The item of a choice may be a distribution, too. Each nested one uses the next of 16 numbers of the address.
     for (numbered.number = 0; isDistribution(sampled); numbered.number = (numbered.number + 1) % 16) {
       Fields fields = fieldsOf(sampled);
       sampled = sample(fields, randomNumberOf(key, numbered, fields, place));
     }
-    std::vector<DrawnValue> inner;  // not reported: the entries in `draws` show the complete item
+    std::vector<DrawnValue> inner;  // discarded: the entries in `draws` show the complete item
     sampled = withDraws(sampled, key, address, inner, place);
     addValues(sampled, key, draws);
     return sampled;

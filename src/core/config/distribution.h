@@ -28,19 +28,19 @@ namespace scanmill {
 
 struct RandomAddress;
 
-// A value that was sampled for a key, without other values in it: a sampled map or list gives a DrawnValue for each
-// value in it, such as "effects.2.weather.rate_mm_h".
+// A scalar that was sampled for a key. A sampled map or list gives a DrawnValue for each scalar within it, with a key
+// such as "effects.2.weather.rate_mm_h".
 struct DrawnValue {
   std::string key;      // as --set names it: "objects.0.town.length"
   std::string value;    // as YAML on one line
-  bool number = false;  // true: the value is a number, as JSON writes it
+  bool number = false;  // true: `value` is a number in JSON's notation
   bool operator==(const DrawnValue&) const = default;
 };
 
-// Places of a sequence and of a frame among the sequences and frames of their split, for `stratify: split`.
+// Positions of a sequence and of a frame in their split, for `stratify: split`.
 struct PlaceInSplit {
   std::string split;
-  std::uint64_t sequence = 0, sequences = 1;  // index of the sequence in its split, and their number
+  std::uint64_t sequence = 0, sequences = 1;  // index of the sequence in its split; number of the split's sequences
   std::uint64_t frame = 0, frames = 1;        // index of the frame among those of all sequences of the split
 };
 
@@ -61,8 +61,8 @@ const Value* findStratified(const Value& value);
 //
 // Values of a distribution with `stratify: split` are spread evenly over the n sequences (or frames) of the split: its
 // quantiles are n numbers at equal distances with one random offset, in random order (systematic sampling: Cochran,
-// Sampling Techniques, 1977, chapter 8). An item whose probability is p then occurs less than once more or less often
-// than n p times. Such a value depends on `place`, too.
+// Sampling Techniques, 1977, chapter 8). An item of probability p then occurs n p times, rounded up or down. Such a
+// value depends on `place`, too.
 Value withDraws(const Value& value, const std::string& key, const RandomAddress& address,
                 std::vector<DrawnValue>& draws, const PlaceInSplit& place = {});
 

@@ -43,7 +43,7 @@ std::string description(const Value& value) {
   throw InputError(value.where, "{} must be {}, not {}{}", what, expected, description(value), hint);
 }
 
-// Returns "a number from 1 to 5", or less if the interval [low, high] ends where the type's [lowest, highest] does.
+// Returns the noun with its bounds, such as "a number from 1 to 5"; leaves out a bound that is the type's own.
 template <class T>
 std::string bounded(std::string_view noun, T low, T high, T lowest, T highest) {
   if (low == lowest && high == highest) return std::string(noun);
@@ -396,7 +396,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     const std::size_t distance = editDistance(foldedWord, foldedName);
     const std::size_t longest = std::max(foldedWord.size(), foldedName.size());
     const bool hasPrefix = isPrefix(foldedWord, foldedName);
-    // A name is near if a third of the letters differ, or fewer; at least one letter must be the same.
+    // A name is near if at most a third of its letters (or one of two) differ, or if it begins the word or begins with
+    // it.
     if ((distance > std::max<std::size_t>(1, longest / 3) && !hasPrefix) || distance == longest) continue;
     // If two names are at the same distance, the name that begins the word, or begins with it, counts as nearer.
     const std::size_t cost = 2 * distance - (distance > 0 && hasPrefix ? 1 : 0);

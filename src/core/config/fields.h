@@ -72,15 +72,15 @@ class Fields {
   // empty value counts as an empty map.
   Fields(const Value& value, std::string what);
 
-  // Each of these marks the key as known.
+  // Each of these functions marks the key as known, so that finish() accepts it.
   bool has(std::string_view key) const;           // true if the key has a non-empty value
   const Value* find(std::string_view key) const;  // null if absent or empty
   const Value& require(std::string_view key);     // throws if absent; an empty value (Null) is returned
   const Location& where() const { return value_.where; }
   const Value& value() const { return value_; }
 
-  // Each of these returns the value of a key. If the key is absent or empty they return `fallback`; without a fallback
-  // they throw InputError.
+  // Each of these functions returns the value of a key. If the key is absent or empty, the function returns `fallback`;
+  // without a fallback it throws InputError.
   double number(std::string_view key, Range range, std::optional<double> fallback = {});
   std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high,
                        std::optional<std::int64_t> fallback = {});
@@ -111,7 +111,7 @@ class Fields {
   // Marks the keys in a description as known, such as step_m and gain in "step_m: 1 m, what it is\ngain: 2, ...".
   Fields& alsoDescribed(std::string_view keys);
 
-  // Throws an InputError for the first of the keys that is there. `why` follows its name in the message, such as "is
+  // Throws an InputError for the first of the keys that the map has. `why` follows the key in the message, such as "is
   // for waypoints".
   void refuse(std::initializer_list<std::string_view> keys, std::string_view why);
 
@@ -128,8 +128,8 @@ class Fields {
   mutable std::vector<std::string> known_;
 };
 
-// Returns the entry of `values` that the key names; the entry of `fallback`, which `values` must have, if the key is
-// absent.
+// Returns the entry of `values` whose name is the value of the key. If the key is absent, returns the entry with the
+// value `fallback`, which `values` must contain.
 template <class T, std::size_t n>
 const std::pair<const char*, T>& namedChoice(Fields& fields, std::string_view key,
                                              const std::pair<const char*, T> (&values)[n], T fallback) {
@@ -151,7 +151,7 @@ std::filesystem::path resolvePath(const Value& value, const std::string& name);
 // nearest existing file.
 std::filesystem::path resolveResource(const Value& value, const std::string& name, const std::string& subfolder);
 
-// Whether the height of a path may change.
+// Whether the height may change along a path.
 enum class Climbs { Yes, No };
 
 // Reads [[x, y, z], ...], at least two points, in metres. Throws an InputError with the place of a point that repeats

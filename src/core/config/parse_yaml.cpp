@@ -28,7 +28,7 @@ constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // largest size of all
 struct Extent {
   std::size_t nodes = 1;
   std::size_t bytes = 0;  // of all scalars and keys
-  std::size_t depth = 0;  // number of lists and maps within each other
+  std::size_t depth = 0;  // nesting depth of the lists and maps
 };
 
 Extent extentOf(const Value& value) {
@@ -48,7 +48,7 @@ Extent extentOf(const Value& value) {
   return extent;
 }
 
-// Explains yaml-cpp's messages about the commonest mistakes, and says what the author can do.
+// Returns a message that contains yaml-cpp's message and, for the commonest mistakes, what the author can do.
 std::string explain(const std::string& message) {
   static const std::array<std::pair<std::string_view, std::string_view>, 10> kAdvice{{
       {YAML::ErrorMsg::END_OF_SEQ_FLOW, "a list [ ... ] is not closed"},
@@ -98,7 +98,7 @@ class TreeBuilder : public YAML::EventHandler {
     refuseAsKey(mark, "is empty");
     Value value;
     value.where = locationOf(mark);
-    // If a key has no value, yaml-cpp gives its event the mark of the next token.
+    // yaml-cpp marks the empty value of a key at the next token. If this is on another line, use the key's position.
     if (!open_.empty() && open_.back().value.kind == Value::Kind::Map && open_.back().keyWhere.line != mark.line + 1) {
       value.where = open_.back().keyWhere;
     }

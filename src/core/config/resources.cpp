@@ -62,18 +62,18 @@ FileKind kindIn(const fs::path& subfolder) {
   return subfolder == "scenes" ? FileKind::Scene : FileKind::Unknown;
 }
 
-// Returns false if the YAML file is known to be of another kind.
+// Returns false if the YAML file is known to be of another kind than `expected`.
 bool mayBe(FileKind expected, const fs::path& file) {
   if (expected == FileKind::Unknown) return true;
   try {
     const FileKind kind = fileKind(readYaml(file));
     return kind == FileKind::Unknown || kind == expected;
   } catch (const InputError&) {
-    return true;  // a file with an error, or one that needs an environment variable
+    return true;  // the kind is unknown: the file is invalid, or needs an environment variable
   }
 }
 
-// Returns the names of the YAML files in a folder that may be of this kind, without their suffix.
+// Returns the names, without suffix, of the YAML files in a folder that are of this kind or of unknown kind.
 std::set<std::string> yamlNames(const fs::path& folder, FileKind kind = FileKind::Unknown) {
   std::set<std::string> names;
   std::error_code unreadable;
@@ -83,7 +83,7 @@ std::set<std::string> yamlNames(const fs::path& folder, FileKind kind = FileKind
   return names;
 }
 
-// Returns a path that starts in the folder of the file that contains `value`, or that --set changes.
+// Returns `name` as a path that starts in the folder of the file that contains `value`, or that --set changes.
 fs::path pathFromFile(const Value& value, const fs::path& name) {
   if (name.is_absolute()) return name;
   if (value.folder == ".") return name;  // the value comes from --set on a file of the current folder
@@ -124,7 +124,7 @@ fs::path resolvePath(const Value& value, const std::string& name) {
 
 fs::path resolveResource(const Value& value, const std::string& name, const std::string& subfolder) {
   const fs::path path = pathFromFile(value, name);
-  const bool isFromOtherFolder = !value.folder.empty() && path != name;  // --set also looks in the current folder
+  const bool isFromOtherFolder = !value.folder.empty() && path != name;  // true: --set also searches the current folder
   const auto userFile = [&](const std::string& userName) {
     const auto file = fileAt(pathFromFile(value, userName));
     return !file && isFromOtherFolder ? fileAt(userName) : file;
@@ -156,7 +156,7 @@ fs::path resolveResource(const Value& value, const std::string& name, const std:
     searchedFolders.push_back(fs::path(name).parent_path());
     message += fmt::format(", nor '{}' in the current folder", name);
   }
-  std::set<std::string> fileNames;  // a set, since two of the folders may be one
+  std::set<std::string> fileNames;  // a set, since two of the folders may be the same
   for (const fs::path& folder : searchedFolders) fileNames.merge(yamlNames(folder, kindIn(subfolder)));
   throw InputError(value.where,
                    message + suggestion(fs::path(name).stem().string(), {fileNames.begin(), fileNames.end()}));

@@ -17,7 +17,7 @@ namespace scanmill {
 // in a program that is not installed, the source tree that it was built from.
 std::filesystem::path resourceFolder();
 
-// True if a name has neither a slash nor a suffix: it then means one of the program's own files before any other.
+// True if a name has neither a slash nor a suffix. Such a name is searched among the program's own files first.
 bool isPlainName(const std::string& name);
 
 // Returns the file that an option of the command line names: by the path of a YAML file, or by the name (without
@@ -25,28 +25,28 @@ bool isPlainName(const std::string& name);
 // names existing files. For names within YAML files see resolveResource().
 std::filesystem::path namedResource(const std::string& name, const std::string& subfolder);
 
-// Returns the name of the program's file in a subfolder whose name is nearest to a wrong one; empty if none is near,
-// or if the wrong name is a path or has another suffix than .yaml.
+// Returns the name of the file in a subfolder of resourceFolder() that is nearest to the wrong name `name`; empty if
+// none is near, or if `name` is a path or has another suffix than .yaml.
 std::string nearestResource(const std::string& name, const std::string& subfolder);
 
 // Returns a file's path as datasets store it, which is the same on all machines: "scanmill:scenes/street.yaml" for one
-// of the program's own files, and for other files the path from `folder`, the folder of the pipeline file.
+// of the program's own files, and for other files the path relative to `folder`, the pipeline file's folder.
 std::string savedPath(const std::filesystem::path& file, const std::filesystem::path& folder);
-// Returns the file that savedPath() names.
+// Returns the path of the file that savedPath() stored as `saved`.
 std::filesystem::path fileOfSavedPath(const std::string& saved, const std::filesystem::path& folder);
 
-// Kinds of YAML files, which are recognised by keys that only the kind has, so that a message about a wrong file can
-// say what the file is.
+// Kinds of YAML files. A file's kind is recognised by keys that only this kind has, so that a message about a wrong
+// file can say what the file is.
 enum class FileKind { Unknown, Pipeline, Scene, Sensor, Ontology, Materials };
 
 // Returns the kind of a file; `root` is the value of the complete file.
 FileKind fileKind(const Value& root);
 
-// Throws an InputError that says what the file is and where it belongs, if it is of another kind than expected. A file
-// of unknown kind passes.
+// Throws an InputError if the file is of another kind than expected; the message says what the file is and where it
+// belongs. Accepts files of unknown kind.
 void expectKind(const Value& root, FileKind expected);
 
-// True if a file is named like an extract of OpenStreetMap, compressed or not.
+// True if a file's name contains a suffix of OpenStreetMap extracts, such as ".osm" in "town.osm.bz2".
 bool isMap(const std::filesystem::path& file);
 
 // Returns the first bytes of a file, at most `count`; none if it cannot be read.

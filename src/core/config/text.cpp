@@ -56,7 +56,7 @@ void checkText(std::string_view text, const std::string& file) {
   }
   int line = 1;
   std::size_t lineStart = 0;
-  bool isIndentation = true;  // true: only blanks stand before on the line
+  bool isIndentation = true;  // true: the line has only blanks so far
   for (std::size_t i = 0; i < text.size();) {
     const unsigned char c = byteAt(text, i);
     const Location where{file, line, static_cast<int>(i - lineStart) + 1};
@@ -104,7 +104,7 @@ std::string expandVariables(std::string_view text, const Location& where) {
 
 std::string quotedForMessage(std::string_view text) {
   std::size_t end = std::min<std::size_t>(text.size(), 60);
-  for (int k = 0; k < 3 && (byteAt(text, end) & 0xC0) == 0x80; ++k) ++end;  // not within a character
+  for (int k = 0; k < 3 && (byteAt(text, end) & 0xC0) == 0x80; ++k) ++end;  // do not cut within a UTF-8 character
   return fmt::format("'{}{}'", oneLine(text.substr(0, end)), end < text.size() ? "..." : "");
 }
 

@@ -25,7 +25,7 @@ std::string expandVariables(std::string_view text, const Location& where);
 // Returns the text in quotes, on one line, and cut to a length that fits into a message.
 std::string quotedForMessage(std::string_view text);
 
-// Returns how to write a text that was meant as a number; empty if it is one or has no digit.
+// Returns advice on how to write a text as a number; empty if the text is a valid number or has no digit.
 std::string numberAdvice(std::string_view text);
 
 // Returns the text with the letters A to Z in lower case.

@@ -27,7 +27,7 @@ std::vector<std::string> split(std::string_view path) {
   }
 }
 
-// Returns the index that a key of a path names in a list. `parent`: the list's name in messages.
+// Returns the index in `list` that a part of a dotted path gives. `parent`: the list's name in messages.
 std::size_t readIndex(const std::string& part, const Value& list, const std::string& parent, const Location& where) {
   std::size_t index = 0;
   const char* end = part.data() + part.size();
@@ -66,8 +66,8 @@ void setFolder(Value& value, const std::string& folder) {
   for (Value::Entry& entry : value.entries) setFolder(entry.value, folder);
 }
 
-// True if a plain scalar of YAML needs no quotes within {...} and [...], after the "=" of --set and in a shell's
-// quotes.
+// True if a YAML scalar needs no quotes: neither within {...} and [...], nor after the "=" of --set, nor in a word that
+// is quoted for a shell.
 bool staysPlain(const std::string& text) {
   const auto isWord = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; };
   const auto isAllowed = [&](char c) {
@@ -78,7 +78,7 @@ bool staysPlain(const std::string& text) {
          std::ranges::all_of(text, isAllowed);
 }
 
-// Returns the text in double quotes, with escapes for characters that nobody sees.
+// Returns the text in double quotes, with escapes for invisible characters.
 std::string doubleQuoted(std::string_view text) {
   std::string quoted = "\"";
   for (std::size_t i = 0; i < text.size();) {
@@ -94,7 +94,7 @@ std::string doubleQuoted(std::string_view text) {
   return quoted + '"';
 }
 
-// Doubles dollars, since a single dollar begins a variable in values (not in keys).
+// Doubles each dollar, since a single dollar begins a variable in values (but not in keys).
 std::string doubledDollars(std::string_view text) {
   std::string doubled;
   for (const char c : text) doubled += c == '$' ? std::string("$$") : std::string(1, c);
@@ -143,17 +143,17 @@ void setValue(Value& root, std::string_view assignment) {
   if (keys.size() > kMaxPathLength) throw InputError(where, "has more than {} keys", kMaxPathLength);
 
   Value value = parseYaml(assignment.substr(equals + 1), where.file);
-  // A single value needs no line and column: the name of its key is enough.
+  // For a single value, messages name the key of --set instead of a line and column.
   if (value.kind == Value::Kind::Null || value.kind == Value::Kind::Scalar) value.where = where;
   const std::string folder = std::filesystem::path(root.where.file).parent_path().string();
   setFolder(value, folder.empty() ? "." : folder);
 
-  // Go to the list or map with the last key.
+  // Find the list or map that contains the last key; missing maps are created.
   const std::string lastKey = keys.back();
   keys.pop_back();
   Value* parent = &root;
   std::string parentName = "the file";  // for messages
-  std::string prefix;                   // the keys that lead to `parent`
+  std::string prefix;                   // dotted path of `parent`
   for (const std::string& key : keys) {
     parent = &childOf(*parent, key, parentName, where);
     prefix += (prefix.empty() ? "" : ".") + key;

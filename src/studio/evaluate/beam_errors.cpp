@@ -78,7 +78,7 @@ struct GroupSum {
   }
 };
 
-// Returns a group for each band, up to the last with beams, without spreads. `sums`: one per band.
+// Returns a group for each band up to the last band with beams. Does not set spreads. `sums`: one per band.
 template <std::size_t N>
 std::vector<ErrorGroup> bands(const std::array<double, N>& edges, const char* unit,
                               const std::array<GroupSum, N - 1>& sums) {
@@ -164,7 +164,7 @@ class BeamErrorSum::Impl {
   }
 
  private:
-  // The beams of an object instance, and those of them whose tested hit is on it.
+  // Numbers of beams: `beams` have a true hit on the object instance, `beamsFound` have a tested hit on it as well.
   struct InstanceBeams {
     std::uint64_t beams = 0, beamsFound = 0;
   };
@@ -188,7 +188,7 @@ class BeamErrorSum::Impl {
     classes_[semantic].add(beam);
   }
 
-  // Adds a beam to the groups that only a true hit determines.
+  // Adds beam `i`, which has a true hit, to the groups by incidence and to the counts of the instance that it hits.
   void addToTrueGroups(const Hits& exact, std::size_t i, const BeamOutcome& beam) {
     if (const double cosine = exact.incidence[i]; !std::isnan(cosine)) {
       incidences_[bandOf(kIncidenceEdges, degrees(std::acos(std::clamp(cosine, 0.0, 1.0))))].add(beam);
@@ -200,7 +200,7 @@ class BeamErrorSum::Impl {
     instances_[exact.instance[i]].beamsFound += beam.sameInstance ? 1 : 0;
   }
 
-  // Returns the instances by size, in bands up to the last with instances. `edges`: of the bands. `side`: the measure.
+  // Returns the groups of instances by `side` of their boxes, up to the last group with instances. `edges`: group ends.
   std::vector<SizeRecall> recall(std::span<const double> edges, double InstanceSize::*side) const {
     std::vector<SizeRecall> groups;
     for (std::size_t i = 0; i + 1 < edges.size(); ++i) {

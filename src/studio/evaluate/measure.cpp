@@ -185,8 +185,8 @@ std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, con
     TrueShot& truth = traced.emplace_back();
     truth.shot = std::move(shot);
     tracer.trace(truth.shot, kErrorChannels | options.channels, truth.truth);
-    // A method that samples as finely as the sensor may miss an edge by the angle between neighbouring columns. Tables
-    // with few columns have larger angles than the degree that is used at most.
+    // A method that samples as finely as the sensor may shift an edge by the angle between neighbouring columns. The
+    // angle is limited to one degree, since tables with few columns have larger angles.
     const BeamTable& beams = *truth.shot.beams;
     truth.edges = edgeBeams(*rays, truth.shot, std::min(beams.field / std::max(beams.columns, 1u), radians(1)));
     if (options.intensity) truth.intensity = options.intensity(truth.shot, truth.truth.hits);
@@ -262,7 +262,7 @@ std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits) {
   const BeamTable& beams = *shot.beams;
   if (hits.size() != beams.size()) throw Error("hits and beams are not of one sensor");
   requireOneRay(hits);
-  // Transforms to the sensor's frame at the start, one per step; empty: points stay in the frame of their step.
+  // Transforms from the sensor's frame at each step to its frame at the first step; empty: points are not transformed.
   std::vector<Affine> toStart;
   for (std::size_t step = 0; shot.deskew && step < shot.worldFromSensor.size(); ++step) {
     toStart.push_back(shot.startFromStep(step));

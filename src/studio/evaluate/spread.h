@@ -1,6 +1,6 @@
 #pragma once
 
-// Computes percentiles and means, and how far two sets of values are apart.
+// Computes percentiles and means, and how well two sets of values can be separated.
 
 #include <algorithm>
 #include <cmath>

@@ -45,7 +45,7 @@ std::optional<double> numberOf(const data* value) {
   return number;
 }
 
-// Formats numbers by the names of formats that text_template.h lists.
+// Functions that format a number, by the format's name in templates; text_template.h lists the formats.
 const std::map<std::string, std::function<std::string(double)>> kNumberFormats{
     {"m", metresText},       {"s", secondsText},
     {"amount", shortNumber}, {"share", shareText},

@@ -28,7 +28,7 @@ std::string_view endText(const KeyChange& advice) {
   return !advice.isEnd ? "" : advice.suggestedValue > advice.currentValue ? " (the most)" : " (the least)";
 }
 
-// Returns a chart with a row for each feature: how well it separates the sets, and how well the real set from itself.
+// Returns a chart with a row per feature: its separation of the two sets, and of two halves of the real set.
 Chart featureChart(const SetComparison& comparison) {
   Chart chart{.name = "features",
               .title = "What separates the sets",

@@ -17,7 +17,7 @@ namespace scanmill {
 namespace {
 
 constexpr int kBarHeight = 21, kAxesHeight = 120;  // pixels: of a bar, and of a chart without its bars
-constexpr std::size_t kMostClasses = 12;  // number of classes that a stacked bar shows if it combines further classes
+constexpr std::size_t kMostClasses = 12;           // maximum number of classes in a stacked bar beside "other classes"
 constexpr const char* kOtherFill = "#8b949e";
 
 // Returns the classes for which count(class) is not zero, those with the largest count first.
@@ -42,9 +42,9 @@ struct DistanceRing {
   std::size_t first = 0, last = 0;  // indices of steps; `last` is excluded
 };
 
-// Returns few enough rings for a bar chart, which samplesPerMark reach to the last step with points. Rings are narrower
-// near the sensor, where most points are. The last step of DatasetSummary::steps, which has all larger distances, is a
-// ring.
+// Returns few enough rings for a bar chart; together they reach to the last step with points. Rings are narrower near
+// the sensor, where most points are. The last step of DatasetSummary::steps, which has all larger distances, is a
+// separate ring.
 std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
   const std::size_t count = summary.steps.count;
   std::size_t last = 0;
@@ -53,7 +53,7 @@ std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
       if (s.ranges[i] > 0) last = std::max(last, i + 1);
     }
   }
-  std::vector<std::size_t> ends;  // of the rings
+  std::vector<std::size_t> ends;  // end of each ring (index of a step)
   for (const std::size_t end : {5, 10, 20, 30, 40, 50, 60, 80, 100}) {
     if (end < count - 1) ends.push_back(end);
   }
@@ -85,7 +85,7 @@ Chart ringsChart(const DatasetSummary& summary) {
               .width = kHalfWidth,
               .height = 420};
   for (const DistanceRing& ring : rings) chart.x.names.push_back(ring.name);
-  // Adds a series to the chart. `ranges`: see pointsIn(). `fill`: colour; empty: the series' own.
+  // Adds a series to the chart. `ranges`: see pointsIn(). `fill`: colour; empty: the default colour of the series.
   const auto addBars = [&](const std::string& name, const std::string& fill, const std::vector<std::uint64_t>& ranges) {
     ChartSeries bars{.name = name, .mark = ChartMark::Bars};
     for (std::size_t i = 0; i < rings.size(); ++i) {
@@ -105,7 +105,7 @@ Chart ringsChart(const DatasetSummary& summary) {
   const auto classes = classesWith(summary, [](const ClassSummary& c) {
     return std::accumulate(c.ranges.begin(), c.ranges.end(), std::uint64_t{0});
   });
-  // A single further class is shown by itself.
+  // If only one class would be among the "other classes", it gets a series of its own instead.
   const std::size_t shown = classes.size() > kMostClasses + 1 ? kMostClasses : classes.size();
   std::vector<std::uint64_t> others(summary.steps.count, 0);
   for (std::size_t i = 0; i < classes.size(); ++i) {
@@ -181,10 +181,10 @@ Chart intensitiesChart(const DatasetSummary& summary) {
       });
 }
 
-// Returns a line for each sensor: points of the scans in the order of the samples, of which several are averaged if
-// they are many.
+// Returns a chart with a line for each sensor: points per scan over the samples. If there are more than kMostMarks
+// samples, each mark is the mean of several.
 Chart scanPointsChart(const Manifest& manifest) {
-  constexpr std::size_t kMostMarks = 400;  // of a line
+  constexpr std::size_t kMostMarks = 400;  // maximum number of marks of a line
   constexpr std::size_t kMostDots = 80;    // a line with more marks has no dots
   const std::size_t samplesPerMark = (manifest.samples.size() + kMostMarks - 1) / kMostMarks;
   Chart chart{.name = "scan_points",

@@ -197,8 +197,8 @@ class SummaryMaker {
     }
   }
 
-  // Finds instances with points of several classes, whose labels are probably wrong. Not among them are instances whose
-  // classes are usual in one object, such as tree and trunk: most instances with one of the classes also have the
+  // Finds instances with points of several classes, whose labels are probably wrong. Ignores instances whose classes
+  // are usual in one object, such as tree and trunk: most instances with the rarer of the two classes also have the
   // other.
   void findMixedInstances() {
     // Least number of instances with both classes that counts as usual; two are enough if one class never occurs alone.

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kBatchScans = 64;  // scans that are read before progress is reported
+constexpr std::size_t kBatchScans = 64;  // number of scans that are read between two reports of progress
 
 // Returns what is wrong with a shard; empty if nothing is.
 std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed) {
@@ -116,7 +116,7 @@ std::vector<ScanIndex> spreadScans(const Manifest& manifest, std::size_t most) {
     for (std::size_t i = 0; i < manifest.samples[s].scans.size(); ++i) scans.push_back({s, i});
   }
   if (scans.size() <= most) return scans;
-  std::vector<ScanIndex> spread;  // the middles of `most` equal parts
+  std::vector<ScanIndex> spread;  // the middle scan of each of `most` equal parts
   for (std::size_t k = 0; k < most; ++k) spread.push_back(scans[(2 * k + 1) * scans.size() / (2 * most)]);
   return spread;
 }

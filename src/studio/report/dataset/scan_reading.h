@@ -43,8 +43,8 @@ std::vector<ScanIndex> randomScans(const Manifest& manifest, const std::vector<b
 // file's size with the manifest, and its SHA-256 too if `hashed` is true.
 std::vector<std::string> shardFaults(const std::filesystem::path& folder, const Manifest& manifest, bool hashed);
 
-// Returns why something of a sample cannot be read, with paths from the dataset's folder. If the sample's shard is
-// damaged, this is the damage, so that all that is lost by it has the same text.
+// Returns why a part of a sample cannot be read, with paths relative to the dataset's folder. If the sample's shard is
+// damaged, returns the damage instead, which is the same text for all samples of the shard.
 std::string readingFault(const ScanStore& store, std::size_t sample, const InputError& error);
 
 struct ScanReading {

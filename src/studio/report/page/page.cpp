@@ -189,8 +189,8 @@ std::string shellWord(const std::string& word, bool quote) {
   return "'" + quoted + "'";
 }
 
-// Replaces "<" by an escape sequence, and controls that nobody sees by U+FFFD, as escapeXml() does. In JSON, both occur
-// only in strings, where the escape sequence has the same meaning; ASCII's controls are escaped there.
+// Replaces "<" by an escape sequence, and invisible control characters by U+FFFD, as escapeXml() does. In JSON, both
+// occur only in strings, where the escape sequence has the same meaning; ASCII's controls are escaped there.
 std::string scriptJson(const std::string& json) {
   std::string safe;
   safe.reserve(json.size());

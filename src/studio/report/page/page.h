@@ -47,7 +47,7 @@ Json chartValues(const std::vector<Chart>& charts);
 // Quotes a word for a shell command, if necessary. `quote`: quotes it in any case.
 std::string shellWord(const std::string& word, bool quote = false);
 
-// Escapes JSON for a <script> element.
+// Escapes JSON so that it can stand in a <script> element.
 std::string scriptJson(const std::string& json);
 
 // Contents of the files in this folder, which CMake embeds in the program.

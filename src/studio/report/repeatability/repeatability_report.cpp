@@ -85,7 +85,7 @@ std::string distanceText(const RepeatedPose& pose) {
   return fmt::format("{:.3g} m", pose.distance);
 }
 
-// Adds a line of the view's fitness over the distance, between two scans with the same noise level.
+// Adds a line: the fitness of pairs of scans with one noise level, against the distance of the view's poses.
 void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view, std::size_t level, FitnessKind kind,
              ChartSeries series) {
   for (const RepeatedPose* pose : posesByDistance(view)) {
@@ -94,7 +94,7 @@ void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view
   chart.series.push_back(std::move(series));
 }
 
-// Returns a chart of the method's views: the fitness between two scans with the reference noise, over the distance.
+// Returns a chart of the fitness of scans with the reference noise against their distance, a line for each view.
 Chart fitnessChart(const Repeatability& result, std::size_t method, FitnessKind kind, const char* name,
                    const char* title) {
   Chart chart = fitnessAxes(name, title,
@@ -108,7 +108,7 @@ Chart fitnessChart(const Repeatability& result, std::size_t method, FitnessKind 
   return chart;
 }
 
-// Returns a chart of the method's views: the number of points with the reference noise, over the distance.
+// Returns a chart of the number of points with the reference noise against the distance, a line for each view.
 Chart pointsChart(const Repeatability& result, std::size_t method) {
   Chart chart{.name = "points",
               .title = "Points against distance",
@@ -129,8 +129,8 @@ Chart pointsChart(const Repeatability& result, std::size_t method) {
   return chart;
 }
 
-// Returns a chart of the fitness between scans with the reference noise and those with each noise, a line for each
-// pose.
+// Returns a chart of the fitness of scans with the reference noise after ICP onto scans with each noise level: a line
+// for each pose.
 Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
   Chart chart{.name = "noise_levels"};
   chart.title = fmt::format("{}: {} against other noise", view.name, result.levels[result.reference]);
@@ -146,7 +146,7 @@ Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
   const std::size_t step = (poses.size() + kMostPoses - 1) / kMostPoses;
   for (std::size_t p = 0; p < poses.size(); p += step) {
     ChartSeries others = line(distanceText(*poses[p]), p / step);
-    ChartSeries reference = line("", p / step);  // the level of the source
+    ChartSeries reference = line("", p / step);  // the target has the reference level too
     reference.mark = ChartMark::Dots;
     for (std::size_t level = 0; level < result.levels.size(); ++level) {
       addFitness(level == result.reference ? reference : others, static_cast<double>(level),

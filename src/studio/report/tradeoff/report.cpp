@@ -251,7 +251,7 @@ std::size_t methodColor(const std::string& method) {
 }
 
 std::vector<std::size_t> settingColors(const std::vector<std::string>& settingMethods) {
-  const std::size_t methodColors = methods().size();  // the first colours of the palette
+  const std::size_t methodColors = methods().size();  // methods have the first colours of the palette
   std::vector<std::size_t> colors;
   std::size_t furtherSettings = 0;
   for (auto method = settingMethods.begin(); method != settingMethods.end(); ++method) {
@@ -262,7 +262,7 @@ std::vector<std::size_t> settingColors(const std::vector<std::string>& settingMe
 }
 
 std::vector<std::size_t> shownSettings(const Study& study, std::size_t most) {
-  std::vector<std::size_t> shown, fastest;  // `fastest`: of each method
+  std::vector<std::size_t> shown, fastest;  // `fastest`: the fastest setting of each method
   for (const std::string& method : methodsOf(study)) {
     const std::vector<std::size_t> settings = measuredSettings(study, method);
     if (settings.empty()) continue;

@@ -128,8 +128,8 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
   return chart;
 }
 
-// Returns the value of a setting for the name with index `name` on the x axis, and the text for its mark. The value is
-// NaN if there is none.
+// Returns the value of a setting for the name with index `name` on the x axis, and the text for the value's mark. The
+// value is NaN if the setting has none.
 using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
 
 // Returns `chart` with one series per setting, which has one value per name on the x axis. Values of one name are drawn
@@ -173,7 +173,7 @@ Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vecto
   chart.x.title = sizes;
   chart.y = {.title = "things found", .unit = "%", .high = 1};
   chart.height = 390;
-  std::vector<std::size_t> bands;  // bands with instances, of which all settings have the same
+  std::vector<std::size_t> bands;  // bands with instances; the same for all settings
   for (std::size_t b = 0; !settings.empty() && b < (errorsOf(study, settings[0]).*recall).size(); ++b) {
     const SizeRecall& band = (errorsOf(study, settings[0]).*recall)[b];
     if (band.instances == 0) continue;

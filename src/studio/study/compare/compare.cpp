@@ -20,7 +20,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestCompared = 50;  // a band with fewer patches of a set has no figure for this set
+constexpr std::size_t kFewestCompared = 50;  // a set with fewer patches in a band has no value for this band
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
 // Upper ends of the bands of ranges (m). A last band without upper end follows.
@@ -208,8 +208,8 @@ double overlapOf(const ClassGroups& groups) {
 }
 
 // Returns the groups of the real and of the simulated set by class, and sets `classes` and `unknownClasses` of the
-// result. The classes are those of the set that make the class frequencies of the two sets agree better; the real set's
-// if both agree equally.
+// result. Uses the classes of the set with which the class frequencies of the two sets agree better; those of the real
+// set if the frequencies agree equally well.
 std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   ClassGroups byReal = groupsByClassesOf(result.real, result.simulated);
   ClassGroups bySimulated = groupsByClassesOf(result.simulated, result.real);
@@ -245,8 +245,7 @@ void addGroups(SetComparison& result, const Groups& real, const Groups& simulate
                            [](const GroupComparison& g) { return std::max(g.realShare, g.simulatedShare); });
 }
 
-// Returns the separations by each feature, and sets `withinReal` of the result. Patches without a class are not
-// compared.
+// Returns the separations, one entry per feature, and sets `withinReal` of the result. Ignores patches without a class.
 std::vector<SeparationSums> separateFeatures(SetComparison& result, const Groups& realGroups,
                                              const Groups& simulatedGroups) {
   const Patches &real = result.real.patches, &simulated = result.simulated.patches;
@@ -307,7 +306,7 @@ OrderedJson changeJson(const KeyChange& change) {
           {"try", change.suggestedValue}};
 }
 
-// Returns the bands; `suffix`: appended to the keys of the values.
+// Returns the bands as a JSON array. `suffix`: appended to the keys of the values.
 OrderedJson bandsJson(const std::vector<BandComparison>& bands, const std::string& suffix = "") {
   return arrayOf(bands, [&](const BandComparison& band) -> OrderedJson {
     return {{"band", band.name}, {"real" + suffix, band.real}, {"simulated" + suffix, band.simulated}};

@@ -127,7 +127,7 @@ struct KeyChange {
   double real = 0, simulated = 0;  // the figure's values, as shown to users
   std::string_view unit;           // unit of the figure
   double currentValue = 0;
-  double suggestedValue = 0;  // would make the figures equal if nothing else influenced them
+  double suggestedValue = 0;  // value of the key with which the figures would be equal if nothing else influenced them
   bool isEnd = false;         // true: `suggestedValue` ends the key's allowed range, and the figures would still differ
 };
 
@@ -157,7 +157,7 @@ struct SetComparison {
 // a set has no labels, patches are grouped by shape instead of class.
 SetComparison compareSets(ScanSet real, ScanSet simulated);
 
-// Returns the comparison as JSON. `date`: written into the JSON.
+// Returns the comparison as JSON. `date`: date that the JSON states.
 std::string comparisonJson(const SetComparison& comparison, const std::string& date);
 
 // Returns the suggested changes. `effectItems`: effects of the simulated sensor, as returned by sensorEffectItems().

@@ -21,7 +21,7 @@ namespace {
 // A key of an effect and a figure that grows as a power of the key's value, if other influences stay the same.
 struct KeyInfluence {
   std::string_view figure;  // name of an entry in kPatchFeatures, kSetFigures or both
-  double leastFigure = 1;   // as shown to users; if both sets are below, their difference may be due to chance
+  double leastFigure = 1;   // if the figures (as shown to users) of both sets are below, they may differ by chance
   std::string_view effect, key;
   double power = 1;                // the figure is proportional to the key's value to the power 1 / power
   double lowest = 0, highest = 0;  // bounds of the key's value
@@ -63,9 +63,9 @@ FigurePair shownPair(const ComparedFigure& figure, double real, double simulated
   return {real * figure.factor, simulated * figure.factor, figure.title, figure.unit};
 }
 
-// Returns the figure with this name that describes the complete sets, which is corrected for chance; if there is none,
-// the figure that describes patches. Returns nothing if it is not positive in both sets, or if both figures exist and
-// suggest opposite changes, since something other than the key then causes the difference.
+// Returns the figure `name` of the complete sets, which is corrected for chance; if they have no such figure, the
+// feature `name` of patches. Returns nothing if the figure is not positive in both sets, or if figure and feature exist
+// and suggest opposite changes, since the difference then has another cause than the key.
 std::optional<FigurePair> figureFor(const SetComparison& comparison, std::string_view name) {
   std::optional<FigurePair> ofSets, ofPatches;
   for (std::size_t i = 0; i < kSetFigureCount; ++i) {
@@ -82,7 +82,7 @@ std::optional<FigurePair> figureFor(const SetComparison& comparison, std::string
   return isPositive(figure) ? figure : std::nullopt;
 }
 
-// Returns the effect with this name in a list of effects; the end if the list does not have it.
+// Returns an iterator to the effect with this name in a list of effects; the end iterator if there is none.
 auto effectNamed(const std::vector<Value>& effects, std::string_view name) {
   return std::ranges::find_if(effects, [&](const Value& v) { return readNamed(v, "an effect").name == name; });
 }

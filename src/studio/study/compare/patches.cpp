@@ -17,7 +17,7 @@ constexpr double kLevel = 25;               // angle to the horizontal (degrees)
 constexpr double kUpright = 65;             // angle to the horizontal (degrees) above which a plane counts as upright
 // Cosine of 60 degrees; at larger incidence angles offsets along the beam are not measured.
 constexpr double kLeastCosine = 0.5;
-// Points whose ranges differ by less than kNear (m), or by less than this fraction of the range, are on one surface.
+// Points are on one surface if their ranges differ by less than kNear (m) or by less than the fraction kNearShare.
 constexpr double kNear = 0.5, kNearShare = 0.1;
 
 struct Plane {
@@ -47,8 +47,8 @@ Plane planeOf(std::span<const Vec3d> points) {
   return plane;
 }
 
-// Measures patches one after the other. addPatch() first stores the patch's pixel, range and window in members, which
-// the functions that measure the features read. These set the last entry of each list in `out`, which is NaN before.
+// Measures patches one after the other. addPatch() first stores the patch's pixel, range and window in members, and
+// appends NaN to the lists in `out`. The functions that measure features then replace the last entry of their list.
 class PatchMeter {
  public:
   PatchMeter(const Scan& scan, const RangeGrid& grid) : scan_(scan), grid_(grid) {}
@@ -85,7 +85,7 @@ class PatchMeter {
   bool hasReturn(std::uint32_t pixel) const {
     return pixel != RangeGrid::kNone && grid_.point[pixel] != RangeGrid::kNone;
   }
-  // True if the pixel has a return on the same surface as the patch's middle, going by its range.
+  // True if the pixel has a return with so similar a range that it is on the surface of the patch's middle.
   bool onSurface(std::uint32_t pixel) const {
     return hasReturn(pixel) &&
            std::fabs(static_cast<double>(grid_.range[pixel]) - range_) < std::max(kNear, kNearShare * range_);
@@ -161,8 +161,8 @@ class PatchMeter {
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
   }
 
-  // Measures how far the middle is from both sides of an edge, as a fraction of the edge. A mixed pixel is between two
-  // continuous surfaces; gaps between leaves or twigs do not count.
+  // If the middle lies within a range step, sets its distance from the nearer end as a fraction of the step. Sets
+  // nothing unless both sides of the step are continuous surfaces, so that gaps between leaves or twigs do not count.
   void addMixed(Patches& out) const {
     const double edge = std::fabs(rangeAt(1) - rangeAt(-1));
     if (!(edge >= kEdge) || !isSmooth(-2, -1) || !isSmooth(1, 2)) return;
@@ -238,7 +238,7 @@ class PatchMeter {
     return sum / count;
   }
 
-  // Sets the intensity, its scatter against four neighbours in the ring, and its gain against the rings beside.
+  // Sets the intensity, its scatter relative to four neighbours in the ring, and its gain relative to adjacent rings.
   void addIntensity(Patches& out) const {
     const double intensity = static_cast<double>(scan_[kIntensity][grid_.point[pixel_]]);
     set(Feature::Intensity, intensity, out);
@@ -254,8 +254,8 @@ class PatchMeter {
     set(Feature::RingGain, std::fabs(static_cast<double>(out.ringGain.back())), out);
   }
 
-  // Sets the share of the window's beams without a return, and the share of the middle row's beams that are missing
-  // between two returns at one range.
+  // Sets the fraction of the window's beams without a return, and the fraction of the middle row's beams that have no
+  // return although both neighbours have returns at about the same range.
   void addMisses(Patches& out) const {
     const auto beams = std::ranges::count_if(window_, [](std::uint32_t pixel) { return pixel != RangeGrid::kNone; });
     const auto returns = std::ranges::count_if(window_, [&](std::uint32_t pixel) { return hasReturn(pixel); });

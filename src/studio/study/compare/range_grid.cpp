@@ -10,7 +10,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kTurn = 2 * kPi;
-// Azimuths of a ring that differ by less (rad) are those of several returns of one beam.
+// Points of a ring whose azimuths differ by less than this (rad) are returns of one beam.
 constexpr double kLeastStep = kTurn / 8192;
 
 // The indices of points in the scan, by ring.
@@ -64,8 +64,8 @@ class GridMaker {
     grid_.range[pixel] = range;
   }
 
-  // Returns the row of each ring. Rings with points are sorted from top to bottom by the median elevation of their
-  // points, and share the rows that their ring numbers give them; a ring without points keeps its row.
+  // Returns the row of each ring. Rows follow the ring numbers, but rings with points exchange their rows such that
+  // their median elevations decrease from top to bottom.
   std::vector<std::uint32_t> rowsOfRings(const PointsOfRings& ofRing) const {
     const auto rings = static_cast<std::uint32_t>(ofRing.size());
     std::vector<double> elevation(rings);  // median of each ring with points (rad)

@@ -34,7 +34,7 @@ struct ScanMeasures {
   std::uint64_t below = 0;               // beams of rings below the horizon
   std::uint64_t missing = 0;             // beams in `below` without a return
   std::uint64_t inRuns = 0, single = 0;  // beams in `missing` in runs of more than kLongRun, and in runs of one
-  // Of each scan with ground: the slope of its plane (m per m) and the ground's standard deviation from the plane (m).
+  // For each scan with ground: slope of the ground's plane (m per m), and the points' standard deviation from it (m).
   std::vector<double> slopes, residuals;
   std::vector<double> relief;  // standard deviation of the heights from each cell's plane (m)
 

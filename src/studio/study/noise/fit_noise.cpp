@@ -79,7 +79,7 @@ MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
   };
   MeasuredShare dropOut = count(patches);
   if (dropOut.beams == 0) return dropOut;
-  // If no return is lost, the bootstrap error would be 0, which is too small. The error is then one lost return.
+  // If no return is lost, the bootstrap error would be 0, which is too small; one lost return is the error instead.
   dropOut.error =
       dropOut.lost == 0
           ? 1 / static_cast<double>(dropOut.beams)
@@ -244,7 +244,7 @@ bool isBetweenKeys(const std::string& line) {
   return line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#';
 }
 
-// Lines of a file, from `first` to before `end`.
+// The lines of a file from index `first` to `end`, which is excluded.
 struct LineSpan {
   std::size_t first, end;
 };
@@ -255,8 +255,8 @@ std::string linesOf(const std::vector<std::string>& lines, LineSpan span) {
   return text;
 }
 
-// Returns the lines of the file's effects that are not replaced, each with the comments above it. `list`: the file's
-// effects. `key`: the lines of the key `effects` and its value. `newEffects`: see withEffects().
+// Returns the lines of the effects in a file that are not replaced, with the comments above each effect. `list`: the
+// file's effects. `key`: the lines of the key `effects` and its value. `newEffects`: see withEffects().
 std::string keptEffects(const Value& list, const std::vector<std::string>& lines, LineSpan key,
                         const std::string& newEffects) {
   std::vector<std::string> replaced;
@@ -264,7 +264,7 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
   for (const Value& item : fitted.find("effects")->items) replaced.push_back(readNamed(item, "an effect").name);
   const auto isReplaced = [&](std::string_view name) { return std::ranges::find(replaced, name) != replaced.end(); };
   if (isReplaced("range_noise")) replaced.insert(replaced.end(), {"dropout", "shell", "quantize"});
-  // The noise of a fitted response stands for speckle too.
+  // The noise of a fitted response includes speckle.
   if (isReplaced("intensity")) replaced.emplace_back("speckle");
   std::string kept;
   LineSpan item{key.first + 1, 0};  // an item with the comments above it
@@ -272,7 +272,7 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
     const auto nameLine = static_cast<std::size_t>(list.items[i].where.line - 1);
     item.end = key.end;
     if (i + 1 < list.items.size()) {
-      // The item ends before the comments above the next item.
+      // The item ends before the comments that belong to the next item.
       item.end = static_cast<std::size_t>(list.items[i + 1].where.line - 1);
       while (item.end > nameLine + 1 && isComment(lines[item.end - 1])) --item.end;
     }
@@ -331,7 +331,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   }
   fitLine(fit, used);
   FlatPatches usedPatches;
-  std::vector<FlatPatch> ringPatches;  // the same patches
+  std::vector<FlatPatch> ringPatches;  // copies of usedPatches, for fitRingErrors()
   for (const FlatPatch* p : steep) {
     // The mean range of a band lies in the band.
     const bool isUsed = std::ranges::any_of(
@@ -340,7 +340,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
     usedPatches.push_back(p);
     ringPatches.push_back(*p);
   }
-  constexpr std::uint32_t kDropOutStream = 1000;  // above those of the bands, see measureBands()
+  constexpr std::uint32_t kDropOutStream = 1000;  // above the stream numbers of the bands, see measureBands()
   fit.dropOut = dropOutOf(usedPatches, kDropOutStream);
   fit.rings = fitRingErrors(beams, scans, ringPatches);
   return fit;

@@ -73,8 +73,8 @@ struct PlaneFit {
 
 // Fits a plane by least squares of the range differences along the beams. First solves dot(plane, point) = 1, which is
 // linear in the plane but weights points by incidence; then Gauss-Newton steps minimise the range differences
-// themselves. `cells`: beams with a return. Returns nothing if they do not determine a plane, or if it is behind a
-// beam.
+// themselves. `cells`: beams with a return. Returns nothing if the points do not determine a plane, or if a beam does
+// not hit the plane.
 std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const Cell*>& cells) {
   std::vector<double> design, values;
   for (const Cell* cell : cells) {
@@ -177,7 +177,7 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   }
   std::vector<double> usual(groups(), 0.0);
   for (const std::size_t incidence : {0, 1}) {  // steep, grazing
-    // Noise does not decrease with range: from far to near, the least deviation so far is kept.
+    // Noise does not decrease with range: from far to near, a band gets at most the deviation of farther bands.
     double fartherDeviation = INFINITY;
     for (std::size_t band = bands; band-- > 0;) {
       const std::size_t group = 2 * band + incidence;
@@ -205,8 +205,8 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   return usual;
 }
 
-// Returns the flat windows among the candidates, which are in raster order, separately for each scan and colour of the
-// tested beams. Skips windows that overlap a chosen window. `usualOfGroup`: the result of usualDeviations().
+// Returns the candidates that are flat and do not overlap a chosen window. `candidates`: sorted by scan, then by colour
+// of the tested beams, then in raster order. `usualOfGroup`: the result of usualDeviations().
 std::vector<FlatPatch> chooseFlat(const std::vector<FlatPatch>& candidates, const std::vector<double>& usualOfGroup,
                                   const BeamImage& image) {
   std::vector<FlatPatch> chosen;
@@ -236,7 +236,7 @@ std::vector<FlatPatch> chooseFlat(const std::vector<FlatPatch>& candidates, cons
 
 // Sets the fits of the measured half and the number of points, if the half has enough returns.
 void addMeasuredHalf(const BeamTable& beams, const std::vector<const Cell*>& measured, FlatPatch& patch) {
-  constexpr double kLeastFree = 0.1;  // least 1 - leverage; other returns determine a coefficient almost alone
+  constexpr double kLeastFree = 0.1;  // least 1 - leverage of a counted return; others determine a coefficient alone
   if (measured.size() < kFewestMeasured) return;
   const LinearFit lines = fitLines(beams, measured, patch.plane);
   const std::optional<PlaneFit> plane = fitPlane(beams, measured);

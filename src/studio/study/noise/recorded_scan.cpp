@@ -189,8 +189,8 @@ double halfBeamSpacing(const BeamTable& beams) {
 
 constexpr double kSameRange = 2e-5;  // assumed error of ranges that are computed from float32 coordinates (m)
 
-// Returns a first estimate of the step (m), from the smallest gaps between sorted ranges; 0 if the step cannot be told
-// from rounding errors.
+// Returns a first estimate of the step (m), from the smallest gaps between sorted ranges; 0 if the step is too small to
+// be distinguished from rounding errors.
 double smallestGap(const std::vector<double>& sorted) {
   constexpr double kSmallestStep = 5e-4;  // m; smaller ones cannot be distinguished from rounding errors
   constexpr std::size_t kFewestGaps = 10;

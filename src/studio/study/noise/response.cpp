@@ -48,8 +48,8 @@ std::optional<std::size_t> bandOf(double range) {
   return static_cast<std::size_t>(std::ranges::upper_bound(kBands, range) - kBands.begin()) - 1;
 }
 
-// Returns the z coordinate of the ground (m): the most frequent one of the returns near the sensor; 0 if there are
-// none.
+// Returns the ground's z coordinate (m): the most frequent z coordinate of the returns near the sensor; 0 if no return
+// is near.
 double groundHeight(const Scan& scan) {
   constexpr double kStep = 0.1, kNearest = 5, kFarthest = 15;  // m: bins of height, ranges that count
   std::map<long, std::size_t> counts;
@@ -84,12 +84,12 @@ void addSurfaces(const Scan& scan, const std::vector<float>& measured, Surfaces&
   }
 }
 
-// A value with the weight that it has in a distribution.
+// A value and its weight in a distribution.
 struct Weighted {
   double value = 0, weight = 1;
 };
 
-// Values in ascending order, with the share of the weight below the middle of each.
+// A distribution of weighted values in ascending order. The share of a value is that of the weight below its middle.
 class Distribution {
  public:
   explicit Distribution(std::vector<Weighted> values) : values_(std::move(values)) {
@@ -103,7 +103,7 @@ class Distribution {
     }
   }
 
-  // Returns the quantile `share`, from 0 to 1, linear between the values. There must be values.
+  // Returns the quantile `share` (0 to 1), interpolated linearly. The distribution must have values.
   double quantile(double share) const {
     const auto k = static_cast<std::size_t>(std::ranges::lower_bound(share_, share) - share_.begin());
     if (k == 0) return values_.front().value;
@@ -111,7 +111,7 @@ class Distribution {
     const double fraction = (share - share_[k - 1]) / (share_[k] - share_[k - 1]);
     return values_[k - 1].value + fraction * (values_[k].value - values_[k - 1].value);
   }
-  // Returns the share of the weight that values of 0 have.
+  // Returns the fraction of the total weight that belongs to values of 0.
   double zeroShare() const {
     double zeros = 0, sum = 0;
     for (const Weighted& v : values_) {
@@ -123,10 +123,10 @@ class Distribution {
 
  private:
   std::vector<Weighted> values_;
-  std::vector<double> share_;  // of the weight below the middle of each value
+  std::vector<double> share_;  // fraction of the weight below each value, with half of its own
 };
 
-// Returns the step of which nearly all values are multiples; 0 if there is none. There must be values.
+// Returns the step: nearly all values are multiples of it. Returns 0 if there is no step. `values`: not empty.
 double stepOf(std::vector<double> values) {
   constexpr double kRounding = 1e-5;    // values that differ by less, relative to the largest, are equal
   constexpr double kTolerance = 0.05;   // largest distance of a multiple of the step, in steps
@@ -145,8 +145,8 @@ double stepOf(std::vector<double> values) {
   return static_cast<double>(multiples) >= kLeastShare * static_cast<double>(values.size()) ? step : 0;
 }
 
-// Returns the value of a simulated return from which a sensor with this model computes the intensity. `floor`: power
-// that it does not measure.
+// Returns the value of a simulated return from which a sensor with this model computes the intensity: the power above
+// `floor`, corrected for the range if the model is Reflectivity.
 double valueOf(const SurfaceReturn& s, double floor, ResponseModel model) {
   const double power = std::max(0.0, s.measured - floor);
   return model == ResponseModel::Power ? power : power * (s.range / kReference) * (s.range / kReference);
@@ -164,7 +164,7 @@ struct KindReturns {
   std::vector<SurfaceReturn> simulated;
 };
 
-// Returns the kinds with enough returns in both. Of many simulated returns of a kind, takes at most kMostReturns.
+// Returns the kinds with enough returns in both; of each kind, about kMostReturns simulated returns at most.
 std::vector<KindReturns> commonKinds(const Surfaces& recorded, const Surfaces& simulated) {
   constexpr std::size_t kMostReturns = 2000;  // limits the time
   std::vector<KindReturns> kinds;
@@ -180,17 +180,17 @@ std::vector<KindReturns> commonKinds(const Surfaces& recorded, const Surfaces& s
   return kinds;
 }
 
-// Returns `count` values, each `factor` times the one before, after the value 0.
+// Returns the value 0, followed by a geometric sequence: `count` values from `first` on with the ratio `factor`.
 std::vector<double> zeroAndGeometric(double first, double factor, int count) {
   std::vector<double> values{0};
   for (int k = 0; k < count; ++k) values.push_back(first * std::pow(factor, k));
   return values;
 }
 
-// Returns the floor and the dark value that give each kind of surface its share of recorded zeros, by least squares
-// over all returns; both are 0 if the recording has hardly any zeros. Faint echoes, which are far, are told from dark
-// surfaces, which are near too, by the ranges. Among pairs that are nearly equally good the smallest numbers are
-// returned.
+// Returns the floor and the dark value with which the share of zeros in each kind of simulated surface is nearest to
+// the recorded share, by least squares over all returns. The ranges distinguish faint echoes, which are far, from dark
+// surfaces, which may be near. Prefers small numbers among nearly equally good pairs. Both are 0 if the recording has
+// hardly any zeros.
 Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, ResponseModel model) {
   constexpr double kBetter = 0.98;  // larger numbers must reduce the sum of squares by this factor
   constexpr double kLeastZeroShare = 0.002;
@@ -213,7 +213,7 @@ Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, Respons
   };
   Darkness best;
   double least = INFINITY;
-  // If powers are reported, dark values and the floor are the same.
+  // With the model Power, the dark value would have the same effect as the floor, so only the floor is searched.
   for (const double dark : zeroAndGeometric(1e-3, 1.25, model == ResponseModel::Power ? 0 : 26)) {  // up to 0.3
     for (const double floor : zeroAndGeometric(1e-4, 1.15, 66)) {                                   // up to 1
       const double squares = squaresOf({floor, dark});
@@ -253,7 +253,7 @@ double respond(const ResponseTable& table, double value) {
   return table.back().second;
 }
 
-// Returns the weight of each kind of simulated surface: how many recorded surfaces one of them stands for.
+// Returns for each kind of surface the number of recorded surfaces per simulated surface, which is its weight.
 std::map<SurfaceKind, double> weightsOf(const Surfaces& recorded, const Surfaces& simulated) {
   std::map<SurfaceKind, double> recordedCells, simulatedCells;
   for (const SurfaceCell& c : recorded.cells) ++recordedCells[c.kind];
@@ -275,9 +275,8 @@ void addRow(ResponseTable& table, double value, double intensity) {
   table.emplace_back(value, intensity);
 }
 
-// Returns the values that do not fall from one to the next and have the least squared distance from the given values
-// (pool adjacent violators; Ayer et al., "An empirical distribution function for sampling with incomplete information",
-// 1955).
+// Returns the nondecreasing sequence with the least squared distance from the given values (pool adjacent violators;
+// Ayer et al., "An empirical distribution function for sampling with incomplete information", 1955).
 Eigen::ArrayXd rising(const Eigen::ArrayXd& values) {
   std::vector<std::pair<double, Eigen::Index>> pools;  // mean and number of values
   for (const double v : values) {
@@ -300,10 +299,10 @@ Eigen::ArrayXd rising(const Eigen::ArrayXd& values) {
   return result;
 }
 
-// Changes the intensities of a table as little as possible so that they grow at most in proportion to the value, as
-// those of receivers do: recorded surfaces whose reflectances differ more than those of the simulated ones must not
-// make the response steeper than that. In logarithms, both the intensities and the values less the intensities must
-// rise. Alternates between both conditions (Dykstra, "An algorithm for restricted least squares regression", 1983).
+// Changes the intensities of a table as little as possible such that they grow at most in proportion to the value, as
+// in real receivers. Otherwise, larger differences of reflectance in the recorded than in the simulated scans would
+// make the response too steep. In logarithms, neither intensities nor value minus intensity may decrease. Alternates
+// between both conditions (Dykstra, "An algorithm for restricted least squares regression", 1983).
 void limitSlope(ResponseTable& table) {
   constexpr int kRounds = 500;  // chosen by eye
   const auto first = std::ranges::find_if(table, [](const auto& row) { return row.second > 0; });
@@ -362,7 +361,7 @@ void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::m
   }
 }
 
-// Returns ResponseFit::misfit of a fit with a table. `weights`: the result of weightsOf(), whose kinds are compared.
+// Returns ResponseFit::misfit of a fit that has a table. `weights`: result of weightsOf(); its kinds are compared.
 double misfitOf(const Surfaces& recorded, const Surfaces& simulated, const std::map<SurfaceKind, double>& weights,
                 const ResponseFit& fit) {
   std::map<SurfaceKind, std::vector<double>> ofRecorded, ofSimulated;  // medians of the cells
@@ -384,8 +383,8 @@ double misfitOf(const Surfaces& recorded, const Surfaces& simulated, const std::
   return std::sqrt(sum / count) / (quantileOf(intensities, 0.95) - quantileOf(intensities, 0.05));
 }
 
-// Returns the standard deviation that intensities have within a cell, as the median over all cells without zeros. Cells
-// have kFewestInCell returns or more. intensityOf(return): the intensity of a return.
+// Returns the median, over all cells without zeros, of the standard deviation of intensities in a cell. Cells have at
+// least kFewestInCell returns. intensityOf(return) returns the intensity of a return.
 double scatterOf(const std::vector<SurfaceCell>& cells, const auto& intensityOf) {
   std::vector<double> deviations;
   for (const SurfaceCell& cell : cells) {
@@ -403,7 +402,7 @@ double scatterOf(const std::vector<SurfaceCell>& cells, const auto& intensityOf)
   return medianOf(std::move(deviations));
 }
 
-// Sets how the sensor writes intensities: as bytes or not, and in which step. Throws InputError if all are equal.
+// Sets whether the sensor writes bytes, and the step of intensities. Throws InputError if all intensities are equal.
 void findScale(const std::vector<double>& intensities, ResponseFit& fit) {
   const auto [least, most] = std::ranges::minmax(intensities);
   if (least == most) throw InputError("the recorded intensities are all alike, so there is no response to find");
@@ -458,7 +457,7 @@ ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Sca
   const ResponseFit byReflectivity = fitted(ResponseModel::Reflectivity), byPower = fitted(ResponseModel::Power);
   ResponseFit fit = byPower.misfit < byReflectivity.misfit ? byPower : byReflectivity;
   fit.otherMisfit = std::max(byPower.misfit, byReflectivity.misfit);
-  // The receiver's noise is the scatter that the simulated scans do not have.
+  // The receiver's noise is the part of the scatter that the simulated scans do not have.
   const double scatter = scatterOf(ofRecorded.cells, [](const SurfaceReturn& s) { return s.measured; });
   const double withoutNoise = scatterOf(
       ofSimulated.cells, [&](const SurfaceReturn& s) { return respond(fit.table, valueOf(s, fit.floor, fit.model)); });

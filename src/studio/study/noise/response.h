@@ -28,16 +28,16 @@ struct ResponseFit {
   bool bytes = false;  // true: intensities are integers from 0 to 255; false: any numbers
   ResponseModel model = ResponseModel::Power;
   std::vector<std::pair<double, double>> table;  // value (power or reflectivity) and intensity, both ascending
-  // Increase of the intensity's logarithm for an increase of the value's, over the middle half of the surfaces. Errors
-  // of lasers' gains are larger in the power than in the intensity by this factor.
+  // Derivative of the intensity's logarithm with respect to the value's, over the middle half of the surfaces. A gain
+  // error of the intensity divided by this slope is the gain error of the power.
   double slope = 1;
   double floor = 0;  // power that the sensor does not measure; 1: a white target at 10 m; 0: none was found
   // Standard deviation of the intensity in parts of the full scale (255 for bytes, otherwise 1), beyond that of the
-  // simulated scans. It stands for speckle too if those have none.
+  // simulated scans. Includes speckle if the simulated scans have none.
   double noise = 0;
   double step = 0;    // step of the intensities, in parts of the full scale; 0: none was found
-  double misfit = 0;  // root of the mean squared difference between the medians of recorded and simulated surfaces,
-                      // over the bands of ranges, in parts of the span that nine tenths of the recorded surfaces have
+  double misfit = 0;  // RMS difference of the medians of recorded and simulated surfaces, over kinds of surfaces (band
+                      // of ranges, ground or not), as a fraction of the recorded 5 to 95 % span of intensities
   double otherMisfit = 0;                   // the same for the other model
   std::size_t recorded = 0, simulated = 0;  // numbers of surfaces
 };

@@ -49,7 +49,7 @@ struct PatchValues {
   std::vector<RingValue> logIntensities;  // natural logarithms of the intensities above 0
 };
 
-// Returns the values of the patch's returns. Ranges far from the plane are left out if there are at least kFewestBeams.
+// Returns the values of a patch. Ignores ranges far from the plane if the patch has at least kFewestBeams returns.
 PatchValues valuesOf(const BeamTable& beams, const BeamImage& image, const RecordedScan& scan, const FlatPatch& patch) {
   PatchValues values;
   std::vector<double> distances;  // absolute distances from the plane (m)
@@ -119,7 +119,7 @@ RingSpread ringSpreadOf(const std::array<RingSystem, 2>& halves) {
   }
   spread.rings = ringsInBoth.size();
   if (spread.rings < kFewestRings) return spread;
-  // Returns a half's errors of the rings in both halves, relative to their mean.
+  // Returns the errors that a half gives for the rings in both halves, minus the mean of these errors.
   const auto centredErrors = [&](const RingSystem& half) -> Eigen::VectorXd {
     const Eigen::VectorXd ofRings = half.solve()(ringsInBoth);
     return ofRings.array() - ofRings.mean();

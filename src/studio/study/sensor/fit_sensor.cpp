@@ -15,9 +15,9 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kFewestInRing = 20;  // least number of points in a ring that is used
-// Columns whose angle differs by at most this fraction from a full revolution count as a full revolution.
+// All columns together span a full revolution if their angle differs from it by at most this fraction.
 constexpr double kTurnTolerance = 0.015;
-constexpr double kLeastSpread = 1;     // least standard deviation (m) of a ring's axis distances, to find the origin
+constexpr double kLeastSpread = 1;     // least deviation (m) of axis distances in a ring that determines the origin
 constexpr double kSignificant = 3;     // number of standard errors from which an offset counts as not zero
 constexpr double kLeastOffset = 2e-3;  // smaller offsets (m) count as zero
 
@@ -64,7 +64,7 @@ std::optional<RingLine> fitRingLine(const std::vector<const Point*>& points) {
     sumXX += x * x;
     sumXY += x * y;
   }
-  const double variance = sumXX / n - sumX / n * (sumX / n);  // of x
+  const double variance = sumXX / n - sumX / n * (sumX / n);  // variance of x
   if (!(variance > kLeastSpread * kLeastSpread)) return std::nullopt;
   RingLine line;
   line.slope = (sumXY / n - sumX / n * (sumY / n)) / variance;
@@ -199,7 +199,7 @@ class SensorFitter {
     return std::atan2(distance * std::sin(angle), distance * std::cos(angle) - originOffset);
   }
 
-  // Finds the azimuth offset of each ring, and shifts the first azimuth so that their median is 0.
+  // Finds the azimuth offset of each ring, and shifts the first azimuth so that the median of the offsets is 0.
   void findAzimuthOffsets(double originOffset) {
     std::vector<double> ringOffsets;  // of the rings with enough points (rad)
     fit_.azimuthOffset.assign(fit_.rings, 0);
@@ -303,7 +303,7 @@ class SensorFitter {
     return steps;
   }
 
-  // Finds the duration of a revolution, and when each ring fires after the first; nothing if there are too few times.
+  // Finds the period of revolution and each ring's firing time after the first ring; sets nothing if times are too few.
   void findTimes() {
     // Points that are far apart determine the time per column more exactly.
     const std::vector<double> nearSteps = timeSteps(1), farSteps = timeSteps(fit_.columns / 2);
@@ -313,7 +313,7 @@ class SensorFitter {
     fit_.period = timeStep * 2 * kPi / std::fabs(step_);
     fit_.firing.assign(fit_.rings, std::numeric_limits<double>::quiet_NaN());  // of the rings with enough times
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
-      std::vector<double> times;  // of column 0, from each point
+      std::vector<double> times;  // time of column 0 according to each point
       for (const Point& p : rings_[ring]) {
         if (p.time) times.push_back(*p.time - timeStep * p.column);
       }

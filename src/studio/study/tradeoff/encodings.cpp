@@ -46,7 +46,7 @@ EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Sc
       encodeSeconds += shortestSeconds(repeats, [&] { text = format.encode(scan); });
       decodeSeconds += shortestSeconds(repeats, [&] { decoded = format.decode(text, encoding.name); });
       bytes += static_cast<double>(text.size());
-      const Scan returns = withoutMisses(scan);  // all that a format decodes that cannot store misses
+      const Scan returns = withoutMisses(scan);  // formats that cannot store misses decode only these
       points += static_cast<double>(returns.size());
       const bool misses = scan.organised && format.keepsMisses();
       result.largestError = std::max(result.largestError, largestError(misses ? scan : returns, decoded));

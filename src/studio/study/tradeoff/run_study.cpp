@@ -73,7 +73,7 @@ class StudyRun {
   }
 
  private:
-  // Sets the members of the study that no measurement is needed for.
+  // Sets the members of the study that do not need a measurement.
   void describe() {
     const Pipeline& pipeline = plan_.pipeline;
     study_.programVersion = kVersion;

@@ -134,7 +134,7 @@ class SensingStudy {
       truth.name += fmt::format(" {} mirrors, {} panes,", kTrueBounces, kTruePanes);
     }
     if (weather) truth.name += " weather,";
-    truth.name.pop_back();  // the last comma
+    truth.name.pop_back();  // removes the last comma
     std::vector<Variation> list{truth};
     // Adds a variation that differs from the truth by these changes.
     const auto add = [&](const std::string& name, const Changes& changes) {

@@ -133,7 +133,7 @@ struct Study {
 struct Advice {
   std::string need;     // such as "For exact ranges and labels", or "For centimetres; for speed at any price"
   std::string setting;  // name of the setting, see Setting::name; empty if none is good enough
-  std::string text;     // its speed and errors; if there is none, those of the nearest
+  std::string text;     // speed and errors of the setting, or of the nearest to the limits if none is good enough
 };
 // Returns the advice for all needs, in the order of the needs; nothing if no setting was measured.
 std::vector<Advice> advise(const Study& study);
@@ -214,7 +214,7 @@ double beamsPerSecond(const Study& study, const SettingResult& result);
 // True if the setting gives no options, so that all have their defaults.
 bool isDefault(const Setting& setting);
 
-// Returns the indices in Study::settings of the settings that were measured: of one method, or of all if it is empty.
+// Returns the indices in Study::settings of the measured settings of a method; of all methods if `method` is empty.
 std::vector<std::size_t> measuredSettings(const Study& study, const std::string& method = "");
 
 // Returns the Pareto front of time and an error, such as rangeP99(), as indices in Study::settings, the fastest first.
