@@ -69,12 +69,10 @@ struct FoundDevice {
   bool software = false;  // true: runs on the CPU
 };
 
-// Returns all devices, in the order in which opening them is tried. Opens each of them for a moment. Throws Error if
-// OpenGL cannot be loaded.
+// Opens all devices, and returns them in the order in which they are tried. Throws Error if OpenGL cannot be loaded.
 std::vector<FoundDevice> findDevices();
 
-// A buffer in a device's memory. Buffers and programs may outlive the ComputeDevice. Calls may come from any thread,
-// but not at the same time.
+// A buffer in a device's memory; may outlive the ComputeDevice. Calls may come from any thread, but one at a time.
 class ComputeBuffer {
  public:
   explicit ComputeBuffer(const ComputeDevice& device);
@@ -123,8 +121,7 @@ class ComputeReadback {
 };
 
 // A buffer that a program reads with texelFetch(), from a usamplerBuffer (Uint16, Uint32, Uint32x4) or a samplerBuffer
-// (Float32x4), and does not write. For scattered access, this is faster than a storage buffer, on llvmpipe by 10 to
-// 20 %.
+// (Float32x4), and does not write. For scattered access, it is 10 to 20 % faster than a storage buffer on llvmpipe.
 struct ComputeTable {
   enum class Texel { Uint16, Uint32, Uint32x4, Float32x4 };
   const ComputeBuffer* buffer;

@@ -1,7 +1,6 @@
 #pragma once
 
-// The interface of the plug-in libscanmill_gpu.so, which runs compute shaders (base/module.h). Other code uses
-// gpu/compute.h.
+// The interface of the plug-in libscanmill_gpu.so (base/module.h), through which gpu/compute.h runs compute shaders.
 
 #include <cstddef>
 #include <cstdint>
@@ -42,8 +41,7 @@ class ComputeBackend {
   virtual std::string name() const = 0;
   virtual bool software() const = 0;  // true: runs on the CPU
   virtual ComputeLimits limits() const = 0;
-  // Compiles a program. `text`: GLSL as described at ComputeProgram's constructor. All objects must be destroyed before
-  // the backend.
+  // Compiles a program. `text`: see ComputeProgram's constructor. All objects must be destroyed before the backend.
   virtual OwnedObject<GlProgram> makeProgram(const std::string& name, const std::string& text) = 0;
   virtual OwnedObject<GlBuffer> makeBuffer() = 0;
   // Gives the buffer this size (bytes). Its contents are undefined afterwards.

@@ -84,8 +84,7 @@ class MappedCopy {
 
 namespace {
 
-// Loads OpenGL's functions. GLEW also looks for an X display, and reports an error if there is none. This error is
-// ignored.
+// Loads OpenGL's functions with GLEW. Ignores the error that GLEW reports if there is no X display.
 void findFunctions() {
   glewExperimental = GL_TRUE;
   glewInit();

@@ -1,7 +1,6 @@
 #pragma once
 
-// Pinhole cameras and their images of passes, with one plane per channel, as renderers return them and EXR files store
-// them.
+// Pinhole cameras, and the images that renderers return and EXR files store: passes, with one plane per channel.
 
 #include <cmath>
 #include <cstdint>

@@ -119,8 +119,7 @@ void Resolver::resolve(std::span<const Camera> cameras, std::span<const PixelAdd
   });
 }
 
-// Looks up the records of the pixels [first, end), at most kLanes. The first loop prefetches what the second loop
-// reads.
+// Looks up the records of pixels [first, end), at most kLanes. The first loop prefetches records for the second.
 Resolver::PixelBlock Resolver::gatherBlock(const Job& job, std::size_t first, std::size_t end) const {
   PixelBlock block;
   block.first = first;

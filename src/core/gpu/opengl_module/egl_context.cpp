@@ -93,8 +93,7 @@ EGLContext newContext(EGLDisplay display, EGLConfig config) {
   return EGL_NO_CONTEXT;
 }
 
-// Creates a context on the candidate device and makes it current. Returns the reason if this fails, an empty text if it
-// succeeds.
+// Creates a context on the device and makes it current. Returns the reason for a failure; empty if it succeeds.
 std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLContext& context) {
   const auto getDisplay = entry<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (getDisplay == nullptr) return "it knows no platforms";

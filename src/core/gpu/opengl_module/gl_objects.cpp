@@ -9,8 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the compiler's or linker's log of a shader or program. `length` and `text`: the functions of OpenGL that give
-// the log's length and text.
+// Returns the log of a shader or program. `length`, `text`: OpenGL's functions that give the log's length and text.
 std::string logOf(GLuint object, void (*length)(GLuint, GLenum, GLint*),
                   void (*text)(GLuint, GLsizei, GLsizei*, GLchar*)) {
   GLint size = 0;

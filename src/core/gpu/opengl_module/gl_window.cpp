@@ -26,8 +26,7 @@ void GlWindow::start(int width, int height) {
   SetSize(width, height);
 }
 
-// Loads OpenGL's functions with GLEW. GLEW also looks for an X display, and reports an error if there is none. This
-// error is ignored.
+// Loads OpenGL's functions with GLEW. Ignores the error that GLEW reports if there is no X display.
 void GlWindow::OpenGLInitContext() {
   if (Initialized) return;
   const int display = GetGlobalWarningDisplay();

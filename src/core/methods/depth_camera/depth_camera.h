@@ -45,8 +45,7 @@ std::unique_ptr<Method> makeDepthCamera(const Scene& scene, Fields& options);
 using RendererMaker = std::function<std::unique_ptr<PassRenderer>()>;
 std::unique_ptr<DepthCamera> makeDepthCamera(const Scene& scene, Fields& options, RendererMaker renderer);
 
-// Returns a method without scene and renderer, which can only sample(): it samples passes from other sources. Options
-// for rendering have no effect.
+// Returns a method that can only sample() passes from other sources. Options for rendering have no effect.
 std::unique_ptr<DepthCamera> makePassSampler(Fields& options);
 
 }  // namespace scanmill

@@ -162,8 +162,7 @@ struct Spread {
   }
 };
 
-// A choice of cameras: `sides` side cameras, a camera that looks up and one that looks down. Each direction belongs to
-// one of the cameras.
+// `sides` side cameras, a camera that looks up and a camera that looks down. Each direction belongs to one camera.
 class Candidate {
  public:
   // Beams with a slope of more than `steep` upwards or downwards belong to the camera that looks up or down. `pitch`:

@@ -134,8 +134,7 @@ class Sampler {
     }
   }
 
-  // Finds the pixels of the first round: the pixel in the direction of the beam or, if originsDiffer(), the pixel of a
-  // point on the beam.
+  // Finds the pixels of the first round: in the beams' directions or, if originsDiffer(), of points on the beams.
   void findFirstPixels(Batch& batch) {
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
@@ -169,8 +168,7 @@ class Sampler {
     }
   }
 
-  // Fetches the batch's pixels, and rounds their depths as a z-buffer would. Half500 is not applied here, because it
-  // rounds points and not depths.
+  // Fetches the batch's pixels, and rounds depths as a z-buffer would. Half500 is not applied yet: it rounds points.
   void fetch(const Batch& batch) {
     addresses_.resize(batch.count);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
@@ -187,8 +185,7 @@ class Sampler {
     });
   }
 
-  // Computes hits from the batch's fetched pixels, and stores the hits that need no further round. `round`: number of
-  // this round, from 1.
+  // Computes hits from the fetched pixels, and stores hits that need no further round. `round`: counted from 1.
   void resolve(Batch& batch, int round) {
     needsRound_.assign(batch.count, 0);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {

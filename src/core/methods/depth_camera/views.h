@@ -1,7 +1,6 @@
 #pragma once
 
-// Internal to the depth camera's sampling: finds where beams fall in the images, and computes their ranges from the
-// pixels that they fall into.
+// Internal to sample.cpp: finds the pixels that beams fall into, and computes the beams' ranges from these pixels.
 
 #include <algorithm>
 #include <cmath>
@@ -224,8 +223,7 @@ inline void project(std::span<const CameraView> views, const double* x, const do
   }
 }
 
-// Fills `hits`, except `needsRound`, for the beams from `begin` to before `end` of a block, all of which fall into one
-// image.
+// Fills `hits`, except `needsRound`, for the beams [begin, end) of a block, which all fall into the image of `view`.
 inline void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld,
                     const BlockPixels& pixels, std::size_t begin, std::size_t end, const BeamBlock& block,
                     ImageHits& hits) {

@@ -85,8 +85,7 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
       const float x = p.x[i] - centres.x[block];
       const float y = p.y[i] - centres.y[block];
       const float z = p.z[i] - centres.z[block];
-      // If the exact distance is more than kExactLimit, use a lower bound that follows from the distance of the block's
-      // centre.
+      // For distances of more than kExactLimit, use a lower bound that follows from the distance of the block's centre.
       const float bound =
           std::max(blockDistance_[block] - std::sqrt(x * x + y * y + z * z) - brick::kRounding, kExactLimit);
       const float exact = std::sqrt(exact2[i]);

@@ -29,8 +29,7 @@ class BrickMaker {
   void make(const BrickFrame& frame, std::uint16_t* distance, std::uint32_t* triangleOrList,
             std::vector<std::uint32_t>& listEntries);
 
-  // Corners are processed in 27 blocks of 3 x 3 x 3 corners, one corner per lane; the surplus lanes repeat the last
-  // corner.
+  // Corners are processed in 27 blocks of 3 x 3 x 3 corners, one per lane. Surplus lanes repeat the last corner.
   static constexpr int kBlock = 27;
   static constexpr int kLanes = 32;
   using Lanes = std::array<float, kLanes>;
@@ -99,8 +98,7 @@ class BrickMaker {
 // Constants and functions that the parts of BrickMaker share; lengths are in voxels.
 namespace brick {
 
-// Twice the largest error (voxels) of distances computed in float32. Distances are reduced by kRounding, so that they
-// are never too large.
+// Twice the largest float32 error of distances (voxels). Distances are reduced by it, so that none is too large.
 constexpr float kRounding = 2e-5f;
 constexpr float kShortened = 1 - 1e-5f;  // factor on distances of bricks' centres, so that they are never too large
 constexpr float kRadius = 6.93f;         // distance from a brick's centre to its corners, rounded up: 4 sqrt(3)

@@ -92,8 +92,7 @@ NearestFacet BrickMaker::search(const BrickFrame& frame, const Vec3f& point, flo
   return nearest;
 }
 
-// Fills a block and returns true; returns false if the block has too many candidates. The block's distance is set in
-// both cases.
+// Sets the block's distance. Then fills the block and returns true, or returns false if its candidates are too many.
 bool BrickMaker::makeBlock(const BrickFrame& frame, int block) {
   const Points& centres = brick::kBlockCentres;
   const Vec3f centre{centres.x[block], centres.y[block], centres.z[block]};
@@ -123,8 +122,7 @@ bool BrickMaker::makeBlock(const BrickFrame& frame, int block) {
 // Sets the distances and nearest triangles of the corners of a crowded block, by a search for each corner.
 void BrickMaker::searchBlock(const BrickFrame& frame, int block) {
   const Points& p = brick::kBlockCorners[block];
-  // addListings() has compared each corner with all triangles at most this far away, because these are in the corner's
-  // list.
+  // Each corner's list has all triangles within this distance; addListings() has compared these with the corner.
   constexpr float kCompared = kListHalfSide - kMargin;
   const float compared2 = lists_ ? kCompared * kCompared : -1.0f;
   for (int i = 0; i < kBlock; ++i) {

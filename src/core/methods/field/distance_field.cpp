@@ -239,8 +239,7 @@ class Builder {
     }
   }
 
-  // Gives all bricks indices in a new pool of this field, including new bricks that were already appended to the
-  // earlier pool.
+  // Gives all bricks indices in a new pool, including new bricks that were already appended to the earlier pool.
   void startOwnPool() {
     const bool wereAppended = !bricks_.empty();
     const std::size_t count = reusedBricks_ + newEntries_.size();

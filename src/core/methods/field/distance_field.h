@@ -66,8 +66,7 @@ struct LevelBox {
   bool operator==(const LevelBox&) const = default;
 };
 
-// The position and extent of a field, which follow from the options and the sensor's position
-// (methods/particle/options.h).
+// The position and extent of a field. shapeOf() in methods/particle/options.h computes both.
 struct FieldShape {
   double voxel = 0.1;            // m, voxel size of level 0; level l has voxel * 2^l
   Vec3d centre;                  // m, relative to the world's origin; a corner of level 0's brick grid
@@ -121,8 +120,7 @@ struct DistanceField {
 // Returns the voxel size (m) of the level that is used at a point (field frame).
 double voxelSizeAt(const DistanceField& field, const Vec3f& point);
 
-// Returns the triangle stored at the corner nearest to a point (field frame), in a field without lists; kNoTriangle if
-// no triangle is near.
+// Returns the triangle (or kNoTriangle) of the corner nearest to a point (field frame), in a field without lists.
 std::uint32_t triangleAt(const DistanceField& field, const Vec3f& point);
 
 // The bricks near surfaces ("full bricks") of a moving field: fields at successive positions share a pool, so that

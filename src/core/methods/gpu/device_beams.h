@@ -1,7 +1,6 @@
 #pragma once
 
-// The beams of a shot on a device, for shaders that compute the shot's rays. Beam tables stay on the device; only poses
-// are uploaded for each shot.
+// Beams on a device, for shaders that compute rays. Beam tables stay on the device; for each shot, poses are uploaded.
 
 #include <algorithm>
 #include <cstddef>
@@ -24,8 +23,7 @@ class DeviceBeams {
   // Bytes per ray in the buffer of directions, which is the largest buffer.
   static constexpr std::uint64_t kBytesPerRay = 24;
 
-  // Shots that a device traces together, and their frames (frameOf()). The shots have the same beam table and equally
-  // many poses.
+  // Shots that a device traces together, and their frames (frameOf()). All have the same table and number of poses.
   struct Shots {
     std::vector<const Shot*> shots;
     std::vector<const ShotFrame*> frames;

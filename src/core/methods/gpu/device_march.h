@@ -119,8 +119,7 @@ class DeviceMarch {
 
   enum class Marching { All, BehindHoles };  // all particles, or only those that continue behind a hole
 
-  // reserve() makes room for `particles` particles and their records; run() marches them through the field of the last
-  // ensureUploaded().
+  // reserve() makes room for particles and their records; run() marches them through the field uploaded last.
   void reserve(bool lists, std::size_t particles);
   void run(const DistanceField& field, std::uint32_t maxSteps, std::size_t particles, Marching which);
 

@@ -183,8 +183,7 @@ void DeviceResolver::copyHits(std::span<const std::byte> columns, const Piece& p
   std::mutex mutex;  // guards `unresolved`
   const std::size_t before = unresolved.size();
   parallelFor(piece.count, kTableGrain, [&](std::size_t begin, std::size_t end) {
-    // Copies the rays [begin, end) of the piece from a column, which starts at the word `offset`, unless `channel` is
-    // empty.
+    // If `channel` is not empty, copies rays [begin, end) of the piece from the column that starts at word `offset`.
     const auto copy = [&]<class T>(std::size_t offset, std::vector<T>& channel) {
       constexpr std::size_t kWords = sizeof(T) / 4;
       if (channel.empty()) return;

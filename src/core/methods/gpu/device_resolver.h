@@ -43,14 +43,12 @@ constexpr std::uint32_t kCutOut = 2;    // some texels may let beams pass
 struct LabelTables {
   std::vector<TriangleRecord> records;     // one per triangle of World::baked
   std::vector<TexturedTriangle> textured;  // triangles whose material's texels are read
-  // One entry per material: bits of its reflectance, index of its first texel, width | height << 16 of its texture,
-  // flags.
+  // By material: bits of the reflectance, index of the first texel, width | height << 16 of the texture, flags.
   std::vector<DeviceWord> materials;
   std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), with kLetsPass if transparent
 };
 
-// Returns the tables of a flat world, in which nothing is instanced. Throws Error if a texture has more than 65535
-// texels along a side.
+// Returns the tables of a flat world (without instances). Throws Error if a texture has a side of over 65535 texels.
 LabelTables labelTables(const World& world);
 
 // The reason why a ray is neither a hit nor a miss: the bits of a NaN that is stored in place of the ray's range.

@@ -30,12 +30,11 @@ class GlMarcher {
   explicit GlMarcher(const GlMarcherLimits& limits = {});
 
   // Launches the particles of a shot, marches them and fills the channels that `hits` has with the results of resolve()
-  // (methods/particle/particles.h), all on the device and with the same bits as on the CPU. Adds the rays
-  // that end as neither hit nor miss, or that are left to the CPU, to `unresolved`, ascending. While one thread
-  // waits for the device or copies its results, other threads may submit work; waiting shots in the same field are
-  // dispatched together. Adds to the stages "upload" (of field and scene), "march" (submitting the work and waiting for
-  // its results) and "read_back" of `clock`. Throws Error, for instance if the beams or the hits do not fit into the
-  // device's buffers.
+  // (methods/particle/particles.h), all on the device and with the same bits as on the CPU. Appends the rays that
+  // end as neither hit nor miss, or that are left to the CPU, to `unresolved`, in ascending order. While a thread waits
+  // for the device or copies its results, other threads may submit work; waiting shots in the same field are dispatched
+  // together. Adds to the stages "upload" (of field and scene), "march" (submitting the work and waiting for its
+  // results) and "read_back" of `clock`. Throws Error, for instance if beams or hits do not fit into a device's buffer.
   void march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay>& unresolved, StageClock& clock);
   std::string device() const { return device_.name() + (device_.software() ? ", on the processor" : ""); }
 

@@ -60,8 +60,7 @@ class Method {
   virtual TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const = 0;
   // Returns which features of the scene the method models and which it leaves out, for `plan` and the manifest.
   virtual std::vector<ModelledItem> modelled() const = 0;
-  // Returns approximately how many bytes the loaded meshes of the scene and the method's caches take at present; `plan`
-  // reports the number.
+  // Returns approximately how many bytes the scene's loaded meshes and the method's caches take now, for `plan`.
   virtual std::uint64_t memoryBytes() const = 0;
   // Returns this method if it renders passes that can be saved (MethodCapabilities::passes), otherwise null.
   virtual const DepthCamera* depthCamera() const { return nullptr; }
@@ -93,8 +92,7 @@ struct MethodEntry {
   std::string_view keys;  // the options, a line for each: "name: default, meaning"
   MethodCapabilities can;
   std::array<std::uint8_t, 3> color;  // sRGB, colour of the method's points in pictures that compare methods
-  // Creates the method. `options`: the method's map in the pipeline; `make` calls options.finish(). The scene must
-  // outlive the method.
+  // Creates a method from its map in the pipeline, and calls options.finish(). The scene must outlive the method.
   std::unique_ptr<Method> (*make)(const Scene& scene, Fields& options);
 };
 

@@ -17,8 +17,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kMemoryFraction = 0.125;  // if pools are more than kFewestPools, fraction of the memory limit for them
-// The limit on the number of pools is never below this: pools for two drives, one under construction, and one that is
-// being released.
+// Least limit on the number of pools: for two drives, for a field under construction, and for a pool being released.
 constexpr std::size_t kFewestPools = 4;
 constexpr std::size_t kFieldsOfPool = 2;  // largest number of cached fields per pool, for two sensors of a vehicle
 
@@ -110,8 +109,7 @@ std::shared_ptr<const DistanceField> FieldStore::cachedField(const std::shared_p
   return cached->field;
 }
 
-// Builds the field from the cached fields of its world, the nearest first, and caches it. Catches exceptions: see
-// Construction::failure.
+// Builds the field from its world's cached fields, the nearest first, and caches it. Stores exceptions in `failure`.
 void FieldStore::build(Construction& construction, StageClock& clock) const {
   const TaskOrder::Task task(construction.done, construction.done);
   try {

@@ -14,7 +14,7 @@ double inverseOf(double component) {
   return 1 / (std::fabs(component) < kSmallest ? kSmallest : component);
 }
 
-// Clips the lines' sections to low <= coordinate <= high (m) on one axis. `origin`, `direction`: lines, on this axis.
+// Clips lines' sections to low <= coordinate <= high (m) along an axis on which lines have this origin and direction.
 void clip(double low, double high, const Lane& origin, const Lane& direction, Sections& sections) {
   for (int i = 0; i < kPacket; ++i) {
     const double inverse = inverseOf(direction[i]);

@@ -47,8 +47,7 @@ static_assert(kLanes <= 16);
 using LaneFloats = float[kLanes];
 using LaneWords = std::uint32_t[kLanes];
 
-// A set of lanes, one bit per lane. A loop over the set takes firstOf(lanes), and removes this lane by
-// `lanes &= lanes - 1`.
+// A set of lanes, one bit per lane. A loop takes firstOf(lanes), and removes this lane by `lanes &= lanes - 1`.
 using LaneBits = std::uint32_t;
 
 inline LaneBits bitsOf(Mask mask) {
@@ -76,8 +75,7 @@ struct LineCourse {
   float dx, dy, dz, high;
 };
 
-// The intersection of a line with a triangle. Its distance (m) from the point x y z of LineStart is numerator /
-// denominator.
+// A line's hit on a triangle, at the distance numerator / denominator (m) from the point x y z of LineStart.
 struct LineHit {
   float numerator, denominator;  // denominator > 0: the line hits the triangle
   std::uint32_t triangle;
@@ -92,8 +90,7 @@ class ListIntersector {
 
   ListIntersector(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
 
-  // The caller fills these arrays for the lines that it adds. `tie` (m): a later triangle of the list must be nearer by
-  // this length.
+  // The caller sets these for each line that it adds. A later triangle of a list must be nearer by `tie` (m).
   HWY_ALIGN_MAX LineStart start[kLines] = {};
   HWY_ALIGN_MAX LineCourse course[kLines] = {};
   HWY_ALIGN_MAX float tie[kLines] = {};
@@ -465,8 +462,7 @@ class ParticleStream {
     }
   }
 
-  // For particles in full bricks, loads the distances at the corners of the voxel or, with lists, at the corner that
-  // chooseCorners() chose.
+  // In full bricks, loads the distances at the voxel's corners or, with lists, at the corner of chooseCorners().
   void loadDistances(LaneGroup& group) const {
     if (hn::AllFalse(kFloats, isFull(hn::Load(kWords, group.entry)))) return;
     const Words cell = hn::Load(kWords, group.cell);

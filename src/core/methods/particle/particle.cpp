@@ -146,8 +146,7 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // Marches on the device. If the device leaves a ray to the CPU because of rounding, the CPU marches all rays of the
-  // ray's tile.
+  // Marches on the device. The CPU then marches all rays of tiles in which rounding left a ray to the CPU.
   UnreliableBeams marchOnDevice(const MarchJob& job, Hits& hits, StageClock& clock) const {
     std::vector<UnresolvedRay> unresolved;
     gl_->march(job, hits, unresolved, clock);

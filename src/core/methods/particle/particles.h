@@ -7,9 +7,8 @@
 // The march is sphere tracing (Hart 1996): particles march from the sensor through a distance field. The length of each
 // step is the radius around the particle in which the field has no surface. A particle ends where it hits a surface, at
 // the end of its path, or after its largest number of steps. The SIMD lanes of the CPU (march_stream.h) and the shaders
-// use float32 and only additions, multiplications, comparisons and conversions, in the same order and without
-// contraction to fused operations. Both therefore take the same steps, bit by bit, on any CPU or GPU that follows
-// IEEE 754.
+// use float32 and only additions, multiplications, comparisons and conversions, in the same order and without fused
+// operations. Both therefore take the same steps, bit by bit, on any CPU or GPU that follows IEEE 754.
 
 #include <array>
 #include <cstdint>
@@ -46,8 +45,7 @@ struct Particles {
   }
 };
 
-// Sets `particles` to kPacket particles for each tile, in the order of the tiles. In a tile with fewer beams, the
-// surplus particles are misses.
+// Sets `particles` to kPacket particles per tile, in the order of the tiles. Particles without a beam are misses.
 void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles);
 
 // The results of particles, in the order of the particles.

@@ -40,8 +40,7 @@ double rangeOf(const MarchJob& job, const HitRecords& records, std::size_t i) {
   return double{records.travelled[i]} * job.field().shape.voxel;
 }
 
-// Returns true if a particle's hit, at `point` (m, relative to the world's origin), is in a hole of the triangle's
-// texture.
+// Returns true if the hit at `point` (m, relative to the world's origin) is in a hole of the triangle's texture.
 bool isInHole(const MarchJob& job, std::uint32_t triangle, const Vec3d& point) {
   const Vec2d at = barycentric({&job.triangles(), nullptr, triangle}, point);
   return transparentAt(*job.sensorField.world, job.triangles(), triangle, at.x, at.y);

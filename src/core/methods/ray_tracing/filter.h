@@ -25,8 +25,7 @@ inline std::uint32_t instanceOf(const HitTriangle& hit) {
   return hit.placed == nullptr ? object : instanceId(hit.placed->firstInstanceId, object);
 }
 
-// The state of a packet while Embree traces it: the nearest hit of each ray so far. Lane i belongs to the ray with the
-// id i.
+// The nearest hit so far of each ray of a packet, while Embree traces the packet. Lane i has the ray with the id i.
 struct TieContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;

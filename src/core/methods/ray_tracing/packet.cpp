@@ -46,8 +46,7 @@ void findEnds(const PacketJob& job, const Tile& tile, float* ends) {
   }
 }
 
-// Traces a packet of rays and sets the nearest hits in `context`. `firedAt`, `ends`: by lane, see Pending and
-// findEnds().
+// Traces a packet and sets the nearest hits in `context`. `firedAt` (see Pending), `ends` (see findEnds()): by lane.
 void intersectRays(const PacketJob& job, const Rays& rays, const float* firedAt, const float* ends,
                    TieContext& context) {
   RTCRayHit16 packet;

@@ -20,8 +20,7 @@ void thingFilter(const RTCFilterFunctionNArguments* arguments);
 // modelled as in ray tracing.
 class Unobstructed {
  public:
-  // `worlds` and `boxes` must be of the same scene and must outlive this object. `worlds` must be built with
-  // thingFilter() for occlusions.
+  // `worlds` (with thingFilter() for occlusions) and `boxes` must be of one scene, and must outlive this object.
   Unobstructed(const Worlds& worlds, const ThingBoxes& boxes) : worlds_(worlds), boxes_(boxes) {}
 
   struct View {

@@ -22,8 +22,7 @@ bool alphaTested(const Scene& scene, const Surface& surface) {
   return material.alphaTested && material.texture != nullptr;
 }
 
-// Appends either the opaque or (`alpha`) the alpha-tested triangles of a mesh. fillPlanes() computes their planes
-// later, in parallel.
+// Appends the alpha-tested (if `alpha`) or the other triangles of a mesh. fillPlanes() computes their planes later.
 void appendTriangles(TriangleBlock& block, const Scene& scene, const BlockSource& source, bool alpha) {
   const Mesh& mesh = *source.mesh;
   std::vector<char> isAppended(mesh.surfaces.size());  // by surface

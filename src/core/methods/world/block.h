@@ -58,8 +58,7 @@ DeviceHandle makeDevice();
 // Returns the version of the Embree library in use, such as "4.3.3".
 std::string embreeVersion(RTCDeviceTy* device);
 
-// Embree's filter functions: for intersections with opaque and with alpha-tested triangles, and for occlusions. Null:
-// no filter.
+// Embree's filters of intersections with opaque and with alpha-tested triangles, and of occlusions. Null: no filter.
 struct HierarchyOptions {
   void (*solidFilter)(const RTCFilterFunctionNArguments*) = nullptr;
   void (*alphaFilter)(const RTCFilterFunctionNArguments*) = nullptr;

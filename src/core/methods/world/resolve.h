@@ -37,8 +37,7 @@ struct Tile {
 
 using Lane = double[kPacket];
 
-// Origins (m, relative to the world's origin) and unit directions of a tile's beams. Lanes without a beam repeat the
-// first beam.
+// Origins (m, relative to the world's origin) and unit directions of a tile's beams; surplus lanes repeat beam 0.
 struct Rays {
   int count = 0;
   alignas(64) Lane ox, oy, oz, dx, dy, dz;
@@ -77,8 +76,7 @@ float firingFraction(const BeamTable& beams, std::size_t ray, double duration);
 // Sets `rays` to the rays of a tile. `frame`: the shot's frame.
 void setUpRays(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
 
-// Sets `fractions` to the times at which a tile's rays fire, as firingFraction() does for one ray; lanes without a ray
-// get 0.
+// Sets `fractions`, by lane, to the values of firingFraction() for a tile's rays; 0 in lanes without a ray.
 void fillFiringFractions(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration, float* fractions);
 
 // Sets the lane's plane to the plane of a triangle that the lane's ray has hit at about the range `traced` (m).
@@ -141,8 +139,7 @@ void store(const std::vector<CompactMaterial>& materials, const Tile& tile, cons
 // Prefetches the memory that store() will write.
 void prefetchStore(const Tile& tile, Hits& hits);
 
-// Returns the barycentric coordinates of a point (m, relative to the world's origin) in the triangle that was hit: see
-// scene/reflectance.h.
+// Returns the barycentric coordinates (scene/reflectance.h) of a point (m, from the world's origin) in a triangle.
 Vec2d barycentric(const HitTriangle& hit, const Vec3d& point);
 
 inline void prefetch(const BlockTriangle& triangle) {

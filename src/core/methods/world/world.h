@@ -41,8 +41,7 @@ bool worldsMove(const Scene& scene, Instancing instancing);
 // hierarchy of triangles is rebuilt for each revolution.
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
 
-// The time of a revolution and the distance that its rays can reach. Both matter only in scenes in which something
-// moves: see Worlds.
+// The time of a revolution and the reach of its rays. Both matter only if something in the scene moves: see Worlds.
 struct Revolution {
   double time = 0;      // s, start of the revolution
   double duration = 0;  // s; 0: nothing moves

@@ -17,8 +17,7 @@ struct BlenderObject {
   std::uint32_t firstTriangle = 0;
 };
 
-// Largest number of triangles of an object. Blender writes a triangle's number as float32, which is exact up to this
-// number.
+// Largest number of triangles of an object. Blender writes triangle numbers as float32, exact up to this number.
 constexpr std::uint32_t kBlenderTriangles = std::uint32_t{1} << 24;
 
 // Writes scene.bin, arrays of little-endian numbers, and scene.json, which has the offset of each array in scene.bin.

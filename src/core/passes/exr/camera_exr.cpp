@@ -69,8 +69,7 @@ class CameraReader {
     refuse(attribute, fmt::format("must be of type {}", type));
   }
 
-  // Returns the value of an attribute of numbers. Throws InputError, with the attribute's meaning, if the file lacks
-  // it.
+  // Returns the value of an attribute of numbers. If the file lacks it, throws InputError with its `meaning`.
   template <class T>
   const T& require(const char* attribute, const char* type, const char* meaning) const {
     const T* value = optional<T>(attribute, type);

@@ -37,8 +37,7 @@ namespace {
 constexpr std::int64_t kMostAcross = 65536;                    // px, largest width and height of an image
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;  // 268 million
 constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
-// Upper bound of the compression ratio of OpenEXR's lossless methods: deflate encodes 258 bytes, the longest match, in
-// at least 2 bits.
+// Upper bound of the lossless compression ratio of OpenEXR: deflate's longest match has 258 bytes, in at least 2 bits.
 constexpr std::uint64_t kMostGain = 1100;
 constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // largest band of rows, unless 32 rows or a tile are more
 
@@ -198,8 +197,7 @@ void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
   input.readPixels(window.min.y + static_cast<int>(first), window.min.y + static_cast<int>(end) - 1);
 }
 
-// Returns true if a part's pixels are stored uncompressed as 4 bytes each, line by line and, within each line, channel
-// by channel.
+// Returns true if a part has uncompressed values of 4 bytes, line by line, and channel by channel in each line.
 bool isPlain(const Imf::Header& header) {
   if (header.hasTileDescription() || header.compression() != Imf::NO_COMPRESSION) return false;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
@@ -293,8 +291,7 @@ std::vector<ExrChannel> channelsOf(const std::string& name, const Imf::MultiPart
   return channels;
 }
 
-// Buffers the file in memory, because OpenEXR seeks back to fill in the offsets of the lines, and AtomicFile cannot
-// seek.
+// Buffers the file in memory: OpenEXR seeks back to fill in the offsets of lines, and AtomicFile cannot seek.
 class MemoryOutput : public Imf::OStream {
  public:
   explicit MemoryOutput(const char* name) : Imf::OStream(name) {}

@@ -46,8 +46,7 @@ void forIds(Planes& planes, const Visit& visit) {
   });
 }
 
-// Returns the channel called `name`, or otherwise the only channel of a layer with that name ("<layer>.<name>"); null
-// if the file has neither.
+// Returns the channel `name` or, if there is none, the only channel "<layer>.<name>"; null if the file has neither.
 const ExrChannel* findInAnyLayer(const ExrReader& file, const std::string& name) {
   if (const ExrChannel* channel = file.find(name)) return channel;
   const ExrChannel* layered = nullptr;
@@ -111,8 +110,7 @@ std::array<const ExrChannel*, 3> findNormal(const ExrReader& file) {
   return {};
 }
 
-// These functions throw an InputError that lists the file's channels if the pass is absent. They do not check the type
-// of the channels.
+// If the pass is absent, these throw an InputError that lists the file's channels. They do not check channels' types.
 const ExrChannel& requirePass(const ExrReader& file, std::string_view pass) {
   if (const ExrChannel* channel = findPass(file, pass)) return *channel;
   refuseAbsence(file, pass, fmt::format("the pass '{}'{}", pass, insteadOf(pass)));

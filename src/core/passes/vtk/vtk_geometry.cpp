@@ -13,8 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// Largest number of triangles in a chunk. With larger chunks, more triangles outside of the image are drawn; smaller
-// chunks need more draw calls.
+// Limit of a chunk. Larger chunks draw more triangles outside of the image; smaller chunks need more draw calls.
 constexpr std::size_t kChunkTriangles = 1024;
 
 // Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kFraction * the mesh's size. The
@@ -197,8 +196,7 @@ ChunkRange append(ViewBatch& batch, ViewBatch&& meshBatch) {
   return range;
 }
 
-// Reserves space for `triangles` triangles. Throws Error if they are more than `limit`. `cut`: true if they have
-// cut-outs.
+// Reserves space for triangles, with cut-outs if `cut` is true. Throws Error if the triangles are more than `limit`.
 void reserve(ViewBatch& batch, std::uint64_t triangles, bool cut, std::uint64_t limit) {
   if (triangles > limit) {
     throw Error(

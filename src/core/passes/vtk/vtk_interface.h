@@ -1,7 +1,6 @@
 #pragma once
 
-// The interface of the plug-in libscanmill_passes.so (see base/module.h), which uses VTK to render images whose pixels
-// are numbers of triangles.
+// The interface of the plug-in libscanmill_passes.so (base/module.h), which renders images of triangle numbers by VTK.
 
 #include <cstdint>
 #include <memory>

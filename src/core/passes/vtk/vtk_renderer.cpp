@@ -124,8 +124,7 @@ double leastDistance(const CameraFromMesh& map, const Vec3f& low, const Vec3f& h
                       gap(map.rows.z, map.translation.z)});
 }
 
-// A camera's view of a scene, drawn as an image whose pixels are the numbers of triangles. The scene and the geometry
-// must outlive the view.
+// A camera's view of a scene, drawn as an image of triangle numbers. Scene and geometry must outlive the view.
 class DrawnView {
  public:
   DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits)

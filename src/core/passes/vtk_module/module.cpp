@@ -299,8 +299,7 @@ constexpr std::uint32_t kGroup = 64;                              // local_size_
 constexpr std::size_t kMostAtOnce = std::size_t{kGroup} * 65535;  // most addresses per dispatch; OpenGL guarantees
                                                                   // 65535 groups
 
-// Reads pixels from several images. The shader loops over all images, because the index of a sampler must be the same
-// for all invocations.
+// Reads pixels from several images. Loops over all images: a sampler's index must be the same for all invocations.
 constexpr const char* kGather = R"(#version 430 core
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Addresses { uint addresses[]; };

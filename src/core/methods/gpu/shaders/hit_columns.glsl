@@ -46,8 +46,7 @@ Plane planeOf(uint triangle, dvec3 d) {
   return p;
 }
 
-// Returns the range from `o` to the plane along the ray of planeOf(). `errorBound`: largest difference from the range
-// that the CPU computes.
+// Returns the range from `o` to the plane along the ray of planeOf(). The CPU's differs by at most `errorBound`.
 double distanceTo(Plane p, dvec3 o, out double errorBound) {
   precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;

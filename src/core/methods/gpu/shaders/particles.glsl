@@ -1,5 +1,4 @@
-// The particles of the shots of a dispatch: their numbers and their rays. The storage buffers 0 to 3 are those of
-// rays.glsl.
+// The numbers and rays of a dispatch's particles. The storage buffers 0 to 3 are those of rays.glsl.
 
 // The block has the layout of ParticleParameters in gl_marcher.cpp.
 layout(std140, binding = 0) uniform Parameters {
@@ -27,8 +26,7 @@ layout(std140, binding = 0) uniform Parameters {
 
 #include "rays.glsl"
 
-// Finds the ray of particle `i` of the slice. Returns false, and the ray of another particle, if the particle is
-// surplus (MarchJob).
+// Finds the ray of particle `i` of the slice. Returns false, with another ray, for a surplus particle (MarchJob).
 bool particleRay(uint i, out uint ray, out dvec3 o, out dvec3 d) {
   uint shot = (first + i) / shotParticles;
   uint particle = (first + i) % shotParticles;

@@ -5,8 +5,7 @@ layout(std430, binding = 1) readonly restrict buffer Origins { float origins[]; 
 layout(std430, binding = 2) readonly restrict buffer Poses { double poses[]; };  // 12 numbers per pose: see appendPoses
 layout(std430, binding = 3) readonly restrict buffer Steps { uint stepOfColumn[]; };
 
-// Assumed relative error of quotients and roots: 2^-48, 16 units in the last place. OpenGL allows 2.5 units for
-// quotients and 4.5 for roots.
+// Assumed relative error of quotients and roots: 2^-48, or 16 ulp. OpenGL allows 2.5 ulp for quotients, 4.5 for roots.
 const double kSlack = 3.5527136788005009e-15LF;
 
 // True if all values that differ from `value` by at most `errorBound` round to the same float32, which is `rounded`.

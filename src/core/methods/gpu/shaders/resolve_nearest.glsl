@@ -1,5 +1,4 @@
-// Computes the hits in fields without lists, where particles stop at a surface. The tables 4 to 6 are those of
-// field.glsl.
+// Computes hits in fields without lists, where particles stop at a surface. Tables 4 to 6 are those of field.glsl.
 
 #include "resolve.glsl"
 
@@ -8,8 +7,7 @@
 #define kTrianglesBinding 6
 #include "field.glsl"
 
-// Converts a point to the field's frame. Returns false if the result's float32 bits could differ from those that the
-// CPU computes.
+// Converts a point to the field's frame. Returns false if the float32 result could have other bits than on the CPU.
 bool fieldFrame(dvec3 point, out vec3 q) {
   precise dvec3 place = (point - centre.xyz) * centre.w;
   bool certain = true;
