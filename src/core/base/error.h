@@ -4,8 +4,7 @@
 //
 //   throw InputError({"scene.yaml", 12, 3}, "unknown class '{}'", "raod");  // scene.yaml:12:3: unknown class 'raod'
 //
-// A message with further arguments is a format string of fmt; a message without arguments is used as it is, with
-// braces.
+// A message with further arguments is a format string of fmt; without arguments it is printed as it is.
 
 #include <fmt/core.h>
 
@@ -26,8 +25,7 @@ struct Location {
   std::string text() const;
 };
 
-// Thrown if the work fails, for example because the disk is full (exit code 1). The user cannot repair it by changing
-// the input.
+// Thrown if the work fails, for example because the disk is full (exit code 1). Changing the input does not help.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

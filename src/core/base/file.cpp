@@ -30,8 +30,7 @@ std::string reason() {
   return std::strerror(errno);
 }
 
-// Returns the ending of a temporary name. The random part distinguishes processes with the same id in several
-// containers.
+// Returns the ending of a temporary name. Its random part distinguishes equal process ids in several containers.
 std::string temporarySuffix() {
   std::string host = hostName().substr(0, 32);
   std::ranges::replace_if(

@@ -61,8 +61,8 @@ class [[nodiscard]] AtomicFile {
 
   void write(std::string_view bytes);
   std::size_t size() const { return size_; }  // bytes written so far
-  // Flushes the bytes to the disk, which may fail and take time. After flush(), commit() only renames the file and
-  // flushes the folder.
+  // Flushes the bytes to the disk, which may fail or be slow. commit() then only renames the file and flushes the
+  // folder.
   void flush();
   void commit();
 
@@ -75,8 +75,8 @@ class [[nodiscard]] AtomicFile {
   bool flushed_ = false;
 };
 
-// Writes a complete file by an AtomicFile. The first function creates the file's folder if it is missing. Throws Error
-// as AtomicFile does.
+// Writes a complete file by an AtomicFile. The first function creates a missing folder. Throws Error as AtomicFile
+// does.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 void writeFile(const std::filesystem::path& folder, const std::filesystem::path& path, std::string_view bytes);
 

@@ -127,8 +127,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
     if (failure != EINTR && isStillThere()) break;  // not there: the process that held the lock has just removed it
     descriptor_.close();
   }
-  // A shared lock without flock() writes no text, because another process would mistake it for the text of an exclusive
-  // lock.
+  // A shared lock without flock() writes no text, because another process would take the lock for an exclusive one.
   if (kind == LockKind::Alone || locked_) writeLockText();
   return true;
 }

@@ -30,8 +30,8 @@ class [[nodiscard]] FolderLock {
   ~FolderLock();
   FolderLock& operator=(FolderLock&&) = delete;  // neither copied nor moved
 
-  // Does the same as the constructor, but returns null if another process holds the lock, and then describes that
-  // process in `holder`.
+  // Does the same as the constructor, but if another process holds the lock, returns null and sets `holder` to its
+  // text.
   [[nodiscard]] static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& folder,
                                                            const std::filesystem::path& file, LockKind kind,
                                                            std::string& holder);

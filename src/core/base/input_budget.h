@@ -20,8 +20,7 @@
 namespace scanmill {
 
 // While such an object lives on a thread, the functions below count on this thread. If the thread has a budget already,
-// the new object joins it: all count together as long as the outermost object lives. Without a budget nothing is
-// counted.
+// the new object joins it: all count together until the outermost object ends. Without a budget nothing is counted.
 class [[nodiscard]] InputBudget {
  public:
   InputBudget();

@@ -17,8 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the least limit of a control group and the groups above it. A file that is absent or holds "max" sets no
-// limit.
+// Returns the least limit of a control group and the groups above it. A missing file or "max" means no limit.
 std::uint64_t leastLimit(const fs::path& root, const std::string& group, const char* file) {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   for (fs::path folder = fs::path(group).relative_path();; folder = folder.parent_path()) {

@@ -38,8 +38,8 @@ struct ModuleEntry {
 std::vector<std::string> programLibraryFolders();
 
 // Returns the module's object, from the first of `folders` that has the file. If the file is missing, cannot be loaded,
-// or was built from other sources than the program, throws an Error that says what fails without the module, and what
-// to build or install.
+// or was built from other sources than the program, throws an Error that says what fails without it, and what to build
+// or install.
 const void* loadModuleObject(const ModuleFile& file, const std::vector<std::string>& folders);
 
 template <class Interface>

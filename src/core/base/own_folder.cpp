@@ -15,9 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Opens the folder `below`, step by step from `folder`. If `isNew` is given, creates the folders that are missing, and
-// sets it to true if the last one is new. `file` and `what` begin the message if this fails: "a.txt: cannot be
-// written".
+// Opens the folder `below`, step by step from `folder`. If `isNew` is given, creates missing folders, and sets `isNew`
+// to true if the last folder is new. `file` and `what` begin the Error's message: "a.txt: cannot be written".
 Descriptor openFolder(const fs::path& folder, const fs::path& below, const fs::path& file, const char* what,
                       bool* isNew = nullptr) {
   constexpr int kFlags = O_PATH | O_DIRECTORY | O_CLOEXEC;

@@ -3,10 +3,9 @@
 // Creates, moves and removes files below a folder without following links, so that a folder that comes from somebody
 // else, such as an unpacked dataset, cannot make this program change files outside of it.
 //
-// In the functions that open or change something, `folder` must exist. It may itself be reached through links, because
-// the user has named it. `file`, `from`, `to` and `below` are paths that begin with `folder`. All functions throw
-// ForeignFile if a folder on the way down is a link or not a folder, and Error with the path and the reason for other
-// failures.
+// In functions that open or change something, `folder` must exist. It may be reached through links, because the user
+// has named it. `file`, `from`, `to` and `below` are paths that begin with `folder`. All functions throw ForeignFile if
+// a folder on the way down is a link or not a folder, and Error with path and reason for other failures.
 
 #include <filesystem>
 #include <string_view>

@@ -54,8 +54,7 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
       body(r.begin() * grain, r.end() == grains ? count : r.end() * grain);
     });
   };
-  // Isolates the loop: a thread that waits for the loop must not start an unrelated outer task, whose buffers would
-  // take memory meanwhile.
+  // Isolates the loop: a thread that waits for it must not start an unrelated outer task, whose buffers take memory.
   isolated(std::cref(loop));
 }
 

@@ -5,8 +5,7 @@
 
 namespace scanmill {
 
-// The length is the integral of the derivative's length, by Gauss-Legendre quadrature with five points (Abramowitz and
-// Stegun, table 25.4).
+// Integrates the derivative's length by Gauss-Legendre quadrature with five points (Abramowitz and Stegun, table 25.4).
 double Path::Segment::lengthOf(double from, double to) const {
   constexpr std::array<double, 5> kNode = {0.0, -0.538469310105683, 0.538469310105683, -0.906179845938664,
                                            0.906179845938664};

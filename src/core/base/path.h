@@ -15,8 +15,8 @@ namespace scanmill {
 // applications of Catmull-Rom curves", Computer-Aided Design 43(7), 2011.
 class Path {
  public:
-  // Creates the spline through at least two points (m). Consecutive points must differ, and the path must not turn
-  // straight back.
+  // Creates the spline through two or more points (m). Consecutive points must differ, and no turn may be straight
+  // back.
   explicit Path(const std::vector<Vec3d>& points);
   // Creates the straight lines through at least two points (m). A parabola rounds each corner: it begins and ends
   // `rounding` metres (above 0) from the corner, or half the distance to the nearer of the two neighbouring points if

@@ -76,8 +76,7 @@ constexpr RandomBlock randomBlock(const RandomAddress& a) {
                     {static_cast<std::uint32_t>(a.seed), static_cast<std::uint32_t>(a.seed >> 32)});
 }
 
-// Turns a random word into a number that is uniform in the open interval (0, 1). It is never 0, so that its logarithm
-// is finite.
+// Turns a random word into a uniform number in the open interval (0, 1): never 0, so that its logarithm is finite.
 constexpr double uniform(std::uint32_t bits) {
   return (bits + 0.5) * (1.0 / 4294967296.0);
 }

@@ -1,8 +1,7 @@
 #pragma once
 
 // Text for people, on standard output and standard error. Names that come from files (of members, nodes, columns) may
-// contain any bytes: a terminal must not execute them as commands, and a reader must not take them for lines of this
-// program.
+// contain any bytes: a terminal must not execute them as commands, nor a reader take them for lines of this program.
 
 #include <fmt/core.h>
 

@@ -40,8 +40,7 @@ class TaskOrder {
     TaskOrder& to_;
   };
 
-  // A scope in the thread that starts tasks and waits for them: calls to.give() at its start and from.take() at its
-  // end.
+  // A scope in the thread that starts tasks and waits for them: calls to.give() at the start, from.take() at the end.
   class [[nodiscard]] Wait {
    public:
     Wait(TaskOrder& to, TaskOrder& from) : from_(from) { to.give(); }

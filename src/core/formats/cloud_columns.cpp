@@ -11,8 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Converts stored numbers to values of a column. Labels and instances that mean none are replaced as adoptColumns()
-// says.
+// Converts stored numbers to values of a column. Replaces labels and instances that mean none, see adoptColumns().
 template <class Key, class Stored>
 std::vector<typename Key::Value> columnValues(Key key, const std::vector<Stored>& stored, const Location& where) {
   using Value = typename Key::Value;

@@ -30,8 +30,8 @@ bool isUnreadCloud(const std::string& suffix) {
   return suffix == ".e57" || suffix == ".pts" || suffix == ".ptx";
 }
 
-// True if the file .asc lists points: its first 4 KiB have a line that begins with three numbers and no word of a
-// height grid's heading.
+// True if a file .asc lists points: its first 4 KiB have a line that begins with three numbers, and no keyword of
+// grids.
 bool listsPoints(const std::filesystem::path& file) {
   std::string head = lowerCase(firstBytes(file, 4096));
   for (const char* word : {"ncols", "nrows", "rows:", "cols:"}) {

@@ -23,17 +23,16 @@ struct Cloud {
   std::string system = {};  // the coordinate system of a LAS (WKT or "EPSG:32632"); empty: not stated
 };
 
-// Returns the origin to use for a cloud near `position` (m). For each axis it is 0 if the position's coordinate is
-// within 1 km of 0, where float32 is exact to 0.1 mm; else it is the position's coordinate, rounded down to whole
-// metres.
+// Returns the origin to use for a cloud near `position` (m): for each axis 0 if the position's coordinate is within 1
+// km of 0, where float32 is exact to 0.1 mm; else the coordinate, rounded down to whole metres.
 Vec3d cloudOrigin(const Vec3d& position);
 
 // True if a file is a cloud that can be part of a scene, judged by its suffix; also for kinds of clouds that
 // readCloud() refuses with advice (.laz, .e57, .pts, .ptx). A .ply is a cloud if its header has no faces, and an .asc
 // if it lists points, but not if it does not exist or is empty. Throws InputError for a .ply with a damaged header.
 bool isCloud(const std::filesystem::path& file);
-// True if the file can be a recorded scan: a cloud, a .bin, or an .npz, which readCloud() refuses with advice. Throws
-// as isCloud().
+// True if a file can be a recorded scan: a cloud, .bin, or .npz, which readCloud() refuses with advice. Throws as
+// isCloud().
 bool isScan(const std::filesystem::path& file);
 // Returns all suffixes that readCloud() reads: ".pcd, .drc, ...".
 std::string scanSuffixes();

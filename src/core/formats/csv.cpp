@@ -5,8 +5,8 @@
 //
 // Numbers have the shortest digits that read back to the same bits, lines end with '\n', and misses of an organised
 // scan are "nan". The text does not describe the sensor: decode() returns one row per line, and rings and columns are
-// unknown. Columns that the table of columns lacks are kept as double-precision numbers. readCsv() reads the text of
-// other programs, too.
+// unknown. Columns that the table of columns lacks are kept as doubles. readCsv() also reads the text of other
+// programs.
 
 #include <fmt/format.h>
 

@@ -72,8 +72,8 @@ std::vector<std::uint16_t> asIntegers(std::span<const float> values) {
     const bool fits = values[i] >= 0 && values[i] <= 65535;  // false for NaN
     const auto integer = static_cast<std::uint16_t>(fits ? values[i] : 0.0f);
     integers[i] = integer;
-    // The sign is tested separately: with -fno-trapping-math g++ turns the two conversions into a truncation, which
-    // keeps the sign of -0.
+    // The sign is tested separately: with -fno-trapping-math g++ makes the two conversions a truncation, which keeps
+    // -0.
     const auto bits = std::bit_cast<std::uint32_t>(values[i]);
     differences |= (std::bit_cast<std::uint32_t>(static_cast<float>(integer)) ^ bits) | (bits >> 31);
   }
@@ -187,8 +187,7 @@ class DracoFormat : public Format {
     }
   }
 
-  // True if all values are valid for the column and may thus be rounded. A scan of another program may have invalid
-  // values.
+  // True if all values are valid for the column, so that they may be rounded. Other programs may store invalid ones.
   static bool allValid(const Column& column, const std::vector<float>& values) {
     if (!allFinite(values)) return false;
     if (column.validity != ColumnValidity::Interval) return true;

@@ -22,8 +22,7 @@ constexpr std::uint64_t kPointsPerByte = 64;
 constexpr std::uint64_t kMostBytesPerPoint = 256;
 constexpr int kDeepestMetadata = 8;
 
-// Checks the part of the file before the values, and refuses sizes for which the decoder would allocate too much
-// memory.
+// Checks the part of the file before the values, and refuses sizes for which the decoder would need too much memory.
 class HeaderCheck {
  public:
   HeaderCheck(std::string_view bytes, const std::string& what) : bytes_(bytes), where_{what, 0, 0} {}

@@ -67,8 +67,8 @@ double tableBits(const Histogram& h) {
          static_cast<double>(h.counts.size()) / 8;
 }
 
-// Returns the symbols' probabilities in units of 2^-precisionBits: at least 1 unit for a symbol that occurs; their sum
-// is exactly 1.
+// Returns the symbols' probabilities in units of 2^-precisionBits: at least 1 unit for a symbol that occurs; the sum is
+// 1.
 std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) {
   const std::int64_t one = std::int64_t{1} << precisionBits;
   std::vector<std::uint32_t> result(h.counts.size());
@@ -106,8 +106,8 @@ void appendTable(const std::vector<std::uint32_t>& probability, std::string& out
   for (std::size_t s = 0; s < probability.size(); ++s) {
     const std::uint32_t p = probability[s];
     if (p == 0) {
-      // The two low bits are 3; the six high bits count further symbols that do not occur. The last symbol of the table
-      // always occurs.
+      // The two low bits are 3; the six high bits count further symbols that do not occur. The table's last symbol
+      // occurs.
       std::size_t further = 0;
       while (further < 63 && probability[s + further + 1] == 0) ++further;
       out.push_back(static_cast<char>((further << 2) | 3));
@@ -196,8 +196,7 @@ std::uint8_t bitLength(std::uint32_t value) {
   return static_cast<std::uint8_t>(std::bit_width(value | 1u));
 }
 
-// Returns for each entry the length in bits of its widest component. The memory is valid until the next call on this
-// thread.
+// Returns for each entry the bit length of its widest component. The memory is valid until this thread's next call.
 template <std::size_t kComponents>
 std::span<const std::uint8_t> bitLengths(std::span<const std::uint32_t> symbols) {
   thread_local RawVector<std::uint8_t> scratch;

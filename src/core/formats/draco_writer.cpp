@@ -42,8 +42,7 @@ struct Symbols {
 };
 
 // Returns the symbols of a column with at least one value: the differences to the previous point, wrapped around the
-// range of the values ("wrap transform" of the specification). If the range is too large for that, returns the values
-// themselves.
+// values' range (the specification's "wrap transform"), or the values themselves if the range is too large to wrap.
 template <class T>
 Symbols toSymbols(std::span<const T> values, std::size_t components) {
   thread_local RawVector<std::uint32_t> scratch;
@@ -204,8 +203,7 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
   const double diagonal = std::sqrt(static_cast<double>(low.size()));  // diagonal of a cube of side 1
   const double axisBound = bound / diagonal;
   const double largestStep = 2 * axisBound * (1 - 1e-9);  // with a margin for rounding the index in double
-  // The step and all coordinates of grid points are whole multiples of `unit`, at most 2^24 times `unit`, and therefore
-  // exact in float32.
+  // The step and all coordinates of grid points are multiples of `unit` up to 2^24, and therefore exact in float32.
   const double reach = std::max(extent, magnitude) + 2 * largestStep;
   const double unit =
       std::exp2(std::max(std::ceil(std::log2(reach / kFloatWhole)), std::floor(std::log2(largestStep)) - 20));

@@ -24,8 +24,7 @@ namespace {
 constexpr std::size_t kAlignment = 64;     // the elements begin at a multiple of this (bytes)
 constexpr std::size_t kBeforeHeader = 10;  // bytes: magic number, version and length of the header
 
-// Returns the size (bytes) of an element of a NumPy type such as "<f4": the number after byte order and kind, times
-// four for text ('U').
+// Returns the size (bytes) of an element of a NumPy type: the number at the end ("<f4"), times four for text ("<U12").
 std::size_t elementSize(std::string_view descr) {
   std::size_t size = 0;
   const char* const end = descr.data() + descr.size();

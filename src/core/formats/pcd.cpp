@@ -104,8 +104,7 @@ void scatterColumn(std::string_view name, const T* values, std::size_t count, ch
   scatter(values, count, to, stride);
 }
 
-// Appends the points as rows. A block of rows is filled column by column, and is small enough for the first-level
-// cache.
+// Appends the points as rows, block by block. A block fits into the first-level cache and is filled column by column.
 void appendBinary(const Scan& scan, std::string& out) {
   constexpr std::size_t kBlockBytes = 12 * 1024;
   const std::size_t stride = rowSize(scan);

@@ -233,8 +233,7 @@ class BodyReader {
     throw InputError(where_, "unknown DATA '{}': ascii, binary or binary_compressed", header_.data.substr(0, 40));
   }
 
-  // Returns the field with this name; null if there is none. Throws InputError if the field has several values per
-  // point.
+  // Returns the field with this name; null if there is none. Throws InputError if it has several values per point.
   const PcdField* find(std::string_view name) const {
     const auto field = std::ranges::find(header_.fields, name, &PcdField::name);
     if (field == header_.fields.end()) return nullptr;
@@ -382,8 +381,7 @@ class BodyReader {
     return readTable(table.data(), TableOrder::RowByRow);
   }
 
-  // Appends the number that a word spells to the table, in the field's type. Elements of fields that become no column
-  // are appended as 0.
+  // Appends the number of a word to the table, in the field's type, or 0 for fields that become no column.
   static void appendWord(const PcdField& field, std::string_view word, const Location& where, std::string& table) {
     if (word.empty()) throw InputError(where, "there is no value of field {}", field.name);
     visitNumberType(field.type, field.size, [&](auto value) {

@@ -18,8 +18,8 @@
 
 namespace scanmill {
 
-// Appends one line per point, with columns in the order of columnNames(). Numbers have the fewest digits that read back
-// to the same bits.
+// Appends a line per point, with columns in the order of columnNames(), and with the fewest digits that preserve the
+// bits.
 void appendRows(const Scan& scan, char separator, std::string& out);
 
 // Returns an upper bound of the characters in a line of a scan with these columns.

@@ -61,8 +61,8 @@ struct Hits {
   std::vector<float> metallic;          // 0 to 1
   std::vector<float> retroreflectance;  // added reflectance towards the sensor; 1: as a white Lambertian target
 
-  // The indices of rays that the method gave up, ascending. They are neither hits nor misses; their range is unknown
-  // and set to kMiss.
+  // The indices of rays that the method gave up, ascending. They are neither hits nor misses; their range is set to
+  // kMiss.
   std::vector<std::uint32_t> unresolved;
 
   std::size_t size() const { return std::size_t{rings} * columns; }  // number of beams

@@ -109,8 +109,7 @@ std::vector<std::string> columnNames(const Scan& scan);
 // rings * columns points.
 void requireConsistent(const Scan& scan);
 
-// Returns a dense scan of the points with a finite position; it keeps the numbers of rings and columns, and
-// has no reasonOfBeam.
+// Returns a dense scan of the points with a finite position, with the same rings and columns, and without reasonOfBeam.
 [[nodiscard]] Scan withoutMisses(const Scan& scan);
 
 // The beam of a point (ring, column), and which of the beam's returns the point is (number, counted from 0).
@@ -125,8 +124,7 @@ struct PointKey {
 // columns ring and column. True for a dense scan without points.
 [[nodiscard]] bool knowsBeams(const Scan& scan);
 
-// Returns the key of a point; knowsBeams(scan) must be true. If a dense scan has no column `return`, every point counts
-// as a first return.
+// Returns the key of a point; knowsBeams(scan) must be true. In a dense scan without a column `return`, `number` is 0.
 PointKey keyOf(const Scan& scan, std::size_t point);
 
 // Returns one more than the largest ring, column and number in the keys of a scan; zeros without points.

@@ -91,8 +91,7 @@ class EchoFinder {
 
   std::vector<Echo> find() {
     echoes_.reserve(hits_.size());
-    // The direct rays are sorted by beam. The few rays that continue behind glass or off mirrors come after all of
-    // them.
+    // The direct rays are sorted by beam. The few rays that continue behind glass or off mirrors come last.
     const std::vector<std::uint32_t>& beamOf = hits_.beamOfRay;
     const auto directRays = static_cast<std::uint32_t>(std::ranges::is_sorted_until(beamOf) - beamOf.begin());
     std::vector<std::uint32_t> continued(beamOf.size() - directRays);  // indices of the continued rays, by beam
@@ -179,8 +178,7 @@ class EchoFinder {
     return hits_.weightOfRay.empty() ? 1 : hits_.weightOfRay[ray];
   }
 
-  // Adds the echoes of a beam's rays: of the rays first to end - 1, and of the rays `continued` behind glass or off
-  // mirrors.
+  // Adds the echoes of a beam's rays: first to end - 1, and `continued`, the rays behind glass or off mirrors.
   void addBeam(std::uint32_t beam, std::uint32_t first, std::uint32_t end, std::span<const std::uint32_t> continued) {
     rays_.clear();
     const auto addRay = [&](std::uint32_t ray) {
@@ -221,8 +219,7 @@ class EchoFinder {
     setCause(echoes_.back());
   }
 
-  // Returns the echo of some rays of a beam. The rays must be sorted by range, unless all of them are within one pulse
-  // length.
+  // Returns the echo of some rays of a beam. Rays that are not within one pulse length must be sorted by range.
   Echo echoOf(std::uint32_t beam, std::span<const HitRay> rays) {
     Echo echo{.beam = beam,
               .hit = rays.front().ray,
@@ -247,8 +244,7 @@ class EchoFinder {
     double mean;  // m, mean of the ranges, weighted by power
   };
 
-  // Returns the sum of the rays' powers, and the mean of their ranges weighted by power. If no ray has power, all have
-  // equal weight.
+  // Returns the sum of the rays' powers, and the mean of their ranges weighted by power (equally if no ray has power).
   static PowerAndMean powerAndMean(std::span<const HitRay> rays) {
     const double firstRange = rays.front().range;
     double total = 0, weightedSum = 0, unweightedSum = 0;

@@ -128,8 +128,7 @@ class Gathering {
   }
 
  private:
-  // Resizes every column; columns that were not asked for become empty. In an organised scan all points are first set
-  // to misses.
+  // Resizes every column: to 0 if it was not asked for. In an organised scan, first sets all points to misses.
   void resizeColumns() {
     scan_.rings = hits_.rings;
     scan_.columns = hits_.columns;
@@ -347,8 +346,7 @@ class Gathering {
     }
   }
 
-  // Sets the class of points on moving objects to the class for moving objects of the same kind, if the ontology has
-  // one.
+  // Sets the class of points on moving objects to the ontology's class for moving objects of the same kind, if any.
   void relabel(std::vector<std::uint16_t>& values) {
     for (std::size_t k = 0; k < points_.count; ++k) {
       const std::uint32_t instance = returns_.instanceOf(points_.row[k], hits_);

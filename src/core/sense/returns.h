@@ -112,8 +112,7 @@ class Returns {
   std::uint32_t number(std::size_t row) const { return onePerBeam() ? 0 : number_[row]; }
   // Returns the index of the row's hit in Hits, or kNoHit.
   std::uint32_t hit(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : hit_[row]; }
-  // Returns the id of the object instance that the row belongs to; 0 if it belongs to none. Requires the channel
-  // Instance.
+  // Returns the id of the object instance that the row belongs to; 0: none. Requires the channel Instance.
   std::uint32_t instanceOf(std::size_t row, const Hits& hits) const {
     if (!instance.empty()) return instance[row];
     return hit(row) == kNoHit ? 0 : hits.instance[hit(row)];

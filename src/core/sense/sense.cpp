@@ -150,8 +150,8 @@ InstanceMotions::InstanceMotions(const Scene& scene, const Shot& shot)
   const double duration = shot.duration > 0 ? shot.duration : kVelocityInterval;
   for (std::uint32_t index = 0; index < scene.instances.size(); ++index) {
     const Instance& instance = scene.instances[index];
-    // An instance with an animation counts as moving even if its pose does not change; its velocity is the velocity of
-    // its pose.
+    // An instance with an animation counts as moving even if its pose does not change. Its velocity is that of the
+    // pose.
     const RigidMotion* const placedMotion = placed_ == nullptr ? nullptr : placed_->find(index);
     const bool poseMoves =
         placedMotion != nullptr ? placedMotion->moves() : instance.movement != nullptr && instance.movement->moves();
@@ -191,7 +191,7 @@ Vec3d InstanceMotions::flow(std::uint32_t instanceId, std::uint32_t primitive, c
   const auto [first, last] = instances_.equal_range(instanceId);
   if (first == last) return {};
   if (std::next(first) == last) return flowOf(first->second, primitive, point, time);
-  // Several entries of Scene::instances may share an id. Use the one whose triangle `primitive` is nearest to the
+  // Several entries of Scene::instances may share an id: take the entry whose triangle `primitive` is nearest to the
   // point.
   std::optional<std::uint32_t> nearest;
   double nearestDistance = 0;

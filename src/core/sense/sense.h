@@ -33,8 +33,7 @@ namespace scanmill {
 //   const Vec3d velocity = motions.velocity(17, {10, 0, 0});  // velocity of object 17 at a point (m/s)
 class InstanceMotions {
  public:
-  // Returns true if objects of the scene move, and the layout has a column or the ontology has a class that depends on
-  // motion.
+  // Returns true if objects of the scene move, and a column of the layout or a class of the ontology depends on motion.
   static bool areNeeded(const Scene& scene, const ScanLayout& layout);
 
   // Computes the motion of each instance that moves. The scene must outlive this object.
@@ -46,9 +45,8 @@ class InstanceMotions {
   std::uint16_t classOf(std::uint16_t semantic, std::uint32_t instanceId) const;
   bool haveMovingClasses() const { return !motionOf_.empty() && !movingClasses_.empty(); }
 
-  // Returns the velocity over ground (m/s, world axes) of an instance's surface at a point (m, world). The motion is
-  // assumed to be linear during the revolution. Zero if the instance stands still, or if `instanceId` is 0 (no
-  // instance).
+  // Returns the velocity over ground (m/s, world axes) of an instance's surface at a point (m, world). Motion is
+  // assumed to be linear during the revolution. Returns zero for an instance that stands still and for `instanceId` 0.
   Vec3d velocity(std::uint32_t instanceId, const Vec3d& point) const;
 
   // Returns the displacement over ground (m, world axes) of a point of an instance's surface, from `time` (s since the
@@ -81,8 +79,7 @@ class InstanceMotions {
 Channels channelsFor(EffectList effects, ColumnSet columns);
 
 // Starts the table of returns. If beams fire one ray, each ray becomes a row. If they fire several, each echo becomes a
-// row (sense/returns.h), with the power that the effects compute; if the sensor file gives no pulse length, each ray is
-// a separate echo.
+// row (sense/returns.h), with the power that the effects compute; without a pulse length, each ray is an echo.
 void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
             Returns& returns);
 
@@ -100,8 +97,7 @@ void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns
 
 // Returns one value of Reason per beam. All effects must have run, on a table that records reasons
 // (Returns::recordReasons()). A beam without a return has the reason of its strongest echo. If the hits have the
-// channel Material, echoes of mirrors, metals and glass that are too faint get reasons of their own instead of
-// TooFaint.
+// channel Material, echoes of mirrors, metals and glass that are too faint get other reasons than TooFaint.
 std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns);
 
 // Fills the scan's columns that the layout asks for; intensity and power only if an effect has set them or the table

@@ -1,12 +1,10 @@
 #pragma once
 
-// The optical properties of rain, snow, fog and dust: the light that they take from a beam, and the light that they
-// scatter back.
+// The optical properties of rain, snow, fog and dust: how much light they take from a beam, and how much they return.
 
 namespace scanmill {
 
-// The size distribution of drops: per cubic metre and per millimetre of diameter D there are intercept * exp(-slope *
-// D) drops.
+// The size distribution of drops: intercept * exp(-slope * D) drops per cubic metre and per millimetre of diameter D.
 struct DropSizes {
   double intercept = 0;  // 1/(m^3 mm), density of drops at D = 0
   double slope = 1;      // 1/mm, decrease of the natural logarithm of the density with D
@@ -26,8 +24,7 @@ DropSizes snowFlakes(double rate);
 
 struct Weather {
   double extinction = 0;  // 1/m; exp(-extinction * r) of the light remains after r m (Beer and Lambert)
-  // Sizes of particles that are so sparse that a beam hits at most one of them at the same range; intercept 0: there
-  // are none.
+  // Sizes of particles so sparse that a beam hits at most one of them at a range; intercept 0: there are none.
   DropSizes drops = {};
   // Echo of a drop (m^2 / mm^2): a drop of diameter D (mm) in a beam of area A (m^2) returns dropEcho * D^2 / A of the
   // power that a white Lambertian target filling the beam returns.
@@ -54,8 +51,7 @@ Weather snowOf(double rate);
 Weather fogOf(double visibility);
 Weather dustOf(double visibility);
 
-// Returns the echo of mist that fills `length` m of a beam, relative to the echo of a white Lambertian target at the
-// same range.
+// Returns the echo of mist that fills `length` m of a beam, relative to that of a white Lambertian target at its range.
 double mistEcho(const Weather& weather, double length);
 
 // Returns the reflectance of a surface that is soaked with water, divided by the reflectance of the dry surface

@@ -34,8 +34,7 @@ ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32
 // Reads the key `rosette` of a sensor, which docs/keys.md explains. Throws InputError.
 Rosette readRosette(const Value& value);
 
-// A mirror that scans several zones, which lie side by side, at the same time: with a laser for each zone, line by line
-// from the top.
+// A mirror that scans zones side by side, one by each laser at the same time, line by line from the top.
 struct RasterScan {
   std::vector<double> zones;   // rad, azimuth of the middle of each zone
   double width = 0;            // rad, from the first to the last beam of a line

@@ -91,16 +91,14 @@ struct BeamTable {
   std::vector<double> originLeft, originUp;
   bool topDown = false;  // true: ring 0 is the highest ring, or for listed beams is above the last ring
 
-  // Full width of the beam across (in azimuth) and up (in elevation): exit width + divergence * range. The width of a
-  // Gaussian beam is measured where the power has fallen to 1/e^2 of the power in the middle. Zero if the sensor file
-  // gives no width.
+  // Full width of the beam across (in azimuth) and up (in elevation): exit width + divergence * range. A Gaussian beam
+  // is measured where the power has fallen to 1/e^2 of the power in the middle. Zero if the sensor file gives no width.
   std::array<double, 2> divergence{};  // rad, full angle, across and up
   std::array<double, 2> exitWidth{};   // m, across and up
   bool uniformBeam = false;            // true: equal power over the whole beam; false: Gaussian
   double pulse = 0;                    // s, duration for which the emitted pulse exceeds half of its maximum
 
-  // Number of neighbouring columns in `direction`, `origin` and `time` that are rays of one beam: see
-  // sensors/footprint.h.
+  // Number of neighbouring columns in `direction`, `origin` and `time` that are rays of one beam (sensors/footprint.h).
   std::uint32_t raysPerBeam = 1;
 
   std::size_t size() const { return std::size_t{rings} * columns; }
@@ -131,8 +129,7 @@ struct BeamTable {
   }
 };
 
-// Computes direction, origin and time of every beam from the table's compact description. The table must have one ray
-// per beam.
+// Computes direction, origin and time of every beam from the table's compact description. raysPerBeam must be 1.
 void fillBeams(BeamTable& table);
 
 // Returns the beams of the revolution that starts at `time` (s since the start of the drive). The result is `table`

@@ -115,8 +115,7 @@ Value listOf(const std::vector<Laser>& lasers, double Laser::*member, const Loca
   return list;
 }
 
-// Adds the calibration file's name and hash to the sensor's key `source`, so that the manifest identifies the sensor
-// unit.
+// Adds the calibration file's name and hash to the sensor's key `source`: the manifest then identifies the sensor unit.
 void addToSource(Value& sensor, const Location& file) {
   const std::string calibration =
       fmt::format("calibration {} (SHA-256 {})", std::filesystem::path(file.file).filename().string(),

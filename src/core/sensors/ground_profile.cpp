@@ -25,8 +25,7 @@ constexpr const char* kWheelAdvice =
     "alone";
 constexpr std::array<std::string_view, 4> kWheels{"front left", "front right", "rear left", "rear right"};
 
-// Returns the positions of a vehicle's wheels, in the order of kWheels, at the height of the pose. `size`: wheelbase
-// and track (m).
+// Returns the positions of a vehicle's wheels, by kWheels, at the height of the pose. `size`: wheelbase and track (m).
 std::array<Vec3d, 4> wheelsAt(const std::array<double, 2>& size, const Pose& pose) {
   const double yaw = headingOf(pose.rotation);
   const Vec3d ahead = Vec3d{std::cos(yaw), std::sin(yaw), 0} * (size[0] / 2);
@@ -92,15 +91,13 @@ GroundSample fitAt(std::size_t middle, std::size_t reach, const std::vector<Grou
   return {fitted(sum.height, sumTimesD.height), fitted(sum.along, sumTimesD.along), fitted(sum.left, sumTimesD.left)};
 }
 
-// Smooths each sample over its neighbours on the path, up to kSmooth before and after the sample. `driven`: m along the
-// path, by sample.
+// Smooths each sample over its neighbours up to kSmooth before and after it. `driven`: m along the path, by sample.
 std::vector<GroundSample> smoothed(const std::vector<GroundSample>& samples, const std::vector<double>& driven) {
   std::vector<GroundSample> means;
   means.reserve(samples.size());
   const std::size_t last = samples.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
-    // Take the same number of samples on both sides, so that constant slopes are preserved even at the ends of the
-    // path.
+    // Take equally many samples on both sides, so that constant slopes are preserved even at the path's ends.
     std::size_t reach = 0;  // samples on each side
     while (reach < std::min({i, last - i, kMostSmoothed}) && driven[i] - driven[i - reach - 1] <= kSmooth &&
            driven[i + reach + 1] - driven[i] <= kSmooth) {

@@ -20,8 +20,7 @@ class Ground {
   // Returns the height (m) of the highest surface that is below `point` or at most 0.5 m above it. If no surface is
   // that low, returns the height of the lowest surface above `point`; nothing if there is no surface at all.
   virtual std::optional<double> under(const Vec3d& point) const = 0;
-  // Returns the height (m) of the surface nearest to `point`, at most 1.5 m below or above it; nothing if no surface is
-  // that near.
+  // Returns the height (m) of the surface nearest to `point`; nothing if none is within 1.5 m below or above it.
   virtual std::optional<double> near(const Vec3d& point) const = 0;
 };
 

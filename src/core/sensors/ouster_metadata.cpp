@@ -37,8 +37,7 @@ class Reader {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw InputError({file_}, what); }
 
-  // Returns the value of a key in a group (new firmware) or at the top level (old firmware); null if the key is
-  // in neither place.
+  // Returns the value of a key in a group (new firmware) or at the top level (old firmware); null if it is missing.
   const Value* find(const char* group, const char* key) const {
     for (const Value* map : {&root_.valueOf(group), &root_}) {
       const Value* const found = map->kind == Value::Kind::Map ? map->find(key) : nullptr;

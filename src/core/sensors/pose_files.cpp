@@ -46,8 +46,7 @@ Quat checkedRotation(const Quat& q, const Location& where) {
   return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
 
-// Returns the transform whose matrix has the 12 numbers of a text as its first three rows. Throws InputError if the
-// transform is not rigid.
+// Returns the transform whose first three rows are the 12 numbers of a text. Throws InputError if it is not rigid.
 Affine readRigidTransform(std::string_view text, const Location& where) {
   const auto m = numbersOf<12>(text, where, "a matrix of 3 rows and 4 columns");
   const Affine affine{{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}}, {m[3], m[7], m[11]}};

@@ -62,8 +62,7 @@ std::vector<StampedPose> readKitti(Fields& f, const std::filesystem::path& file)
   return poses;
 }
 
-// Moves all poses and rotates them about the vertical, so that the first pose has this position (m) and the heading
-// `yaw` (rad).
+// Moves all poses and rotates them about the vertical: the first pose gets this position (m) and heading (`yaw`, rad).
 void startAt(const Vec3d& position, double yaw, std::vector<StampedPose>& poses) {
   const Pose first = poses.front().pose;
   const Quat rotation = fromYawPitchRoll(yaw - headingOf(first.rotation), 0, 0);

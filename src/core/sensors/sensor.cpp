@@ -54,8 +54,7 @@ std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, c
   return elevation;
 }
 
-// Reads the elevation of each ring (deg) from a list. Throws InputError if the list contradicts `order`, the value of
-// the key ring_order.
+// Reads each ring's elevation (deg) from a list. Throws InputError if the list contradicts `order`, the key ring_order.
 std::vector<double> listedElevations(const Value& value, const std::string& order) {
   std::vector<double> elevation = readNumbers(value, "elevation_deg", {-90, 90});
   for (std::size_t ring = 1; ring < elevation.size() && order != "unordered"; ++ring) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// A trajectory: the pose of the vehicle as a function of time. It is defined by single poses, by a path with a speed,
-// or by a recording.
+// A trajectory: the pose of the vehicle as a function of time. It is defined by poses, a path with a speed, or a
+// recording.
 
 #include <array>
 #include <cstdint>
@@ -182,8 +182,7 @@ class Trajectory {
   std::shared_ptr<const GroundProfile> profileOfGround_;
 };
 
-// Returns the number of trajectories that an item of the YAML defines: the value of the key `drives` for a random
-// drive, otherwise 1.
+// Returns the number of trajectories that an item of the YAML defines: the key `drives` of a random drive, otherwise 1.
 // Throws InputError.
 std::uint32_t countDrives(const Value& value);
 

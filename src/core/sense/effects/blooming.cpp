@@ -9,8 +9,8 @@
 //   retroreflectance cos(incidence) share exp(-2 t^2 / angle^2)
 //
 // in units of a white target at this range, with cause 7. If several retroreflectors are near, only the strongest of
-// these echoes is added. An echo within a pulse length of another return of the beam would merge with that return, and
-// is therefore not added.
+// these echoes is added. An echo within a pulse length of another return of the beam would merge with that return: it
+// is not added.
 
 #include <algorithm>
 #include <cmath>
@@ -76,8 +76,7 @@ class Blooming : public Effect {
     std::vector<Stray> strays(beams.size());
     const double haloAngle = 2 * o_.angle;
     const double leastCosine = std::cos(haloAngle);
-    // Number of columns to search on each side, enough for neighbours in any ring; addHalo() then compares the
-    // directions.
+    // Number of columns to search on each side, enough for neighbours in any ring; addHalo() compares the directions.
     const double columnStep = beams.fullTurn() ? 2 * kPi / beams.columns : beams.field / beams.columns;
     const auto reach = static_cast<std::int64_t>(std::ceil((haloAngle + widestOffset(beams)) / columnStep)) + 1;
     for (const Source& source : sources) {
@@ -117,8 +116,8 @@ class Blooming : public Effect {
     if (echo > stray.echo || (echo == stray.echo && source.range < stray.range)) stray = {echo, source.range};
   }
 
-  // Adds a return for each stray echo that is not within a pulse length of another return of its beam. `strays`: by
-  // beam.
+  // Adds a return for each stray echo (`strays`: by beam) that is not within a pulse length of its beam's other
+  // returns.
   void addStrays(const Hits& hits, const BeamTable& beams, const std::vector<Stray>& strays, Returns& returns) const {
     const auto length = static_cast<float>(pulseLength(beams.pulse));
     std::vector<bool> joinsAReturn(strays.size());

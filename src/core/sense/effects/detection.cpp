@@ -24,8 +24,7 @@
 //
 // The detected echoes of a beam are visited by descending power. An echo is removed if it is nearer than
 // min_separation_m to a stronger echo that was kept. `returns` selects from the kept echoes: dual reports the strongest
-// and the last or, if one echo is both, the two strongest (as Velodyne's sensors do); a number n reports the n
-// strongest.
+// and the last or, if one echo is both, the two strongest (as Velodyne's sensors do); n reports the n strongest.
 
 #include <algorithm>
 #include <cmath>
@@ -221,8 +220,7 @@ class Detection : public Effect {
     }
   }
 
-  // Removes the rows of one beam that are not reported. `rows`: rows of the beam by descending power; their order is
-  // changed.
+  // Removes the rows of one beam that are not reported. `rows`: the beam's rows by descending power; gets reordered.
   void removeUnreported(std::span<std::uint32_t> rows, Returns& returns) const {
     std::size_t count = 1;  // number of rows kept so far, which are moved to the front of `rows`
     for (std::size_t i = 1; i < rows.size(); ++i) {

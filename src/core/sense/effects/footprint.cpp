@@ -1,5 +1,4 @@
-// footprint: a beam of finite width, sampled by several rays. docs/sensing.md explains mixed pixels and the columns
-// that belong to them.
+// footprint: a beam of finite width, sampled by several rays. docs/sensing.md explains mixed pixels and their columns.
 //
 //   footprint: {rays: 19}      # 7, 19, 37, 61, 91 or 127
 //

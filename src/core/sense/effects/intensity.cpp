@@ -26,12 +26,11 @@
 // 0.33), B = 0.45 s^2 / (s^2 + 0.09)). s is the angle whose tangent is alpha / sqrt(2), the root-mean-square slope of a
 // Beckmann surface of the same alpha (GGX's slopes have no variance).
 //
-// The reported value is the power or, with `model: reflectivity`, the power that the surface would reflect from the
-// reference range through clear air; other effects read the received power in both cases. The value is then multiplied
-// by the fraction of the received power that exceeds `floor`. The response is v = min(gain * value, saturation) ^ gamma
-// for floats, 255 * (v / saturation ^ gamma) for bytes; or 100 v and, above 1, 100 + 155 log(v) / log(retro_full_scale)
-// (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1); or the curve `table`. Then `noise` is added, and `step`
-// rounds.
+// The reported value is the power or, with `model: reflectivity`, the power of the same surface at the reference range
+// in clear air; other effects read the received power in both cases. The value is then multiplied by the fraction of
+// the received power that exceeds `floor`. The response is v = min(gain * value, saturation) ^ gamma for floats, 255 *
+// (v / saturation ^ gamma) for bytes; or 100 v and, above 1, 100 + 155 log(v) / log(retro_full_scale) (Velodyne, VLP-16
+// User Manual 63-9243 Rev. D, section 6.1); or the curve `table`. Then `noise` is added, and `step` rounds.
 
 #include <algorithm>
 #include <cfloat>
@@ -92,8 +91,7 @@ Lobes lobesOf(float roughness, float metallic, float retroreflectance, bool oren
   roughness = std::clamp(roughness, 0.0f, 1.0f);
   metallic = std::clamp(metallic, 0.0f, 1.0f);
   // glTF's roughness is the square root of GGX's alpha (Burley, "Physically based shading at Disney", 2012). A
-  // dielectric of roughness 1 reflects only diffusely; at lower roughness the glossy reflection reduces the diffuse
-  // one.
+  // dielectric of roughness 1 reflects only diffusely; below, the glossy reflection reduces the diffuse one.
   const float alpha = roughness * roughness;
   const float glossy = kDielectricF0 * (1 - alpha);
   const float lobeAlpha = std::max(alpha, kSmallestAlpha);
@@ -244,8 +242,8 @@ class Intensity : public Effect {
     }
   }
 
-  // Sets `power` to the light that the surfaces of a batch of rows reflect back along the beam. `lobes`: by material,
-  // see lobesOfAll().
+  // Sets `power` to the light that the surfaces of a batch of rows reflect back along the beam. `lobes`: see
+  // lobesOfAll().
   void setReflected(const Hits& hits, const Returns& returns, std::size_t first, const std::vector<Lobes>& lobes,
                     std::size_t count, float* power) const {
     const auto valuesOf = [&](const std::vector<float>& values, Batch<float>& buffer) {
@@ -312,8 +310,7 @@ class Intensity : public Effect {
     }
   }
 
-  // Sets `result` to the values times the fraction of the received power that exceeds the floor. `result` may be
-  // `value`.
+  // Sets `result` to `value` times the fraction of the received power that exceeds the floor. Both may be one array.
   void subtractFloor(const float* value, const float* power, std::size_t count, float* result) const {
     for (std::size_t i = 0; i < count; ++i) {
       result[i] = value[i] * (1 - o_.floor / (power[i] > o_.floor ? power[i] : o_.floor));
@@ -352,8 +349,7 @@ class Intensity : public Effect {
     }
   }
 
-  // Interpolates without a search: adds to the first row's intensity the rise of each interval as far as the value
-  // reaches.
+  // Interpolates without a search: adds to the first intensity the rise of each interval, as far as the value reaches.
   void respondByTable(const float* value, std::size_t count, float* intensity) const {
     for (std::size_t i = 0; i < count; ++i) {
       const double logarithm = naturalLog(value[i] > FLT_MIN ? value[i] : FLT_MIN);

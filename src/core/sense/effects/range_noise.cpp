@@ -104,8 +104,7 @@ class RangeNoise : public Effect {
     });
   }
 
-  // Adds the part of the noise that grows for faint echoes to `sigma`, the standard deviations (m) of rows first, first
-  // + 1, ...
+  // Adds the noise that grows for faint echoes to `sigma`, the standard deviations (m) of rows first, first + 1, ...
   void addNoiseOfFaintEchoes(const Shot& shot, const Returns& returns, std::size_t first, std::size_t count,
                              Batch<double>& sigma) const {
     if (returns.snr.size() != returns.size()) {

@@ -46,8 +46,7 @@ struct RoughHit {
   int steps = 0;
 };
 
-// Follows many beams at once, each in one slot. As soon as the search along a beam ends, the next beam takes
-// its slot.
+// Follows many beams at once, each in one slot. When the search along a beam ends, the next beam takes its slot.
 class March {
  public:
   March(std::span<SpatialField> fields, std::span<const RoughHit> hits, Returns& returns)
@@ -175,8 +174,7 @@ class ReliefEffect : public Effect {
   }
 
  private:
-  // Appends a RoughHit for the row if the row's hit has a material with a relief. The caller sets `point` and
-  // `direction`.
+  // Appends a RoughHit, without `point` and `direction`, for the row if its hit has a material with a relief.
   void addIfRough(const Hits& hits, const Shot& shot, std::span<const Material> materials, const Returns& returns,
                   std::size_t row, std::vector<RoughHit>& rough) const {
     if (!returns.returned(row) || returns.hit(row) == kNoHit) return;

@@ -1,6 +1,5 @@
 // shell: adds a random unit vector times a scale to each point. Each point is moved to a sphere around the true point,
-// and therefore off its beam. No sensor has this error, but published datasets do; the effect exists for comparisons
-// with them.
+// and therefore off its beam. No sensor has this error, but published datasets do; the effect serves comparisons.
 //
 //   shell: {scale_m: 0.0, growth_per_m: 0.01}     # scale(r) = scale_m + growth_per_m * r, with the range r in m
 //

@@ -1,7 +1,6 @@
 #pragma once
 
-// Random fields in space: values that vary from point to point in the world, and are the same for all sensors and at
-// all times.
+// Random fields in space: values that vary from point to point in the world, but are equal for all sensors and times.
 
 #include <cstdint>
 #include <vector>
@@ -68,8 +67,7 @@ class SpatialField {
 
   using CornerNumbers = std::array<Batch<double>, 8>;  // by corner (see numbers_) and row of the batch
 
-  // Computes the numbers at the corners of `count` cubes and stores them at the end of numbers_, behind the rows of the
-  // entries.
+  // Computes the numbers at the corners of `count` cubes, and stores them in numbers_ behind the rows of all entries.
   void computeCorners(const CubeIndices& cubes, std::size_t count);
 
   // Sets `numbers` to the numbers at the corners of each row's cube, and adds cubes that the table lacks.

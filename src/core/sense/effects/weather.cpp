@@ -6,8 +6,8 @@
 //   weather: {kind: fog, visibility_m: 80}
 //
 // The power of all returns is multiplied by exp(-2 extinction r), the air's transmission both ways, before detection.
-// Particles in the air add returns with cause 6, in front of the nearest surface that the beam hits. The physics is in
-// sense/weather.h.
+// Particles in the air add returns with cause 6, in front of the nearest surface that the beam hits (physics:
+// sense/weather.h).
 //
 // Raindrops and snowflakes are sparse: the number of sufficiently bright drops in a beam follows the Poisson
 // distribution with the mean
