@@ -64,7 +64,7 @@ int dispatch(const std::vector<std::string>& arguments) {
   throw InputError(fmt::format("no command '{}'{}", arguments[0], suggestion(arguments[0], names)));
 }
 
-// Returns the exit code.
+// Reports that the memory ran out. Returns the exit code.
 int reportNoMemory(const std::string& command) {
   printError(
       "error: scanmill {}: the memory ran out, of which {} are allowed: give fewer --threads or a lower "
@@ -77,7 +77,7 @@ int reportNoMemory(const std::string& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // If these signals are ignored, writing to a pipe without a reader, or beyond `ulimit -f`, is an ordinary error.
+  // If these signals are ignored, writing to a pipe without a reader or beyond `ulimit -f` fails with an error number.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   try {

@@ -84,8 +84,8 @@ int threadOption(const cxxopts::ParseResult& options) {
   return threads;
 }
 
-// Returns the number of bytes that a text such as "8G", "500M" or "1.5 GiB" (powers of 1024) means; nothing if it means
-// none.
+// Returns the number of bytes that a text such as "8G", "500M" or "1.5 GiB" (powers of 1024) means; nothing for any
+// other text.
 std::optional<double> bytesOf(const std::string& text) {
   double number = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -134,7 +134,7 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
   }
   if (parsed.has("help")) {
     std::string help = options.help({""});
-    constexpr std::string_view kNoDefault = "(=)]";  // follows the value of an option that may be given without one
+    constexpr std::string_view kNoDefault = "(=)]";  // in the help of options that need no value
     if (const std::size_t position = help.find(kNoDefault); position != std::string::npos)
       help.replace(position, kNoDefault.size(), "]   ");
     printText("{}\n\nExamples:\n{}", help, examples);

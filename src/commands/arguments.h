@@ -43,8 +43,8 @@ struct Arguments {
   // Return the value of an option, or all values of an option that may be repeated; empty if the option is not given.
   std::string text(const std::string& option) const;
   std::vector<std::string> list(const std::string& option) const;
-  // Returns the number that is the value or the default of an option, which must be a text option: cxxopts would read
-  // 1,5 as 1. Throws InputError for any other text, and for numbers beyond the limits.
+  // Returns the value or the default of an option as a number. Throws InputError if the value is not a number from
+  // `least` to `most`. The option must be declared with textValue(), because cxxopts would read 1,5 as 1.
   double number(const std::string& option, double least, double most) const;
   // Returns all positional arguments.
   std::vector<std::string> inputs() const { return list("input"); }

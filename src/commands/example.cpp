@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 struct Example {
   std::string name;
   std::string sentence;               // what the example shows
-  std::vector<std::string> commands;  // which make its picture
+  std::vector<std::string> commands;  // commands that make its picture
   std::vector<fs::path> files;
 };
 

@@ -72,8 +72,8 @@ void printClips(const std::filesystem::path& file) {
 
 using CountedColor = std::pair<Rgb, std::uint64_t>;  // a colour and its number of triangles
 
-// Returns the kMostColors most frequent colours, the most frequent first. Colours that a rule for one of them matches
-// are counted with it. `counts`: triangles by colour.
+// Returns the kMostColors most frequent colours, the most frequent first. A colour that the rule for a more frequent
+// colour also matches is counted as that colour. `counts`: triangles by colour.
 std::vector<CountedColor> joinedColors(const std::map<Rgb, std::uint64_t>& counts) {
   constexpr std::size_t kMostColors = 12;  // per material and texture, so that the table stays short
   std::vector<CountedColor> sorted(counts.begin(), counts.end());

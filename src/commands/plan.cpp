@@ -71,8 +71,8 @@ std::string randomText(const Scene& scene) {
 }
 
 // Loads the scenes of a plan, warns of legal but rarely intended contents (paths through things, objects of odd sizes,
-// rules that match nothing), and prints a table of the scenes and their unlabelled geometry. run() comes first; without
-// it there are no scenes.
+// rules that match nothing), and prints a table of the scenes and their unlabelled geometry. run() loads the scenes and
+// must be called before print() and mostBytes().
 class SceneCheck {
  public:
   explicit SceneCheck(ShotSource& source)
@@ -207,8 +207,8 @@ struct DatasetSize {
   double frames = 0;
 };
 
-// Prints the number of seeds that give at least `frames` frames. Returns the size of the dataset with these seeds; if
-// the scenes do not depend on seeds, with the pipeline's scenes and `frames` frames.
+// Prints the number of seeds that give at least `frames` frames. Returns the size of the dataset with these seeds. If
+// the scenes do not depend on seeds, returns the number of the pipeline's scenes, and `frames`.
 DatasetSize printSeeds(const Pipeline& pipeline, double frames) {
   const auto scenes = static_cast<double>(scenesOf(pipeline));
   if (!followsFromSeeds(pipeline)) {
@@ -221,7 +221,7 @@ DatasetSize printSeeds(const Pipeline& pipeline, double frames) {
   for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
   const auto fileCount = static_cast<double>(files.size());
   const double framesPerScene = static_cast<double>(pipeline.frames()) / scenes;
-  const double seeds = std::max(1.0, std::ceil(frames / framesPerScene / fileCount));  // for each file
+  const double seeds = std::max(1.0, std::ceil(frames / framesPerScene / fileCount));  // seeds of each file
   printText("\nfor {} frames: {}{} of {} frames, `seeds: {}`{}\n", grouped(static_cast<std::uint64_t>(frames)),
             pluralOf(static_cast<std::uint64_t>(seeds), "seed"),
             files.size() > 1 ? fmt::format(" of each of the {} scene files", files.size()) : "",

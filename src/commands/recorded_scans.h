@@ -1,6 +1,6 @@
 #pragma once
 
-// Several commands on recorded scans share these: the reading of scans, its options, and the sensor's response.
+// Functions that commands on recorded scans share: they read scans and options, and find the response of a sensor.
 
 #include <filesystem>
 #include <functional>
@@ -20,8 +20,8 @@ namespace scanmill {
 void forEachScan(const std::vector<std::string>& paths,
                  const std::function<void(const Scan&, const std::string&)>& visit);
 
-// Returns the text of an option. Throws InputError if it is missing or empty. `advice`: what the user should give, for
-// the message.
+// Returns the text of an option. If the text is missing or empty, throws an InputError that ends with `advice`, which
+// says what the user should give.
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& advice);
 
 // Returns the file of the option `out`. Throws InputError if it is missing or must not be written, see

@@ -30,7 +30,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"};
-constexpr int kTickMs = 15;              // between two events without input, which advance what moves
+constexpr int kTickMs = 15;              // between two events CanvasEvent::Kind::Tick of the window
 constexpr double kMostCoordinate = 1e5;  // largest coordinate (sensor's frame) and largest radius of a close-up (m)
 
 // Reads kCount numbers with a separator between them, such as "8,-3.5,-1". Returns nothing for any other text.
@@ -274,7 +274,7 @@ void drawWholeRangeImage(const std::filesystem::path& file, const Arguments& par
   }
 }
 
-// Writes a picture of an EXR image, or of one of a recording's.
+// Writes a picture of an EXR image, which `path` names directly or by the folder of a recording and --sample.
 void drawImage(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
                const std::filesystem::path& screenshot) {
   if (screenshot.empty()) {
@@ -287,7 +287,7 @@ void drawImage(const std::filesystem::path& path, const Arguments& parsed, const
   writePicture(screenshot, drawExr(source, plane == "all" ? "" : plane, size.width), source.file.stem().string());
 }
 
-// Opens a window; or, off the screen, prints what is picked and writes the screenshot.
+// Opens a window or, if `outputs` replaces it, prints what is picked and writes the screenshot.
 void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSize& size, const Outputs& outputs) {
   const std::shared_ptr<const FrameSource> source = openFrames(input);
   auto loader = std::make_unique<FrameLoader>(source);

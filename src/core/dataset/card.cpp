@@ -150,7 +150,7 @@ std::string membersText(const Manifest& manifest) {
       hasMembers(manifest, kObjectsSuffix) ? fmt::format(", and `.{}` with the boxes of objects", kObjectsSuffix) : "");
 }
 
-// Returns the longest run of '`' in the text, plus one and at least three: a fence that encloses it.
+// Returns a Markdown fence for the text: at least three '`', and more than any run of '`' in the text has.
 std::string fenceFor(const std::string& text) {
   std::size_t longest = 2, run = 0;
   for (const char c : text) {
@@ -160,8 +160,8 @@ std::string fenceFor(const std::string& text) {
   return std::string(longest + 1, '`');
 }
 
-// Returns a field of the record set `samples`. `source`: the set of files that has the field's text. `extract`: how to
-// get the text from a file. `pattern`: regular expression whose first group is the value; null: the complete text.
+// Returns a field of the record set `samples`. `source`: the set of files that contain the field's text. `extract`: how
+// to get the text of a file. `pattern`: regular expression whose first group is the value; null: the complete text.
 OrderedJson sampleField(const char* name, const char* description, const char* source, OrderedJson extract,
                         const char* pattern) {
   OrderedJson field{
@@ -183,7 +183,7 @@ constexpr const char* kCroissantContext = R"({
   "transform": "cr:transform"
 })";
 
-// Members of the shards whose names have the same suffix.
+// A set of files in Croissant: all members of the shards whose names end with `suffix`.
 struct FileSet {
   std::string id;
   std::string suffix;

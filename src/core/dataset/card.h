@@ -35,8 +35,8 @@ struct Span {
 // Returns an interval as "1.2 to 1.4", to four decimals; as one number if both ends have the same text.
 std::string spanText(const Span& span);
 
-// Returns the least and the greatest x, y, z (m), yaw, pitch and roll (degrees) of a sensor's mounts in all scans. They
-// differ only if the mount is random.
+// Returns the intervals of x, y, z (m), yaw, pitch and roll (degrees) of a sensor's mounts in all scans. The two ends
+// of an interval are equal unless the mount is random.
 using MountSpans = std::array<Span, 6>;
 MountSpans mountSpans(const Manifest& manifest, const SensorRecord& sensor);
 

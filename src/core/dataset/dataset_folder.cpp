@@ -42,8 +42,8 @@ bool surelyExists(const fs::path& path) {
   throw Error("{}: {}", path.string(), failure.message());
 }
 
-// Returns the nearest folder above that has a dataset, complete or not; empty if there is none, or if the folder is in
-// a dataset's hidden folder, where regenerate() makes shards again.
+// Returns the nearest ancestor of the folder with a complete or unfinished dataset. Returns an empty path if there is
+// none, or if the folder is in a dataset's hidden folder, where regenerate() makes shards again.
 fs::path datasetAbove(const fs::path& folder) {
   fs::path ancestor = fs::absolute(folder).lexically_normal();
   if (!ancestor.has_filename()) ancestor = ancestor.parent_path();  // the path ends in a slash
@@ -148,7 +148,7 @@ std::string manifestText(const fs::path& folder, std::uint64_t mostBytes, const 
 void DatasetFolder::check(const fs::path& folder, FolderUse use) {
   try {
     if (use != FolderUse::Share && isUnfinished(folder)) {
-      // Names the process that writes into the folder, if there is one.
+      // Throws an InputError that names the process that is writing into the folder, if there is one.
       const FolderLock free(folder, folder / kHiddenName / kLockName);
     }
     checkPath(folder);
@@ -240,7 +240,7 @@ void DatasetFolder::share() {
   }
 }
 
-// Waits until no other process that shares the folder starts a dataset. None starts one while the lock lives.
+// Takes the lock under which a process starts a dataset in a shared folder. Waits for the lock, up to kProcessWait.
 std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
   const auto deadline = std::chrono::steady_clock::now() + kProcessWait;
   std::string holder;  // the process that has the lock
@@ -366,7 +366,7 @@ void DatasetFolder::removeReplaced() const {
     syncFolder(folder_);
   }
   for (const std::string& name : filesListedIn(staging_ / kReplacedName)) {
-    // A shard of the new dataset may have been moved here by a process that was killed afterwards.
+    // A process that was killed in publish() may have moved a shard of the new dataset here.
     const bool isNew = fs::exists(staging_ / (name + kRecordSuffix)) && !fs::exists(staging_ / name);
     requireSameFolder();
     if (!isNew) removeShard(folder_, name);

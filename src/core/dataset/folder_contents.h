@@ -25,8 +25,8 @@ struct FolderContents {
 // True if a dataset was started in the folder and not completed.
 bool isUnfinished(const std::filesystem::path& folder);
 
-// Throws InputError if the folder has no manifest; the message says what the folder is instead. `alternatives`: end of
-// the message for a folder that has nothing of this program: what else the caller could read.
+// Throws InputError if the folder has no manifest; the message says what the folder is instead. If the folder is not a
+// recording or an unfinished dataset, the message ends with `alternatives`, a text on what else the caller could read.
 void requireDataset(const std::filesystem::path& folder, const std::string& alternatives = "");
 
 // Lists the files in the folder and in its subfolders. Throws std::filesystem::filesystem_error.

@@ -27,7 +27,7 @@ namespace scanmill {
 
 inline const OrderedJson kAbsent(OrderedJson::value_t::discarded);
 
-// What the descriptions of samples and scans refer to.
+// The data outside of a sample or scan that its describe() needs.
 struct RecordContext {
   const Ontology* ontology = nullptr;  // null: names of classes are left out
   const Manifest* head = nullptr;      // the manifest without its samples
@@ -61,7 +61,7 @@ class RecordKeys {
   void mayBeMissing(const char* key, T& value, const Limits&... limits) {
     optionalIf(true, key, value, limits...);
   }
-  // A key that is left out if the value is that of an empty record.
+  // A key that is left out if the value equals T{}: 0, an empty text, an empty list, ...
   template <class T, class... Limits>
   void optional(const char* key, T& value, const Limits&... limits) {
     optionalIf(value != T{}, key, value, limits...);
@@ -93,7 +93,7 @@ class RecordKeys {
     if (mode_ == Mode::Write) put(key, write());
     if (mode_ == Mode::Read) read((*node_)[key]);
   }
-  // The same for a key that may be missing.
+  // Like custom(), for a key that may be missing.
   template <class Write, class Read>
   void customOptional(const char* key, const Write& write, const Read& read) {
     if (mode_ == Mode::Collect) optionalKeys.emplace_back(key);
@@ -155,8 +155,8 @@ concept List = requires(T& list) {
   list.emplace_back();
 };
 
-// Types without a branch are records, which describe() describes. A nullable value must not be null: keys without a
-// value are left out before.
+// Types without a branch of their own are records, which describe() describes. A nullable value must not be null: the
+// caller leaves out the keys of null values.
 template <class T>
 OrderedJson jsonOf(const T& value, const std::string& name, const RecordContext& context) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -224,7 +224,7 @@ void readJson(const JsonNode& node, T& value, const RecordContext& context) {
   }
 }
 
-// Limits of values: of numbers, of whole numbers, of the length of a list of numbers, and of hashes.
+// Limits for numbers, for whole numbers, for the length of a list of numbers, and for the digits of hashes.
 inline auto within(double low, double high = std::numeric_limits<double>::max()) {
   return [=](const JsonNode& node) { node.number(low, high); };
 }
@@ -257,11 +257,11 @@ void describe(RecordKeys& keys, SensorRecord& sensor);
 void describe(RecordKeys& keys, ScanRecord& scan);
 void describe(RecordKeys& keys, SampleRecord& sample);
 
-// Describes a key that repeats a class's name from the ontology, if there is one; when read, it must agree with `id`.
+// Describes a key with the name of the class `id` in the context's ontology. Not written without an ontology.
 void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id);
-// Reads what is modelled. `mayBeLines`: true accepts lines of text, too, as earlier versions wrote them.
+// Reads the modelled features. If `mayBeLines` is true, accepts lines of text, too, which earlier versions wrote.
 void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items);
-// Returns the JSON of the values that were drawn at random, or kAbsent.
+// Returns the JSON of the random values of a sample; kAbsent if it has none.
 OrderedJson drawsJson(const SampleRecord& sample);
 
 }  // namespace scanmill

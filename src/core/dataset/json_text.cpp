@@ -10,11 +10,11 @@ constexpr std::size_t kLineWidth = 120;
 
 enum class Lines { One, AsNeeded };  // AsNeeded: a line for each item if one line would be too long
 
-// Joins the texts of the items of a list or an object. `brackets`: the opening and the closing one, "[]" or "{}".
-// `indent`: level of the list or object itself. An item with line breaks always causes a line for each item.
+// Joins the texts of the items of a list or an object. `brackets`: "[]" or "{}". `indent`: level of the list or
+// object itself. If any item has line breaks, each item is written on a line of its own, whatever `lines` is.
 std::string joined(const std::vector<std::string>& items, const char* brackets, Lines lines, std::size_t indent) {
-  std::size_t width = indent + 2;      // of the text on one line
-  std::size_t bytes = 2 * indent + 8;  // enough for the text on several lines
+  std::size_t width = indent + 2;      // width of the text if it is on one line
+  std::size_t bytes = 2 * indent + 8;  // upper bound of the text's bytes
   bool hasBreaks = false;
   for (const std::string& item : items) {
     hasBreaks = hasBreaks || item.find('\n') != std::string::npos;
@@ -37,7 +37,7 @@ std::string joined(const std::vector<std::string>& items, const char* brackets, 
   return text;
 }
 
-// Returns the line and column of a byte, which is counted from 1.
+// Returns the line and column of a byte of the text. `byte`: from 1, as in nlohmann::json::parse_error.
 Location placeOfByte(const std::string& text, std::size_t byte, const std::string& file) {
   const std::string_view before = std::string_view(text).substr(0, byte == 0 ? 0 : std::min(byte - 1, text.size()));
   const std::size_t lineStart = before.rfind('\n') + 1;  // if there is no line break, npos + 1 is 0

@@ -72,7 +72,7 @@ inline const Pose& mountOf(const SensorRecord& sensor, const ScanRecord& scan) {
 // Returns the part of a member's name that follows the sample's key and a dot, in lower case: "top.ray_tracing.pcd", or
 // "top.1.ray_tracing.pcd" for the sensor's second revolution.
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix);
-// Returns the beginning of that part, without the method: "top", or "top.1".
+// Returns the beginning of memberSuffix(), up to the method: "top", or "top.1" for the second revolution.
 std::string revolutionName(const ScanRecord& scan);
 
 // Counts of the object instances of one class near the sensors of a sample.
@@ -95,7 +95,7 @@ struct SampleRecord {
   // objects.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
   std::vector<DrawnValue> draws = {};  // random values chosen for keys in the scene file and the pipeline
-  // s since the start of the sequence, if the first scan begins at another time: a slow sensor's began before
+  // Time of the frame (s since the start of the sequence); not set if the first scan starts at this time.
   std::optional<double> time = {};
 };
 
@@ -144,8 +144,8 @@ struct Manifest {
   Ontology ontology;
   std::vector<SensorRecord> sensors;
   std::vector<SequenceRecord> sequences;  // empty in manifests of earlier versions
-  // Files that the scenes and trajectories were read from, sorted; empty in manifests of earlier versions. A file that
-  // changed while the dataset was made, and was allowed to, has several entries.
+  // Files that the scenes and trajectories were read from, sorted; empty in manifests of earlier versions. A file has
+  // several entries if it changed while the dataset was made, and the user allowed the change.
   std::vector<FileRecord> files;
   std::vector<ModelledItem> modelled;  // features that are modelled or left out
   std::vector<ShardRecord> shards;
@@ -163,9 +163,8 @@ std::string samplesFileOf(const std::string& shardFile);
 std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std::vector<std::uint64_t>& numbers);
 
 // Returns the text of the member `<key>.json`, which is the first member of each sample in a shard: key, sequence,
-// frame, split, time (of the frame, or of the first scan if that is the same), the poses and counts of the scans, and
-// the random values. Class ids are those of the manifest's ontology. The record's shard, members and counts of objects
-// are left out.
+// frame, split, time of the frame (s), the poses and counts of the scans, and the random values. Class ids are those of
+// the manifest's ontology. The record's shard, members and counts of objects are left out.
 std::string sampleJson(const SampleRecord& sample);
 // Returns the first difference between a member's text and the record ("/scans/0/points is 11, not 12"), or a message
 // that the text is not JSON. Empty if text and record agree.

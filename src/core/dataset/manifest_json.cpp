@@ -139,12 +139,12 @@ Manifest withSamplesOfFiles(Manifest manifest, const std::filesystem::path& fold
   return manifest;
 }
 
-// Returns a sample as the manifest, or a file beside a shard, describes it.
+// Returns the description of a sample for the manifest or for a file beside a shard.
 OrderedJson sampleEntry(const SampleRecord& sample, const Manifest& manifest) {
   return jsonOf(sample, sample.key, {&manifest.ontology, &manifest});
 }
 
-// Returns a sample as its member `<key>.json` describes it, see sampleJson().
+// Returns the description of a sample for its member `<key>.json`, see sampleJson().
 OrderedJson sampleObject(const SampleRecord& sample) {
   const KeyParts parts = partsOfKey(sample.key);
   OrderedJson json{{"key", sample.key}, {"sequence", parts.sequence}, {"frame", parts.frame}, {"split", sample.split}};
@@ -228,7 +228,7 @@ static void describe(RecordKeys& keys, Manifest& m) {
   keys.optional("plan_sha256", m.planSha256, kSha256Digits);
   keys.customOptional(
       "digest", [] { return OrderedJson(kNoDigest); }, [](const JsonNode& node) { node.sha256(); });
-  // Manifests of earlier versions may have the choice of a method, and times, which differ between machines.
+  // Manifests of earlier versions may state how the method was chosen, and how long each stage took.
   keys.former("method_choice");
   keys.former("stages");
 }
@@ -349,7 +349,7 @@ Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_
   } catch (const InputError& error) {
     try {
       requireStatedDigest(file, text);
-    } catch (const InputError& changed) {  // the error may follow from the change of the manifest: name both
+    } catch (const InputError& changed) {  // a changed manifest may be the cause of the error: report both
       throw InputError(fmt::format("{}; {}", changed.what(), error.what()));
     }
     throw;

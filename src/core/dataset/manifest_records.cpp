@@ -179,8 +179,8 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   keys("azimuth_offset", b.azimuthOffset, numberCount(b.rings));
   keys("firing_offset", b.firingOffset, numberCount(b.rings));
   keys.optional("vehicle_from_sensor", sensor.vehicleFromSensor);
-  // At most one of the two patterns is present. They are copied here, because BeamTable stores them in a variant, and
-  // stored in the table if the record is read.
+  // The table has listed beams, a rosette or neither. BeamTable stores both in a variant, so copies are described here,
+  // and stored in the table if the record is read.
   std::shared_ptr<const ListedBeams> listed = b.listed();
   keys.optional("beams", listed, [&](const JsonNode& node) {
     for (const char* const key : {"azimuth", "elevation", "time"}) node[key].numbers(b.size());
@@ -210,7 +210,7 @@ void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& i
       });
 }
 
-// The number of a scan's points of a class.
+// The number of points that a scan has of one class.
 struct ClassPoints {
   std::uint16_t id = 0;
   std::uint64_t points = 0;
@@ -222,7 +222,7 @@ static void describe(RecordKeys& keys, ClassPoints& entry) {
   keys("points", entry.points);
 }
 
-// The numbers of a sample's objects of a class.
+// The numbers of objects that a sample has of one class.
 struct ClassObjects {
   std::uint16_t id = 0;
   ObjectCount count;
@@ -301,7 +301,7 @@ void describe(RecordKeys& keys, SampleRecord& s) {
   });
   keys("scans", s.scans, [&](const JsonNode& node) {
     for (std::size_t i = 0; i < s.scans.size(); ++i) {
-      const auto sensor = std::ranges::find(head->sensors, s.scans[i].sensor, &SensorRecord::name);  // exists
+      const auto sensor = std::ranges::find(head->sensors, s.scans[i].sensor, &SensorRecord::name);  // always found
       if (s.scans[i].vehicleFromSensor || sensor->vehicleFromSensor) continue;
       node.item(i).fail("key 'vehicle_from_sensor' is missing, as in the scan's sensor");
     }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Names in a dataset: of shards, <split>/<split>-000000.tar, of members and of samples; and lists of shard numbers as
-// text: "0-9,12".
+// Names of a dataset's shards (<split>/<split>-000000.tar), members and samples, and texts that list shard numbers
+// ("0-9,12").
 
 #include <cstddef>
 #include <cstdint>

@@ -34,8 +34,8 @@ struct ObjectView {
   double truncation = 0;         // fraction of the box, as seen from the sensor, outside its field of view or range
   std::optional<double> nearestRange{};  // m, least noise-free range of these `beams`; none if `beams` is 0
 
-  // Returns the fraction of the beams towards the object that nothing occludes, 0 to 1; nothing if no beam would hit
-  // the object.
+  // Returns `beams` / `beamsAlone`, limited to 1: the fraction of the beams at the object that are not occluded.
+  // Returns nothing if both counts are 0.
   std::optional<double> visibility() const;
 };
 

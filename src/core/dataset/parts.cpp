@@ -118,7 +118,7 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool
   }
   std::vector<std::string> allScenes;
   for (const ModelledItem& item : joined.modelled) appendNew(item.scenes, allScenes);
-  for (ModelledItem& item : joined.modelled) {  // an item about all scenes lists none
+  for (ModelledItem& item : joined.modelled) {  // an empty list means all scenes
     if (item.scenes.size() == allScenes.size()) item.scenes.clear();
   }
   return joined;

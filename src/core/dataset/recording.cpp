@@ -200,7 +200,7 @@ static void describe(RecordKeys& keys, RecordedStep& step) {
   });
 }
 
-// Describes the file of a shot, which has either hits or steps; Recording::shot() requires those of its kind.
+// Describes the file of a shot. Recording::shot() requires `hits` or `steps`, depending on the kind of the recording.
 static void describe(RecordKeys& keys, RecordedShot& shot) {
   keys.optional("sample", shot.sample);
   keys.optional("sensor", shot.sensor);

@@ -10,8 +10,8 @@
 //
 //   recording.json                              index of the recording; written last
 //   street-s1-lane-000012.top.json              a shot: time, poses, images
-//   street-s1-lane-000012.top.hits.exr          kind hits: passes/exr/hits_exr.h
-//   street-s1-lane-000012.top.0.front.exr       kind passes: step and camera; passes/exr/pass_exr.h
+//   street-s1-lane-000012.top.hits.exr          hits of the shot (kind hits), see passes/exr/hits_exr.h
+//   street-s1-lane-000012.top.0.front.exr       image of a step and a camera (kind passes), see passes/exr/pass_exr.h
 //
 // docs/recordings.md describes the JSON files, for users who render passes with another program.
 
@@ -97,8 +97,8 @@ std::optional<RecordingKind> recordingIn(const std::filesystem::path& folder);
 
 class RecordingWriter {
  public:
-  // Creates the folder. Throws an InputError if the folder exists and contains files. Exception: if `overwrite` is true
-  // and all files belong to a finished recording by this program, they are removed.
+  // Creates the folder. If the folder contains files, removes them if `overwrite` is true and all of them belong to a
+  // finished recording by this program; otherwise throws InputError.
   RecordingWriter(std::filesystem::path folder, bool overwrite);
 
   const std::filesystem::path& folder() const { return folder_; }

@@ -112,7 +112,7 @@ class ScanCheck {
       for (const double offset : offsets) magnitude = std::max(magnitude, std::abs(offset));
       return magnitude;
     };
-    // The path of the sensor during the revolution (m): deskewed points are relative to its first pose.
+    // Distance (m) between the first and the last pose: deskewed points are in the frame of the first pose.
     const double motion =
         length(record_.worldFromSensor.back().translation - record_.worldFromSensor.front().translation);
     // m: from the origin of the sensor's frame, so that the offsets of the beams' origins are added to the range.
@@ -172,7 +172,7 @@ class ScanCheck {
                      });
       }
       case ColumnValidity::Interval: {
-        // Twice the largest error that a lossy format may cause, and the rounding of a bound to float32.
+        // Twice the largest error that a lossy format may cause, plus the error of rounding a bound to float32.
         const double tolerance = 2 * column.lossBound + 1e-6 * std::max(std::abs(column.low), std::abs(column.high));
         return check(
             fmt::format("with {} outside {:.6g} to {:.6g} {}", column.name, column.low, column.high, column.unit),

@@ -61,8 +61,8 @@ const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
   return record == sample->scans.end() ? nullptr : &*record;
 }
 
-// Returns the scan. Throws InputError at `what` if its rings and columns are those of far more beams than a sensor with
-// so many points has, because images of all beams are made from scans.
+// Returns the scan. Throws an InputError that begins with `what` if the scan has more beams (rings * columns) than both
+// limits allow: callers allocate images with a pixel for each beam, and a damaged file may claim any number of beams.
 Scan requirePlausibleBeams(Scan scan, const std::string& what) {
   constexpr std::uint64_t kAlwaysAllowed = 1 << 22;  // beams
   constexpr std::uint64_t kMostBeamsPerPoint = 256;
@@ -309,7 +309,7 @@ Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
     return requirePlausibleBeams(readFolderScan(recorded), recorded.points.string());
   }
   const ShardIndex& index = shard(samples_.at(sample).shard);
-  std::vector<std::string> problems;  // of the members
+  std::vector<std::string> problems;  // one for each member that cannot be decoded
   for (const std::string& name : scan.members) {
     const ShardMember* member = index.find(name);
     if (member == nullptr) {

@@ -26,8 +26,8 @@ struct StoredScan {
   std::string sensor;                // from the manifest or, if there is none, from the members' names; empty: unknown
   std::uint32_t revolution = 0;      // index among the sensor's revolutions in the sample
   std::string method;                // from the manifest or, if there is none, from the members' names; empty: unknown
-  std::vector<std::string> members;  // members of the shard that contain the scan, the most exact format first, as far
-                                     // as a manifest states errors; or a recorded scan's file
+  std::vector<std::string> members;  // members of the shard with this scan, sorted by the errors of their formats if
+                                     // there is a manifest; for a recorded scan, its file
   const ScanRecord* record = nullptr;  // record in the manifest; null: there is no manifest
 };
 
@@ -61,8 +61,8 @@ class ScanStore {
   // Returns the names of all sensors; none for a single scan.
   std::vector<std::string> sensors() const;
 
-  // Returns the scans of a sample that have a known format, for one sensor or, if `sensor` is empty, for all, the
-  // revolutions of a sensor in their order. If there is no such scan, throws InputError with the sample's sensors.
+  // Returns the scans of a sample by `sensor` (empty: by all sensors) that have a known format; the revolutions of a
+  // sensor are in order. If there is no such scan, throws an InputError that lists the sample's sensors.
   std::vector<StoredScan> scans(std::size_t sample, const std::string& sensor = {}) const;
   // Decodes a scan from the first of its members that can be decoded. If no member can be decoded, throws an InputError
   // with the problem of each member.
@@ -92,7 +92,7 @@ class ScanStore {
   void openShard();
   void openSingle();
   StoredScan scanOfRecorded(std::size_t sample, const std::string& sensor) const;
-  // Returns the scans of a sample of a dataset or shard, all of them.
+  // Returns the scans of all sensors in a sample of a dataset or shard.
   std::vector<StoredScan> scansInShard(const Sample& sample) const;
   void addSample(const std::string& key, Sample sample);
   const ShardIndex& shard(std::size_t number) const;
@@ -103,7 +103,7 @@ class ScanStore {
 
   Digests digests_;
   std::filesystem::path path_;
-  std::filesystem::path folder_;              // of the manifest; empty: there is none
+  std::filesystem::path folder_;              // folder of the manifest; empty: there is no manifest
   std::shared_ptr<const Manifest> manifest_;  // only of datasets and shards
   std::optional<Scan> single_;                // only of the file of one scan, which then has no shards
   std::optional<ScanFolder> recorded_;        // only of a folder of recorded scans, which then has no shards
@@ -111,7 +111,7 @@ class ScanStore {
   std::vector<std::string> keys_;
   std::vector<Sample> samples_;  // in the order of keys_
   std::unordered_map<std::string, std::size_t> byKey_;
-  mutable std::mutex mutex_;  // guards shards_ and beams_, which are filled when they are needed
+  mutable std::mutex mutex_;  // guards shards_ and beams_, whose items are created on first use
   mutable std::vector<Shard> shards_;
   mutable std::vector<std::shared_ptr<const BeamTable>> beams_;  // one per sensor of the manifest
 };
@@ -124,8 +124,8 @@ struct ScanSource {
   std::optional<Ontology> ontology;        // from the dataset's manifest or the folder's layout; none: unknown classes
 };
 
-// Finds and decodes a scan. `path`: see ScanStore. `sample`: see findKey(); if empty, the middle sample or, if that has
-// no scan of the sensor, the next one that does. `sensor`: name of one of the sample's sensors; if empty, the first.
+// Finds and decodes a scan. `path`: see ScanStore. `sample`: see findKey(); if empty, the first sample with a scan of
+// the sensor, from the middle sample on. `sensor`: name of one of the sample's sensors; if empty, the first sensor.
 // Throws InputError also if a sample or a sensor is given for the file of a single scan.
 ScanSource findScan(const std::filesystem::path& path, const std::string& sample, const std::string& sensor);
 

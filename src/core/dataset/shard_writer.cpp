@@ -73,7 +73,7 @@ struct ShardFile::State {
   Sha256 hash;
   archive* tar = archive_write_new();
   archive_entry* entry = archive_entry_new();
-  std::string pendingBytes;    // not hashed and written yet
+  std::string pendingBytes;    // bytes that are not hashed and written yet
   std::exception_ptr failure;  // exception from writeBytes(), which must not pass through libarchive's C code
   bool discard = false;        // if true, nothing more is written
 
@@ -101,7 +101,7 @@ struct ShardFile::State {
     return static_cast<la_ssize_t>(size);
   }
 
-  // Hashes and writes bytes; short ones later, together with those that follow.
+  // Hashes and writes bytes. Short texts are collected first, and written before the next long text or by flush().
   void put(std::string_view bytes) {
     if (bytes.size() + pendingBytes.size() <= kShortBytes) {
       pendingBytes += bytes;

@@ -24,7 +24,7 @@ constexpr std::array<const char*, 3> kSplits = {"train", "val", "test"};
 constexpr const char* kAdvice = "; --set splits=null puts all sequences into train";
 using SplitOfGroup = std::map<std::string, std::string>;  // split by name of a group
 
-// Groups are named by their seeds or trajectories, depending on the key `by`: "seed" or "trajectory".
+// Returns the name of a sequence's group: its seed if `by` is "seed", its trajectory if `by` is "trajectory".
 std::string groupOf(const SequenceName& sequence, const std::string& by) {
   return by == "seed" ? std::to_string(sequence.seed) : sequence.trajectory;
 }
@@ -126,7 +126,7 @@ SplitOfGroup byLists(Fields& fields, const std::set<std::string>& groups, const 
   return splits;
 }
 
-// Returns true if the splits are given as lists. Throws InputError if shares and lists are mixed, or there are none.
+// Returns true if the splits are lists, false if they are shares. Throws InputError for a mixture, and without splits.
 bool usesLists(Fields& fields) {
   std::optional<bool> areLists;
   for (const char* split : kSplits) {

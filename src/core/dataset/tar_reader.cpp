@@ -23,7 +23,7 @@ namespace {
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::uint64_t kEndBytes = 2 * kTarBlock;
 constexpr std::size_t kMostNameBytes = 4096;  // largest name of a member (bytes), the usual limit of paths
-// Numbers of bytes to read at a time: of members, and of headers alone (a header and a preceding pax header).
+// Bytes to read at a time if members are read, and if only headers are read (a header and a preceding pax header).
 constexpr std::size_t kBlockBytes = 1 << 20;
 constexpr std::size_t kHeaderBytes = 2048;
 

@@ -113,7 +113,7 @@ class ShardCheck {
     checkNames(names);
   }
 
-  // Checks a member that the manifest lists, by what its name says that it contains.
+  // Checks a member that the manifest lists. The kind of its contents follows from its name.
   void checkMember(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     if (name == sample.key + ".json") {
       const std::string difference = differenceOfSampleJson(bytes, sample);

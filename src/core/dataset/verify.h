@@ -20,7 +20,7 @@ struct Verification {
   std::uint64_t samples = 0;
   std::uint64_t scans = 0;
   std::uint64_t points = 0;
-  std::uint64_t damaged = 0;          // number of shards that differ from the manifest, or whose samples' file does
+  std::uint64_t damaged = 0;          // number of shards with a fault in the shard or its samples' file
   std::vector<std::string> problems;  // one line each, with shard and member; empty: the dataset is sound
 };
 
@@ -28,7 +28,7 @@ struct Verification {
 // decoded, counts that differ, a class id that the ontology does not have, members out of order, a file that describes
 // samples and is missing or damaged, and files that the manifest does not list. If the file that describes a shard's
 // samples is damaged, only the hash and size of the shard are checked. Throws an InputError only if the manifest cannot
-// be read. Calls progress(done, total), the numbers of shards, after each shard.
+// be read. Calls progress(number of checked shards, number of all shards) after each shard.
 [[nodiscard]] Verification verifyDataset(const std::filesystem::path& folder,
                                          const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 

@@ -25,7 +25,7 @@ class VoxelArrays {
  public:
   VoxelArrays(std::string_view bytes, const std::string& what) : what_(what), arrays_(readNpzArrays(bytes, what)) {}
 
-  // Returns an array of this type, such as "<u2".
+  // Returns the array with this name, NumPy type (such as "<u2") and number of dimensions.
   const NpyArray& array(std::string_view name, std::string_view type, std::size_t dimensions) const {
     const auto array = std::ranges::find(arrays_, name, &NpyArray::name);
     if (array == arrays_.end()) fail("has no array `{}`", name);
@@ -36,7 +36,7 @@ class VoxelArrays {
     return *array;
   }
 
-  // Returns the finite numbers of an array with `count` numbers.
+  // Returns the numbers of a float64 array, which must be `count` finite numbers.
   std::vector<double> numbers(std::string_view name, std::size_t dimensions, std::size_t count) const {
     const std::string_view bytes = array(name, kFloat64, dimensions).bytes;
     std::vector<double> values(bytes.size() / sizeof(double));
@@ -48,7 +48,7 @@ class VoxelArrays {
     return values;
   }
 
-  // Returns the flags, each 0 or 1, of an array with the shape of the array `label`.
+  // Returns the flags of an array, each 0 or 1. `shape`, `voxels`: shape and size of the array `label`.
   std::vector<std::uint8_t> flags(std::string_view name, const std::vector<std::size_t>& shape,
                                   std::size_t voxels) const {
     const NpyArray& flagArray = array(name, kBool, shape.size());
@@ -124,8 +124,8 @@ std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
   const VoxelGrid& grid = voxels.grid;
   const Vec3d sensor = grid.inVoxels({});
   const auto isInside = [](double coordinate, std::uint32_t count) { return coordinate >= 0 && coordinate < count; };
-  // `center`: of the voxel. Positions are in voxels; a step is one voxel along the axis on which the sensor is
-  // farthest.
+  // `center`: centre of the voxel (in voxels). Each step towards the sensor is one voxel along the line's longest axis,
+  // and a fraction of a voxel along the other axes.
   const auto isOccluded = [&](const Vec3d& center) {
     const Vec3d toSensor = sensor - center;
     const double steps = std::max({std::fabs(toSensor.x), std::fabs(toSensor.y), std::fabs(toSensor.z)});

@@ -16,9 +16,9 @@ namespace scanmill {
 class ClassMap {
  public:
   ClassMap() = default;
-  // Maps a class of `from` to its counterpart: the class of `to` with the same name, or with one of its aliases as
-  // name. A class for moving objects without a counterpart is mapped as the class for objects of its kind that stand
-  // still. All other classes without a counterpart are mapped to 0 (unlabeled).
+  // Maps a class of `from` to its counterpart: the class of `to` with the same name or, if there is none, with one of
+  // the aliases of the class as its name. A class for moving objects without a counterpart is mapped like the class for
+  // objects of its kind that stand still. All other classes without a counterpart are mapped to 0 (unlabeled).
   ClassMap(const Ontology& from, Ontology to) : target_(std::move(to)) {
     std::uint16_t largestId = 0;
     for (const SemanticClass& c : from.classes) largestId = std::max(largestId, c.id);

@@ -34,7 +34,7 @@ constexpr const char* kRecord = "scanmill_export.json";       // description of 
 constexpr const char* kUnfinished = ".scanmill_export.json";  // description of an unfinished export
 constexpr const char* kLock = ".scanmill_export.lock";
 
-// A unit of work: a frame, or a complete sequence. The members are indices and a number of frames.
+// A unit of work: the frames [firstFrame, firstFrame + frames) of a sequence; a single frame or all of them.
 struct Unit {
   std::size_t sequence = 0;
   std::size_t firstFrame = 0;
@@ -125,7 +125,7 @@ class Export {
         options_.layout->boxesAlone ? "boxes are left out" : "points become unlabeled"));
   }
 
-  // Sets plan_.sensors to the sensors of the options; to all, or the first, if the options name none.
+  // Sets plan_.sensors to the sensors that the user has named or, by default, to all that the layout can store.
   void chooseSensors() {
     const auto names = plan_.manifest.sensors | std::views::transform(&SensorRecord::name);
     for (const std::string& name : options_.sensors) {
@@ -146,7 +146,7 @@ class Export {
                     options_.layout->name, plan_.sensors.front()->name));
   }
 
-  // Returns true if the user has named `name`, or nothing.
+  // Returns true if `chosen`, the names that the user has given, is empty or contains `name`.
   static bool isChosen(const std::string& name, const std::vector<std::string>& chosen) {
     return chosen.empty() || std::ranges::find(chosen, name) != chosen.end();
   }

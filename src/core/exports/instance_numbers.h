@@ -41,7 +41,7 @@ class InstanceNumbers {
         instancesOf_(std::move(instancesOf)),
         groupName_(std::move(groupName)) {}
 
-  // Throws InputError if a group of the sample's sequence has more than `most` instances.
+  // Adds the instances of a sample. Throws InputError if a group of its sequence then has more than `most` instances.
   void add(const ExportPlan& plan, const ExportSample& sample) {
     std::set<Instance> instances;
     for (const ExportScan& scan : sample.scans) instances.merge(instancesOf_(plan, scan.scan));
@@ -57,7 +57,7 @@ class InstanceNumbers {
     }
   }
 
-  // Returns the numbers of a sequence's instances. All of its samples must have been added.
+  // Returns the numbers of a sequence's instances. All samples of the sequence must have been added.
   Numbers numbersOf(std::size_t sequence) {
     const std::scoped_lock lock(mutex_);
     Numbers numbers;

@@ -163,8 +163,8 @@ constexpr std::uint8_t kSynthetic = 1;  // the bit "synthetic" of the classifica
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 
-// Computes return numbers. If the scan lacks one of the columns for them and the beams are known, the points of each
-// beam, which are in the order of their returns, are counted.
+// Computes return numbers. If the scan lacks the column `return` or `returns`, but knows the beams, the points of each
+// beam are counted; they are in the order of their returns.
 class ReturnNumbers {
  public:
   explicit ReturnNumbers(const Scan& scan)
@@ -199,7 +199,7 @@ class ReturnNumbers {
   const Scan& scan_;
   bool counts_ = false;
   PointKey extent_;
-  std::vector<std::uint32_t> points_, visitedPoints_;  // numbers of all points, and of the points of next(), by beam
+  std::vector<std::uint32_t> points_, visitedPoints_;  // per beam: number of points, and of calls of next()
 };
 
 // Appends X, Y and Z of a point at `position` (m, world), and extends the bounds in `points`. Throws InputError if a
@@ -228,7 +228,7 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
   const Scan& scan = exportScan.scan;
   const WorldPositions positions(scan, *exportScan.record, exportScan.sensor->beams, plan.manifest.deskewed);
   const ColumnSet columns = exportedColumns(plan, scan);
-  // The columns that no field of the point format can represent completely.
+  // The columns that are stored as extra bytes, because no field of the point format represents them completely.
   const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
   ReturnNumbers returns(scan);
   LasPoints points;

@@ -82,19 +82,19 @@ std::vector<std::size_t> velodyneOrder(const ExportScan& exportScan);
 // Returns the bytes of the points in the given order, as in KITTI's files velodyne/*.bin: x, y, z (m) and intensity (0
 // to 1), float32.
 std::string velodynePoints(const ExportScan& exportScan, std::span<const std::size_t> order);
-// Returns a warning if points are in the frames of several poses, because the sensors moved during a revolution and the
-// dataset is not deskewed; for layouts that store one pose and no times. Otherwise empty.
+// For layouts that store one pose and no times: returns a warning if a sensor moves during a revolution and the dataset
+// is not deskewed, so that one pose does not apply to all points. Otherwise returns no warning.
 std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view layout);
 // Returns the rows of a pose's matrix of 3 x 4 numbers, one after the other.
 std::array<double, 12> matrixRows(const Pose& pose);
 // Returns the scans of an exported sensor (index in ExportPlan::sensors), one for each of its revolutions in the
 // sample; a sample may have none of a slow sensor.
 std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
-// Returns the first of these scans. Throws InputError if there is none.
+// Returns the first scan that revolutionsOf() returns. Throws InputError if there is none.
 const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor = 0);
 
-// Throws InputError if two exported sensors have the same name in the layout. `what`: what bears the name, such as
-// "folder"; nameOf() takes the index in ExportPlan::sensors.
+// Throws InputError if nameOf() returns the same name for two exported sensors (indices in ExportPlan::sensors).
+// `what`: what has the name in the layout, such as "folder", for the message.
 void requireDistinct(const ExportPlan& plan, std::string_view what,
                      const std::function<std::string(std::size_t)>& nameOf);
 

@@ -17,9 +17,9 @@
 // The messages are those of ROS 2 Humble and later: sensor_msgs/msg/PointCloud2, tf2_msgs/msg/TFMessage and
 // visualization_msgs/msg/MarkerArray (github.com/ros2/common_interfaces, rcl_interfaces and geometry2, branch humble).
 //
-// Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without comments and,
-// of Marker, without the constants that no message here has. Each definition is followed by the definitions of all
-// types that it uses, each after a line of 80 '=' and the type's name.
+// Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without comments; the
+// definition of Marker lacks the constants that no message here has. Each definition is followed by the definitions of
+// all types that it uses, each after a line of 80 '=' and a line with the type's name.
 //
 // Messages are serialised as in DDS: CDR, version 1, little-endian (OMG, "DDS for Extremely Large Scale and
 // Interoperability Protocol (DDSI-RTPS)", section 10; "Extensible and Dynamic Topic Types for DDS", section 7.4.1). A
@@ -331,10 +331,10 @@ std::string topicOf(const SensorRecord& sensor) {
   return "/" + name + "/points";
 }
 
-// The subscribers that get a message of a topic: those of the moment, or (for static transforms) also later ones.
+// The subscribers that get a message: those at the time of publishing, or (for static transforms) also later ones.
 enum class Subscribers { OfTheMoment, Later };
 
-// Returns the metadata that tells rosbag2 how to publish a topic when it plays the file: reliably, to these
+// Returns the metadata that make rosbag2, when it plays the file, publish a topic reliably to the given
 // subscribers. The numbers are from ROS 2's middleware interface (rmw/types.h); the durations mean infinity.
 McapMap publishing(Subscribers subscribers) {
   const bool keepsForLater = subscribers == Subscribers::Later;

@@ -20,9 +20,9 @@
 // - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
 //   because times must differ from scene to scene. Times and ego_pose are those at the start of a revolution.
 // - sample_annotation has the listed objects that have at least one point and whose class in labels/nuscenes.yaml is a
-//   thing class, because nuScenes has boxes only for these. Boxes are where the beams of the first lidar that sees the
-//   object hit it, and have one size per instance: the greatest of its boxes in the scene. num_lidar_pts counts the
-//   points of all lidars; visibility is the greatest one from a lidar.
+//   thing class, because nuScenes has boxes only for these. A box has the pose of the object at the time when beams of
+//   the first lidar that sees the object hit it. All boxes of an instance have the size of the largest in the scene.
+//   num_lidar_pts counts the points of all lidars; visibility is the highest among the lidars.
 // - Instances are numbered from 1 to 999 within each class of a scene, in the order of the dataset's ids.
 // - splits.json lists the scenes of each split, for newer versions of the devkit. These versions reserve the names of
 //   nuScenes's splits (`train`, `val`, ...), so each split is also listed with a prefix, as `scanmill_train`.
@@ -74,7 +74,7 @@ std::set<Instance> instancesOf(const ExportPlan& plan, const Scan& scan) {
   return instances;
 }
 
-// Returns for each ring of the sensor its number counted from the lowest. Rings that are not cones keep their numbers.
+// Returns the numbers of the rings when counted from the lowest; the rings' own numbers if they are not cones.
 std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   std::vector<std::uint16_t> order(beams.rings);
   std::iota(order.begin(), order.end(), std::uint16_t{0});

@@ -48,8 +48,8 @@ constexpr SceneRun kValScenes[] = {{3, 3},     {12, 18},   {35, 36},   {38, 39},
                                    {919, 931}, {962, 963}, {966, 969}, {971, 972}, {1059, 1073}};
 constexpr std::size_t kFirstOther = 9001;  // number of the first scene that is in none of nuScenes' splits
 
-// The cameras, which training programs require: all at the first lidar's place, looking level to these sides (deg,
-// counter-clockwise from ahead). There is one black image for each. Intrinsics (px) are usual ones of nuScenes.
+// The cameras that training programs require, and their azimuths (deg, counter-clockwise from ahead). All are at the
+// first lidar's origin, look horizontally and have one black image each. Intrinsics (px) are typical of nuScenes.
 constexpr std::array<std::pair<std::string_view, double>, 6> kCameras{{{"CAM_FRONT", 0},
                                                                        {"CAM_FRONT_RIGHT", -55},
                                                                        {"CAM_FRONT_LEFT", 55},
@@ -200,9 +200,9 @@ class Annotations {
  private:
   // Sums up what the exported sensors see of an object in a frame.
   struct Sighting {
-    std::uint64_t points = 0;               // of all sensors
-    std::optional<double> visibility;       // the greatest one of a sensor with points
-    const ObjectView* firstView = nullptr;  // by the first sensor with points on the object; null: none has points
+    std::uint64_t points = 0;               // sum over all sensors
+    std::optional<double> visibility;       // highest among the sensors with points
+    const ObjectView* firstView = nullptr;  // view of the first sensor with points on the object; null: no sensor has
     std::size_t sensor = 0;                 // index of the sensor of firstView
   };
 
@@ -459,10 +459,10 @@ class Tables {
     }
   }
 
-  // Returns the next number of a scene of the split: one of nuScenes' own for the splits train and val, as long as
-  // there are any; otherwise one that is in none of nuScenes' splits.
+  // Returns the number of the next scene of the split: the next number in nuScenes' split of the same name (train and
+  // val) or, if there is none, the next number from kFirstOther on.
   std::size_t sceneNumber(const std::string& split) {
-    std::size_t index = scenesOf_[split]++;  // among the numbers of the split, then of the runs that follow
+    std::size_t index = scenesOf_[split]++;  // index among the numbers of this run and of later runs
     const std::span<const SceneRun> runs = split == "train" ? std::span<const SceneRun>(kTrainScenes)
                                            : split == "val" ? std::span<const SceneRun>(kValScenes)
                                                             : std::span<const SceneRun>();
@@ -473,8 +473,8 @@ class Tables {
     return kFirstOther + others_++;
   }
 
-  // Return the token of the sample_data of a sensor's revolution before or after the revolution `r` of a frame; empty
-  // if there is none in the sequence.
+  // Return the token of the row of sample_data for the sensor's revolution before or after the revolution `r` of the
+  // frame `f` of the sequence `s`; empty if the sequence has no such revolution.
   std::string tokenBefore(std::size_t s, std::size_t f, std::size_t sensor, std::size_t r) const {
     if (r > 0) return scanToken("sample_data", sampleAt(s, f), sensor, r - 1);
     if (f == 0) return {};
@@ -492,7 +492,7 @@ class Tables {
     return token(table, nuScenesScan(plan_, sample, sensor, static_cast<std::uint32_t>(r)));
   }
 
-  // Adds the rows of a sensor's scans of a sample: ego_pose, sample_data and, for the first one, labels.
+  // Adds the rows of a sensor's scans of a sample: ego_pose, sample_data and, for the first scan, labels.
   void addScans(std::size_t s, std::size_t f, std::size_t sensor) {
     const ExportSequence& sequence = plan_.sequences[s];
     const SampleRecord& sample = sampleAt(s, f);
