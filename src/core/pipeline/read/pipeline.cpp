@@ -200,7 +200,10 @@ void readMethod(Fields& fields, Pipeline& pipeline) {
                      "`method: auto` is no longer chosen by measuring, since ray_tracing is the fastest of the exact "
                      "settings everywhere (docs/tradeoff.md): write `method: ray_tracing`");
   }
-  pipeline.method = {&requireMethod(method.name, method.where), method.options};
+  const MethodEntry& entry = requireMethod(method.name, method.where);
+  // Refuses unknown keys now; the method checks the values of its keys when it is made, after the scene is read.
+  Fields(method.options, "method " + method.name).alsoDescribed(entry.keys).finish();
+  pipeline.method = {&entry, method.options};
 }
 
 // Returns the pipeline of a parsed text. Later keys depend on earlier ones: sequences on the sensors' periods, effects

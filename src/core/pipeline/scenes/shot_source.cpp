@@ -95,7 +95,6 @@ void copyRings(const BeamTable& table, std::uint32_t firstRing, std::uint32_t co
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
   Fields options(choice.options, "method " + std::string(choice.entry->name));
-  options.alsoDescribed(choice.entry->keys).finish();
   if (scene.moves() && !choice.entry->can.moving) {
     throw InputError({scene.file.string()},
                      "objects of this scene move, but the method {} cannot trace moving objects: write "

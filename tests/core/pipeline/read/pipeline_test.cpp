@@ -274,6 +274,7 @@ const Refusal kRefusals[] = {
     {"method:", "effects: [quantize: {step_m: -1}]\nmethod:", "-1}", "step_m"},
     {"method: ray_tracing", "method: [ray_tracing]", "[ray", "method"},
     {"method: ray_tracing", "method: teleport", "teleport", "known: ray_tracing"},
+    {"method: ray_tracing", "method: {particle: {voxel_mm: 1}}", "voxel_mm", "did you mean 'voxel_m'"},
     {"method: ray_tracing", "method: {auto: {min_rate: 5e6}}", "{auto", "write `method: ray_tracing` | tradeoff.md"},
     {"columns: [intensity, label, instance, ring, column, time, range_true]", "columns: label", "label",
      "columns must be a list"},
