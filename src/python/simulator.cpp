@@ -81,8 +81,8 @@ class Simulator {
             bool placeable = false);
 
   // Returns one scan per sensor. If all objects are where the scene places them and stand still during the revolution,
-  // they are equal to those that `scanmill generate` makes with this pipeline for the frame number `frame`, but with
-  // the vehicle at these poses. Throws InputError for an unknown object.
+  // the scans are equal to those that `scanmill generate` makes with this pipeline for the frame number `frame`, but
+  // with the vehicle at these poses. Throws InputError for an unknown object.
   std::vector<SimulatedScan> scan(const SimulatedShot& simulated) const;
 
   // Returns the objects of the scene, by their names, at a time (s since the drive began).
@@ -186,8 +186,7 @@ Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& f
   }
 }
 
-// Returns the indices of the instances called `name` or, if there are none, of its copies NAME#1, NAME#2, ...; throws
-// InputError without either.
+// Returns the indices of the instances called `name`, or else of its copies NAME#1, ...; throws InputError if none.
 const std::vector<std::uint32_t>& Simulator::instancesOf(const std::string& name) const {
   for (const auto* indicesByName : {&instances_, &copies_}) {
     if (const auto entry = indicesByName->find(name); entry != indicesByName->end()) return entry->second;

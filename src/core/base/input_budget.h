@@ -85,8 +85,8 @@ class [[nodiscard]] FilesRead {
   FilesRead* outer_;
 };
 
-// Tell the thread's latest FilesRead that a file is read, the second one with the file's bytes. readFile() and
-// chargeFile() call them; readers that leave the reading to a library call the first one.
+// Record in the thread's latest FilesRead that a file is read; the second function also gets the file's bytes.
+// readFile() and chargeFile() call them; readers that leave the reading to a library call the first function.
 void recordFile(const std::filesystem::path& file);
 void recordFile(const std::filesystem::path& file, std::string_view bytes);
 

@@ -39,7 +39,7 @@ bool makeFolders(const std::filesystem::path& folder, const std::filesystem::pat
 // Moves a file and replaces a file that is already there. Creates the folder of `to`.
 void moveFile(const std::filesystem::path& folder, const std::filesystem::path& from, const std::filesystem::path& to);
 
-// Removes a file, or a link itself. Does nothing if there is none.
+// Removes a file, or a link but not its target. Does nothing if `file` does not exist.
 void removeFile(const std::filesystem::path& folder, const std::filesystem::path& file);
 
 }  // namespace scanmill

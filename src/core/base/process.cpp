@@ -35,7 +35,7 @@ Descriptor makeFile() {
   return Descriptor(::fcntl(::fileno(file.get()), F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
 }
 
-// Owns the arguments of posix_spawn(). The child gets a new process group and handles all signals by default.
+// Owns the arguments of posix_spawn(). The child gets a new process group, and no signal is blocked or handled.
 struct SpawnActions {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;

@@ -46,8 +46,8 @@ class Process {
   // Waits for the next line of the child's standard output and returns it without its line feed; nullopt if the output
   // has ended. Throws TimeOut after `seconds`, and Error for a line of over 16 MiB.
   std::optional<std::string> readLine(double seconds);
-  // Waits until the child has ended and returns how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut
-  // after `seconds`. Output that was not read is kept, up to 16 MiB; what comes after that is dropped.
+  // Waits until the child has ended and returns how it ended: "exit code 3", "signal 11 (Segmentation fault)". Throws
+  // TimeOut after `seconds`. Output that was not read is kept, up to 16 MiB; what comes after that is dropped.
   std::string wait(double seconds);
   // Returns the last lines of the child's standard error, at most twelve and 4 KiB.
   std::string lastLines() const;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A cache of the entries that were used last. It has no lock: callers that share it between threads have their own.
+// A cache of the entries that were used last. It has no lock: callers that share a cache between threads must lock it.
 
 #include <algorithm>
 #include <cstddef>

@@ -135,7 +135,7 @@ struct SymbolStep {
   std::uint16_t shift;       // of the product of state and reciprocal
 };
 
-// Returns the step of each symbol; those of symbols that do not occur are not set.
+// Returns the step of each symbol; the steps of symbols that do not occur are not set.
 std::vector<SymbolStep> symbolSteps(const std::vector<std::uint32_t>& probability, int precisionBits) {
   std::vector<SymbolStep> result(probability.size());
   std::uint32_t start = 0;

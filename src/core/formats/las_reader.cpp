@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kEncoding = 6, kMinor = 25, kHeaderSize = 94, kPointsAt = 96, kRecords = 100, kFormat = 104,
                       kRecordSize = 105, kLegacyPoints = 107, kScale = 131, kOffset = 155, kWaveformsAt = 227,
                       kLaterRecordsAt = 235, kLaterRecords = 243, kPoints = 247;
-// Types of extra bytes, which the specification numbers from 1: kind (unsigned, signed or floating-point) and bytes.
+// Types of extra bytes, which the specification numbers from 1: kind (unsigned, signed, float) and size (bytes).
 constexpr std::string_view kExtraKinds = "UIUIUIUIFF";
 constexpr std::array<std::uint64_t, 10> kExtraBytes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
 constexpr std::uint16_t kWktBit = 1 << 4;  // of the global encoding: the coordinate system is well-known text
@@ -92,7 +92,7 @@ class LasReader {
     return numberAt<T>(bytes_, offset);
   }
 
-  // Returns the position of a point (m), whose record begins at this byte.
+  // Returns the position (m) of the point whose record begins at the byte `record`.
   Vec3d positionAt(std::uint64_t record) const {
     std::array<double, 3> position{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -303,7 +303,7 @@ class LasReader {
   }
 
   // Adds the extra bytes at `firstByte` of each record as a foreign column. Their description is at the start of
-  // described_; `options` are its bits, which say whether it has a value for none, a scale and an offset.
+  // described_; `options` are its bits, which say whether the field has a value for none, a scale and an offset.
   template <class T>
   void addExtra(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t firstByte,
                 std::size_t options) {
@@ -323,7 +323,7 @@ class LasReader {
     cloud_.scan.foreign.back().values = std::move(scaled);
   }
 
-  // Adds the numbers at `offset` in each record as a foreign column. 0: the records have no such number.
+  // Adds the numbers at `offset` in each record as a foreign column. Adds nothing if `offset` is 0.
   template <class T>
   void addForeign(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t offset) {
     if (offset == 0) return;

@@ -381,7 +381,7 @@ class BodyReader {
     return readTable(table.data(), TableOrder::RowByRow);
   }
 
-  // Appends the number of a word to the table, in the field's type, or 0 for fields that become no column.
+  // Appends the number that `word` states to the table, in the field's type; 0 for fields that become no column.
   static void appendWord(const PcdField& field, std::string_view word, const Location& where, std::string& table) {
     if (word.empty()) throw InputError(where, "there is no value of field {}", field.name);
     visitNumberType(field.type, field.size, [&](auto value) {

@@ -49,7 +49,7 @@ Cloud readPcd(std::string_view bytes, const std::string& what, bool exact = true
 
 // Reads text with a line for each point, of values that commas, semicolons, tabs or blanks separate. The first line
 // names the columns; it may be absent if there are three columns: x, y and z. Lines that are empty or begin with # or
-// // are skipped, and the first line may begin so. Columns of the table are read in their types, others as doubles.
+// // are skipped, unless they name the columns. Columns of the table are read in their types, others as doubles.
 Cloud readCsv(std::string_view bytes, const std::string& what, bool exact = true);
 
 // Reads any Draco point cloud that has positions. Its other attributes are recognised by their metadata entry "name".
@@ -106,7 +106,7 @@ void addLidarsegLabels(std::string_view bytes, const std::string& what, Scan& sc
 
 // Adds the column `instance`, and `label` if the scan has none, from a file of Panoptic nuScenes: a NumPy archive with
 // the array `data` of one uint16 per point, 1000 * class + number of the instance. The instance is the complete number,
-// since its last digits count within a class; 0 if these are 0. Throws like addSemanticKittiLabels().
+// since its last three digits count within a class; 0 if these digits are 0. Throws like addSemanticKittiLabels().
 void addPanopticLabels(std::string_view bytes, const std::string& what, Scan& scan);
 
 // Returns the label file of a scan of SemanticKITTI: for velodyne/000000.bin the file labels/000000.label beside the

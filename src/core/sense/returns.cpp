@@ -29,7 +29,7 @@ void Returns::recordReasons() {
   recordLost(Reason::None);
 }
 
-// Sets the reason of each row that was lost since the last call to reasonOf(row).
+// For each row that was lost since the last call, sets the reason to reasonOf(row).
 template <class ReasonOf>
 void Returns::recordRemoved(const ReasonOf& reasonOf) {
   if (!recordsReasons_) return;

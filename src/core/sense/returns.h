@@ -21,7 +21,7 @@
 
 namespace scanmill {
 
-// Returns the reason that a return has as its cause if its ray took this path.
+// Returns the value of the column `cause` for a return whose ray took this path.
 Reason causeOf(RayPath path);
 
 // Rays of one beam whose ranges are too similar for the receiver to separate them.

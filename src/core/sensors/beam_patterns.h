@@ -12,9 +12,9 @@
 namespace scanmill {
 
 // A sensor read from a table with one line per beam, whose columns docs/keys.md explains (`beams`). Rings and columns
-// are numbered from 0, and every pair of ring and column must occur once; without them all beams form one ring, in the
-// order of the lines. No column may fire before its predecessor. readListedBeams() throws InputError with the file and,
-// if the fault is in one line, the line.
+// are numbered from 0, and every pair of ring and column must occur once; without these numbers all beams form one
+// ring, in the order of the lines. No column may fire before its predecessor. readListedBeams() throws InputError with
+// the file and, if the fault is in one line, the line.
 struct ListedSensor {
   std::uint32_t rings = 0, columns = 0;
   ListedBeams beams;
@@ -34,7 +34,7 @@ ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32
 // Reads the key `rosette` of a sensor, which docs/keys.md explains. Throws InputError.
 Rosette readRosette(const Value& value);
 
-// A mirror that scans zones side by side, one by each laser at the same time, line by line from the top.
+// A mirror that scans zones side by side, all at the same time with one laser per zone, line by line from the top.
 struct RasterScan {
   std::vector<double> zones;   // rad, azimuth of the middle of each zone
   double width = 0;            // rad, from the first to the last beam of a line

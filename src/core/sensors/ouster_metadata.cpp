@@ -51,7 +51,7 @@ class Reader {
     return found != nullptr ? found : find("data_format", key);
   }
 
-  // Sets elevation and azimuth. A laser whose two angles are 0 counts as unused if there are several of them.
+  // Sets elevation and azimuth. Lasers whose two angles are 0 count as unused if there are several such lasers.
   void readBeams(OusterMetadata& m) const {
     const Value* const altitudeValue = find("beam_intrinsics", "beam_altitude_angles");
     const Value* const azimuthValue = find("beam_intrinsics", "beam_azimuth_angles");

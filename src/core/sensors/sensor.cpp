@@ -209,7 +209,8 @@ void clearCones(BeamTable& table) {
 }
 
 // Each of the next four functions reads one kind of beams into a table that has its rings, columns and period. They
-// throw InputError for keys of the other kinds. readListed() reads a file with one line per beam, which `beams` names.
+// throw InputError for keys of the other kinds. readListed() reads the file that the key `beams` names, with one line
+// per beam.
 void readListed(Fields& fields, BeamTable& table) {
   refuseBeside(fields, "beams", {"columns", "firing_time_us", "rosette", "raster"});
   clearCones(table);
@@ -353,7 +354,7 @@ Value resolveSensor(const Value& value) {
       merged.entries.push_back(entry);
       continue;
     }
-    // withCalibration() may have added the key `source`, which then continues the preset's.
+    // withCalibration() may have added the key `source`, which is then appended to the preset's `source`.
     const bool sourceIsAdded = entry.key == "source" && value.find("source") == nullptr;
     const std::string sourceOfPreset = sourceIsAdded ? inPreset->value.text + "; " : "";
     inPreset->value = entry.value;

@@ -39,7 +39,7 @@ class TextTable {
   const Location& where(std::size_t row) const { return rows_[row].where; }
 
   bool has(std::string_view name) const { return find(name).has_value(); }
-  // Gives the first column with the name `oldName`, if there is one, a new name.
+  // Renames the first column called `oldName`, if there is one.
   void rename(std::string_view oldName, const char* newName);
   // Throws InputError if the table has no column with this name.
   void require(std::string_view name) const;
@@ -47,7 +47,7 @@ class TextTable {
   void expectOnly(const std::vector<std::string>& columns) const;
   // Returns the number in a column, or 0 if the table has no such column.
   double number(std::size_t row, std::string_view name, Range range = {}) const;
-  // Returns the time in a row (s), from the only column time, time_s, time_ms, time_us or time_ns; 0 without one.
+  // Returns the time in a row (s), from the column time, time_s, time_ms, time_us or time_ns; 0 if there is none.
   double time(std::size_t row, Range range = {}) const;
   // Returns the name of the column of times; empty if there is none.
   std::string_view timeName() const;

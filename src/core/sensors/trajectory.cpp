@@ -129,7 +129,7 @@ Trajectory Trajectory::along(const std::vector<Vec3d>& waypoints) const {
   return driven;
 }
 
-// Returns the waypoints, at equal heights if the vehicle is placed on the ground: its speed is then horizontal.
+// Returns the waypoints, at equal heights if the vehicle is placed on the ground, so that lengths are horizontal.
 std::vector<Vec3d> Trajectory::levelled(std::vector<Vec3d> waypoints) const {
   if (!ground_) return waypoints;
   for (Vec3d& p : waypoints) p.z = waypoints.front().z;

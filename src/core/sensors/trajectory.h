@@ -131,7 +131,8 @@ class Trajectory {
   const GroundOptions* ground() const { return ground_ ? &*ground_ : nullptr; }
   // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomPath() requires.
   [[nodiscard]] Trajectory along(const std::vector<Vec3d>& waypoints) const;
-  // Returns this trajectory placed on the ground. Throws InputError if a listed pose or all of the path has no ground.
+  // Returns this trajectory placed on the ground. Throws InputError if a listed pose, or the complete path, has no
+  // ground.
   [[nodiscard]] Trajectory onGround(const Ground& ground) const;
   // Returns the fraction of the path without ground; 0 before onGround().
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bareFraction() : 0; }

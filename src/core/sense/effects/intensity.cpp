@@ -28,9 +28,10 @@
 //
 // The reported value is the power or, with `model: reflectivity`, the power of the same surface at the reference range
 // in clear air; other effects read the received power in both cases. The value is then multiplied by the fraction of
-// the received power that exceeds `floor`. The response is v = min(gain * value, saturation) ^ gamma for floats, 255 *
-// (v / saturation ^ gamma) for bytes; or 100 v and, above 1, 100 + 155 log(v) / log(retro_full_scale) (Velodyne, VLP-16
-// User Manual 63-9243 Rev. D, section 6.1); or the curve `table`. Then `noise` is added, and `step` rounds.
+// the received power that exceeds `floor`. The response to v = gain * value is min(v, saturation)^gamma for floats, and
+// 255 (min(v, saturation) / saturation)^gamma for bytes. With retro_full_scale it is 100 v up to v = 1, and 100 + 155
+// log(v) / log(retro_full_scale) above (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1). With `table` it is
+// this curve of the value. Then `noise` is added, and the sum is rounded to multiples of `step`.
 
 #include <algorithm>
 #include <cfloat>

@@ -117,7 +117,7 @@ class RingBias : public Effect {
   PerRing gain_;
 };
 
-// Reads one kind of error from either of two keys, within the limits of each.
+// Reads one kind of error: its standard deviation from `sigmaKey`, or its values from `listKey`.
 PerRing readPerRing(Fields& options, const char* sigmaKey, Range sigmaLimits, const char* listKey, Range valueLimits) {
   PerRing errors;
   if (const Value* list = options.find(listKey)) {
