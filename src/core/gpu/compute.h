@@ -151,14 +151,13 @@ class ComputeProgram {
  public:
   // Compiles a program. `text`: GLSL 4.30 without the version line and main(). It must define `void invoke(uint i)`,
   // and declare its storage buffers (std430) with bindings 0, 1, 2 ..., the samplers of its tables with bindings 0, 1,
-  // 2 ... and its parameters, if any, as a uniform block (std140) with binding 0. Throws Error with the compiler's
-  // message.
+  // 2 ... and its parameters, if any, as a uniform block (std140) with binding 0. Throws Error if compiling fails.
   ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text);
   ComputeProgram& operator=(ComputeProgram&&) = delete;  // neither copied nor moved
 
   // Calls invoke(i) for i from 0 to invocations - 1, in any order; `invocations` must be less than 2^32. The data that
-  // these calls write is visible to the next run() and to readbacks. OpenGL 4.3 promises 8 buffers, 16 tables and 16
-  // KiB of parameters.
+  // these calls write is visible to the next run() and to readbacks. Supported: 8 buffers, 16 tables, 16 KiB
+  // parameters.
   void run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
            std::span<const std::byte> parameters = {}, std::initializer_list<ComputeTable> tables = {});
 

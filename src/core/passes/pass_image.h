@@ -38,12 +38,10 @@ struct Camera {
   Vec3d ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1}; }
 };
 
-// Returns a camera with square pixels whose principal point is the centre of the image. `horizontalField`: rad, less
-// than pi.
+// Returns a camera with square pixels and its principal point in the image's centre. `horizontalField`: rad, below pi.
 Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontalField);
 
-// Returns the rotation from camera axes to the axes of a sensor or vehicle (x forward, y left, z up), for a camera that
-// looks along the x axis.
+// Returns the rotation from camera axes to x forward, y left, z up, for a camera that looks along the x axis.
 inline Quat vehicleFromOptical() {
   return {0.5, -0.5, 0.5, -0.5};
 }
@@ -111,8 +109,8 @@ struct PassImage {
 using PixelAddress = std::uint32_t;
 constexpr PixelAddress kNoPixel = 0xFFFFFFFFu;
 
-// Returns the address of each image's first pixel and, as the last entry, the number of all pixels. Throws InputError
-// if the pixels are too many.
+// Returns the address of each image's first pixel, then the number of all pixels. Throws InputError if this is too
+// large.
 std::vector<PixelAddress> firstPixels(std::span<const Camera> cameras);
 
 // Returns the index of the image that has a pixel. `firsts`: the result of firstPixels().

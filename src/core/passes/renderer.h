@@ -38,8 +38,7 @@ class PassRenderer {
 // machine has no OpenGL 4.3 with EGL, with advice on what to install.
 std::unique_ptr<PassRenderer> makeVtkRenderer(const Scene& scene);
 
-// Renders with Blender's Cycles. The scene must outlive the renderer. Throws Error if Blender is not installed, with
-// advice on how to install it.
+// Renders with Blender's Cycles. The scene must outlive the renderer. Throws Error, with advice, if Blender is absent.
 std::unique_ptr<PassRenderer> makeBlenderRenderer(const Scene& scene);
 
 }  // namespace scanmill

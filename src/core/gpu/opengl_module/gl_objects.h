@@ -64,8 +64,7 @@ struct GlShaderText {
 
 class GlProgram {
  public:
-  // Compiles and links the shaders. `name`: the program's name in messages. Throws std::runtime_error with the
-  // compiler's message.
+  // Compiles and links shaders. `name`: for messages. Throws std::runtime_error with the compiler's message.
   GlProgram(std::string_view name, std::initializer_list<GlShaderText> shaders);
   ~GlProgram() { glDeleteProgram(name_); }
   GlProgram& operator=(GlProgram&&) = delete;  // neither copied nor moved

@@ -76,9 +76,8 @@ constexpr double kEdge = 1e-6;       // px; margin, so that a beam along the bor
 constexpr double kInFront = 1e-9;    // smallest depth in front of a camera: m for points, without unit for directions
 constexpr double kNoViewYet = 1000;  // stands for kNoView while views' indices are doubles, so that g++ can vectorise
 
-// The range to a tangent plane is used if the beam hits it at less than kPlaneErrorBound times the distance of the
-// pixel's point, and at more than 1 / kPlaneErrorBound times that distance. Otherwise the plane is seen edge-on, and
-// the range to it is unreliable.
+// The range to a tangent plane is used if it is from 1 / kPlaneErrorBound to kPlaneErrorBound times the distance of the
+// pixel's point. Otherwise the plane is seen edge-on, and the range is unreliable.
 constexpr double kPlaneErrorBound = 2;
 
 // Rounds the points that the pixels show (camera axes) to DepthFormat::Half500.

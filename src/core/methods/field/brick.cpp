@@ -126,8 +126,7 @@ void BrickMaker::appendLists(std::uint32_t* triangleOrList, std::vector<std::uin
   }
 }
 
-// Makes a brick with few triangles: compares each triangle with the centres of all blocks, then with the corners of the
-// blocks near the triangle.
+// Makes a brick with few triangles: compares each with the centres of all blocks, then with the corners of near blocks.
 void BrickMaker::makeSparse(const BrickFrame& frame) {
   facets_.resize(triangles_.size());
   centreDistance2_.resize(triangles_.size());

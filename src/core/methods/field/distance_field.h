@@ -98,8 +98,7 @@ struct DistanceField {
   FieldShape shape;
   std::vector<FieldLevel> levels;
   // One entry per brick. Full brick: kFullBrick + index of the brick in the arrays below. Empty brick: the bits of a
-  // float, the distance (rounded down, at least kEmptyBrick) from the brick's centre to the nearest surface, in voxels
-  // of the brick's level.
+  // float: the distance from the brick's centre to surfaces (voxels of the level, rounded down, at least kEmptyBrick).
   std::vector<std::uint32_t> table;
   // kBrickStride values per full brick: the distances at its corners, in units of kDistanceStep voxels.
   std::span<const std::uint16_t> distance;
@@ -109,8 +108,7 @@ struct DistanceField {
   std::span<const std::uint32_t> triangleOrList;
   // The lists of corners, in the order of corners. A list contains the triangles that intersect the cube around its
   // corner (kListHalfSide), in ascending order of (instance id, triangle); its last entry has the bit kLastOfList.
-  // Sharing equal lists between neighbouring corners would make fields only 4 % smaller in the scene "street" and 7 %
-  // in "truck_town".
+  // Sharing equal lists between neighbouring corners would save only 4 % of a field in "street", 7 % in "truck_town".
   std::span<const std::uint32_t> lists;
   // The pool that owns these arrays. The spans above have the length that the arrays had when the field was built. If
   // the pool also belongs to earlier fields, the spans also contain bricks that only the earlier fields use.

@@ -28,8 +28,7 @@ inline constexpr Channels kLightChannels =
 constexpr float kMirrorRoughness = 0.1f;
 
 // Returns the fraction of unpolarised light that one face between air and a material with this refractive index
-// reflects (Fresnel; Born and Wolf, "Principles of Optics", 7th edition, section 1.5.2). `cosine`: cosine of the angle
-// of incidence.
+// reflects, at this cosine of the angle of incidence (Fresnel; Born and Wolf, "Principles of Optics", 7th ed., 1.5.2).
 double fresnel(double cosine, double index);
 
 // The total fractions of light that a pane reflects and transmits. A pane has two faces between air and its material,

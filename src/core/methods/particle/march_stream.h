@@ -82,8 +82,7 @@ struct LineHit {
 };
 
 // The corners' lists of triangles differ in length, so pairs of a line and a triangle are first collected and then
-// intersected, kLanes pairs at a time, whichever lines they belong to. Words and lists are scattered in memory, so they
-// are prefetched before use.
+// intersected, kLanes pairs at a time, whichever lines they belong to. Lists, scattered in memory, are prefetched.
 class ListIntersector {
  public:
   static constexpr std::size_t kLines = 16 * kLanes;

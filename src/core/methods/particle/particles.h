@@ -66,8 +66,7 @@ struct HitRecords {
 };
 
 // Marches the particles with these indices on the calling thread, as many at a time as the CPU has vector lanes. Each
-// particle takes at most `maxSteps` steps, including the steps that its record already has. Alpha is ignored: every
-// triangle is solid.
+// particle takes at most `maxSteps` steps, including the steps that its record already has. Alpha is ignored.
 void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t maxSteps,
               const Particles& particles, std::span<const std::uint32_t> indices, HitRecords& records);
 

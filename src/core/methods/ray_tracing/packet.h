@@ -28,8 +28,7 @@ float searchDistance(const BeamTable& beams);
 // Returns a distance (m) from the shot's first position, within which all rays of the shot end. Rays that start far
 // from the sensor may end early: see Shot::blockedBeyond.
 double farthestEnd(const Shot& shot);
-// Returns a distance (m) from the shot's first position, within which all rays end that start at most `farthestOrigin`
-// (m) from the sensor's origin.
+// Does the same for all rays that start at most `farthestOrigin` (m) from the sensor's origin.
 double farthestEnd(const Shot& shot, double farthestOrigin);
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits);

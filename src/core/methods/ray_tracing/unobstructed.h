@@ -15,9 +15,8 @@ namespace scanmill {
 // Embree's occlusion filter for the class Unobstructed: accepts only hits on the thing whose visibility is computed.
 void thingFilter(const RTCFilterFunctionNArguments* arguments);
 
-// Traces rays only from the point where they enter a thing's box to the point where they leave it, and ignores all
-// surfaces except the thing's. Beams that do not cross the box therefore take no time. Alpha cut-outs and motion are
-// modelled as in ray tracing.
+// Traces rays only inside of a thing's box, and ignores all surfaces except the thing's. Beams that do not cross the
+// box therefore take no time. Alpha cut-outs and motion are modelled as in ray tracing.
 class Unobstructed {
  public:
   // `worlds` (with thingFilter() for occlusions) and `boxes` must be of one scene, and must outlive this object.
@@ -26,8 +25,7 @@ class Unobstructed {
   struct View {
     std::uint32_t beams = 0;  // number of beams that would hit the thing within the sensor's range
     // Index of a beam whose firing time counts as the time at which the sensor sees the thing: the median of the
-    // `beams` beams, ordered by firing time. If `beams` is 0, the beam of the middle ring that is nearest to the
-    // thing's direction.
+    // `beams` beams by firing time. If `beams` is 0, the beam of the middle ring nearest to the thing's direction.
     std::uint32_t middle = 0;
   };
   // Returns the view of a thing (an index into ThingBoxes::things()) in a shot, traced with one ray along the axis of

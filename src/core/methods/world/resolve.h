@@ -121,13 +121,11 @@ struct RangeLimits {
 RangeLimits limitsOf(const BeamTable& beams);
 
 // Largest difference between the range to a triangle's plane and the traced range: kRangeErrorBound times the traced
-// range, plus kRangeErrorBound metres. The limit is needed because the plane of a triangle that is seen edge-on gives
-// an unreliable range.
+// range, plus kRangeErrorBound metres. The plane of a triangle that is seen edge-on gives an unreliable range.
 constexpr double kRangeErrorBound = 1e-2;  // both a fraction and a length (m)
 
-// Sets each range to the distance along the ray to the plane of its triangle. This distance is clamped, so that it
-// differs from the traced range by no more than kRangeErrorBound allows. A hit outside of the sensor's range limits
-// becomes a miss.
+// Sets each range to the distance along the ray to its triangle's plane, clamped to differ from the traced range by no
+// more than kRangeErrorBound allows. A hit outside of the sensor's range limits becomes a miss.
 void usePlaneRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes);
 // Sets each range to the traced range. A hit outside of the sensor's range limits becomes a miss.
 void useTracedRanges(const Rays& rays, const BeamTable& beams, HitPlanes& planes);

@@ -58,8 +58,7 @@ double originOf(double low, double high) {
 }
 
 // Halves the longest edge until no edge is longer than `longest` (m), and appends the parts to `pieces`. Triangles that
-// share an edge split it at the same points, whatever their other edges are, so that no gap opens between the
-// triangles.
+// share an edge split it at the same points, whatever their other edges are, so that no gap opens between them.
 void splitLongEdges(const Piece& piece, float longest, std::vector<Piece>& pieces) {
   const auto squaredLength = [&](std::size_t edge) {
     const Vec3f along = piece.corners[(edge + 1) % 3].position - piece.corners[edge].position;

@@ -1,7 +1,6 @@
 #pragma once
 
-// A scene's triangles as they are uploaded to the graphics card: each mesh once, divided into chunks of triangles that
-// are close together.
+// A scene's triangles as they are uploaded to the graphics card: each mesh once, in chunks of neighbouring triangles.
 
 #include <cstdint>
 #include <vector>
