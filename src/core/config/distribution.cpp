@@ -196,9 +196,9 @@ std::uint32_t hashOf(const std::string& text) {
   return static_cast<std::uint32_t>(std::stoul(xxh3(text).substr(0, 8), nullptr, 16));
 }
 
-// Returns the image of `index` under a random permutation of the numbers below `count`: a Feistel network of four
-// rounds (Luby and Rackoff, SIAM J. Comput. 17, 1988) on the next power of four, repeated until the number is below
-// `count`.
+// Returns the image of `index` under a random permutation of the numbers below `count`. A Feistel network of four
+// rounds (Luby and Rackoff, SIAM J. Comput. 17, 1988) permutes the numbers below the next power of four; it is repeated
+// until the result is below `count`.
 std::uint64_t permuted(std::uint64_t index, std::uint64_t count, RandomAddress address) {
   unsigned halfBits = 1;  // an index has twice as many bits: an upper and a lower half
   while (count > std::uint64_t{1} << (2 * halfBits)) ++halfBits;
@@ -233,7 +233,7 @@ double randomNumberOf(const std::string& key, RandomAddress address, Fields& fie
   return (static_cast<double>(stratum) + random) / static_cast<double>(count);
 }
 
-// Calls apply() for each item or entry of a value, without descending into them.
+// Calls apply() for each item and each entry of a value, but not for the values within these.
 void forEachWithin(const Value& value, const auto& apply) {
   for (const Value& item : value.items) apply(item);
   for (const Value::Entry& entry : value.entries) apply(entry.value);

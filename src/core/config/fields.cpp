@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-// Describes a value, for messages.
+// Returns what a value is, for messages, such as "nothing" for an empty value.
 std::string description(const Value& value) {
   switch (value.kind) {
     case Value::Kind::Null:
@@ -52,9 +52,9 @@ std::string bounded(std::string_view noun, T low, T high, T lowest, T highest) {
   return fmt::format("{} from {} to {}", noun, low, high);
 }
 
-// Sets `number` to the decimal number that `text` is; returns false if the text is no number or has other characters
-// than those in `characters`. from_chars() alone would also accept inf and nan. Leading zeros are refused, since some
-// readers of YAML take 017 for an octal number.
+// Parses a decimal number. Returns false if `text` is no number, or has characters that are not in `characters`:
+// from_chars() alone would accept inf and nan. Refuses leading zeros, since some readers of YAML take 017 for an octal
+// number.
 template <class T>
 bool parseDecimal(std::string_view text, std::string_view characters, T& number) {
   if (text.find_first_not_of(characters) != std::string_view::npos) return false;
@@ -72,7 +72,7 @@ bool isPlain(const Value& value) {
   return value.kind == Value::Kind::Scalar && !value.quoted;
 }
 
-// Returns the word in lower case, with "-" and " " replaced by "_": nearest() ignores these differences.
+// Returns the word in lower case, with "_" for "-" and " ", so that nearest() ignores these differences.
 std::string folded(std::string_view word) {
   std::string plain = lowerCase(word);
   std::replace_if(
@@ -83,7 +83,7 @@ std::string folded(std::string_view word) {
 // Returns how many insertions, deletions, replacements and swaps of neighbours lead from a to b (optimal string
 // alignment).
 std::size_t editDistance(std::string_view a, std::string_view b) {
-  // Rows of the table of distances between the first i letters of a and the first j letters of b.
+  // Three rows of the table whose entry (i, j) is the distance between the first i letters of a and the first j of b.
   std::vector<std::size_t> beforeLast(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(last.begin(), last.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -253,7 +253,7 @@ Pose Fields::pose() {
     throw InputError(rotation->where,
                      fmt::format("{} must be a quaternion [w, x, y, z], not a list of {}", what, q.size()));
   }
-  // Divides the quaternion by its largest component first, so that no square over- or underflows.
+  // Divides the quaternion by its largest component first, so that its squares neither overflow nor underflow.
   double largest = 0;
   for (const double c : q) largest = std::fmax(largest, std::fabs(c));
   if (largest == 0) throw InputError(rotation->where, what + " must be a quaternion [w, x, y, z] of non-zero length");

@@ -55,7 +55,7 @@ std::optional<fs::path> fileAt(const fs::path& path) {
   return std::nullopt;
 }
 
-// Returns the kind of the files in a folder of the program; Unknown if the folder has files of several kinds.
+// Returns the kind of all files in one of the program's folders; Unknown if the folder has several kinds.
 FileKind kindIn(const fs::path& subfolder) {
   if (subfolder == "pipelines") return FileKind::Pipeline;
   if (subfolder == "pipelines/sensors") return FileKind::Sensor;

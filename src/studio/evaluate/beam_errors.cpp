@@ -24,8 +24,8 @@ constexpr std::array kIncidenceEdges{0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0};  
 constexpr std::array kThicknessEdges{0.0, 0.05, 0.2, 0.5, 1.0, kOpen};          // bands of a box's shortest edge (m)
 constexpr std::array kLengthEdges{0.0, 0.3, 1.0, 2.0, 5.0, kOpen};              // bands of a box's longest edge (m)
 
-// Returns the index of the band that contains `value`, which must be at least the first edge. Values at or above the
-// last edge, such as 90 degrees, belong to the last band.
+// Returns the index of the band that contains `value`. A value at or above the last edge belongs to the last band.
+// `value` must not be below the first edge.
 std::size_t bandOf(std::span<const double> edges, double value) {
   std::size_t band = 0;
   while (band + 2 < edges.size() && value >= edges[band + 1]) ++band;
@@ -151,7 +151,7 @@ class BeamErrorSum::Impl {
     addSpreadsOfEach(incidences_, errors.byIncidence);
     auto byClass = errors.byClass.begin();
     for (const auto& [id, sum] : classes_) addSpreads(sum, (byClass++)->errors);
-    // Computing percentiles takes most of the time, so several threads do it, each for one list of errors at a time.
+    // Computing percentiles takes most of the time, so several threads share the lists of errors.
     parallelFor(spreads.size(), 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const auto& [values, result] = spreads[i];
@@ -264,7 +264,7 @@ std::vector<InstanceSize> instanceSizes(const Scene& scene) {
       const Vec3d size = box.high - box.low;
       const auto [smallest, largest] =
           std::minmax({size.x * length(linear.x), size.y * length(linear.y), size.z * length(linear.z)});
-      // Several objects may form one instance; then the largest object determines its size.
+      // If several objects form one instance, the largest object determines the instance's size.
       if (largest > sizes[id].largest) sizes[id] = {smallest, largest};
     }
   }

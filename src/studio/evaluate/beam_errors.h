@@ -115,8 +115,8 @@ std::vector<Box> objectBoxes(const Mesh& mesh);
 struct InstanceSize {
   double smallest = 0, largest = 0;
 };
-// Returns the sizes of a scene's object instances, indexed by instance id. They are 0 for the id 0 and for ids that do
-// not occur.
+// Returns the sizes of a scene's object instances, indexed by instance id. The size is 0 for the id 0 and for ids that
+// do not occur.
 std::vector<InstanceSize> instanceSizes(const Scene& scene);
 
 }  // namespace scanmill

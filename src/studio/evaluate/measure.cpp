@@ -19,8 +19,8 @@ namespace {
 
 constexpr float kUnknownDistance = std::numeric_limits<float>::quiet_NaN();
 
-// Measures how much the process's resident memory grows between begin() and end(). They enclose only the work of the
-// method, not the computation of its errors. Memory that has been returned to the allocator is not counted.
+// Measures how much the process's resident memory grows between begin() and end(), which enclose the work of the
+// method, but not the computation of its errors. Memory that has been returned to the allocator is not counted.
 class ResidentGrowth {
  public:
   void begin() { before_ = resident(); }
@@ -70,7 +70,7 @@ TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOpti
   return account;
 }
 
-// Sets the times of a scan from the durations of all scans of each sensor (s).
+// Sets the times per scan in `cost`. `secondsOfSensor`: durations of all scans of each sensor (s).
 void addTimes(const std::map<std::uint32_t, std::vector<double>>& secondsOfSensor, Cost& cost) {
   double scans = 0;
   for (const auto& [sensor, seconds] : secondsOfSensor) scans += static_cast<double>(seconds.size());
@@ -231,8 +231,8 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     requireOneRay(hits);
     timedAccount += timeScans(*method, truth.shot, options, hits, secondsOfSensor[truth.shot.sensor]);
     checkStop(options);
-    // All scans of a shot are equal. The last timed scan is used for the errors if it has all channels that are
-    // compared.
+    // All scans of a shot have equal hits. If the timed scans have all channels that are compared, the last of them is
+    // used; otherwise the shot is traced again.
     if (timed != compared) untimedAccount += method->trace(truth.shot, compared, hits);
     const bool comparesIntensity = options.intensity && !truth.intensity.empty();
     const std::vector<float> intensity = comparesIntensity ? options.intensity(truth.shot, hits) : std::vector<float>();

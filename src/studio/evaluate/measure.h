@@ -45,7 +45,7 @@ struct MeasureOptions {
   double leastSeconds = 0;
   // The channels that are traced while time is measured. For the errors, kErrorChannels are traced in addition.
   Channels channels{};
-  // Returns the noise-free intensity of each beam from a method's hits; null: intensities are not compared.
+  // Returns the noise-free intensity of each beam from a method's hits. If null, intensities are not compared.
   std::function<std::vector<float>(const Shot&, const Hits&)> intensity{};
   // Called between scans. If it returns true, measure() throws Error.
   std::function<bool()> stop{};

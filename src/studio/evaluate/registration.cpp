@@ -96,8 +96,8 @@ class PclPair {
     icp_.setSearchMethodTarget(NearestPoints::Ptr(new NearestPoints(target_)), true);
   }
 
-  // Returns the fitness (m^2) of the source at the position to which the last align() has moved it; nothing if no
-  // point of the source is within `within` (m) of the target.
+  // Returns the fitness (m^2) of the source as moved by the last align(); nothing if no point of the source is within
+  // `within` (m) of the target.
   std::optional<double> fitness(double within) {
     if (source_->empty() || target_->empty()) return std::nullopt;
     const double score = icp_.getFitnessScore(within * within);

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostSettings = 500;  // more would take days; probably a mistake
+constexpr std::size_t kMostSettings = 500;  // maximum number of settings; more would take days
 
 }  // namespace
 
@@ -20,7 +20,7 @@ std::vector<Value> expandLists(const Value& options, const std::string& what) {
     const Value& list = options.entries[e].value;
     if (list.kind != Value::Kind::Sequence) continue;
     if (list.items.empty()) throw InputError(list.where, "{}: the list is empty", what);
-    std::vector<Value> expanded;  // each combination once for each item of this list
+    std::vector<Value> expanded;  // every combination so far with each item of this list
     for (const Value& combination : combinations) {
       for (const Value& item : list.items) {
         expanded.push_back(combination);
@@ -47,7 +47,7 @@ std::string Setting::assignment() const {
 
 std::vector<MethodSetting> readSettings(const Value& list, const std::string& what) {
   std::vector<MethodSetting> settings;
-  const Scene emptyScene;  // methods are created to check their options
+  const Scene emptyScene;  // methods are created with this scene to check their options
   for (const Value& item : readList(list, what)) {
     const NamedOptions named = readNamed(item, "an item of " + what);
     const MethodEntry& entry = requireMethod(named.name, named.where);

@@ -53,7 +53,7 @@ struct TriangleHit {
 class ShearedBeam {
  public:
   ShearedBeam(const Vec3d& origin, const Vec3d& direction) : origin_(origin) {
-    // The new z axis is the one along which the direction is longest.
+    // The new z axis is the axis along which the direction's component is largest.
     const Vec3d size{std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)};
     z_ = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
     x_ = (z_ + 1) % 3;
@@ -281,7 +281,7 @@ class ExactTracer::Impl {
   }
 
  private:
-  // Traces the beams of a tile and stores their hits in `out`. `found`: memory that is used again.
+  // Traces the beams of a tile and stores their hits in `out`. `found`: a buffer that is reused.
   void traceTile(const ExactWorld& world, const Shot& shot, const ShotFrame& frame, const Tile& tile,
                  std::vector<CandidateHit>& found, ExactHits& out) const {
     Rays rays;
@@ -313,8 +313,8 @@ class ExactTracer::Impl {
     std::copy_n(resolved.range, tile.width, &out.range[std::size_t{tile.ring} * out.hits.columns + tile.column]);
   }
 
-  // Returns the world at the possible origin that is nearest to the sensor; builds it if it is not cached. Its radius
-  // includes all points from which beams of the shot start.
+  // Returns the world whose origin is the grid point nearest to the sensor; builds the world if it is not cached. Its
+  // radius includes all points from which beams of the shot start.
   std::shared_ptr<const ExactWorld> worldNear(const Shot& shot) const {
     const auto cell = [](double d) { return std::round(d / kGrid) * kGrid; };
     const Vec3d offset = shot.worldFromSensor.front().translation - anchor_;

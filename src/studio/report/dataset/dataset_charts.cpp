@@ -74,7 +74,7 @@ std::uint64_t pointsIn(const std::vector<std::uint64_t>& ranges, const DistanceR
                          ranges.begin() + static_cast<std::ptrdiff_t>(ring.last), std::uint64_t{0});
 }
 
-// Returns a chart with a bar for each ring of distance, in which the points of the classes are stacked.
+// Returns a chart with a bar for each ring of distance: the number of points, stacked by class.
 Chart ringsChart(const DatasetSummary& summary) {
   const std::vector<DistanceRing> rings = distanceRings(summary);
   Chart chart{.name = "ring_points",

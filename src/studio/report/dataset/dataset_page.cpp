@@ -29,7 +29,7 @@ namespace {
 constexpr std::size_t kMostRows = 2000;   // maximum number of rows in a table; browsers are slow with more
 constexpr std::size_t kMostPlaces = 200;  // maximum number of lines below a warning
 
-// Returns unit and meaning of a column; empty if it is not known.
+// Returns the unit and the meaning of a column; an empty text for unknown columns.
 std::string meaningOf(const std::string& name) {
   const std::size_t axis = std::string_view("xyz").find(name);
   if (name.size() == 1 && axis < 3) {
@@ -143,8 +143,8 @@ class DatasetPage {
     }
   }
 
-  // Adds a row for each class with points. Tables repeat columns for the items of `class_splits` and, if the dataset
-  // has instances, once for the item of `instance_columns`.
+  // Adds a row for each class with points. Per item of `class_splits` and of `instance_columns`, tables have a group of
+  // columns; `instance_columns` has one item if the dataset has instances and labels, otherwise none.
   void classes() {
     page_["all_points"] = summary_.points;
     page_["class_splits"] = page_["instance_columns"] = page_["classes"] = Json::array();

@@ -34,13 +34,13 @@ std::vector<std::string> cellParts(const std::string& line) {
   return parts;
 }
 
-// Returns the HTML attribute with the text that is shown when the mouse points at a cell; empty without a text.
+// Returns the HTML attribute with the text that is shown when the mouse points at a cell; empty if `text` is empty.
 std::string titleAttribute(const std::string& text) {
   return text.empty() ? "" : fmt::format(" title=\"{}\"", text);
 }
 
 // Returns the HTML attribute with the value by which a table cell is sorted: the unformatted value of the first figure
-// in the cell's template. Empty if the template has no figure.
+// in the cell's template. Returns an empty text if the template has no figure.
 std::string sortAttribute(const std::string& cell) {
   static const std::regex figure(R"(\{\{([^{}#^/:!>&]+(/[^{}:]+)?):[^{}]*\}\})");
   std::smatch found;

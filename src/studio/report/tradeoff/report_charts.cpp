@@ -62,8 +62,8 @@ std::string settingDetail(const Study& study, const SettingResult& s) {
       metresText(e.range.median), metresText(e.range.p99), shareText(e.labels()), shareText(e.missRate()));
 }
 
-// Returns the options in the name of a setting or encoding, such as "resolution=512"; the words of the name if it has
-// none. `owner`: the name's first word, a method or format, which charts show by colour.
+// Returns the options in the name of a setting or encoding, such as "resolution=512"; if the name has none, returns the
+// name as words. `owner`: the name's first word, a method or format, which charts show by colour.
 std::string optionsIn(const std::string& name, const std::string& owner) {
   return name.starts_with(owner + " ") ? name.substr(owner.size() + 1) : keyAsWords(name);
 }

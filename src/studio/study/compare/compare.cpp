@@ -95,7 +95,7 @@ struct SeparationSum {
 
 struct SeparationSums {
   std::map<std::uint16_t, SeparationSum> ofGroup;
-  SeparationSum all;  // over the strata of all groups
+  SeparationSum all;  // sum over the strata of all groups
 };
 
 // Compares the strata that both sets have, if both have enough patches in them.
@@ -199,7 +199,7 @@ ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
 // Returns how well the class frequencies of the sets agree: 1 if each class is equally frequent in both sets, 0 if they
 // have no class in common.
 double overlapOf(const ClassGroups& groups) {
-  std::map<std::uint16_t, std::pair<double, double>> shares;  // of each group in the patches of owner and other set
+  std::map<std::uint16_t, std::pair<double, double>> shares;  // by group: fractions of owner and other
   for (const std::uint16_t g : groups.ofOwner) shares[g].first += 1.0 / static_cast<double>(groups.ofOwner.size());
   for (const std::uint16_t g : groups.ofOther) shares[g].second += 1.0 / static_cast<double>(groups.ofOther.size());
   double overlap = 0;
@@ -221,7 +221,7 @@ std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   return {std::move(bySimulated.ofOther), std::move(bySimulated.ofOwner)};
 }
 
-// Adds the groups with their shares and separations. `real`, `simulated`: the group of each patch. `sums`: by feature.
+// Adds the groups with their shares and separations. `real`, `simulated`: groups by patch. `sums`: one per feature.
 void addGroups(SetComparison& result, const Groups& real, const Groups& simulated,
                const std::vector<SeparationSums>& sums) {
   std::map<std::uint16_t, std::pair<std::uint64_t, std::uint64_t>> counts;

@@ -133,7 +133,7 @@ class PatchMeter {
                                              : PatchKind::Slanted;
   }
 
-  // Returns the range of the beam `dc` columns beside the patch's middle (m); NaN if it has no return.
+  // Returns the range (m) of the beam `dc` columns beside the patch's middle; NaN if the beam has no return.
   double rangeAt(int dc) const {
     const std::uint32_t pixel = pixelAt(0, dc);
     return hasReturn(pixel) ? static_cast<double>(grid_.range[pixel]) : std::numeric_limits<double>::quiet_NaN();
@@ -223,9 +223,8 @@ class PatchMeter {
     set(Feature::RingOffset, std::fabs(offset), out);
   }
 
-  // Returns the mean intensity of pixels in the row that is `dr` rows below the patch's middle. `columns`: their
-  // columns from the middle. Only returns on the surface are used; nothing if there are fewer than four, or if all are
-  // 0.
+  // Returns the mean intensity of the returns on the surface that are `dr` rows below the patch's middle and `columns`
+  // columns beside it; nothing if there are fewer than four such returns, or if all their intensities are 0.
   std::optional<double> meanIntensity(int dr, std::initializer_list<int> columns) const {
     double sum = 0;
     int count = 0;

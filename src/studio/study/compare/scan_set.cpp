@@ -222,10 +222,10 @@ ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex, const ScanSe
   return counts;
 }
 
-// Returns by how much the patches' values differ between rows of the grid: the standard deviation of the rows' medians
-// over flat patches, without the part that the medians' standard errors explain; NaN if too few rows have enough
-// patches. Standard deviations are computed from medians too, since a few rows are far off where the ground ends at a
-// wall or a step. `values`: one per patch, NaN if not measured.
+// Returns the standard deviation of a patch value over the rows of the grid: the deviation of the rows' medians over
+// flat patches, less the part that the medians' standard errors explain; NaN if too few rows have enough patches.
+// Computes deviations as median absolute deviations, since a few rows are far off where the ground ends at a wall.
+// `values`: one per patch, NaN if not measured.
 double spreadOverRows(const Patches& patches, const std::vector<float>& values) {
   constexpr std::size_t kFewestInRow = 30, kFewestRows = 4;
   // For normal distributions: standard deviation / median absolute deviation, and variance of the median / variance of
@@ -314,15 +314,15 @@ ScanSet combine(std::string name, std::vector<ScanMeasures> scanMeasures, std::o
   return set;
 }
 
-// Returns the name of the sensor to measure: the requested one, or the first if none is requested. A set with one
-// sensor is measured whatever its sensor's name.
+// Returns the name of the sensor to measure: `requested`, or the first sensor if `requested` is empty. A set's only
+// sensor is measured whatever its name. `isFound`: true if the set has the requested sensor.
 std::string sensorToMeasure(const ScanStore& store, const std::string& requested, bool isFound) {
   if (!requested.empty() && (store.sensors().size() > 1 || isFound)) return requested;
   return store.manifest() != nullptr ? store.manifest()->sensors.front().name : store.scans(0).front().sensor;
 }
 
-// Returns the indices of the samples with a scan of the sensor: not all, if a revolution of the sensor takes longer
-// than a frame. An empty name means any sensor. Throws InputError if there are none.
+// Returns the indices of the samples with a scan of the sensor; samples lack one if a revolution takes longer than a
+// frame. An empty name means any sensor. Throws InputError if no sample has such a scan.
 std::vector<std::size_t> samplesWith(const ScanStore& store, const std::string& sensor) {
   std::vector<std::size_t> samples;
   const auto isOfSensor = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(sensor); };

@@ -122,7 +122,7 @@ PatchGroup measureBand(const FlatPatches& patches, std::string name, double high
   return group;
 }
 
-// Returns the reason why a band of ranges is not used for the fit; empty if the band is used.
+// Returns the reason why the fit does not use a band of ranges; empty if the fit uses the band.
 std::string whyLeftOut(const PatchGroup& band) {
   if (band.patches < kFewestPatches) return fmt::format("has fewer than {} patches", kFewestPatches);
   if (band.unevenness > kMostUneven) return "not flat: the patches scatter too differently";
@@ -151,7 +151,7 @@ double weightOf(const PatchGroup& band) {
   return 1 / std::max(band.error, kLeastError);
 }
 
-// The coefficients of the line that are not fixed at zero.
+// True for each coefficient of the line that is fitted; the other coefficients are zero.
 struct FreeTerms {
   bool base = true, growth = true;
 };
@@ -311,7 +311,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   fit.step = rangeStep(scans);
   fit.sensorReach = beams.maxRange;
 
-  FlatPatches steep;  // not at grazing incidence
+  FlatPatches steep;  // patches with steep incidence
   for (const FlatPatch& p : patches) {
     if (p.incidence >= kSteep) steep.push_back(&p);
   }
@@ -348,7 +348,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
 
 std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
   const double last = fit.measuredUpTo();
-  double highestEnd = 0;  // of the used bands (m)
+  double highestEnd = 0;  // largest upper end of the used bands (m)
   for (const PatchGroup* band : fit.usedBands()) highestEnd = std::max(highestEnd, band->high);
   if (!(fit.sensorReach > highestEnd)) return {};
   const char* rule = !fit.linear || fit.growth <= 0 ? "the last value is used" : "the line is extrapolated";

@@ -57,7 +57,7 @@ std::optional<Cells> cellsOf(const BeamImage& image, const RecordedScan& scan, c
   return cells;
 }
 
-// Returns the beams with a return of one half of the window: of the tested or of the measured half.
+// Returns the beams with a return in the tested half of the window if `tested` is true, else in the measured half.
 std::vector<const Cell*> returnsOfHalf(const Cells& cells, bool tested) {
   std::vector<const Cell*> returns;
   for (const Cell& cell : cells) {
@@ -68,7 +68,7 @@ std::vector<const Cell*> returnsOfHalf(const Cells& cells, bool tested) {
 
 struct PlaneFit {
   PatchPlane plane;
-  SurfaceFit fit;  // of the ranges along the beams
+  SurfaceFit fit;  // fit of the ranges along the beams
 };
 
 // Fits a plane by least squares of the range differences along the beams. First solves dot(plane, point) = 1, which is

@@ -61,8 +61,8 @@ double groundHeight(const Scan& scan) {
   return mostFrequent == counts.end() ? 0 : kStep * static_cast<double>(mostFrequent->first);
 }
 
-// Adds the returns and cells of a scan to `surfaces`. `measured`: the intensity or power of each point. A cell has the
-// kind of its first return.
+// Adds the returns and cells of a scan to `surfaces`. `measured`: the intensity or power of each point. The first
+// return in a cell determines the cell's kind.
 void addSurfaces(const Scan& scan, const std::vector<float>& measured, Surfaces& surfaces) {
   constexpr double kGroundSlack = 0.3, kGroundSlope = 0.03;  // height difference (m), and its growth per m of range
   const double ground = groundHeight(scan);
@@ -130,7 +130,7 @@ class Distribution {
 double stepOf(std::vector<double> values) {
   constexpr double kRounding = 1e-5;    // values that differ by less, relative to the largest, are equal
   constexpr double kTolerance = 0.05;   // largest distance of a multiple of the step, in steps
-  constexpr double kLeastShare = 0.99;  // of the values that must be multiples
+  constexpr double kLeastShare = 0.99;  // fraction of the values that must be multiples of the step
   std::ranges::sort(values);
   const double leastGap = kRounding * std::max(1.0, values.back());
   double step = INFINITY;

@@ -70,13 +70,13 @@ ObjectCloud cropToObject(const Scan& scan, const Shot& shot, const BoxedObject& 
   return cloud;
 }
 
-// Two clouds from one pose: indices in the result of cloudsOf(), which are noise level * number of scans + scan.
+// Two clouds from one pose, as indices in the result of cloudsOf(): index = noise level * number of scans + scan.
 struct CloudPair {
   std::size_t source, target;
 };
 
-// Returns all ordered pairs, sorted by source level, target level, source scan and target scan. Two scans with the same
-// index have the same seed; they form no pair, since their random numbers are the same.
+// Returns all ordered pairs, sorted by source level, target level, source scan and target scan. Scans with the same
+// index have the same random numbers, so they form no pair.
 std::vector<CloudPair> cloudPairs(std::size_t levels, std::size_t scans) {
   std::vector<CloudPair> pairs;
   for (std::size_t sourceLevel = 0; sourceLevel < levels; ++sourceLevel) {
@@ -103,8 +103,8 @@ class RepeatabilityRun {
         progress_("repeatability", choice_.methods.size() * plan.pipeline.sensors.size() * plan.pipeline.frames(),
                   "poses", "poses", options.quiet) {}
 
-  // Measures every sequence with every method. Scenes are loaded once per sequence, so the loop over sequences is the
-  // outer one, while the result has the views of a method together.
+  // Measures every sequence with every method. The outer loop is over sequences, so that each scene is loaded once; the
+  // result is ordered by method instead.
   Repeatability run() {
     describe();
     const Pipeline& pipeline = plan_.pipeline;
@@ -140,8 +140,8 @@ class RepeatabilityRun {
   }
 
  private:
-  // Sets all members of the result but the measurements. Adds an empty view for each method, sequence and sensor; the
-  // sensor changes fastest.
+  // Sets all members of the result except the measurements. Adds an empty view for each method, sequence and sensor;
+  // the sensor changes fastest.
   void describe() {
     const Pipeline& pipeline = plan_.pipeline;
     result_.programVersion = kVersion;

@@ -131,7 +131,7 @@ class SensorFitter {
   }
 
  private:
-  // Adds the finite first returns of a scan. Points at the origin are misses in some formats.
+  // Adds the finite first returns of a scan. Ignores points at the origin, which are misses in some formats.
   void addPoints(const Scan& scan) {
     const auto& time = scan[kTime];
     for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -146,8 +146,8 @@ class SensorFitter {
     }
   }
 
-  // Calls visit(a, b) for pairs of points in the same ring, where b is `apart` columns after a. If a column has several
-  // points, only the last of them is used.
+  // Calls visit(a, b) for all pairs of points in a ring where b is `apart` columns after a. If a column of the ring has
+  // several points, only its last point is used.
   void forEachPair(std::uint32_t apart, const auto& visit) const {
     std::vector<const Point*> byColumn(fit_.columns);
     for (const std::vector<Point>& ring : rings_) {
@@ -274,8 +274,8 @@ class SensorFitter {
     fit_.elevationSpread = medianOf(deviations);
   }
 
-  // Sets the elevations of rings with too few points. Uses the line through the elevations of the two nearest rings
-  // with enough points, over the ring number; if only one ring has enough, its elevation.
+  // Sets the elevations of rings with too few points from the line (elevation over ring number) through the two nearest
+  // rings with enough points; if only one ring has enough points, sets its elevation.
   void fillBareRings() {
     for (const std::uint32_t bareRing : fit_.bareRings) {
       std::vector<std::uint32_t> nearest;  // rings with enough points, by distance from the bare ring

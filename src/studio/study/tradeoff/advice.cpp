@@ -61,7 +61,7 @@ double scanSecondsOf(const SettingResult& result) {
 // Returns the largest ratio of an error to the need's limit: at most 1 if the errors keep all limits, infinite if a
 // limited error is unknown.
 double largestRatio(const GroupErrors& e, const Need& need) {
-  constexpr double kRounding = 1e-9;  // of fractions such as 1 - 0.9999
+  constexpr double kRounding = 1e-9;  // rounding error of fractions such as 1 - 0.9999
   double largest = 0;
   for (const auto& [error, limit] :
        {std::pair(e.range.p95, need.p95), std::pair(e.range.p99, need.p99), std::pair(e.missRate(), need.missRate),
@@ -71,8 +71,8 @@ double largestRatio(const GroupErrors& e, const Need& need) {
   return largest;
 }
 
-// Returns the fastest of the results, of which there must be one. Among those about as fast, prefers one with default
-// options, then the one with the fewest wrong beams, then the one with the least range error.
+// Returns the fastest of the results, which must not be empty. Among results about as fast, prefers default options,
+// then the fewest wrong beams, then the least range error.
 const SettingResult& fastestOf(Results results) {
   const double least = scanSecondsOf(*std::ranges::min(results, {}, [](const auto* r) { return scanSecondsOf(*r); }));
   std::erase_if(results, [&](const auto* r) { return scanSecondsOf(*r) > least * (1 + kSameTime); });
