@@ -58,7 +58,7 @@ void printPointsPerClass(const GenerateSummary& s) {
   printText("{}\n", formatTable(rows));
 }
 
-// Prints the speed of the run, the forecast (if one was made) beside what it forecast, and the time of each stage.
+// Prints the speed of the run, the forecast (if there is one) beside the actual time and size, and each stage's time.
 void printCosts(const GenerateSummary& s, const std::optional<Forecast>& predicted) {
   // Other processes may have made some of the counted samples; the speed is that of this process.
   const double shareMadeHere =

@@ -11,8 +11,8 @@
 
 namespace scanmill {
 
-// Returns the horizontal and the vertical field of view of the beams (deg). A horizontal gap of less than 5 degrees
-// counts as none.
+// Returns the horizontal and the vertical field of view of the beams (deg). The horizontal field is 360 degrees if no
+// gap between neighbouring azimuths reaches 5 degrees.
 std::array<double, 2> fieldOf(const BeamTable& beams);
 // Prints a scene file. `seed`: seed of a procedural scene.
 void printScene(const std::filesystem::path& file, std::uint64_t seed);

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kMostSets = 1000;
 
-// Returns the text with only characters that are valid in folder names everywhere, shortened to 40 characters: others
-// become '-', except at the ends.
+// Returns the text as a part of a folder's name, at most 40 characters: each run of characters that some file systems
+// do not allow becomes '-' or, at an end of the text, is removed. Returns "none" if no character remains.
 std::string plainName(const std::string& text) {
   constexpr std::size_t kLongest = 40;
   std::string name;

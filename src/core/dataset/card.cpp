@@ -30,7 +30,7 @@ std::string cell(std::string_view text) {
   return escaped;
 }
 
-// Returns what the pipeline says under `about` by this key; `defaultText` if it does not have the key.
+// Returns the text of a key under `about` in the pipeline; `defaultText` if the pipeline does not have the key.
 std::string aboutText(const Manifest& manifest, const std::string& key, const std::string& defaultText) {
   const auto entry = manifest.about.find(key);
   return entry == manifest.about.end() ? defaultText : entry->second;

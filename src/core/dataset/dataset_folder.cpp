@@ -28,8 +28,8 @@ namespace {
 constexpr const char* kLockName = "lock";
 constexpr const char* kClaimSuffix = ".lock";     // appended to a shard's name to get the name of its lock file
 constexpr const char* kStartName = "begin.lock";  // lock of the process that starts a dataset in a shared folder
-// How long to wait for another process to start or complete a dataset, for a folder to become usable, and between two
-// attempts.
+// Longest waits for another process to start or complete a dataset, and for a folder to become usable; and the pause
+// between two attempts.
 constexpr std::chrono::seconds kProcessWait(60);
 constexpr std::chrono::seconds kFolderWait(2);
 constexpr std::chrono::milliseconds kPause(50);

@@ -156,8 +156,8 @@ OrderedJson sampleObject(const SampleRecord& sample) {
   return json;
 }
 
-// Throws InputError unless the JSON is a manifest of this program, of a version that can be read. `root`: node of
-// `json`.
+// Throws InputError unless the JSON is a manifest that this program wrote, in a version that it can read. `root`: node
+// of `json`.
 void checkVersion(const JsonNode& root, const Json& json, const std::string& file) {
   const bool isManifest = json.is_object() && json.contains("schema_version") &&
                           json["schema_version"].is_number_integer() && json.contains("program") &&

@@ -20,7 +20,7 @@ constexpr double kRangeRounding = 1e-5;
 // Counts the points that break a rule, and stores the first of them.
 class Rule {
  public:
-  // `violation`: what is wrong with a point, after its noun in the message: "not finite", "with a ring above 63".
+  // `violation`: what is wrong with a point; follows "points" in the message: "not finite", "with a ring above 63".
   explicit Rule(std::string violation) : violation_(std::move(violation)) {}
   void check(bool isKept, std::size_t point) {
     if (isKept) return;

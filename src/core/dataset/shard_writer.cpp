@@ -86,7 +86,7 @@ struct ShardFile::State {
   }
   State& operator=(State&&) = delete;  // neither copied nor moved
 
-  // The callback of libarchive. `self`: the State.
+  // Writes bytes when libarchive calls it, and returns `size`. `self`: the State.
   static la_ssize_t writeBytes(archive*, void* self, const void* data, std::size_t size) {
     State& state = *static_cast<State*>(self);
     if (state.discard) return static_cast<la_ssize_t>(size);

@@ -19,7 +19,7 @@ namespace scanmill {
 // a file is never incomplete under that name. All calls throw an Error with the path if the disk fails.
 class ShardFile {
  public:
-  // Follows no links below `folder` (base/own_folder.h); `path` begins with `folder`.
+  // Creates the file `path`, which must be below `folder`. Follows no links below `folder` (base/own_folder.h).
   ShardFile(const std::filesystem::path& folder, const std::filesystem::path& path);
   ~ShardFile();
   ShardFile& operator=(ShardFile&&) = delete;  // neither copied nor moved
@@ -70,8 +70,8 @@ class ShardWriter {
   // `name`: path relative to the folder, see shardName(). All member functions throw Error if the disk fails.
   ShardWriter(const std::filesystem::path& folder, const std::string& name, const std::string& split);
 
-  // Throws Error for names that WebDataset would misread, and for a sample of another split than the shard's. After
-  // other failures nothing can be added.
+  // Appends a sample. Throws Error for names that WebDataset would misread, and for a sample of another split than the
+  // shard's; other samples can then still be added, but not after errors of the disk.
   void add(const Sample& sample);
   std::uint64_t bytes() const { return bytes_; }  // size that the file would have after finish()
   [[nodiscard]] ShardPart finish();

@@ -106,7 +106,7 @@ class TarReader {
   std::filesystem::path file_;
   std::unique_ptr<archive, Free> tar_;
   std::uint64_t size_ = 0;  // size of the file
-  // The current member: offsets of its first byte and of the end of its padding, and its bytes without padding.
+  // Of the current member: offset of its first byte, offset of the end of its padding, and size without padding.
   std::uint64_t memberBegin_ = 0;
   std::uint64_t memberEnd_ = 0;
   std::uint64_t memberBytes_ = 0;

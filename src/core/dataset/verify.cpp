@@ -56,7 +56,7 @@ class ShardCheck {
     } else if (!fs::is_regular_file(file_, failure)) {
       problem("is not a file");
     } else if (const std::uint64_t bytes = fs::file_size(file_, failure); bytes / 2 > record_.bytes) {
-      // A file of far more bytes is not read: it could be of any size.
+      // A file of more than twice the recorded bytes is not read, because it may be of any size.
       problem("has {} bytes, but the manifest says {}", bytes, record_.bytes);
     } else {
       checkBytes();

@@ -27,7 +27,7 @@ inline constexpr std::string_view kVoxelsSuffix = "voxels.npz";
 // The voxels of one scan. Each vector has one entry per voxel of the grid, which is in the frame of the scan's points.
 struct ScanVoxels {
   VoxelGrid grid;
-  std::vector<std::uint16_t> label;   // class id of most of the surface in the voxel; 0: empty, or without a class
+  std::vector<std::uint16_t> label;   // id of the class with the largest area in the voxel; 0: empty, or no class
   std::vector<std::uint8_t> input;    // 1: the voxel contains at least one point of the scan
   std::vector<std::uint8_t> invalid;  // 1: the voxel must be ignored: its surfaces have no class, or it is neither seen
                                       // nor connected to seen voxels through empty voxels, as inside of objects

@@ -38,10 +38,10 @@ class WorldPositions {
     for (const double time : columnTimes) poses_.push_back(interpolate(first_, last_, fractionAt(time)));
   }
 
-  // True if the points have different frames.
+  // True if the points are not all in the same frame.
   bool moves() const { return moves_; }
-  // Returns the position of a point in the world (m). If the scan has no beam numbers, the pose is derived from the
-  // point's time, which ignores offsets between the rings' times; without a time it is the first pose.
+  // Returns the position of a point in the world (m). If the scan has no beam numbers, uses the pose at the time
+  // of the point, which ignores offsets between the rings' times; if the scan has no times either, uses the first pose.
   Vec3d inWorld(std::size_t point) const {
     const Vec3d inSensor(scan_.position[point]);
     if (!moves_ || (poses_.empty() && scan_[kTime].empty())) return first_ * inSensor;

@@ -19,11 +19,11 @@
 
 namespace scanmill {
 
-// Numbering needs all frames of a sequence, so that the numbers do not depend on the order in which frames are
-// processed: ExportLayout::checkSample() adds them. Safe to use from several threads.
+// All frames of a sequence must be added (by ExportLayout::checkSample()) before instances get their numbers, which
+// therefore do not depend on the order of the frames. Safe to use from several threads.
 class InstanceNumbers {
  public:
-  // Each group is numbered from 1, in the order of the ids.
+  // The instances of each group get the numbers 1, 2, ... in the order of their ids.
   struct Instance {
     std::uint16_t group = 0;
     std::uint32_t id = 0;  // instance id of the dataset

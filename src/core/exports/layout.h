@@ -85,10 +85,10 @@ std::string velodynePoints(const ExportScan& exportScan, std::span<const std::si
 // For layouts that store one pose and no times: returns a warning if a sensor moves during a revolution and the dataset
 // is not deskewed, so that one pose does not apply to all points. Otherwise returns no warning.
 std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view layout);
-// Returns the rows of a pose's matrix of 3 x 4 numbers, one after the other.
+// Returns the 3 x 4 matrix of a pose, row by row.
 std::array<double, 12> matrixRows(const Pose& pose);
 // Returns the scans of an exported sensor (index in ExportPlan::sensors), one for each of its revolutions in the
-// sample; a sample may have none of a slow sensor.
+// sample. Returns none if a slow sensor has no revolution in the sample.
 std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor);
 // Returns the first scan that revolutionsOf() returns. Throws InputError if there is none.
 const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor = 0);

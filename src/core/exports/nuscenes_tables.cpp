@@ -253,9 +253,9 @@ class Annotations {
     return nuScenesToken(plan_, "instance", fmt::format("{} {}", sequence_.name, id));
   }
 
-  // Returns a row of sample_annotation. Its box is the object's box relative to the first sensor that sees it, when the
-  // beams hit the object, placed in the world by the sensor's pose at the start of the revolution. The box thus fits
-  // the points of this sensor.
+  // Returns a row of sample_annotation. The box has the pose relative to the first sensor with points on the object, at
+  // the time when its beams hit the object. The sensor's pose at the start of the revolution places this box in the
+  // world, so that it fits the points of this sensor.
   OrderedJson annotation(std::size_t frame, const ObjectRecord& object, const Sighting& sighting, const Track& track,
                          const std::string& category) const {
     const SampleRecord& sample = plan_.manifest.samples[sequence_.samples[frame]];
