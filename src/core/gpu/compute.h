@@ -156,8 +156,7 @@ class ComputeProgram {
   ComputeProgram& operator=(ComputeProgram&&) = delete;  // neither copied nor moved
 
   // Calls invoke(i) for i from 0 to invocations - 1, in any order; `invocations` must be less than 2^32. The data that
-  // these calls write is visible to the next run() and to readbacks. Supported: 8 buffers, 16 tables, 16 KiB
-  // parameters.
+  // these calls write is visible to the next run() and to readbacks. Limit: 8 buffers, 16 tables, 16 KiB of parameters.
   void run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
            std::span<const std::byte> parameters = {}, std::initializer_list<ComputeTable> tables = {});
 

@@ -109,8 +109,7 @@ struct PassImage {
 using PixelAddress = std::uint32_t;
 constexpr PixelAddress kNoPixel = 0xFFFFFFFFu;
 
-// Returns the address of each image's first pixel, then the number of all pixels. Throws InputError if this is too
-// large.
+// Returns the address of each image's first pixel, then the number of all pixels. Throws InputError if it is too large.
 std::vector<PixelAddress> firstPixels(std::span<const Camera> cameras);
 
 // Returns the index of the image that has a pixel. `firsts`: the result of firstPixels().

@@ -76,7 +76,7 @@ GlProgram::GlProgram(std::string_view name, std::initializer_list<GlShaderText> 
       throw std::runtime_error(fmt::format("the driver does not compile the {} shader: {}", name, log));
     }
     glAttachShader(name_, compiled);
-    glDeleteShader(compiled);  // when the program is deleted
+    glDeleteShader(compiled);  // takes effect when the program is deleted
   }
   glLinkProgram(name_);
   GLint status = GL_FALSE;

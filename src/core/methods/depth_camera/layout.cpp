@@ -277,7 +277,7 @@ std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t 
 
 struct NamedFacing {
   double yawDeg;
-  double pitchDeg;  // downwards
+  double pitchDeg;  // deg, positive downwards
   const char* name;
 };
 

@@ -307,7 +307,7 @@ class Sampler {
   PassChoice choice_;
   std::vector<CameraView> views_;
   Mat3 rigFromWorld_;
-  std::vector<PixelAddress> addresses_;           // of the batch's pixels
+  std::vector<PixelAddress> addresses_;           // addresses of the batch's pixels
   PassPlanes planes_;                             // values of the batch's pixels
   int rounds_;                                    // 1 if all beams start in all cameras
   std::vector<std::uint8_t> needsRound_;          // by beam of the batch: 1 if its next pixel differs

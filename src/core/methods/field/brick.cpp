@@ -78,8 +78,8 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
   for (int block = 0; block < kBlock; ++block) {
     const Points& p = brick::kBlockCorners[block];
     const Points& centres = brick::kBlockCentres;
-    std::array<std::uint16_t, kLanes> steps;  // of kDistanceStep
-    std::array<float, kLanes> exact2;         // squared distances of the lanes' corners
+    std::array<std::uint16_t, kLanes> steps;  // distances in units of kDistanceStep
+    std::array<float, kLanes> exact2;         // squared distances of the corners, by lane
     for (int i = 0; i < kLanes; ++i) exact2[i] = distance2_[brick::cornerIndex(block, std::min(i, kBlock - 1))];
     for (int i = 0; i < kLanes; ++i) {
       const float x = p.x[i] - centres.x[block];

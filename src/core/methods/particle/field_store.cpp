@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMemoryFraction = 0.125;  // if pools are more than kFewestPools, fraction of the memory limit for them
+constexpr double kMemoryFraction = 0.125;  // fraction of the memory limit for all pools; kFewestPools may exceed it
 // Least limit on the number of pools: for two drives, for a field under construction, and for a pool being released.
 constexpr std::size_t kFewestPools = 4;
 constexpr std::size_t kFieldsOfPool = 2;  // largest number of cached fields per pool, for two sensors of a vehicle

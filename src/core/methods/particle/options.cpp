@@ -109,7 +109,7 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
 double fieldBytes(const ParticleOptions& options) {
   // Number of a level's full bricks in a street scene, divided by the square of the number of bricks along an edge.
   constexpr double kFullBricks = 3.0;
-  constexpr double kCornerBytes = sizeof(std::uint16_t) + sizeof(std::uint32_t);  // distance, triangle or list
+  constexpr double kCornerBytes = sizeof(std::uint16_t) + sizeof(std::uint32_t);  // distance, and triangle or list
   constexpr double kListBytes = 3000;  // bytes of a full brick's lists, measured in that scene
   constexpr double kEntryBytes = 4;    // bytes of a brick's table entry
   const double bricks = static_cast<double>(options.voxels) / kBrickVoxels;  // number along an edge

@@ -24,7 +24,7 @@ class SharedMeshes {
     enum class State { Missing, InProgress, Finished };
 
     const Mesh* mesh = nullptr;
-    std::vector<std::uint32_t> triangles;  // ascending indices in the mesh; empty if all triangles, or if built
+    std::vector<std::uint32_t> triangles;  // ascending indices; empty if all of the mesh, or after building
     Box bounds;                            // m, in the mesh's axes
     std::unique_ptr<TriangleBlock> block;
     SceneHandle hierarchy;

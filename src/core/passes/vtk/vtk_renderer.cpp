@@ -179,11 +179,11 @@ class DrawnView {
     Vec3d cameraInMesh;
     Vec3d depthAxis;  // depth = depthAxis . p + depthOffset, for points p in mesh axes
     double depthOffset;
-    VtkPlacement placement;  // without the number
+    VtkPlacement placement;  // without firstNumber
   };
   // A chunk that is drawn for one instance: its triangles have consecutive numbers in the image.
   struct DrawnChunk {
-    std::uint32_t firstTriangle;  // index within `batch`
+    std::uint32_t firstTriangle;  // index in `batch`
     std::uint32_t frame;          // index into frames_
     const ViewBatch* batch;
   };
