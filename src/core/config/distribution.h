@@ -41,7 +41,7 @@ struct DrawnValue {
 struct PlaceInSplit {
   std::string split;
   std::uint64_t sequence = 0, sequences = 1;  // index of the sequence in its split; number of the split's sequences
-  std::uint64_t frame = 0, frames = 1;        // index of the frame among those of all sequences of the split
+  std::uint64_t frame = 0, frames = 1;        // index of the frame among all frames of the split; their number
 };
 
 // True if the value is a map with a key `uniform`, `normal` or `choice`, whether or not it is a valid distribution.

@@ -396,8 +396,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     const std::size_t distance = editDistance(foldedWord, foldedName);
     const std::size_t longest = std::max(foldedWord.size(), foldedName.size());
     const bool hasPrefix = isPrefix(foldedWord, foldedName);
-    // A name is near if at most a third of its letters (or one of two) differ, or if it begins the word or begins with
-    // it.
+    // A name is near if at most a third of its letters (or one of two) differ, or if one word begins the other.
     if ((distance > std::max<std::size_t>(1, longest / 3) && !hasPrefix) || distance == longest) continue;
     // If two names are at the same distance, the name that begins the word, or begins with it, counts as nearer.
     const std::size_t cost = 2 * distance - (distance > 0 && hasPrefix ? 1 : 0);

@@ -33,8 +33,8 @@ struct Range {
   bool operator==(const Range&) const = default;
 };
 
-// Each function reads one value as a certain type. `what` names the value in messages. All throw an InputError with the
-// place of the value, what was expected and what was found.
+// Each of these functions reads a value as one type. It throws an InputError that states the place of the value, what
+// was expected and what was found. `what` names the value in the message.
 double readNumber(const Value& value, std::string_view what, Range range = {});  // finite; decimal, such as 1e3 or -.5
 std::int64_t readInteger(const Value& value, std::string_view what, std::int64_t low, std::int64_t high);
 bool readBool(const Value& value, std::string_view what);  // only `true` or `false`

@@ -1,6 +1,6 @@
 #pragma once
 
-// The program's own files (pipelines, scenes, labels), and what kind of file a user's file is.
+// Finds the program's own files (pipelines, scenes, labels), and recognises the kind of a YAML file.
 //
 //   const std::filesystem::path street = namedResource("street", "scenes");  // .../scenes/street.yaml
 

@@ -219,7 +219,7 @@ class DatasetPage {
   void sensors() {
     for (std::size_t i = 0; i < manifest_.sensors.size(); ++i) {
       const SensorRecord& sensor = manifest_.sensors[i];
-      const SensorSummary& counts = summary_.sensors[i];  // begins with the manifest's sensors, in their order
+      const SensorSummary& counts = summary_.sensors[i];  // summary_.sensors begins with the manifest's sensors
       const BeamTable& beams = sensor.beams;
       const MountSpans mount = mountSpans(manifest_, sensor);
       Json row{{"name", sensor.name},           {"model", beams.model},          {"rings", beams.rings},

@@ -56,8 +56,8 @@ struct ScanReading {
 };
 
 // Reads the scans at `places` of a dataset. If a scan is stored in several formats, uses the most exact format that can
-// be decoded. Returns the faults, one line for each scan that cannot be read, or one line for all scans of a shard that
-// is truncated or not a tar file. Scans of missing shards are not among them; shardFaults() reports these.
+// be decoded. Returns the faults: a line for each scan that cannot be read, or one line for all scans of a shard that
+// is truncated or not a tar file. Ignores scans of missing shards; shardFaults() reports missing shards.
 std::vector<std::string> readScans(const ScanStore& store, const std::vector<ScanIndex>& places,
                                    const ScanReading& reading);
 

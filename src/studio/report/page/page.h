@@ -44,7 +44,7 @@ Json chartValues(const Chart& chart);
 // Returns several charts as an object {chart's name: chartValues(chart)}.
 Json chartValues(const std::vector<Chart>& charts);
 
-// Quotes a word for a shell command, if necessary. `quote`: quotes it in any case.
+// Returns a word for a shell command, in quotes if the shell needs them or if `quote` is true.
 std::string shellWord(const std::string& word, bool quote = false);
 
 // Escapes JSON so that it can stand in a <script> element.

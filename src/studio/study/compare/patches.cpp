@@ -17,7 +17,7 @@ constexpr double kLevel = 25;               // angle to the horizontal (degrees)
 constexpr double kUpright = 65;             // angle to the horizontal (degrees) above which a plane counts as upright
 // Cosine of 60 degrees; at larger incidence angles offsets along the beam are not measured.
 constexpr double kLeastCosine = 0.5;
-// Points are on one surface if their ranges differ by less than kNear (m) or by less than the fraction kNearShare.
+// Points are on one surface if their ranges differ by less than kNear (m) or than the range times kNearShare.
 constexpr double kNear = 0.5, kNearShare = 0.1;
 
 struct Plane {
@@ -85,7 +85,7 @@ class PatchMeter {
   bool hasReturn(std::uint32_t pixel) const {
     return pixel != RangeGrid::kNone && grid_.point[pixel] != RangeGrid::kNone;
   }
-  // True if the pixel has a return with so similar a range that it is on the surface of the patch's middle.
+  // True if the pixel has a return with nearly the range of the patch's middle, so that both are on one surface.
   bool onSurface(std::uint32_t pixel) const {
     return hasReturn(pixel) &&
            std::fabs(static_cast<double>(grid_.range[pixel]) - range_) < std::max(kNear, kNearShare * range_);

@@ -192,7 +192,7 @@ constexpr double kSameRange = 2e-5;  // assumed error of ranges that are compute
 // Returns a first estimate of the step (m), from the smallest gaps between sorted ranges; 0 if the step is too small to
 // be distinguished from rounding errors.
 double smallestGap(const std::vector<double>& sorted) {
-  constexpr double kSmallestStep = 5e-4;  // m; smaller ones cannot be distinguished from rounding errors
+  constexpr double kSmallestStep = 5e-4;  // m; smaller steps cannot be distinguished from rounding errors
   constexpr std::size_t kFewestGaps = 10;
   std::vector<double> gaps;
   for (std::size_t i = 1; i < sorted.size(); ++i) {

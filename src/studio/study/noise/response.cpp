@@ -89,7 +89,7 @@ struct Weighted {
   double value = 0, weight = 1;
 };
 
-// A distribution of weighted values in ascending order. The share of a value is that of the weight below its middle.
+// A distribution of weighted values: the values in ascending order, with the cumulative share of the weight.
 class Distribution {
  public:
   explicit Distribution(std::vector<Weighted> values) : values_(std::move(values)) {
@@ -123,10 +123,10 @@ class Distribution {
 
  private:
   std::vector<Weighted> values_;
-  std::vector<double> share_;  // fraction of the weight below each value, with half of its own
+  std::vector<double> share_;  // cumulative share of the weight at each value, with half of the value's own weight
 };
 
-// Returns the step: nearly all values are multiples of it. Returns 0 if there is no step. `values`: not empty.
+// Returns the step of which nearly all values are multiples; 0 if there is no such step. `values`: not empty.
 double stepOf(std::vector<double> values) {
   constexpr double kRounding = 1e-5;    // values that differ by less, relative to the largest, are equal
   constexpr double kTolerance = 0.05;   // largest distance of a multiple of the step, in steps

@@ -20,8 +20,8 @@ namespace scanmill {
 
 constexpr double kSurfaceCell = 0.3;  // m, side of the cells
 
-// What a sensor computes intensities from, as the key `model` of the effect names it: the power of the echo, or the
-// reflectivity, which is the power corrected for the range.
+// The quantity from which a sensor computes intensities, as in the key `model` of the effect: the power of the echo, or
+// the reflectivity, which is the power corrected for the range.
 enum class ResponseModel { Power, Reflectivity };
 
 struct ResponseFit {

@@ -93,7 +93,7 @@ std::optional<RingLine> robustRingLine(const std::vector<Point>& ring) {
   return line;
 }
 
-// Estimates a sensor. The find functions depend on each other: fit() calls them in their order.
+// Estimates a sensor. Each find function uses results of other find functions; fit() calls them in the right order.
 class SensorFitter {
  public:
   // Collects the points of all scans by ring.

@@ -20,7 +20,7 @@ namespace {
 constexpr double kSameTime = 0.10;
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
-// A use of the scans and the errors that it tolerates; fractions are of beams.
+// A use of the scans, with the largest errors that it tolerates. Fractions are of the beams.
 struct Need {
   const char* name;
   const char* limits;         // the limits below in words; empty: none

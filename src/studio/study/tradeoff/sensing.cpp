@@ -51,8 +51,8 @@ Effects changedEffects(const Pipeline& pipeline, const MountedSensor& sensor, co
   return readSensorEffects(list, EffectClasses(pipeline), sensor);
 }
 
-// The effects and the setup of one sensor in one variation. The setup refers to the other members, so that the object
-// must not be moved.
+// The effects and the setup of one sensor in one variation. The setup refers to the other members, so the object must
+// not be moved.
 struct VariedSensor {
   Effects effects;
   std::optional<Footprint> footprint;
