@@ -38,7 +38,7 @@ struct FormatSupport {
 // Counts what a reader leaves out of one file.
 class LeftOut {
  public:
-  // `what`: a noun in the plural.
+  // Counts things that the reader leaves out. `what`: a noun in the plural, such as "polylines".
   void add(const std::string& what, std::uint64_t count = 1);
   // Counts a keyword of the file: under the row's `note` if the table leaves the keyword out, under the keyword in
   // quotes if the table lacks it. Does nothing for keywords that are read or unused.

@@ -1,9 +1,9 @@
 #pragma once
 
 // Collects which files a thread reads, with hashes of their bytes, and limits what the files of one scene may cost: a
-// small file can name others twice as many times at each level, place a mesh a million times, or decompress to a
-// thousand times its size. docs/reliability.md lists the limits. This header is installed because
-// dataset/manifest.h includes it.
+// small file can include other files, twice as many at each level, place a mesh a million times, or decompress to a
+// thousand times its size. docs/reliability.md lists the limits. This header is installed because dataset/manifest.h
+// includes it.
 //
 //   const InputBudget budget;           // around everything that is read for one scene
 //   chargeCopies(1000, {"a.gltf"});     // throws InputError beyond the limit

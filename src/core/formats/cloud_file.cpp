@@ -30,8 +30,7 @@ bool isUnreadCloud(const std::string& suffix) {
   return suffix == ".e57" || suffix == ".pts" || suffix == ".ptx";
 }
 
-// True if a file .asc lists points: its first 4 KiB have a line that begins with three numbers, and no keyword of
-// grids.
+// True if a file .asc lists points: its first 4 KiB have a line that begins with three numbers, and no grid keyword.
 bool listsPoints(const std::filesystem::path& file) {
   std::string head = lowerCase(firstBytes(file, 4096));
   for (const char* word : {"ncols", "nrows", "rows:", "cols:"}) {

@@ -131,8 +131,7 @@ class LasReader {
     return end;
   }
 
-  // Keeps the data of records that are used, and counts records that are left out. `begin`: the record's offset
-  // (bytes).
+  // Keeps the data of a record that is used, or counts the record as left out. `begin`: the record's offset (bytes).
   void readRecord(std::uint64_t begin, std::string_view data) {
     const std::string_view user = textAt(bytes_, begin + 2, 16);
     const auto id = at<std::uint16_t>(begin + 18);

@@ -24,7 +24,7 @@ struct HitRay {
 constexpr std::size_t kGroup = 64;            // number of beams whose echoes are computed together
 constexpr std::uint32_t kMostGroupRays = 19;  // largest number of rays of such a beam
 
-// A group of beams that form one echo each, of equally many rays, computed together.
+// A group of beams whose echoes are computed together. Each beam forms one echo, and all have equally many rays.
 struct BeamGroup {
   template <class T>
   using PerBeam = std::array<T, kGroup>;

@@ -128,7 +128,7 @@ class Gathering {
   }
 
  private:
-  // Resizes every column: to 0 if it was not asked for. In an organised scan, first sets all points to misses.
+  // Resizes each column to the scan's points, or to 0 if it was not asked for. Organised scans then have only misses.
   void resizeColumns() {
     scan_.rings = hits_.rings;
     scan_.columns = hits_.columns;
@@ -191,8 +191,8 @@ class Gathering {
     for (std::uint32_t ring = firstRing; ring < endRing; ++ring) {
       const std::uint32_t firstBeam = ring * columns + firstColumn;
       for (std::uint32_t c = 0; c < width; ++c) {
-        // Each beam is written, but `count` only increases if the beam has a return: branches would be mispredicted,
-        // because misses are irregular.
+        // Writes an entry for every beam, but increases `count` only for beams with a return: a branch would often be
+        // mispredicted, because misses are irregular.
         points_.beam[count] = firstBeam + c;
         points_.scanRow[count] = organised ? firstBeam + c : next[c];
         points_.ring[count] = static_cast<std::uint16_t>(ring);

@@ -49,10 +49,10 @@ class InstanceMotions {
   // assumed to be linear during the revolution. Returns zero for an instance that stands still and for `instanceId` 0.
   Vec3d velocity(std::uint32_t instanceId, const Vec3d& point) const;
 
-  // Returns the displacement over ground (m, world axes) of a point of an instance's surface, from `time` (s since the
-  // start of the revolution; 0 if nothing moves during a revolution) to the same time in the next frame, by the
-  // movement of the instance and its animation. `point` (m, world) is the point at `time`, and `primitive` its
-  // triangle. Zero if the instance stands still, or if `instanceId` is 0 (no instance).
+  // Returns the displacement over ground (m, world axes) of a point of an instance's surface until the same time in the
+  // next frame, by the instance's motion and animation. The point is at `point` (m, world) at `time` (s since the start
+  // of the revolution; 0 if nothing moves during a revolution), on the triangle `primitive`. Returns zero for an
+  // instance that stands still and for `instanceId` 0.
   Vec3d flow(std::uint32_t instanceId, std::uint32_t primitive, const Vec3d& point, double time) const;
 
  private:

@@ -20,7 +20,7 @@ double power(double base, double exponent) {
   return exponential(exponent * naturalLog(base));
 }
 
-// Returns air in which droplets or dust float. The visibility (m) is the distance at which 5 % of the contrast remain
+// Returns air in which droplets or dust float. The visibility (m) is the distance at which 5 % of the contrast remains
 // (Koschmieder). `lidarRatio`: extinction over backscatter (sr).
 Weather hazeOf(double visibility, double lidarRatio) {
   const double extinction = -naturalLog(0.05) / visibility;

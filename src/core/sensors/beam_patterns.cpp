@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kMostRings = 4096;
 constexpr std::uint32_t kMostColumns = 65536;
 
-// Checks the columns of a table of beams.
+// Throws InputError if a table of beams has an unknown column, or lacks a column that it needs.
 void checkColumns(const TextTable& table) {
   table.expectOnly({"azimuth_deg", "elevation_deg", "zenith_deg", "ring", "column", "origin_x_m", "origin_y_m",
                     "origin_z_m", "time_s", "time_ms", "time_us", "time_ns"});

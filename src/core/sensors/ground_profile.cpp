@@ -25,7 +25,7 @@ constexpr const char* kWheelAdvice =
     "alone";
 constexpr std::array<std::string_view, 4> kWheels{"front left", "front right", "rear left", "rear right"};
 
-// Returns the positions of a vehicle's wheels, by kWheels, at the height of the pose. `size`: wheelbase and track (m).
+// Returns the positions of the wheels in the order of kWheels, at the pose's height. `size`: wheelbase and track (m).
 std::array<Vec3d, 4> wheelsAt(const std::array<double, 2>& size, const Pose& pose) {
   const double yaw = headingOf(pose.rotation);
   const Vec3d ahead = Vec3d{std::cos(yaw), std::sin(yaw), 0} * (size[0] / 2);

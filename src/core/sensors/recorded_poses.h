@@ -25,7 +25,7 @@ struct StampedPose {
 // so that the curve does not overshoot. Rotations are interpolated at constant angular velocity from pose to pose.
 class RecordedPoses {
  public:
-  // Needs at least two poses, with ascending times.
+  // `poses`: at least two, with ascending times.
   explicit RecordedPoses(std::vector<StampedPose> poses);
 
   // Returns the pose at a time (s after the first pose). The vehicle stands still before the first pose and after the

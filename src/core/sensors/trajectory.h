@@ -97,7 +97,7 @@ struct RandomPath {
 };
 
 // The pose worldFromVehicle over time, from a map with one of the keys poses, waypoints, along, on and recorded;
-// docs/keys.md explains all keys. The ground is in ground_profile.h, a recording in recorded_poses.h.
+// docs/keys.md explains all keys. See ground_profile.h for the ground, and recorded_poses.h for recordings.
 class Trajectory {
  public:
   static constexpr std::uint32_t kMaxFrames = 10'000'000;

@@ -47,7 +47,7 @@ class DropOut : public Effect {
   }
 
  private:
-  // Loses faint returns and returns at random, and sets the intensity of all lost rows to 0.
+  // Removes faint returns and randomly chosen returns, and sets the intensity of all removed rows to 0.
   SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, const Shot& shot, Returns& returns) const {
     if (o_.threshold > 0) {
       loseFaint(returns);

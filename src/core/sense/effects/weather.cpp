@@ -179,8 +179,9 @@ class WeatherEffect : public Effect {
     extinguish(returns);
     if (o_.wet > 0) wetGround(hits, shot, returns);
     const Falloff& falloff = returns.falloff;
-    // Converts the least power from the power of a white target at kUnitRange to that at falloff.reference, the unit of
-    // the effect `intensity`. Echoes of half the power that is detected half of the time are still detected at times.
+    // Converts the least power from the unit of `least`, a white target at kUnitRange, to the unit of the effect
+    // `intensity`, a white target at falloff.reference. In noise, echoes of half the threshold are still detected at
+    // times.
     const double rangeRatio = falloff.inverseSquare ? falloff.reference / kUnitRange : 1;
     Reception reception{.falloff = falloff,
                         .least = (o_.least > 0 ? o_.least : kUsualLeastPower) * rangeRatio * rangeRatio};
