@@ -120,7 +120,7 @@ Plan planOf(const Arguments& parsed, const std::vector<std::string>& sweepOverri
                   parsed.has("keep-hits") ? channelsThat(&ChannelRow::recorded) : Channels{});
 }
 
-// Reads the options about the folders and their contents; shardsOption() reads the others.
+// Reads all options of GenerateOptions except the choice of shards, which shardsOption() reads.
 GenerateOptions folderOptions(const Arguments& parsed, const std::filesystem::path& folder) {
   GenerateOptions options;
   options.folder = folder;

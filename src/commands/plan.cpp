@@ -157,7 +157,7 @@ class SceneCheck {
   std::uint64_t mostBytes_ = 0;
   Rows rows_{{"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
   std::map<UnlabeledPart, std::uint64_t> unlabeled_;  // numbers of triangles
-  std::set<std::string> warningsOfAllSeeds_;          // each is printed once
+  std::set<std::string> warningsOfAllSeeds_;          // these warnings are printed once, not for each seed
   std::uint64_t notLoaded_ = 0;                       // number of scenes
 };
 

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// Throws InputError if the path is of something that is not a file, which a new file cannot replace.
+// Throws InputError if the path exists but is no regular file, because a new file could not replace it.
 void requireReplaceable(const std::filesystem::path& file) {
   const auto status = std::filesystem::symlink_status(file);
   if (!exists(status) || is_regular_file(status)) return;

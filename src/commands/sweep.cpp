@@ -71,7 +71,7 @@ Sweep parseSweep(const std::string& text) {
 std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps) {
   std::vector<Sweep> parsed;
   for (const std::string& text : sweeps) parsed.push_back(parseSweep(text));
-  std::vector<SweepSet> sets{{}};  // the combinations of the values of the sweeps so far; at first one without values
+  std::vector<SweepSet> sets{{}};  // combinations of the values of all sweeps so far; at first an empty one
   std::set<std::string> keys;
   for (const Sweep& sweep : parsed) {
     if (!keys.insert(sweep.key).second) throw InputError(fmt::format("--sweep {}: the key is given twice", sweep.key));
@@ -91,7 +91,7 @@ std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps) {
     }
     sets = std::move(extendedSets);
   }
-  std::set<std::string> folders;  // a folder that would have the name of another gets a number
+  std::set<std::string> folders;  // names so far; a number is appended to a name that would occur again
   for (SweepSet& set : sets) {
     std::string folder = set.folder;
     for (int number = 2; !folders.insert(folder).second; ++number) folder = fmt::format("{}_{}", set.folder, number);

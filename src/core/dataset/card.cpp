@@ -220,7 +220,7 @@ OrderedJson croissantFiles(const Manifest& manifest) {
                      {"containedIn", shards},
                      {"encodingFormat", set.mediaType},
                      {"includes", "*." + set.suffix}});
-    // Further members of samples, such as their lists of objects, also end in .json.
+    // Excludes further members that end in .json, such as the lists of objects.
     if (set.id == "samples-json") files.back()["excludes"] = "*.*.json";
   }
   return files;

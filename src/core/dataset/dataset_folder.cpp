@@ -256,7 +256,7 @@ std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
 }
 
 // Writes the plan, or checks that the plan of the dataset to continue is the same. Deletes only this program's files,
-// because checkContents() has refused folders with others.
+// because checkContents() has refused folders with other files.
 void DatasetFolder::writeOrMatchPlan(FolderUse use) {
   // Without locks (keepsOthersOut() is false), the lock file of a killed process on another host would bar the folder.
   const std::unique_ptr<FolderLock> lock = shared_ && lock_->keepsOthersOut() ? lockStart() : nullptr;
@@ -374,7 +374,7 @@ void DatasetFolder::removeReplaced() const {
   for (const std::string& name : contentsOf(folder_).leftovers) removeFile(folder_, folder_ / name);
 }
 
-// Writes a file under a temporary name, calls check(), and then gives the file its name. check() may throw.
+// Writes a file under a temporary name, calls check() and, unless check() throws, gives the file its final name.
 void DatasetFolder::writeChecked(std::string_view name, const std::string& bytes,
                                  const std::function<void()>& check) const {
   requireSameFolder();

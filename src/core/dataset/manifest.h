@@ -30,7 +30,7 @@ struct FileRecord {
   auto operator<=>(const FileRecord&) const = default;
 };
 
-// Returns the records of files. `folder`: the folder of the pipeline file.
+// Returns the records of all files in `read`, sorted. `folder`: folder of the pipeline file, for savedPath().
 std::vector<FileRecord> recordsOf(const FilesRead& read, const std::filesystem::path& folder);
 
 // Adds records to a list, which is then sorted and without duplicates. Returns the first file in the list that has two

@@ -35,7 +35,7 @@ static void describe(RecordKeys& keys, DatasetPlan& plan) {
   keys("splits", plan.splits);
 }
 
-// Describes the first line of a part. The other lines are its manifest with its own digest.
+// Describes the first line of a part's text. The other lines are the part's manifest, which has a digest of its own.
 static void describe(RecordKeys& keys, DatasetPart& part) {
   keys("plan", part.plan);
   keys("numbers", part.numbers);
@@ -70,8 +70,8 @@ DatasetPart parsePart(const std::string& text, const std::string& file) {
   return part;
 }
 
-// Moves the samples of a part to their indices in `joined`, whose samples are empty records at first and whose last
-// shard is that of the part. Throws Error if an index is out of range or has a sample already.
+// Moves the samples of a part to their indices in joined.samples, a list of empty records at first. The last shard in
+// `joined` must be that of the part. Throws Error if an index is out of range or already has a sample.
 static void moveSamples(DatasetPart& part, Manifest& joined) {
   const auto shardIndex = static_cast<std::uint32_t>(joined.shards.size() - 1);
   const std::string& shardFile = joined.shards[shardIndex].file;

@@ -185,7 +185,7 @@ static void describe(RecordKeys& keys, Recording& r) {
       [&](const JsonNode& node) { readModelled(node, true, r.modelled); });
 }
 
-// world_from_rig may be missing in recordings by other programs; the step's shot then states the pose.
+// If world_from_rig is missing, as in recordings by other programs, the step gets the first pose of its shot.
 static void describe(RecordKeys& keys, RecordedStep& step) {
   std::vector<std::uint32_t> columns{step.firstColumn, step.endColumn};
   keys("columns", columns, numberCount(2), [&](const JsonNode& node) {

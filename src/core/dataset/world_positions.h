@@ -1,6 +1,6 @@
 #pragma once
 
-// Places the points of a dataset's scan in the world, also if the sensor moves during the revolution.
+// Computes the world positions of a scan's points, also if the sensor moves during the revolution.
 
 #include <algorithm>
 #include <cstddef>

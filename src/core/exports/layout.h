@@ -185,7 +185,7 @@ struct LayoutEntry {
   // Name of the layout's ontology in labels/; empty: the dataset's own classes are exported.
   std::string_view labels = {};
   bool oneSensor = false;   // true: the layout can have only one sensor
-  bool boxesAlone = false;  // true: only boxes have classes, points have none
+  bool boxesAlone = false;  // true: the layout has classes of boxes, but not of points
   bool revolutions = true;  // false: the layout has one scan of each sensor in a frame, no more and no less
   std::unique_ptr<ExportLayout> (*make)();
 };

@@ -49,7 +49,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMostFrameGap = 1.5;  // s between key frames, over which the devkit computes velocities
+constexpr double kMostFrameGap = 1.5;  // s, greatest gap between key frames over which the devkit computes velocities
 
 constexpr std::uint16_t kClassStep = 1000;   // difference between the panoptic labels of successive classes
 constexpr std::size_t kMostInstances = 999;  // largest number of instances of a class in a scene
