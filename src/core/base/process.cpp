@@ -106,7 +106,7 @@ std::filesystem::path findProgram(const std::string& name) {
 
 Process::Process(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment)
     : name_(command.at(0)), errors_(makeFile()) {
-  // Not a pipe: writing to a pipe without a reader raises a fatal signal.
+  // Uses a socket, because writing to a pipe without a reader raises a fatal signal.
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw Error("no socket: " + std::string(std::strerror(errno)));

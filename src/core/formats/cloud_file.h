@@ -17,7 +17,7 @@ namespace scanmill {
 struct Cloud {
   Vec3d origin = {};  // m, in the file's coordinates; positions in `scan` are relative to it, so that float32 suffices
   Scan scan = {};
-  Pose worldFromFile = {};  // pose of the file's coordinates (VIEWPOINT of PCD); others state none: the identity
+  Pose worldFromFile = {};  // pose of the file's coordinates (VIEWPOINT of PCD); identity for other formats
   std::map<std::uint32_t, std::string> classNames = {};  // by label, as the file states them (LAS); may be empty
   LeftOut leftOut = {};                                  // what the reader leaves out; the caller warns of it
   std::string system = {};  // the coordinate system of a LAS (WKT or "EPSG:32632"); empty: not stated
@@ -31,8 +31,7 @@ Vec3d cloudOrigin(const Vec3d& position);
 // readCloud() refuses with advice (.laz, .e57, .pts, .ptx). A .ply is a cloud if its header has no faces, and an .asc
 // if it lists points, but not if it does not exist or is empty. Throws InputError for a .ply with a damaged header.
 bool isCloud(const std::filesystem::path& file);
-// True if a file can be a recorded scan: a cloud, .bin, or .npz, which readCloud() refuses with advice. Throws as
-// isCloud().
+// True if a file can be a recorded scan: a cloud, .bin, or .npz (readCloud() refuses .npz). Throws as isCloud().
 bool isScan(const std::filesystem::path& file);
 // Returns all suffixes that readCloud() reads: ".pcd, .drc, ...".
 std::string scanSuffixes();

@@ -67,7 +67,7 @@ double tableBits(const Histogram& h) {
          static_cast<double>(h.counts.size()) / 8;
 }
 
-// Returns the symbols' probabilities in units of 2^-precisionBits: at least 1 unit for a symbol that occurs; the sum is
+// Returns the symbols' probabilities in units of 2^-precisionBits: at least 1 unit for symbols that occur; the sum is
 // 1.
 std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) {
   const std::int64_t one = std::int64_t{1} << precisionBits;
@@ -132,7 +132,7 @@ struct SymbolStep {
   std::uint32_t complement;  // 2^precision - p
   std::uint32_t start;       // sum of the probabilities of all earlier symbols
   std::uint16_t bits;        // number of bits that are written below `limit`
-  std::uint16_t shift;       // of the product of state and reciprocal
+  std::uint16_t shift;       // bits by which the product of state and reciprocal is shifted right
 };
 
 // Returns the step of each symbol; the steps of symbols that do not occur are not set.

@@ -111,7 +111,7 @@ class LasReader {
   // Reads up to `count` records from `begin` to `end`. `Length`: type of the field with the size of a record's data.
   template <class Length>
   void readRecordsAt(std::uint64_t begin, std::uint64_t end, std::uint32_t count) {
-    constexpr std::uint64_t kHead = 52 + sizeof(Length);  // size (bytes) of what stands before the data
+    constexpr std::uint64_t kHead = 52 + sizeof(Length);  // size of a record's header (bytes)
     for (; count > 0 && begin <= end && end - begin >= kHead; --count) {
       const std::uint64_t length = at<Length>(begin + 20);
       if (length > end - begin - kHead) break;
@@ -268,7 +268,7 @@ class LasReader {
     Scan& scan = cloud_.scan;
     const bool classified = std::ranges::any_of(labels, [](std::uint16_t label) { return label != 0; });
     if (classified) scan[kLabel] = labels;
-    adoptColumns(cloud_, {});  // without a place, columns that do not fit are counted as left out
+    adoptColumns(cloud_, {});  // without a location, columns that do not fit are counted as left out
     if (!classified && scan.has(kLabel)) {
       cloud_.classNames.clear();
     } else if (!classified) {

@@ -135,7 +135,7 @@ class HeaderReader {
     if (!isFinite(Vec3d{tx, ty, tz})) {
       throw InputError(where_, "VIEWPOINT has the translation {} {} {}: it must be finite", tx, ty, tz);
     }
-    constexpr double kRounding = 0.01;  // largest deviation of the length that rounded numbers may have
+    constexpr double kRounding = 0.01;  // largest deviation of a rounded quaternion's length from 1
     if (!(std::fabs(norm - 1) <= kRounding)) {
       throw InputError(where_,
                        "VIEWPOINT has the quaternion {} {} {} {} (w x y z), of the length {:.4g}, "

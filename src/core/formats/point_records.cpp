@@ -122,7 +122,7 @@ std::size_t numbersOfRecord(const std::filesystem::path& file) {
 }
 
 Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::string& what) {
-  constexpr double kMostInvalid = 0.05;  // fraction of intensities below 0 from which the file is no list of records
+  constexpr double kMostInvalid = 0.05;  // largest fraction of invalid intensities in a file of records
   const bool hasRing = numbers == 5;
   const std::string record = hasRing ? "x, y, z, intensity, ring" : "x, y, z, intensity";
   if (bytes.size() % (numbers * sizeof(float)) != 0) {

@@ -83,7 +83,7 @@ void adoptColumns(Cloud& cloud, const Location& where);
 // Sets the positions of a scan to `exact` (m) and the cloud's origin to cloudOrigin() of the first finite position.
 void setPositions(const std::vector<Vec3d>& exact, Cloud& cloud);
 
-// Files of bare float32 records, the scans of KITTI, SemanticKITTI and nuScenes, and the label files beside them.
+// The next functions read scans of KITTI, SemanticKITTI and nuScenes (bare float32 records) and their label files.
 
 // Returns how many numbers each record of a file has, by the file's name: 4 for .bin (x, y, z, intensity: KITTI), 5 for
 // .pcd.bin (with the ring: nuScenes); 0 for other names.

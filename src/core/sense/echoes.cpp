@@ -22,7 +22,7 @@ struct HitRay {
 };
 
 constexpr std::size_t kGroup = 64;            // number of beams whose echoes are computed together
-constexpr std::uint32_t kMostGroupRays = 19;  // largest number of rays of such a beam
+constexpr std::uint32_t kMostGroupRays = 19;  // largest number of rays per beam in a group
 
 // A group of beams whose echoes are computed together. Each beam forms one echo, and all have equally many rays.
 struct BeamGroup {

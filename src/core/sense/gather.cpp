@@ -19,8 +19,8 @@ constexpr std::size_t kTilePoints = std::size_t{kTileRings} * kTileColumns;
 
 constexpr std::uint32_t kNoRow = 0xFFFFFFFF;
 
-// Finds the row of the nth return of a beam. Returns are ordered by range, and by row if their ranges are equal. Plane
-// n holds the (n + 1)th return of each beam.
+// Finds the rows of a beam's returns. Plane n holds the row of the (n + 1)th return of each beam. Returns are ordered
+// by range, and by row if their ranges are equal.
 class ReturnOrder {
  public:
   ReturnOrder(const Returns& returns, std::size_t beams) : returns_(returns) {

@@ -73,8 +73,8 @@ struct BeamTable {
   // cones are unused. A rosette is traced by each ring; its columns fire evenly over the period.
   struct RingsOnCones {};
   std::variant<RingsOnCones, std::shared_ptr<const ListedBeams>, Rosette> pattern;
-  double sweep = 0;                   // s, time from the first to the last column of a partial field; 0: the part of
-                                      // the period that `field` is of a full circle
+  double sweep = 0;                   // s, time from the first to the last column of a partial field; 0: the time is
+                                      // period * field / (2 pi)
   double start = 0;                   // s since the start of the drive: time at which column 0 of a rosette fires
   std::vector<double> columnStart;    // s, firing time of each column of listed beams; set by fillBeams()
   bool clockwise = false;             // direction of rotation, seen from above

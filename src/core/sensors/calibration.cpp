@@ -311,7 +311,7 @@ Value withCalibration(const Value& value, const Value* preset) {
   Unit unit = readUnit(file, value, preset);
   const Value* const order = preset == nullptr ? nullptr : preset->find("ring_order");
   const std::string suffix = lowerExtension(file);
-  const bool fileOrder = suffix == ".json" || suffix == ".csv";  // else the lasers come sorted from top to bottom
+  const bool fileOrder = suffix == ".json" || suffix == ".csv";  // else the lasers are sorted from top to bottom
   if (order != nullptr && order->text == "bottom_up" && !fileOrder) std::ranges::reverse(unit.lasers);
   if (fileOrder && preset != nullptr) checkFiring(*preset, value, unit, name.where);
   const Location where{file.string()};

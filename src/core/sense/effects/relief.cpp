@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kSearchDeviations = 2.5;  // height at which the search begins, in standard deviations of the height;
                                            // only 0.6 % of heights are higher
-constexpr double kLeastCosine = 0.05;      // cos(angle of incidence); more grazing beams count as having it
+constexpr double kLeastCosine = 0.05;      // least cosine of the angle of incidence; smaller cosines are replaced by it
 constexpr double kStepFraction = 0.75;     // length of a step, as a fraction of the smallest Relief::size
 constexpr int kMostSteps = 24;
 
