@@ -398,7 +398,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     const bool hasPrefix = isPrefix(foldedWord, foldedName);
     // A name is near if at most a third of its letters (or one of two) differ, or if one word begins the other.
     if ((distance > std::max<std::size_t>(1, longest / 3) && !hasPrefix) || distance == longest) continue;
-    // If two names are at the same distance, the name that begins the word, or begins with it, counts as nearer.
+    // Of two names at the same distance, a name that begins the word, or that the word begins, counts as nearer.
     const std::size_t cost = 2 * distance - (distance > 0 && hasPrefix ? 1 : 0);
     if (best.empty() || cost < leastCost) {
       best = name;

@@ -12,9 +12,9 @@
 
 namespace scanmill {
 
-// Returns the folder that holds the program's own files, in pipelines/, scenes/ and labels/: the folder that the
-// environment variable SCANMILL_RESOURCES names; without that variable the folder share/scanmill of the installation;
-// in a program that is not installed, the source tree that it was built from.
+// Returns the folder with the program's own files, in pipelines/, scenes/ and labels/. This is the folder in the
+// environment variable SCANMILL_RESOURCES if it is set; otherwise share/scanmill of the installation or, if the program
+// is not installed, the source tree from which it was built.
 std::filesystem::path resourceFolder();
 
 // True if a name has neither a slash nor a suffix. Such a name is searched among the program's own files first.

@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures how well two point clouds agree: by the fitness score of the Point Cloud Library (PCL), before and after its
-// iterative closest point (ICP: Besl and McKay, "A method for registration of 3-D shapes", PAMI 14(2), 1992).
+// Measures how well two point clouds agree: by the fitness score of the Point Cloud Library (PCL), before and after
+// PCL's iterative closest point (ICP: Besl and McKay, "A method for registration of 3-D shapes", PAMI 14(2), 1992).
 
 #include <cstddef>
 #include <limits>

@@ -17,7 +17,7 @@ std::string secondsText(double seconds);  // returns a time, such as "350 µs", 
 std::string shareText(double share);
 std::string factorText(double factor);  // returns a factor, such as "2.1", "27" or "0.35"
 
-std::string lastName(const std::filesystem::path& path);  // returns the name of a file or folder, also if given as "."
+std::string lastName(const std::filesystem::path& path);  // returns the name of a file or folder; resolves "."
 std::string keyAsWords(std::string_view key);  // returns a key as words, such as "depth camera" for "depth_camera"
 std::string today();                           // returns the date in UTC, such as "2026-11-23"
 

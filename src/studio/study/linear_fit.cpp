@@ -22,11 +22,11 @@ void addMultiple(double factor, const std::vector<double>& added, std::vector<do
 // Gram-Schmidt process twice to each column, which is enough to make columns orthogonal up to rounding errors (Giraud,
 // Langou, Rozloznik, "The loss of orthogonality in the Gram-Schmidt orthogonalization process", 2005).
 LinearFit fitLinear(std::span<const double> design, std::size_t columns, std::span<const double> values) {
-  constexpr double kDependent = 1e-9;  // least independent fraction of a column; below it, the column is skipped
+  constexpr double kDependent = 1e-9;  // least fraction of a used column that is independent of earlier columns
   const std::size_t rows = values.size();
   std::vector<std::vector<double>> q(columns);    // the columns; empty for those that are skipped
   std::vector<double> r(columns * columns, 0.0);  // row by row
-  std::vector<double> projections(columns, 0.0);  // of the values onto the columns of q
+  std::vector<double> projections(columns, 0.0);  // projections of the values onto the columns of q
   LinearFit fit;
   fit.residuals.assign(values.begin(), values.end());
   fit.leverages.assign(rows, 0.0);

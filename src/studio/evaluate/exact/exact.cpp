@@ -84,8 +84,8 @@ class ShearedBeam {
  private:
   static double component(const Vec3d& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
-  // Returns a corner in sheared coordinates. Its z coordinate is the distance along the axis z_; intersect() converts
-  // its result to a distance along the beam.
+  // Returns a corner in sheared coordinates. The z coordinate is the distance along the axis z_, which intersect()
+  // converts to a distance along the beam.
   Vec3d sheared(const Vec3d& corner) const {
     const Vec3d p = corner - origin_;
     const double z = component(p, z_);

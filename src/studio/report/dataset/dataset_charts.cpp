@@ -160,7 +160,7 @@ Chart stepsChart(const DatasetSummary& summary, Chart chart, double step,
   return chart;
 }
 
-// Returns a line for each sensor: points per scan by intensity.
+// Returns a chart with a line for each sensor: points per scan by intensity.
 Chart intensitiesChart(const DatasetSummary& summary) {
   constexpr std::size_t kBins = 128;
   float largest = 0;

@@ -201,7 +201,7 @@ class SummaryMaker {
   // are usual in one object, such as tree and trunk: most instances with the rarer of the two classes also have the
   // other.
   void findMixedInstances() {
-    // Least number of instances with both classes that counts as usual; two are enough if one class never occurs alone.
+    // A pair of classes is usual if this many instances have both; two suffice if one class never occurs alone.
     constexpr std::uint64_t kFewest = 3;
     std::map<std::uint16_t, std::uint64_t> instancesWith;                     // number of instances with the class
     std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> shared;  // number with both classes

@@ -154,7 +154,7 @@ std::vector<BandComparison> intensityBands(const SetComparison& result, const st
   return bands;
 }
 
-// Sets the intensities by range and by incidence angle.
+// Sets `intensityByRange` and `intensityByIncidence` of the result.
 void addIntensities(SetComparison& result) {
   std::vector<std::string> rangeNames;
   for (std::size_t band = 0; band < kRangeBandCount; ++band) rangeNames.push_back(rangeBandName(band));
@@ -199,7 +199,7 @@ ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
 // Returns how well the class frequencies of the sets agree: 1 if each class is equally frequent in both sets, 0 if they
 // have no class in common.
 double overlapOf(const ClassGroups& groups) {
-  std::map<std::uint16_t, std::pair<double, double>> shares;  // by group: fractions of owner and other
+  std::map<std::uint16_t, std::pair<double, double>> shares;  // by group: share in owner's and in other set's patches
   for (const std::uint16_t g : groups.ofOwner) shares[g].first += 1.0 / static_cast<double>(groups.ofOwner.size());
   for (const std::uint16_t g : groups.ofOther) shares[g].second += 1.0 / static_cast<double>(groups.ofOther.size());
   double overlap = 0;

@@ -144,8 +144,8 @@ struct Patches {
   void append(const Patches& more);
 };
 
-// Returns the patches around at most `mostPatches` points of a scan, which are evenly distributed; the same scan always
-// gives the same patches. `scanIndex`: index of the scan in its set.
+// Returns the patches around at most `mostPatches` points, which are evenly distributed over the scan. The same scan
+// always gives the same patches. `scanIndex`: index of the scan in its set.
 Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t scanIndex, std::size_t mostPatches);
 
 }  // namespace scanmill

@@ -286,8 +286,8 @@ class RepeatabilityRun {
     return count;
   }
 
-  // Returns the statistics of pairs of scans. Pairs without a fitness, and in `registered` those for which ICP found no
-  // motion, count only in `pairs`.
+  // Returns the statistics of pairs of scans. `pairs` counts all pairs. `unmoved` ignores pairs without a fitness, and
+  // `registered` also pairs for which ICP found no motion.
   static LevelFitness fitnessOf(std::span<const Registered> pairs) {
     std::vector<std::optional<double>> registered, unmoved;
     for (const Registered& pair : pairs) {

@@ -34,7 +34,7 @@ std::string lightPathsYaml(std::uint32_t bounces) {
   return fmt::format("light_paths: {{panes: {}, bounces: {}, least: 0.0001}}", kTruePanes, bounces);
 }
 
-// Returns the sensor's effects with the changes, without effects that only add noise.
+// Returns the sensor's effects after applying `changes`. Omits effects that only add noise.
 Effects changedEffects(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
   Value list;
   list.kind = Value::Kind::Sequence;
