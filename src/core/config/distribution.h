@@ -31,8 +31,8 @@ struct RandomAddress;
 // A scalar that was sampled for a key. A sampled map or list gives a DrawnValue for each scalar within it, with a key
 // such as "effects.2.weather.rate_mm_h".
 struct DrawnValue {
-  std::string key;      // as --set names it: "objects.0.town.length"
-  std::string value;    // as YAML on one line
+  std::string key;      // dotted key, as in --set: "objects.0.town.length"
+  std::string value;    // the value as YAML on one line
   bool number = false;  // true: `value` is a number in JSON's notation
   bool operator==(const DrawnValue&) const = default;
 };

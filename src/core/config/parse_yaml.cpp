@@ -27,7 +27,7 @@ constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // largest size of all
 // The size of a value with all values within it.
 struct Extent {
   std::size_t nodes = 1;
-  std::size_t bytes = 0;  // of all scalars and keys
+  std::size_t bytes = 0;  // size of all scalars and keys
   std::size_t depth = 0;  // nesting depth of the lists and maps
 };
 

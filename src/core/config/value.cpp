@@ -73,7 +73,7 @@ bool staysPlain(const std::string& text) {
   const auto isAllowed = [&](char c) {
     return isWord(c) || std::string_view("-+/% ").find(c) != std::string_view::npos;
   };
-  const std::size_t first = text.starts_with('-') || text.starts_with('+') ? 1 : 0;  // after a sign
+  const std::size_t first = text.starts_with('-') || text.starts_with('+') ? 1 : 0;  // index after a sign
   return text.size() > first && (isWord(text[first]) || text[first] == '/') && text.back() != ' ' &&
          std::ranges::all_of(text, isAllowed);
 }

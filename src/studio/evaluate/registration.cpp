@@ -152,7 +152,7 @@ FitnessSpread fitnessSpread(std::span<const std::optional<double>> values) {
   }
   if (present.empty()) return {};
   const double mean = std::accumulate(present.begin(), present.end(), 0.0) / static_cast<double>(present.size());
-  double squares = 0;  // of the differences from the mean
+  double squares = 0;  // sum of the squared differences from the mean
   for (const double v : present) squares += (v - mean) * (v - mean);
   return {.count = present.size(),
           .mean = mean,

@@ -50,7 +50,7 @@ std::string secondsText(double seconds) {
 
 std::string shareText(double share) {
   if (!std::isfinite(share)) return "unknown";
-  const double percentFromEnd = std::min(share, 1 - share) * 100;  // from 0 or from 100 %, whichever is nearer
+  const double percentFromEnd = std::min(share, 1 - share) * 100;  // distance from 0 or 100 %, whichever is nearer
   if (percentFromEnd <= 0) return fmt::format("{:.0f} %", share * 100);
   if (percentFromEnd < 1e-5) return share < 0.5 ? "below 0.00001 %" : "above 99.99999 %";
   // Show two significant digits of the difference.

@@ -353,7 +353,7 @@ class ExactTracer::Impl {
   const Scene& scene_;
   Vec3d anchor_;
   DeviceHandle device_;
-  std::vector<std::unique_ptr<const TriangleBlock>> blocks_;  // by mesh
+  std::vector<std::unique_ptr<const TriangleBlock>> blocks_;  // indexed by mesh
   std::vector<CompactMaterial> materials_;
   mutable std::mutex mutex_;
   mutable RecentlyUsed<std::shared_ptr<const ExactWorld>> worlds_;

@@ -87,7 +87,7 @@ class Warnings {
       const auto inOntology = classesWhere([](const ClassSummary& c) { return c.id != 0 && c.inOntology; });
       add(fmt::format("No points of {} of the ontology's {} classes: {}.", absent.size(), inOntology.size(),
                       fmt::join(alikeLines(absent), ", ")));
-      list_.back().note = true;  // is only a note, since few scenes contain all classes
+      list_.back().note = true;  // only a note, since few scenes contain all classes
     }
     const auto rare = classesWhere([&](const ClassSummary& c) {
       return c.id != 0 && c.points > 0 && shareOf(c.points, sum_.points) < kFewClassPoints;

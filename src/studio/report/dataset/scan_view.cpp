@@ -188,7 +188,7 @@ double weightOf(const Vec3f& position) {
 // then the probability of keeping a point.
 double probabilityFactor(std::vector<double> weights, double keptPoints) {
   std::ranges::sort(weights, std::greater<>());
-  double weightSum = std::accumulate(weights.begin(), weights.end(), 0.0);  // without the points that are certain
+  double weightSum = std::accumulate(weights.begin(), weights.end(), 0.0);  // sum without the certain points
   // The points with the largest weights are certain to be kept.
   for (std::size_t certainPoints = 0; certainPoints < weights.size(); ++certainPoints) {
     const double factor = (keptPoints - static_cast<double>(certainPoints)) / weightSum;

@@ -44,7 +44,7 @@ constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // charts
 constexpr double kRounding = 1e-12;    // fitness (m²) below which values are rounding errors
 constexpr std::size_t kMostPoses = 7;  // maximum number of poses in one chart; each pose is a line
 
-using FitnessKind = FitnessSpread LevelFitness::*;  // with or without ICP
+using FitnessKind = FitnessSpread LevelFitness::*;  // the fitness with or without ICP
 
 // Returns a series without points. Each view and each level has the same colour in all charts.
 ChartSeries line(std::string name, std::size_t color) {

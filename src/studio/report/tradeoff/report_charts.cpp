@@ -214,7 +214,7 @@ Chart encodingsChart(const Study& study) {
 }
 
 constexpr double kLeastError = 1e-3;  // errors below this bound (m) get the same colour
-constexpr double kDecades = 3;        // from kLeastError to the end of the colours
+constexpr double kDecades = 3;        // number of decades of error that the colour map covers
 constexpr Rgb kFalseNegativeColor{255, 70, 70};
 constexpr Rgb kFalsePositiveColor{255, 255, 255};
 constexpr Rgb kOtherLabelColor{255, 150, 220};

@@ -140,7 +140,7 @@ class GridMaker {
   // Returns the number of columns per revolution, from the median azimuth step between consecutive points of a ring.
   // `ofRing`: sorted by azimuth.
   std::uint32_t columnsPerTurn(const PointsOfRings& ofRing) const {
-    constexpr double kUsualColumns = 1024;  // if no ring has two points
+    constexpr double kUsualColumns = 1024;  // used if no ring has two points
     std::vector<double> steps;
     for (const std::vector<std::uint32_t>& points : ofRing) {
       for (std::size_t k = 1; k < points.size(); ++k) {

@@ -28,7 +28,7 @@ constexpr double kNearPoint = 5;      // points at a smaller range (m) count as 
 
 // Counts and measured values of one scan, or of all scans.
 struct ScanMeasures {
-  ScanSet set{.labelled = true};         // without figures
+  ScanSet set{.labelled = true};         // counts and patches; its figures are not set
   std::uint64_t beams = 0;               // pixels of the grid
   std::uint64_t near = 0;                // beams with a return within kNearPoint
   std::uint64_t below = 0;               // beams of rings below the horizon
@@ -180,7 +180,7 @@ GroundCells groundOf(const Scan& scan, const RangeGrid& grid) {
 // Returns the points of a cell relative to their mean (m); nothing if they are nearly on a line, such as those of one
 // ring, so that they do not determine a plane.
 std::vector<Vec3d> centred(std::vector<Vec3d> points) {
-  constexpr double kLeastDeviation = 0.05;  // m, standard deviation in x and in y
+  constexpr double kLeastDeviation = 0.05;  // m, least standard deviation in x and in y
   const double share = 1 / static_cast<double>(points.size());
   Vec3d middle, variance;
   for (const Vec3d& p : points) middle += p * share;
@@ -269,7 +269,7 @@ void addPatchFigures(ScanSet& set) {
   figureNamed(set, "median_range") = quantileOf(patches.range, 0.5);
   std::uint64_t nearPoints = 0, jumps = 0, edges = 0, mixed = 0;
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    const float jump = patches.of(Feature::Jump)[i];  // as a fraction of the range
+    const float jump = patches.of(Feature::Jump)[i];  // jump as a fraction of the range
     if (patches.range[i] < kFarthest && !std::isnan(jump)) {
       ++nearPoints;
       jumps += jump * patches.range[i] > kLeastJump ? 1 : 0;

@@ -216,7 +216,7 @@ double refineStep(const std::vector<double>& sortedRanges, double step) {
       const double distance = range - sortedRanges.front();
       if (distance > limit) break;
       const double count = std::round(distance / step);
-      if (std::abs(distance - count * step) > step / 4) continue;  // not a multiple
+      if (std::abs(distance - count * step) > step / 4) continue;  // not a multiple of the step
       products += distance * count;
       squares += count * count;
     }

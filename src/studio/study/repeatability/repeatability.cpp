@@ -37,7 +37,7 @@ std::vector<BoxedObject> boxedObjects(const Scene& scene) {
 const BoxedObject& objectToScan(const std::vector<BoxedObject>& objects, const std::string& name,
                                 const Vec3d& sensorPosition, const Scene& scene) {
   const BoxedObject* nearest = nullptr;
-  double leastDistance = 0;  // of `nearest`
+  double leastDistance = 0;  // distance of `nearest` (m)
   std::vector<std::string> objectNames;
   for (const BoxedObject& object : objects) {
     appendNew({object.name()}, objectNames);

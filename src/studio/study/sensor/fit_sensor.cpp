@@ -201,7 +201,7 @@ class SensorFitter {
 
   // Finds the azimuth offset of each ring, and shifts the first azimuth so that the median of the offsets is 0.
   void findAzimuthOffsets(double originOffset) {
-    std::vector<double> ringOffsets;  // of the rings with enough points (rad)
+    std::vector<double> ringOffsets;  // offsets of the rings with enough points (rad)
     fit_.azimuthOffset.assign(fit_.rings, 0);
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
       if (!hasEnoughPoints(ring)) continue;
@@ -213,7 +213,7 @@ class SensorFitter {
     if (ringOffsets.empty()) throw InputError("no ring has enough points");
     const double median = circularMedian(ringOffsets);
     fit_.firstAzimuth = wrapped(fit_.firstAzimuth + median);
-    std::vector<double> deviations;  // of all points from their rings (rad)
+    std::vector<double> deviations;  // deviations of all points from their rings (rad)
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
       fit_.azimuthOffset[ring] = wrapped(fit_.azimuthOffset[ring] - median);
       if (!hasEnoughPoints(ring)) continue;
@@ -252,7 +252,7 @@ class SensorFitter {
   // Finds the elevation of each ring with enough points, and lists the other rings in `bareRings`.
   void findElevations() {
     fit_.elevation.assign(fit_.rings, 0);
-    std::vector<double> deviations;  // of all points from their rings (rad)
+    std::vector<double> deviations;  // deviations of all points from their rings (rad)
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
       if (!hasEnoughPoints(ring)) {
         fit_.bareRings.push_back(ring);
@@ -311,7 +311,7 @@ class SensorFitter {
     const double timeStep = medianOf(farSteps.size() >= kFewestInRing ? farSteps : nearSteps);
     if (!(timeStep > 0)) return;
     fit_.period = timeStep * 2 * kPi / std::fabs(step_);
-    fit_.firing.assign(fit_.rings, std::numeric_limits<double>::quiet_NaN());  // of the rings with enough times
+    fit_.firing.assign(fit_.rings, std::numeric_limits<double>::quiet_NaN());  // NaN: too few times
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
       std::vector<double> times;  // time of column 0 according to each point
       for (const Point& p : rings_[ring]) {

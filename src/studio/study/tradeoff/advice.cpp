@@ -24,10 +24,10 @@ constexpr double kAny = std::numeric_limits<double>::infinity();
 struct Need {
   const char* name;
   const char* limits;         // the limits below in words; empty: none
-  double p95 = kAny;          // of the range error (m)
-  double p99 = kAny;          // of the range error (m)
-  double missRate = kAny;     // of GroupErrors::missRate()
-  double wrongLabels = kAny;  // of 1 - GroupErrors::labels()
+  double p95 = kAny;          // limit of this percentile of the range error (m)
+  double p99 = kAny;          // limit of this percentile of the range error (m)
+  double missRate = kAny;     // limit of GroupErrors::missRate()
+  double wrongLabels = kAny;  // limit of 1 - GroupErrors::labels()
 };
 const std::array<Need, 4> kNeeds{{
     {.name = "exact ranges and labels",

@@ -162,8 +162,8 @@ class SensingStudy {
   SensingResult measure(const Variation& variation) {
     SensingResult result{.name = variation.name};
     try {
-      std::vector<double> distances;  // m, between the returns of beams in `both`
-      double intensitySum = 0;        // of the absolute differences of the same beams
+      std::vector<double> distances;  // distances (m) between the two returns of beams in `both`
+      double intensitySum = 0;        // sum of the absolute intensity differences of these beams
       for (std::size_t i = 0; i < shots_.size(); ++i) {
         const std::vector<std::optional<NearestReturn>> found = nearestReturns(scan(variation, shots_[i], result));
         if (truth_.size() <= i) truth_.push_back(found);  // the first variation is the truth
