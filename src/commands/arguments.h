@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads the options of subcommands in a uniform way.
+// Declares and reads the options of subcommands.
 
 // cxxopts splits values at this character. Values such as --set 'seeds=[1,2]' and file names may contain commas, but no
 // argument contains NUL.
@@ -90,7 +90,7 @@ std::vector<std::string> pipelineOverrides(const Arguments& arguments);
 
 // Adds --from-hits and --from-passes, for commands that accept a recording in place of scenes.
 void addRecordingOptions(CommandOptions& options);
-// Returns the recording; null if neither option is given.
+// Returns the recording that --from-hits or --from-passes names; null if neither option is given.
 std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
 // Returns the value of an option. Throws InputError if it is not a whole number of at least 0.
 std::uint64_t countOption(const Arguments& arguments, const char* name);

@@ -23,8 +23,8 @@ std::span<const Command> commands();
 // Thrown when a command has printed its help, which main() ends with exit code 0.
 struct HelpPrinted {};
 
-// Returns the flag that SIGINT, SIGTERM and SIGHUP set once this function was called; work then ends at the next frame.
-// A second signal of the same kind ends the program at once. Signals ignored at the start, as by nohup, stay ignored.
+// Installs handlers of SIGINT, SIGTERM and SIGHUP, and returns the flag that they set to end work at the next frame. A
+// second signal of the same kind ends the program at once. Signals ignored at the start, as by nohup, stay ignored.
 const std::atomic<bool>& stopSignal();
 // Returns the number of the signal that has set the flag; 0: none.
 int stoppedBy();

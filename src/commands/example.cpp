@@ -49,7 +49,7 @@ std::vector<Example> allExamples() {
   if (fs::is_directory(folder)) files.assign(fs::directory_iterator(folder), fs::directory_iterator());
   std::ranges::sort(files);
   for (const fs::path& file : files) {
-    // Other files belong to an example, such as NAME.scene.yaml and NAME.obj.
+    // Other files, such as NAME.scene.yaml and NAME.obj, belong to the example NAME.
     const bool isExample = file.extension() == ".yaml" && file.stem().extension().empty();
     if (isExample) examples.push_back(readExample(file));
   }

@@ -116,8 +116,8 @@ class SceneCheck {
   std::uint64_t mostBytes() const { return mostBytes_; }
 
  private:
-  // Loads and checks the scene of the sequence with this index, which is the first of consecutive sequences with the
-  // same scene; their paths are checked too.
+  // Loads and checks the scene of the sequence with the index `first`, the first of consecutive sequences with this
+  // scene, and checks the paths of these sequences.
   void load(std::size_t first) {
     const Pipeline& pipeline = plan_.pipeline;
     const Sequence& sequence = pipeline.sequences[first];

@@ -67,7 +67,7 @@ void printStudy(const Study& study) {
 }
 
 // Writes the report's files, kStudyFile last: if this file exists, the report is complete. The page contains all
-// charts; those in kStudyFiles are also written as files if they show points, and "pareto" always.
+// charts. The chart "pareto", and the other charts in kStudyFiles if they show points, are also written as SVG files.
 void writeStudy(const Study& study, const std::filesystem::path& folder) {
   beginReport(folder, kStudyFile);
   for (std::size_t i = 0; i < study.pictures.size(); ++i) {

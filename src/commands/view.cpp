@@ -201,7 +201,7 @@ void readViews(const Arguments& parsed, ViewOptions& view) {
   }
 }
 
-// Reads the options of a window, or of a picture of it if `window` is false.
+// Reads the options of a window or, if `window` is false, of a picture of what the window would show.
 ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   ViewOptions view;
   readViews(parsed, view);
@@ -291,7 +291,7 @@ void drawImage(const std::filesystem::path& path, const Arguments& parsed, const
 void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSize& size, const Outputs& outputs) {
   const std::shared_ptr<const FrameSource> source = openFrames(input);
   auto loader = std::make_unique<FrameLoader>(source);
-  // The frame loads while the canvas opens.
+  // Requests the frame first, so that it loads while the canvas opens.
   if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);
   const std::unique_ptr<Canvas> canvas =
       outputs.window() ? openWindow(fmt::format("scanmill view {}", input.path.string()), size.width, size.height)

@@ -216,8 +216,8 @@ void DatasetFolder::leave() {
   if (created_) fs::remove(folder_, ignored);
 }
 
-// Takes a shared lock. If another process is completing the dataset, it may hold the lock alone or remove the hidden
-// folder; share() therefore tries again, for kProcessWait or kFolderWait at most.
+// Takes a shared lock. Another process that is completing the dataset may have the lock or remove the hidden folder.
+// share() therefore tries again: up to kProcessWait for the lock, up to kFolderWait after other errors.
 void DatasetFolder::share() {
   shared_ = true;
   const auto begin = std::chrono::steady_clock::now();

@@ -45,10 +45,10 @@ void readJson(const JsonNode& node, T& value, const RecordContext& context = {})
 class RecordKeys {
  public:
   RecordKeys() = default;  // collects the keys
-  // Writes. `name`: the record's name in error messages.
+  // Constructs an object that writes a record. `name`: the record's name in error messages.
   RecordKeys(std::string name, const RecordContext& records)
       : context(records), mode_(Mode::Write), name_(std::move(name)) {}
-  // Reads. The node must have passed JsonNode::keys() with the record's keys, and must outlive this object.
+  // Constructs an object that reads `node`. JsonNode::keys() must have checked the node, which must outlive the object.
   RecordKeys(const JsonNode& node, const RecordContext& records) : context(records), mode_(Mode::Read), node_(&node) {}
 
   // A key that every record has.

@@ -37,7 +37,7 @@ std::vector<FileRecord> recordsOf(const FilesRead& read, const std::filesystem::
 // different hashes; empty if there is none.
 std::string addFiles(const std::vector<FileRecord>& added, std::vector<FileRecord>& files);
 
-// Throws InputError at `dataset` if any of the files has other bytes now, or is missing; the message names these files.
+// Throws an InputError that begins with `dataset` and names the changed or missing files, if there are any.
 void requireUnchangedFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
                            const std::filesystem::path& dataset);
 

@@ -20,7 +20,7 @@ constexpr const char* kUInt16 = "<u2";
 constexpr const char* kFloat64 = "<f8";
 constexpr const char* kBool = "|b1";
 
-// The arrays of an archive, found by their names. Throws InputError if an array is missing or not as demanded.
+// The arrays of an archive, found by their names. Throws InputError if an array is missing or unsuitable.
 class VoxelArrays {
  public:
   VoxelArrays(std::string_view bytes, const std::string& what) : what_(what), arrays_(readNpzArrays(bytes, what)) {}

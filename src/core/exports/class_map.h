@@ -44,8 +44,8 @@ class ClassMap {
   }
 
  private:
-  // Returns the target's class with the name of `semantic` or, if there is none, with one of its aliases; null if the
-  // target has none of these names.
+  // Returns the target's class with the name of `semantic` or, if there is none, with an alias of `semantic` as name;
+  // null if the target has none of these names.
   const SemanticClass* counterpart(const SemanticClass& semantic) const {
     const SemanticClass* match = target_.find(std::string_view(semantic.name));
     for (std::size_t i = 0; match == nullptr && i < semantic.aliases.size(); ++i) {

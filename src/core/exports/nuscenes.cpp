@@ -56,11 +56,11 @@ constexpr std::size_t kMostInstances = 999;  // largest number of instances of a
 constexpr std::size_t kMostClasses = 65;     // largest number of classes: the label 64 * 1000 + 999 fits 16 bits
 constexpr float kFullIntensity = 255;
 
-// The group is a class of the target. It is needed beside the id, because the parts of an object may have different
-// classes.
+// Instance::group is a class of the target. The class is needed beside the id, because the parts of an object may have
+// different classes.
 using Instance = InstanceNumbers::Instance;
 
-// Returns the class of a point, and its instance id if things of the class are counted; 0: no instance.
+// Returns the class of a point and, if it is a thing class, the instance id of the point; otherwise id 0.
 Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point) {
   const SemanticClass& c = plan.classes.classOf(scan[kLabel].empty() ? std::uint16_t{0} : scan[kLabel][point]);
   return {c.id, c.thing && !scan[kInstance].empty() ? scan[kInstance][point] : 0};

@@ -360,7 +360,7 @@ class Tables {
                 {"filename", mapFile()}});
   }
 
-  // Adds a category for each class of the target, which must be in the order of their ids.
+  // Adds a category for each class of the target. The devkit requires the order of the class ids.
   void addCategories() {
     std::map<std::uint16_t, std::string> sourceNames;  // of the dataset's classes, by target class
     for (const SemanticClass& c : plan_.manifest.ontology.classes) {
