@@ -55,8 +55,7 @@ struct RandomAddress {
 // Four words, each uniform over all 32-bit values.
 using RandomBlock = std::array<std::uint32_t, 4>;
 
-// The next function returns the random words that Philox4x32-10 computes from a counter and a key.
-
+// Returns the random words that Philox4x32-10 computes from a counter and a key.
 constexpr RandomBlock philox4x32(RandomBlock counter, std::array<std::uint32_t, 2> key) {
   for (int round = 0; round < 10; ++round) {
     const std::uint64_t p0 = std::uint64_t{0xD2511F53} * counter[0];
