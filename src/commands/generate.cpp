@@ -112,7 +112,7 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   return shardsOfWorker(countOption(parsed, "worker"), countOption(parsed, "workers"), shards);
 }
 
-// Returns the plan of the command's pipeline. `sweepOverrides`: applied after those of --set and --seed.
+// Returns the plan of the command's pipeline. `sweepOverrides`: overrides that are applied after --set and --seed.
 Plan planOf(const Arguments& parsed, const std::vector<std::string>& sweepOverrides) {
   std::vector<std::string> overrides = pipelineOverrides(parsed);
   overrides.insert(overrides.end(), sweepOverrides.begin(), sweepOverrides.end());

@@ -82,7 +82,7 @@ class DatasetFolder {
   void requireSameFolder() const;
 
  private:
-  // Identifies a folder whatever its name.
+  // Identifies a folder independently of its path, so that a replacement at the same path is noticed.
   struct Identity {
     std::uint64_t device = 0, inode = 0;
     int error = 0;  // the system's error number if the folder cannot be examined, such as ENOENT; 0: none

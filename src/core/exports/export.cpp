@@ -41,7 +41,7 @@ struct Unit {
   std::size_t frames = 1;
 };
 
-// An export: the constructor chooses what is exported, run() checks and writes it.
+// The constructor chooses the sensors, sequences and classes to export; run() checks the samples and writes the files.
 class Export {
  public:
   explicit Export(const ExportOptions& options)

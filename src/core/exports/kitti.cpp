@@ -7,8 +7,8 @@
 //                                  without objects a line of the type DontCare, since OpenPCDet reads no empty file
 //   training/calib/000000.txt      P0 to P3, R0_rect, Tr_velo_to_cam, Tr_imu_to_velo
 //   training/image_2/000000.png    required by loaders; black, since there is no camera
-//   training/planes/000000.txt     the plane of the road, level below the sensor as it is mounted; absent if the
-//                                  sensor is mounted less than 0.1 m above the vehicle's origin
+//   training/planes/000000.txt     the plane of the road, taken as the plane z = 0 of the vehicle; absent if the
+//                                  sensor is mounted less than 0.1 m above this plane
 //   ImageSets/train.txt            the frames of each split; those of `test` are in testing/
 //
 // The camera is placed at the sensor's origin, looks along the sensor's x axis and has the field of view of KITTI's

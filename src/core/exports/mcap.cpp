@@ -345,7 +345,7 @@ McapMap publishing(Subscribers subscribers) {
                        keepsForLater ? 1 : 10, keepsForLater ? 1 : 2, kEndless, kEndless, kEndless)}};
 }
 
-// The file of a sequence: the constructor writes what is the same for all samples, add() the samples.
+// Writes the MCAP file of a sequence: the constructor writes what all samples share, add() the messages of a sample.
 class Bag {
  public:
   Bag(const ExportPlan& plan, std::size_t sequence, const std::filesystem::path& path)
@@ -417,7 +417,7 @@ class Bag {
     if (!mounts.empty()) file_.addMessage(mounts_, timeStamp(firstTime), transformsMessage(mounts));
   }
 
-  // Adds a box and a name for each object; the markers of the sample before are deleted.
+  // Adds markers for the box and the name of each object, and deletes the markers of the previous sample.
   void addObjects(const SampleObjects& objects) {
     if (!objects_) objects_ = addChannel(addSchema(markersSchema()), "/objects");
     std::vector<RosMarker> markers(1);

@@ -7,7 +7,7 @@
 //   a column's name    (N,)              each of the scan's columns, in its own type; classes of the exported ontology
 //   world_from_sensor  float64 (P, 4, 4) world point = matrix * sensor point
 //
-// If the dataset lists objects: all objects whose boxes are within the sensor's range, even objects without points:
+// If the dataset lists objects, the boxes of all objects that reach into the sensor's range, even without points:
 //
 //   boxes              float32 (M, 7)    x, y, z of the centre, length, width, height (m), yaw (rad); frame of xyz
 //   box_pose           float64 (M, 4, 4) sensor point = matrix * point from the box's centre; with pitch and roll

@@ -16,8 +16,8 @@
 //
 // Sequences that SemanticKITTI has in a split, and the dataset has not, are empty folders, since Pointcept lists them.
 //
-// There is no real camera: camera 0 is placed at the sensor's origin and looks along the sensor's x axis. Sequences are
-// numbered in the order of the dataset. If the dataset lists objects, moving objects have the classes 252 to 259.
+// There is no real camera: camera 0 is placed at the sensor's origin and looks along the sensor's x axis. numbersOf()
+// numbers the sequences. If the dataset lists objects, moving objects have the classes 252 to 259.
 
 #include <fmt/ranges.h>
 
