@@ -91,7 +91,7 @@ class PassRecorder {
   std::string name_, scene_;
   std::shared_ptr<const BeamTable> beams_;
   std::uint32_t frames_ = 0;
-  std::vector<std::string> images_;  // of the frame that has not ended
+  std::vector<std::string> images_;  // images of the frame that has not ended
 };
 
 }  // namespace

@@ -30,7 +30,7 @@ namespace {
 
 // Objects of a scene that Python gives as arrays. The module scanmill.parts checks the arrays before they come here.
 
-// One class, material and thing of a part's triangles.
+// The class, material and thing that some of a part's triangles share.
 struct ArraySurface {
   std::string className, material;
   float reflectance = -1;    // replaces the material's; negative: the material's own
@@ -196,7 +196,7 @@ const std::vector<std::uint32_t>& Simulator::instancesOf(const std::string& name
   throw InputError(fmt::format("poses: the scene has no object '{}'{}", name, suggestion(name, names)));
 }
 
-// Returns the motions of all instances of the objects of a shot; null if there are no such objects.
+// Returns the motions of all instances of `simulated.objects`; null if `simulated.objects` is empty.
 std::shared_ptr<const Placements> Simulator::placementsOf(const SimulatedShot& simulated) const {
   if (simulated.objects.empty()) return nullptr;
   auto placed = std::make_shared<Placements>(simulated.time);

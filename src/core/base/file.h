@@ -25,7 +25,7 @@ struct [[nodiscard]] Descriptor {
   int number;
 };
 
-// These three return false also if the system reports an error. They are inline, since modules use them.
+// These three functions also return false if the system reports an error. They are inline, since modules use them.
 inline bool pathExists(const std::filesystem::path& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored);
@@ -75,7 +75,7 @@ class [[nodiscard]] AtomicFile {
   bool flushed_ = false;
 };
 
-// Writes a complete file by an AtomicFile. The first function creates a missing folder. Throws Error as AtomicFile
+// Writes a complete file through an AtomicFile. The first function creates a missing folder. Throws Error as AtomicFile
 // does.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 void writeFile(const std::filesystem::path& folder, const std::filesystem::path& path, std::string_view bytes);

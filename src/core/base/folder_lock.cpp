@@ -132,7 +132,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
   return true;
 }
 
-// Replaces the text of the lock file by that of this process.
+// Replaces the text of the lock file by ownLockText().
 void FolderLock::writeLockText() {
   const std::string text = ownLockText();
   ssize_t n = ::ftruncate(descriptor_.number, 0);

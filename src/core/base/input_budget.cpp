@@ -17,7 +17,7 @@ namespace scanmill {
 
 namespace {
 
-// Limits of what the files of one scene may cost, all of which the user's factor multiplies.
+// Limits on what the files of one scene may cost. All are multiplied by the user's factor.
 constexpr double kMostFiles = 100'000;
 constexpr double kMostCopies = 10'000'000;
 constexpr double kMostBytes = 2147483648.0;
@@ -79,7 +79,7 @@ InputBudget::~InputBudget() {
 }
 
 void chargeTime(const Location& where) {
-  // Reading this clock is a system call.
+  // The clock is read only at every 256th call, since reading it is a system call.
   if (counts == nullptr || ++counts->calls % 256 != 0) return;
   const double limit = kMostSeconds * factor;
   if (threadSeconds() - counts->startSeconds > limit) {

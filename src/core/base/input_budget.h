@@ -19,7 +19,7 @@
 
 namespace scanmill {
 
-// While such an object lives on a thread, the functions below count on this thread. If the thread has a budget already,
+// While an InputBudget lives on a thread, the functions below count on this thread. If the thread has a budget already,
 // the new object joins it: all count together until the outermost object ends. Without a budget nothing is counted.
 class [[nodiscard]] InputBudget {
  public:
@@ -66,7 +66,7 @@ class [[nodiscard]] InputLimitFactor {
   double previous_;
 };
 
-// While such an object lives on a thread, it collects the files that this thread reads. While a second object lives on
+// While a FilesRead lives on a thread, it collects the files that this thread reads. While a second FilesRead lives on
 // the same thread, only the second one collects files.
 class [[nodiscard]] FilesRead {
  public:

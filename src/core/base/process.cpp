@@ -112,7 +112,7 @@ Process::Process(const std::vector<std::string>& command, const std::map<std::st
     throw Error("no socket: " + std::string(std::strerror(errno)));
   const Descriptor ownEnd(ends[0]);
   const Descriptor childEnd(ends[1]);
-  // The socket may have the number of one of our standard streams, if that is closed. What we print would go there.
+  // The socket may have the number of a closed standard stream; our own output would then go into the socket.
   socket_ = Descriptor(::fcntl(ownEnd.number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   if (!socket_.open()) throw Error("no socket: " + std::string(std::strerror(errno)));
   SpawnActions actions;

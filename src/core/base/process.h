@@ -60,7 +60,7 @@ class Process {
   int pid_ = -1;  // -1: waitpid() has returned the child's status
   int status_ = 0;
   Descriptor socket_;   // to the child's standard input and output
-  Descriptor errors_;   // a file
+  Descriptor errors_;   // file with the child's standard error
   std::string output_;  // output that was received but not yet returned by readLine()
 };
 

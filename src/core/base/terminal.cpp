@@ -4,7 +4,7 @@ namespace scanmill {
 
 namespace {
 
-enum class LineFeeds { Kept, Escaped };  // and tabs
+enum class LineFeeds { Kept, Escaped };  // what to do with line feeds and tabs
 
 // Returns the text with escapes in place of bytes that are not UTF-8 and of characters that control a terminal.
 std::string escaped(std::string_view text, LineFeeds lineFeeds) {

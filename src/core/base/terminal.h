@@ -32,8 +32,8 @@ struct Utf8Character {
 // (C0, DEL and C1), Unicode's controls of the writing direction, its separators of lines, and the byte order mark.
 [[nodiscard]] bool isUnseenControl(char32_t c);
 
-// Returns the text with escapes in place of control characters and bytes that are not UTF-8 (\x1b), and of the other
-// characters of isUnseenControl(), such as \u202e. Line feeds and tabs stay; a carriage return becomes \r.
+// Returns the text with escapes: \x1b for control characters and bytes that are not UTF-8, \u202e for other characters
+// for which isUnseenControl() is true. Line feeds and tabs stay; a carriage return becomes \r.
 [[nodiscard]] std::string forTerminal(std::string_view text);
 // Does the same as forTerminal(), and also writes line feeds and tabs as \n and \t, so that the text stays on one line.
 [[nodiscard]] std::string oneLine(std::string_view text);

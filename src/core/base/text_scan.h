@@ -52,7 +52,7 @@ inline std::string_view takeWord(std::string_view& rest) {
   return word;
 }
 
-// Stores the words of a text, which blanks separate.
+// Sets `words` to the words of a text, which blanks separate.
 inline void splitWords(std::string_view text, std::vector<std::string_view>& words) {
   words.clear();
   for (std::string_view word = takeWord(text); !word.empty(); word = takeWord(text)) words.push_back(word);
@@ -70,8 +70,8 @@ inline bool containsWord(std::string_view words, std::string_view word) {
   return std::ranges::find(list, word) != list.end();
 }
 
-// Stores the cells of a table's line, which `separator` separates, without blanks and quotation marks around them. The
-// separator ' ' stands for any number of blanks. Separators between quotation marks belong to the cell.
+// Sets `cells` to the cells of a table's line, which `separator` separates, without surrounding blanks and quotation
+// marks. The separator ' ' stands for any number of blanks. Separators between quotation marks belong to the cell.
 inline void splitCells(std::string_view line, char separator, std::vector<std::string_view>& cells) {
   cells.clear();
   line = trimmed(line);

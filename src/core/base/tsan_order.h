@@ -12,9 +12,9 @@
 
 namespace scanmill {
 
-// All that a thread did before it calls give() happens before anything that a thread does after it calls take() on the
-// same object. The function of a task is marked SCANMILL_UNWATCHED, since it reads its captures, which lie in oneTBB's
-// memory, before it can call take(). The sanitizer watches the functions that the task calls as always.
+// What a thread does before its call of give() happens before what a thread does after its call of take() on the same
+// object. The function of a task is marked SCANMILL_UNWATCHED, since it reads its captures, which lie in oneTBB's
+// memory, before it can call take(). The functions that the task calls are watched as usual.
 class TaskOrder {
  public:
 #ifdef __SANITIZE_THREAD__
@@ -40,7 +40,7 @@ class TaskOrder {
     TaskOrder& to_;
   };
 
-  // A scope in the thread that starts tasks and waits for them: calls to.give() at the start, from.take() at the end.
+  // Lives in the thread that starts tasks and waits for them: calls to.give() at the start, from.take() at the end.
   class [[nodiscard]] Wait {
    public:
     Wait(TaskOrder& to, TaskOrder& from) : from_(from) { to.give(); }

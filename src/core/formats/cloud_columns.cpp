@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Converts stored numbers to values of a column. Replaces labels and instances that mean none, see adoptColumns().
+// Converts stored numbers to values of a column. Replaces labels and instances that mean "none": see adoptColumns().
 template <class Key, class Stored>
 std::vector<typename Key::Value> columnValues(Key key, const std::vector<Stored>& stored, const Location& where) {
   using Value = typename Key::Value;
@@ -83,7 +83,7 @@ std::string columnMeant(std::string_view name) {
 
 void adoptColumns(Cloud& cloud, const Location& where) {
   Scan& scan = cloud.scan;
-  for (const bool hasOwnName : {true, false}) {  // first columns named as in the table, then those with other names
+  for (const bool hasOwnName : {true, false}) {  // first columns with the table's names, then columns with other names
     // Copies a foreign column into the column of the table that its name means, if the scan lacks that column. Returns
     // true if the column was copied and can therefore be erased.
     std::erase_if(scan.foreign, [&](const ForeignColumn& column) {

@@ -56,7 +56,7 @@ class CsvReader {
   }
 
  private:
-  // Removes the next line from the rest of the file.
+  // Moves the next line from rest_ to line_.
   void nextLine() {
     line_ = takeLine(rest_);
     ++where_.line;
@@ -131,11 +131,11 @@ class CsvReader {
         if (!exact_) readNumber(word, cloud_.scan.position.back().*kFloatAxes[axis], kAxes[axis].first, where);
       };
     }
-    ReadCell readTableCell;  // empty: not in the table
+    ReadCell readTableCell;  // empty: the table lacks the column
     visitTable(cloud_.scan, [&]<class Value>(auto key, std::vector<Value>& values) {
       if (key.row.name != name) return;
       if (key.index == kLabel.index || key.index == kInstance.index) {
-        // The column is foreign until adoptColumns(), which replaces the numbers below 0 that mean none.
+        // The column is foreign until adoptColumns() replaces its negative numbers, which mean "no value".
         readTableCell = [readForeign = foreignReader(name), name](std::string_view word, const Location& where) {
           Value ignored = 0;  // the number must fit the column's type
           if (!word.starts_with('-')) readNumber(word, ignored, name, where);

@@ -14,8 +14,8 @@
 //
 // Measured (tests/benchmarks/encoders.cpp) on a scan of a street by 64 x 2048 beams with 10 mm of range noise, points
 // in firing order, on one core of an AMD EPYC, family 26: this file encodes 31 million points per second to 3.6 bytes
-// per point; Draco's encoder gives as few bytes at 8 million points per second, its kd-tree 7.2 bytes at 4.2 million.
-// Speed 0 saves up to 1.4 % of the bytes, but halves the speed of decoding; therefore the default is 7.
+// per point; Draco's encoder writes as few bytes at 8 million points per second, its kd-tree method 7.2 bytes at 4.2
+// million. Speed 0 saves up to 1.4 % of the bytes, but halves the speed of decoding; therefore the default is 7.
 
 #include <algorithm>
 #include <bit>
@@ -72,8 +72,8 @@ std::vector<std::uint16_t> asIntegers(std::span<const float> values) {
     const bool fits = values[i] >= 0 && values[i] <= 65535;  // false for NaN
     const auto integer = static_cast<std::uint16_t>(fits ? values[i] : 0.0f);
     integers[i] = integer;
-    // The sign is tested separately: with -fno-trapping-math g++ makes the two conversions a truncation, which keeps
-    // -0.
+    // The sign bit is tested separately: with -fno-trapping-math, g++ replaces the two conversions by a truncation,
+    // which would accept -0.
     const auto bits = std::bit_cast<std::uint32_t>(values[i]);
     differences |= (std::bit_cast<std::uint32_t>(static_cast<float>(integer)) ^ bits) | (bits >> 31);
   }
@@ -187,7 +187,7 @@ class DracoFormat : public Format {
     }
   }
 
-  // True if all values are valid for the column, so that they may be rounded. Other programs may store invalid ones.
+  // True if all values are valid for the column, so that they may be rounded. Other programs may store invalid values.
   static bool allValid(const Column& column, const std::vector<float>& values) {
     if (!allFinite(values)) return false;
     if (column.validity != ColumnValidity::Interval) return true;

@@ -100,7 +100,7 @@ std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) 
   return result;
 }
 
-// Appends the probabilities of all symbols, each in one to three bytes, which begin with the number of further bytes.
+// Appends the probability of each symbol in one to three bytes. The first byte states the number of further bytes.
 void appendTable(const std::vector<std::uint32_t>& probability, std::string& out) {
   appendVarint(probability.size(), out);
   for (std::size_t s = 0; s < probability.size(); ++s) {
@@ -236,7 +236,7 @@ void appendTagged(std::span<const std::uint32_t> symbols, int components, std::s
 }
 
 // Returns the bit length that Draco stores before raw symbols: the length of the number of different symbols, adjusted
-// by the compression level. The precision of the probabilities follows from it.
+// by the compression level. The precision of the probabilities follows from this length.
 int symbolBits(std::uint32_t unique, int level) {
   const int adjustment = level < 4 ? -2 : level < 6 ? -1 : level > 9 ? 2 : level > 7 ? 1 : 0;
   return std::clamp(static_cast<int>(std::bit_width(unique)) + adjustment, 1, kMaxRawBits);

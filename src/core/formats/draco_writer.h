@@ -84,7 +84,7 @@ class DracoWriter {
   std::uint32_t points_;
   int level_;                     // see appendSymbols()
   std::uint32_t attributes_ = 0;  // number of attributes so far
-  std::uint32_t entries_ = 0;     // number of entries of the geometry's metadata, whose bytes follow
+  std::uint32_t entries_ = 0;     // number of entries of the geometry's metadata; entryBytes_ has their bytes
   std::string entryBytes_;
   std::string names_;        // metadata of the attributes
   std::string descriptors_;  // types and components of the attributes

@@ -120,7 +120,7 @@ class LasReader {
     }
   }
 
-  // Returns the offset (bytes) at which the points end at the latest: at the records behind them, or the file's end.
+  // Returns the largest offset (bytes) at which the points may end: the records behind the points, or the file's end.
   std::uint64_t endOfPoints(std::uint64_t first) const {
     const int minor = at<std::uint8_t>(kMinor);
     std::uint64_t end = bytes_.size();
@@ -252,7 +252,7 @@ class LasReader {
     chooseLabels(std::move(labels));
   }
 
-  // Sets the column intensity: to the extra bytes with complete intensities of our own exports, else to `intensities`.
+  // Sets the column intensity to the extra bytes in which our exports store exact intensities, else to `intensities`.
   void chooseIntensities(std::vector<float> intensities) {
     for (ForeignColumn& column : cloud_.scan.foreign) {
       if (column.name != kLasExactIntensity) continue;
@@ -263,7 +263,7 @@ class LasReader {
     cloud_.scan.columnsIfEmpty.add(kIntensity.index);
   }
 
-  // Sets the column label: to `labels` or, if all are 0, to the extra bytes with labels, if there are any.
+  // Sets the column label to `labels`. If all labels are 0, uses the labels in extra bytes instead, if there are any.
   void chooseLabels(std::vector<std::uint16_t> labels) {
     Scan& scan = cloud_.scan;
     const bool classified = std::ranges::any_of(labels, [](std::uint16_t label) { return label != 0; });
@@ -302,7 +302,7 @@ class LasReader {
   }
 
   // Adds the extra bytes at `firstByte` of each record as a foreign column. Their description is at the start of
-  // described_; `options` are its bits, which say whether the field has a value for none, a scale and an offset.
+  // described_. `options`: its bits say whether the field has a no-data value, a scale and an offset.
   template <class T>
   void addExtra(const std::vector<std::uint64_t>& records, const std::string& name, std::uint64_t firstByte,
                 std::size_t options) {

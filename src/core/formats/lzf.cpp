@@ -22,8 +22,8 @@ std::uint32_t hashAt(const unsigned char* p) {
   return bytes * 2654435761u >> (32 - kTableBits);
 }
 
-// Each of these two functions writes to `out` and returns the end of what it has written: putLiterals() bytes as they
-// are, putMatch() a reference to `length` bytes that begin `back` bytes before.
+// These two functions write to `out` and return the end of the written bytes. putLiterals() writes bytes unchanged,
+// putMatch() a reference to `length` earlier bytes, which begin `back` bytes before the current position.
 char* putLiterals(const unsigned char* from, const unsigned char* end, char* out) {
   while (from < end) {
     const std::size_t count = std::min<std::size_t>(kMostLiterals, static_cast<std::size_t>(end - from));

@@ -33,7 +33,7 @@ std::size_t elementSize(std::string_view descr) {
   return descr[1] == 'U' ? 4 * size : size;
 }
 
-// A callback of libarchive that appends what it writes to the string `bytes`.
+// A callback for the output of libarchive: appends `piece` to the string `bytes`. Returns the number of bytes.
 la_ssize_t append(archive*, void* bytes, const void* piece, std::size_t size) {
   static_cast<std::string*>(bytes)->append(static_cast<const char*>(piece), size);
   return static_cast<la_ssize_t>(size);

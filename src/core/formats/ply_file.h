@@ -62,7 +62,7 @@ class PlyBody {
   void skip(const PlyProperty& property);
   // Returns the bytes behind the rows that were read.
   std::string_view rest() const { return bytes_.substr(std::min(at_, bytes_.size())); }
-  // Throws if words of a line of text are left.
+  // Ends a row. Throws if words of the line of text are left.
   void endRow();
 
  private:

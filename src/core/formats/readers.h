@@ -74,10 +74,10 @@ std::string columnMeant(std::string_view name);
 
 // Turns foreign columns into those columns of the table that their names mean and the scan lacks; an intensity column
 // of zeros alone is replaced, too. Of several columns with the same meaning, the column that has the table's name is
-// used, else the first; the others stay foreign. Numbers of instances below 0 mean none: if there are any, the other
-// numbers are counted from 1 on. The labels -1 and -100 become 0, or 65535 if the column has a 0, which may be a class.
-// If a number does not fit the type, throws an InputError at `where` if the column has the table's name and `where`
-// names a file; otherwise the column stays foreign and is counted in cloud.leftOut.
+// used, else the first; the others stay foreign. Negative instance numbers mean "no instance" and become 0; if there
+// are any, all other instance numbers increase by 1. The labels -1 and -100 become 0, or 65535 if the column has a 0,
+// which may be a class. If a number does not fit the type, throws an InputError at `where` if the column has the
+// table's name and `where` names a file; otherwise the column stays foreign and is counted in cloud.leftOut.
 void adoptColumns(Cloud& cloud, const Location& where);
 
 // Sets the positions of a scan to `exact` (m) and the cloud's origin to cloudOrigin() of the first finite position.

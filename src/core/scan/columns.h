@@ -33,7 +33,7 @@ enum class ColumnLoss : std::uint8_t {
 // The values that a column may have.
 enum class ColumnValidity : std::uint8_t {
   Any,
-  Finite,       // finite numbers, for points without a value too
+  Finite,       // finite numbers, also for points without a value
   Rings,        // integers below the sensor's number of rings
   Columns,      // integers below the sensor's number of columns
   SensorRange,  // metres within the sensor's range limits
@@ -46,7 +46,7 @@ enum class ColumnColors : std::uint8_t {
   Scale,      // a colour map from the least to the greatest value
 };
 
-// How values are shown to people: as numbers, which are `factor` times the value, in `unit`; and as colours.
+// How values are shown to people: as numbers (`factor` times the stored value, in `unit`) and as colours.
 struct ColumnDisplay {
   std::string_view title{};  // title of the colour legend; empty: the column's name
   std::string_view unit{};
@@ -248,7 +248,7 @@ constexpr std::size_t columnIndex(std::string_view name) {
   return index;
 }
 
-// The type in which scans hold the values of a ColumnType.
+// The C++ type of the values of a column in a scan.
 template <ColumnType type>
 using ColumnValue =
     std::tuple_element_t<static_cast<std::size_t>(type), std::tuple<float, std::uint8_t, std::uint16_t, std::uint32_t>>;

@@ -19,7 +19,7 @@ namespace scanmill {
 // The range of a ray that hits nothing between the sensor's minimum and maximum range.
 constexpr float kMiss = std::numeric_limits<float>::infinity();
 
-// Stands for the material of a hit whose surface has none in Scene::materials; such a surface is matt.
+// Value of Hits::material for a surface without a material in Scene::materials. Such a surface is matt.
 constexpr std::uint16_t kNoMaterial = 0xFFFF;
 
 // How a ray reached its hit.

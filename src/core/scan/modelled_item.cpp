@@ -20,7 +20,7 @@ std::string lineOf(const ModelledItem& item) {
 
 namespace {
 
-// Returns the fields that must be equal for two items to become one item about the scenes of both.
+// Returns all fields except the scenes and parts. addItems() joins items in which these fields are equal.
 auto fieldsOfAnyScene(const ModelledItem& item) {
   return std::tie(item.topic, item.text, item.leftOut, item.sensor, item.options);
 }

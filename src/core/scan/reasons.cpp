@@ -48,7 +48,7 @@ const ReasonEntry* findReason(std::string_view name) {
 }
 
 ReasonCounts countReasons(std::span<const std::uint8_t> reasonOfBeam) {
-  std::array<std::uint64_t, 256> beams{};  // by value; an array is faster to count in than a map
+  std::array<std::uint64_t, 256> beams{};  // by value of the reason; counting in an array is faster than in a map
   for (const std::uint8_t value : reasonOfBeam) ++beams[value];
   ReasonCounts counts;
   for (std::size_t value = 0; value < beams.size(); ++value) {

@@ -35,8 +35,8 @@ struct ForeignColumn {
 // of each beam. Its misses have NaN as position and Column::none in each column.
 //
 // A point is identified by its beam, ring * columns + column, and the number of its return. This key joins a noisy scan
-// to its noise-free reference. The key fails for beams that have lost or gained returns, since their remaining returns
-// are numbered anew, the nearest first. Columns that were not asked for are empty.
+// to its noise-free reference. If a beam has lost or gained returns, its keys no longer match, since returns are
+// numbered by their range in each scan. Columns that were not asked for are empty.
 class Scan {
  public:
   std::uint32_t rings = 0;    // number of the sensor's rings
@@ -127,7 +127,7 @@ struct PointKey {
 // Returns the key of a point; knowsBeams(scan) must be true. In a dense scan without a column `return`, `number` is 0.
 PointKey keyOf(const Scan& scan, std::size_t point);
 
-// Returns one more than the largest ring, column and number in the keys of a scan; zeros without points.
+// Returns the largest ring, column and number in the keys of a scan, each plus one; zeros if there are no points.
 PointKey extentOf(const Scan& scan);
 
 }  // namespace scanmill

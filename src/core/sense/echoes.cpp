@@ -94,7 +94,7 @@ class EchoFinder {
     // The direct rays are sorted by beam. The few rays that continue behind glass or off mirrors come last.
     const std::vector<std::uint32_t>& beamOf = hits_.beamOfRay;
     const auto directRays = static_cast<std::uint32_t>(std::ranges::is_sorted_until(beamOf) - beamOf.begin());
-    std::vector<std::uint32_t> continued(beamOf.size() - directRays);  // indices of the continued rays, by beam
+    std::vector<std::uint32_t> continued(beamOf.size() - directRays);  // indices of these rays, sorted by beam
     std::iota(continued.begin(), continued.end(), directRays);
     std::ranges::stable_sort(continued, {}, [&](std::uint32_t ray) { return beamOf[ray]; });
     std::uint32_t ray = 0;
@@ -256,7 +256,7 @@ class EchoFinder {
     return {total, firstRange + (total > 0 ? weightedSum / total : unweightedSum / static_cast<double>(rays.size()))};
   }
 
-  // Returns the rays within the interval of one pulse length that has the most power. `rays`: sorted by range.
+  // Returns the rays in that interval of one pulse length which contains the most power. `rays`: sorted by range.
   std::span<const HitRay> strongestInterval(std::span<const HitRay> rays) const {
     if (rays.back().range - rays.front().range <= pulse_) return rays;
     std::size_t bestFirst = 0, bestEnd = 1;

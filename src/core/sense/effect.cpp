@@ -136,7 +136,7 @@ const LightPaths* lightPaths(EffectList effects) {
 }
 
 std::uint32_t mostReturns(EffectList effects) {
-  std::uint32_t most = 1;  // a ray has one hit
+  std::uint32_t most = 1;  // before any effect: each ray has one hit
   for (const auto& effect : effects) most = effect->mostReturns(most);
   return most;
 }

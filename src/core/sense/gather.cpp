@@ -355,8 +355,8 @@ class Gathering {
     }
   }
 
-  // Writes the velocity of the surface minus that of the sensor, along the beam (m/s). The ego vehicle moves as the
-  // sensor does. Mirror images have no value, since the mirror's normal is not known here.
+  // Writes the velocity of the surface minus the velocity of the sensor, along the beam (m/s). The ego vehicle moves as
+  // the sensor does. Mirror images have no value, since the mirror's normal is not known here.
   void putRadialVelocities(std::vector<float>& values) {
     put(values, [&](std::size_t k) {
       const std::uint32_t hit = points_.hit[k];
@@ -375,8 +375,8 @@ class Gathering {
     });
   }
 
-  // Writes one component of a vector, in the frame in which points are given. `vectorAt(hit, point, time)` returns the
-  // vector in world axes for a point (m, world) that was hit at a time (s since the start of the revolution).
+  // Writes the component `axis` of a vector, in the frame of the scan's points. `vectorAt(hit, point, time)` returns
+  // the vector in world axes for a point (m, world) that was hit at a time (s since the start of the revolution).
   template <class VectorAt>
   void putMotion(char axis, std::vector<float>& values, const VectorAt& vectorAt) {
     put(values, [&](std::size_t k) {

@@ -84,7 +84,7 @@ void Returns::start(std::span<const Echo> echoes, bool powered) {
   }
 }
 
-// Prepares the table for rows without a hit: fills the columns that may be empty as long as they follow from the hits
+// Prepares the table for rows without a hit: fills the columns that are empty while their values follow from the hits
 // (beams, hits, numbers, causes, classes and instances), and counts the rows of each beam.
 void Returns::startIndices(const Hits& hits) {
   if (onePerBeam_) {
@@ -129,8 +129,8 @@ void Returns::add(const AddedReturn& added, const Hits& hits) {
   append(snr, added.snr);
   append(label, added.label);
   append(instance, std::uint32_t{0});
-  // In a table without rows, columns that effects have set are as empty as those that no effect has set. The first row
-  // therefore sets these columns.
+  // In a table without rows all columns are empty, whether effects have set them or not. The first row therefore sets
+  // the columns below.
   if (size() != 1) return;
   intensity = {0.0f};
   power = {added.power};

@@ -150,8 +150,8 @@ InstanceMotions::InstanceMotions(const Scene& scene, const Shot& shot)
   const double duration = shot.duration > 0 ? shot.duration : kVelocityInterval;
   for (std::uint32_t index = 0; index < scene.instances.size(); ++index) {
     const Instance& instance = scene.instances[index];
-    // An instance with an animation counts as moving even if its pose does not change. Its velocity is that of the
-    // pose.
+    // An instance with an animation counts as moving even if its pose does not change. Its velocity is the velocity of
+    // its pose.
     const RigidMotion* const placedMotion = placed_ == nullptr ? nullptr : placed_->find(index);
     const bool poseMoves =
         placedMotion != nullptr ? placedMotion->moves() : instance.movement != nullptr && instance.movement->moves();

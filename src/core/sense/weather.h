@@ -43,15 +43,15 @@ struct Weather {
 // and the lidar ratio (extinction over backscatter) 25 sr; both are estimates.
 //
 // The extinction of fog and dust is -log(0.05) / visibility (Koschmieder's law with the contrast threshold of 5 % that
-// defines the meteorological optical range). The lidar ratio of fog is 18.8 sr, that of drops of 5 to 50 um at 905 nm
+// defines the meteorological optical range). The lidar ratio of fog is 18.8 sr, as for drops of 5 to 50 um at 905 nm
 // (O'Connor et al., "A technique for autocalibration of cloud lidar", Journal of Atmospheric and Oceanic Technology 21,
-// 2004), that of dust 50 sr (mineral dust has 40 to 60 sr).
+// 2004). The lidar ratio of dust is 50 sr (mineral dust has 40 to 60 sr).
 Weather rainOf(double rate);
 Weather snowOf(double rate);
 Weather fogOf(double visibility);
 Weather dustOf(double visibility);
 
-// Returns the echo of mist that fills `length` m of a beam, relative to that of a white Lambertian target at its range.
+// Returns the echo of mist that fills `length` m of a beam, relative to a white Lambertian target at the same range.
 double mistEcho(const Weather& weather, double length);
 
 // Returns the reflectance of a surface that is soaked with water, divided by the reflectance of the dry surface

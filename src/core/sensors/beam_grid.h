@@ -43,10 +43,10 @@ class BeamGrid {
   static constexpr std::uint32_t kAcross = 360;
   static constexpr std::uint32_t kUp = 180;
 
-  // Return the row and the column of the cells with an elevation and an azimuth (rad, in any turn).
+  // Return the row of cells at an elevation (rad), and the column of cells at an azimuth (rad; full turns are ignored).
   static std::uint32_t rowOf(double elevation);
   static std::uint32_t columnOf(double azimuth);
-  // Rows from firstRow to lastRow; in each of them `columns` cells from firstColumn on, across azimuth 0 if need be.
+  // Rows from firstRow to lastRow; in each row `columns` cells from firstColumn on, which may extend across azimuth 0.
   struct CellRange {
     std::uint32_t firstRow = 0, lastRow = 0, firstColumn = 0, columns = 0;
   };

@@ -152,8 +152,8 @@ void fillBeams(BeamTable& table) {
 }
 
 Destagger destagger(std::span<const double> offset, double step, std::uint32_t columns, bool fullTurn) {
-  // Is added before rounding (in columns), so that offsets halfway between two columns are rounded in the same
-  // direction in all rings, despite floating-point errors.
+  // A number of columns that is added before rounding, so that offsets halfway between two columns are rounded in the
+  // same direction in all rings, despite floating-point errors.
   constexpr double kTie = 1e-6;
   std::vector<std::int64_t> shifts;
   shifts.reserve(offset.size());

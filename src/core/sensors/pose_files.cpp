@@ -18,8 +18,8 @@
 namespace scanmill {
 namespace {
 
-// Largest sum of a matrix's deviations from a rotation, and largest deviation of a quaternion's length from 1, that a
-// file's few digits explain. Larger deviations are mistakes in the file.
+// Limit of the sum of a matrix's deviations from a rotation, and of the deviation of a quaternion's length from 1.
+// Rounded numbers in files stay below this limit; larger deviations are mistakes in the file.
 constexpr double kMostRotationError = 1e-2;
 
 // Returns the numbers of a text, which blanks separate. `description` says in messages what the numbers are.

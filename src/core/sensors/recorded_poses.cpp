@@ -11,7 +11,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kLatest = 1e11;  // s since 1970; a time in ms is later
+constexpr double kLatest = 1e11;  // s since 1970; larger numbers are times in ms
 
 // Converts from the axes x forward, y left, z up to a camera's axes x right, y down, z forward.
 constexpr Mat3 kCameraFromVehicle{{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}};

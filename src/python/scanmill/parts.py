@@ -13,7 +13,7 @@ from .geometry import Pose, pose_matrix
 from .words import require_known
 
 PART_KEYS = ("name", "mesh", "vertices", "triangles", "class", "material", "instance", "color", "reflectance", "pose")
-STEPS_OF_REFLECTANCE = 1000  # reflectances are rounded to this fraction of 1, so that equal ones share a material
+STEPS_OF_REFLECTANCE = 1000  # reflectances are rounded to 1 / 1000, so that equal ones share a material
 FAR = 1000.0  # m; meshes farther from their origin are moved to it, since vertices are stored as float32
 
 Part = Union[Mapping[str, Any], Any]

@@ -68,8 +68,8 @@ inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns,
   });
 }
 
-// Returns a pointer to the values of the hits of rows first, first + 1, ...: a pointer into `values` if there is one
-// row per beam, otherwise to `buffer`, which gets copies. Rows without a hit have the value `none`.
+// Returns a pointer to the values of rows first, first + 1, ...: into `values`, which has one entry per hit, if there
+// is one row per beam; otherwise to `buffer`, with copies. Rows without a hit get `none`.
 template <class T>
 const T* valuesOfHits(const Returns& returns, const std::vector<T>& values, std::size_t first, Batch<T>& buffer,
                       T none = {}) {

@@ -137,8 +137,8 @@ class Detection : public Effect {
     });
   }
 
-  // Adds at most one false positive per beam as a row, and appends the power of each to `measured`. The amount by which
-  // its power exceeds the threshold follows the tail of the normal distribution, which is nearly exponential there.
+  // Adds at most one false positive per beam as a row, and appends its power to `measured`. The excess of the power
+  // over the threshold follows the tail of the normal distribution, which is nearly exponential there.
   void addFalsePositives(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     const BeamTable& beams = *shot.beams;
     const double rangeSpan = beams.maxRange - beams.minRange;
@@ -193,7 +193,7 @@ class Detection : public Effect {
 
   // Removes the returns that are not reported. `measured`: power by row; if it is empty, all powers are equal.
   void selectReported(Returns& returns, const std::vector<float>& measured) const {
-    std::vector<std::uint32_t> rows;  // of all beams; each beam's rows are neighbours after the sorting
+    std::vector<std::uint32_t> rows;  // rows with a return; after the sorting, the rows of a beam are adjacent
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
       if (returns.returned(row)) rows.push_back(row);
     }

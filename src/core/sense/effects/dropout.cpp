@@ -70,7 +70,7 @@ class DropOut : public Effect {
     }
   }
 
-  // Removes all returns of the fraction `rings` of the rings (rounded): of the rings with the smallest random numbers.
+  // Removes all returns of the rings with the smallest random numbers: of the fraction o_.rings of all rings.
   void loseRings(const Shot& shot, Returns& returns) const {
     const std::uint32_t rings = shot.beams->rings;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> lostRings;  // random number, ring

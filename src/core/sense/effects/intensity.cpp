@@ -31,7 +31,7 @@
 // the received power that exceeds `floor`. The response to v = gain * value is min(v, saturation)^gamma for floats, and
 // 255 (min(v, saturation) / saturation)^gamma for bytes. With retro_full_scale it is 100 v up to v = 1, and 100 + 155
 // log(v) / log(retro_full_scale) above (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1). With `table` it is
-// this curve of the value. Then `noise` is added, and the sum is rounded to multiples of `step`.
+// interpolated over log(value). Then `noise` is added, and the sum is rounded to multiples of `step`.
 
 #include <algorithm>
 #include <cfloat>
@@ -92,7 +92,7 @@ Lobes lobesOf(float roughness, float metallic, float retroreflectance, bool oren
   roughness = std::clamp(roughness, 0.0f, 1.0f);
   metallic = std::clamp(metallic, 0.0f, 1.0f);
   // glTF's roughness is the square root of GGX's alpha (Burley, "Physically based shading at Disney", 2012). A
-  // dielectric of roughness 1 reflects only diffusely; below, the glossy reflection reduces the diffuse one.
+  // dielectric of roughness 1 reflects only diffusely; at a lower roughness, the glossy part reduces the diffuse part.
   const float alpha = roughness * roughness;
   const float glossy = kDielectricF0 * (1 - alpha);
   const float lobeAlpha = std::max(alpha, kSmallestAlpha);
@@ -287,7 +287,7 @@ class Intensity : public Effect {
     for (; i < count; ++i) power[i] = reflected(lobesOfRow(i), incidence[i], reflectance[i]);
   }
 
-  // Does the inverse of applyRangeLoss(), from `power` to `reflectivity`. Copies a power whose loss factor is 0.
+  // Reverses applyRangeLoss(): divides `power` by the loss, into `reflectivity`. If the loss is 0, copies the power.
   void removeRangeLoss(const float* range, std::size_t count, const float* power, float* reflectivity) const {
     Batch<float> loss;
     loss.fill(1);
@@ -350,7 +350,7 @@ class Intensity : public Effect {
     }
   }
 
-  // Interpolates without a search: adds to the first intensity the rise of each interval, as far as the value reaches.
+  // Interpolates in the table without a search: adds, to the first intensity, each interval's rise up to the value.
   void respondByTable(const float* value, std::size_t count, float* intensity) const {
     for (std::size_t i = 0; i < count; ++i) {
       const double logarithm = naturalLog(value[i] > FLT_MIN ? value[i] : FLT_MIN);

@@ -22,7 +22,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kLeastRange = 0.001;      // m; least noisy range, unless the exact range is less
+constexpr double kLeastRange = 0.001;      // m; lower limit of noisy ranges, unless the exact range is less
 constexpr double kWidthOverSigma = 2.355;  // full width at half maximum of a Gaussian, in standard deviations
 
 // A part of the table: from the range `start` (m) on, for `length` (m), sigma rises by `slope` per metre of range.

@@ -6,11 +6,11 @@
 //
 // The height over the mesh is the sum of height_k n_k over the entries of the material's `relief`. Each entry has a
 // height and a size, and n_k is a Gaussian field of variance 1 over cubes of that size (spatial_noise.h). The search
-// begins kSearchDeviations standard deviations of the height above the mesh and follows the beam, in steps shorter than
-// the smallest size (unless this takes more than kMostSteps), to the first step below the height field. Two linear
-// interpolations between this step and the previous one then find the hit (relief mapping: Policarpo, Oliveira and
-// Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). Grazing beams therefore hit the tips of
-// tufts, with gaps behind them, and beams from above hit heights whose mean is 0.
+// follows the beam from kSearchDeviations standard deviations above the mesh to the first step below the height field.
+// Steps are shorter than the smallest size, unless this takes more than kMostSteps. Two linear interpolations between
+// the last two steps then find the hit (relief mapping: Policarpo, Oliveira and Comba, "Real-time relief mapping on
+// arbitrary polygonal surfaces", I3D 2005). Grazing beams therefore hit the tips of tufts, with gaps behind them, and
+// beams from above hit heights whose mean is 0.
 //
 // A beam averages over its width: as in reflectance_variation, the variance is divided by 1 + area / size^2, where the
 // area is the illuminated area on the slanted surface.
@@ -67,7 +67,7 @@ class March {
   }
 
  private:
-  // Gives the next beam to a slot, at the start of its search, or no beam if all beams have had a slot.
+  // Puts the next beam into a slot, at the start of its search. If no beam is left, the slot stays empty.
   void startNext(std::size_t slot) {
     if (next_ == hits_.size()) {
       hit_[slot] = nullptr;
@@ -106,17 +106,17 @@ class March {
     } else if (clearance > 0 && step_[slot] < hit.steps) {  // above the height field: take the next step
       above_[slot] = clearance;
       moveTo(slot, ++step_[slot] * hit.step - hit.reach);
-    } else if (step_[slot] == 0 || clearance >= 0) {  // first step is below it, or last step above it
+    } else if (step_[slot] == 0 || clearance >= 0) {  // the first step is below the field or the last one above
       finish(slot, distance);
-    } else {  // the first step below it: interpolate between this and the previous step
+    } else {  // first step below the field: interpolate between this and the previous step
       below_[slot] = clearance;
       const double stepAbove = --step_[slot] * hit.step - hit.reach;
       moveTo(slot, stepAbove + hit.step * above_[slot] / (above_[slot] - clearance));
     }
   }
 
-  // Ends a slot's search with a hit at `distance` (m along the beam, from the mesh) and starts the next one. The new
-  // range is at least half the old one.
+  // Ends a slot's search with a hit at `distance` (m along the beam, from the mesh) and starts the search of the next
+  // beam. The new range is at least half the old range.
   void finish(std::size_t slot, double distance) {
     float& range = returns_.range[hit_[slot]->row];
     range = std::max(range / 2, range + static_cast<float>(distance));

@@ -203,7 +203,7 @@ class WeatherEffect : public Effect {
   }
 
   // Multiplies the gain of rows whose surfaces face upwards: wet surfaces are darker, and puddles transmit less light.
-  // A puddle is where a Gaussian field is below the quantile of the fraction `wet`.
+  // Puddles are the points where a Gaussian field is below its quantile for the fraction `wet`.
   void wetGround(const Hits& hits, const Shot& shot, Returns& returns) const {
     const double puddleBound = quantileOfNormal(o_.wet);
     const PositionsOfHits positionsOfHits(hits, shot, returns);
