@@ -24,7 +24,7 @@ struct ChartAxis {
   std::string unit{};
   // The ends of the axis. If one is absent, the data determine it. If data lie beyond an end, the axis is extended.
   std::optional<double> low{}, high{};
-  // The label of the band before the low end of a logarithmic axis, in which all values of zero and below are drawn.
+  // Label of the band at the start of a logarithmic axis. Values of zero and below are drawn in this band.
   std::string zero = "0";
   // Labels for the values 0, 1, 2 and so on, instead of numbers. Value 0 of a y axis is at the top.
   std::vector<std::string> names{};
@@ -60,12 +60,12 @@ struct Chart {
   std::string title{};
   std::string note{};  // text below the title: what is shown, from which data
   ChartAxis x{}, y{};
-  // The series of the chart. A vertical bar is drawn at the name with index point.x on the x axis. If the y axis has
-  // names, bars are horizontal, at the name with index point.y.
+  // The series of the chart. Bars are vertical, and point.x is an index in the names of the x axis. If the y axis has
+  // names, bars are horizontal, and point.y is an index in these names.
   std::vector<ChartSeries> series{};
-  bool stacked = false;  // the bars at one name of an axis are stacked; not for logarithmic axes
+  bool stacked = false;  // true: bars at the same name of an axis are stacked; not for logarithmic axes
   int width = 860;       // width of the drawing in pixels
-  int height = 480;  // pixels; the drawing is higher if the title, the note and the legend have more than a line each
+  int height = 480;      // height in pixels; the drawing is higher if title, note or legend have several lines
 };
 
 // True if at least one point is finite and can be drawn.

@@ -81,7 +81,7 @@ void ChartScale::addLinearTicks(const std::string& unit, double labelRoom) {
   }
 }
 
-// Labels 1, 2 and 5 times powers of ten, or only every n-th power of ten if there is not enough room.
+// Adds ticks at 1, 2 and 5 times powers of ten or, if there is not enough room, only at every n-th power of ten.
 void ChartScale::addLogarithmicTicks(const std::string& unit, double labelRoom) {
   const double decades = high_ - low_;
   const int decadeStep = std::max(1, static_cast<int>(std::ceil(decades / labelRoom)));

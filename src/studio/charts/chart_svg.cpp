@@ -15,11 +15,11 @@ namespace {
 // Margin around a chart, and font sizes (pixels). All sizes in this file are chosen by eye.
 constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;
 constexpr double kTitleLine = 1.2, kNoteLine = 1.35;  // height of a line as a multiple of the font's size
-constexpr double kBaseline = 0.35;  // distance from a text's middle down to its baseline, in sizes of the font
+constexpr double kBaseline = 0.35;  // distance from a text's middle down to its baseline, divided by the font's size
 constexpr int kLeastWidth = 200, kLeastHeight = 160;          // least size of a chart (pixels)
 constexpr double kMarkRadius = 4.5, kEmphasisedRadius = 6.5;  // radii of the marks of points (pixels)
-constexpr double kMarkReach = 1.15;  // extent of most of kShapes from their centre, divided by the radius
-constexpr double kBarShare = 0.76;   // fraction of the distance between two names that the bars at a name fill
+constexpr double kMarkReach = 1.15;  // half the width of a typical shape in kShapes, divided by the mark's radius
+constexpr double kBarShare = 0.76;   // width of all bars at one name, divided by the distance between two names
 constexpr double kThickestBar = 26;  // largest thickness (pixels), since bars at few names would be very wide
 constexpr double kNameAngle = 26;    // rotation (degrees) of names that are too long to fit side by side
 constexpr double kSwatch = 32;       // width of the mark before a name in the legend, with its margin (pixels)
@@ -251,9 +251,9 @@ class SvgDrawing {
                      kTickGap = 9;             // pixels; the gap is between the labels of the y axis and the axis
     constexpr double kFooter = 3.4;            // height of labels and title of the x axis, in sizes of the font
     constexpr double kTitleHeight = 1.9;       // height of the title of the y axis, in sizes of its font
-    constexpr double kRow = 2.8, kColumn = 5;  // room for a label of the y axis and of the x axis, in sizes of the font
+    constexpr double kRow = 2.8, kColumn = 5;  // height of a label of y and width of a label of x, in sizes of the font
     constexpr double kNameGap = 1.1,
-                     kYAxisWidth = 60;  // room for a name divided by its width; room for labels of y (pixels)
+                     kYAxisWidth = 60;  // kNameGap: room for a name divided by its width; kYAxisWidth: in pixels
     area_ = {kMargin, top, width_ - kMargin - kRightMargin, height_ - kMargin - kFont * kFooter};
     if (!chart_.y.title.empty()) {
       addText("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
@@ -310,8 +310,8 @@ class SvgDrawing {
   Vec2d swapped(const Vec2d& p) const { return horizontal_ ? Vec2d{p.y, p.x} : p; }
   const ChartAxis& valueAxis() const { return horizontal_ ? chart_.x : chart_.y; }
 
-  // Draws bars, then lines, marks and labels on top. Emphasised lines and marks are above others; their labels, and
-  // those of series with labelsFirst, are placed before others.
+  // Draws bars, then lines, marks and labels on top. Emphasised lines and marks are above others. Labels of series with
+  // labelsFirst are placed first, then labels of emphasised series.
   void drawSeries() {
     int slot = 0;  // index of the series among those with bars
     for (const ChartSeries& s : chart_.series) {
@@ -348,8 +348,8 @@ class SvgDrawing {
     }
   }
 
-  // Draws the bars of a series, which are horizontal if the y axis has names. `slot`: index of the series among the
-  // `slots` bars that are side by side at each name.
+  // Draws the bars of a series, which are horizontal if the y axis has names. Each name has `slots` bars side by side;
+  // `slot` is the index of this series' bar.
   void drawBars(const ChartSeries& s, int slot, int slots) {
     const double nameDistance = std::abs(swapped(pixel({1, 1})).x - swapped(pixel({0, 0})).x);
     const double thickness = std::min(nameDistance * kBarShare / slots, kThickestBar);

@@ -49,7 +49,7 @@ struct GuessedFile {
   std::uint64_t guessed() const {
     return trianglesOf([](const GuessedPart& part) { return part.shows != nullptr && !part.byFolder; });
   }
-  // Returns how many of the triangles that guessed() counts have the concept that the file's name states.
+  // Returns the number of triangles whose concept is the one in the file's name. guessed() counts these, too.
   std::uint64_t byFile() const {
     if (fileConcept == nullptr || conceptByFolder) return 0;
     return trianglesOf([&](const GuessedPart& part) { return part.shows == fileConcept; });
@@ -81,8 +81,8 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
                  const std::filesystem::path& folder, const DraftOptions& options = {});
 
 // Reads 3D files and guesses their concepts, units and axes. The units and axes of files with the same format and
-// folder are guessed together. Throws InputError unless at least one file, and all files that are not in
-// options.mayFail, can be read.
+// folder are guessed together. Throws InputError if no file can be read, or if a file that is not in options.mayFail
+// cannot be read.
 std::vector<GuessedFile> guessFiles(const std::vector<std::filesystem::path>& files,
                                     const std::vector<Concept>& concepts, const DraftOptions& options);
 

@@ -113,7 +113,7 @@ double upScoreOf(const std::array<double, 3>& low, const std::array<double, 3>& 
   return score;
 }
 
-// Common units besides the metre, in metres.
+// Lengths (m) of common units other than the metre.
 constexpr std::array<double, 8> kUnits{0.01, 0.0254, 0.3048, 0.001, 0.1, 10.0, 100.0, 1000.0};
 // Factor by which a size may be outside of its usual range if other files suggest the unit.
 constexpr double kTolerance = 3;
@@ -189,7 +189,7 @@ std::vector<SizedObject> sizedObjects(const Asset& asset, const std::vector<cons
   return sized;
 }
 
-// Returns an object of a place whose size in metres is unusual, so that the unit is guessed by its size. Returns
+// Returns an object of a place that would have an unusual size in metres; the unit is guessed from this object. Returns
 // nothing unless a common unit gives usual sizes to most objects, and to more than twice as many as metres do.
 std::optional<SizedObject> objectNotInMetres(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
   const std::vector<SizedObject> objects = sizedObjects(asset, partConcepts);
@@ -292,12 +292,12 @@ bool guessSharedUnit(const std::vector<FrameGuess*>& files, std::ptrdiff_t least
   return true;
 }
 
-// Returns the files that are tiles of one set: at least three with the most common footprint; otherwise nothing.
+// Returns the files with the most common footprint, which are tiles of one set; nothing if they are fewer than three.
 std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
   constexpr std::size_t kFewest = 3;
   constexpr double kAlike = 0.1;  // largest difference of two lengths divided by the shorter
   const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
-  // The horizontal extent beside x: y, or z if the file was read with another up axis than is guessed now.
+  // Returns the other horizontal extent: y, or z if the guessed up axis is not the one that was assumed for reading.
   const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->readUp ? 1 : 2]; };
   std::vector<FrameGuess*> tiles;
   for (const FrameGuess* f : files) {
@@ -313,7 +313,7 @@ std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
 
 // Gives files with a doubtful up axis the axis of most other files.
 void shareAxis(const std::vector<FrameGuess*>& files) {
-  std::map<char, std::size_t> axes;  // number of files with this axis, of those whose axis was guessed without doubt
+  std::map<char, std::size_t> axes;  // for each axis, the number of files for which it was guessed without doubt
   for (const FrameGuess* f : files) {
     if (!f->whyUp.empty() && !f->doubtfulUp) ++axes[f->up];
   }

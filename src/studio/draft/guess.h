@@ -15,13 +15,13 @@ class Vocabulary {
   explicit Vocabulary(const std::vector<Concept>& concepts) : concepts_(concepts) {}
   explicit Vocabulary(std::vector<Concept>&&) = delete;  // the concepts must outlive the vocabulary
 
-  // Ignores, in later calls, words that most of the names contain although the names state several kinds of objects,
-  // such as the name of a project. `names`: all nodes, all materials, all textures or all files.
+  // Finds words, such as a project's name, that most names contain although the names state several kinds of objects.
+  // Later calls ignore these words. `names`: all nodes, all materials, all textures or all files.
   void ignoreShared(const std::vector<std::string>& names);
   // Calls ignoreShared() for the nodes, the materials and the textures of an asset.
   void ignoreShared(const Asset& asset);
 
-  // Returns the concept of a name; see scenefile/concepts.h. Ignored words count only in names that have no others.
+  // Returns the concept of a name; see scenefile/concepts.h. Ignored words count only in names without other words.
   const Concept* conceptOf(std::string_view name) const;
   // Like conceptOf(), but returns the concepts of all words; see conceptsIn() in scenefile/concepts.h.
   std::vector<const Concept*> conceptsIn(std::string_view name) const;
@@ -46,8 +46,8 @@ std::vector<CountedPart> partsOf(const Asset& asset);
 
 // Returns the concept of each part, in the order of partsOf(); null for a part if no name contains a known word.
 // `file`: the concept that the name of the file, or its folder's name, states; null: none. A part belongs to the whole
-// that its node's name states, otherwise to the whole that `file` is: the glass of a car is part of the car. If there
-// is no whole, the concept is found in the names of material, texture and node, in this order; otherwise it is `file`.
+// that its node's name states, otherwise to `file` if this is a whole: the glass of a car is part of the car. Without a
+// whole, the names of material, texture and node are tried in this order, then `file`.
 std::vector<const Concept*> guessParts(const Vocabulary& words, const Asset& asset, const Concept* file);
 
 // Returns the name of the file's folder or, if that name only says what kind of files the folder contains, such as

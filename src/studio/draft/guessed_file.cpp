@@ -30,7 +30,7 @@ GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const
   const Concept* const byFolderName = conceptOfFolder(words, asset);  // null if the file's name states a concept
   model.fileConcept = byFileName == nullptr ? byFolderName : byFileName;
   model.conceptByFolder = byFolderName != nullptr;
-  // No materials are drafted for points with intensities, or with colours and a class from the name of file or folder.
+  // No materials are drafted for points with intensities, nor for coloured points whose file or folder states a class.
   model.measured = std::ranges::any_of(asset.parts, [&](const AssetPart& part) {
     return part.texture == kPointIntensity || (part.texture == kPointColor && model.fileConcept != nullptr);
   });

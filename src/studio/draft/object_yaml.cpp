@@ -18,8 +18,8 @@ std::string classFor(const Concept& what, const Ontology& ontology) {
   return found == nullptr ? std::string() : found->name;
 }
 
-// Returns a glob pattern that matches only this name, with special characters escaped. A slash at its start could begin
-// a regular expression. A NUL, which YAML does not have, is replaced by "?", which any character matches.
+// Returns a glob pattern that matches only this name, with special characters escaped. A first slash is escaped, since
+// it could begin a regular expression. NUL, which YAML does not have, becomes "?", which matches any character.
 std::string literalPattern(const std::string& name) {
   std::string pattern;
   for (const char c : inUtf8(name)) {
@@ -66,9 +66,9 @@ bool matchOnly(const Patterns& patterns, const std::vector<GuessedPart>& parts, 
                              [&](const auto& part) { return part.shows == shown || !matchesPart(patterns, part); });
 }
 
-// For a part of a world file, returns patterns that match all nodes of the part's outermost model whose nodes show only
-// one concept; empty patterns if there is no such model. A node's name in a world file consists of the names of the
-// model and of the models in it, each followed by a slash, and the node's own name.
+// For a part of a world file, finds the outermost model that contains the part and shows only one concept. Returns
+// patterns that match all nodes of this model; empty patterns if there is none. A node's name in a world file consists
+// of the names of the model and of the models in it, each followed by a slash, and the node's own name.
 Patterns modelPatterns(const GuessedPart& part, const std::vector<GuessedPart>& parts) {
   for (std::size_t slash = part.node.find('/'); slash != std::string::npos; slash = part.node.find('/', slash + 1)) {
     const Patterns patterns{patternWithoutDigits(part.node.substr(0, slash)) + "/*", "", ""};
@@ -219,7 +219,7 @@ class ClassWriter {
     }
   }
 
-  // `conditions`: the keys of `match` with their patterns.
+  // Appends one rule. `conditions`: the keys of `match` with their patterns.
   void writeRule(const std::string& conditions, const Concept& c, std::uint64_t triangles, std::string& yaml) const {
     std::string result = "drop: true";
     if (c.kind != ConceptKind::Drop) result = "class: " + nameValue(classFor(c, ontology_));
@@ -234,8 +234,8 @@ class ClassWriter {
     if (!c.material.empty() && !model_.measured) yaml += fmt::format("    material: {}\n", nameValue(c.material));
   }
 
-  // Lists the names of parts whose own names state no concept, with their triangles. If there are many, parts that
-  // differ only in the node's name share a line.
+  // Lists the parts whose names state no concept, with their numbers of triangles. If there are many, parts that differ
+  // only in the node's name share a line.
   static void writeUnknown(std::map<PartNames, std::uint64_t> unknown, std::string& yaml) {
     constexpr std::size_t kMost = 20;
     if (unknown.empty()) return;

@@ -99,7 +99,7 @@ Coloring byReturn(const Scan& scan, const ColorContext& context) {
   return out;
 }
 
-// Returns the percentile of the values at `rank`, from 0 to 1. Reorders the values, which must not be empty.
+// Returns the percentile `rank` (0 to 1) of the values. Reorders the values, which must not be empty.
 double percentile(std::vector<double>& values, double rank) {
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(rank * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), nth, values.end());
@@ -109,7 +109,7 @@ double percentile(std::vector<double>& values, double rank) {
 // How numbers are mapped to colours. `title` and `power`: see Legend.
 struct Scale {
   std::string title;
-  double clipped = 0;  // fraction of the values to cut off at an end that is not fixed
+  double clipped = 0;  // fraction of the values that is cut off at each end that is not fixed
   double power = 1;
   std::optional<double> low{};  // fixed ends of the scale; absent: the ends are computed from the values
   std::optional<double> high{};
@@ -119,8 +119,8 @@ struct Scale {
 constexpr double kClipped = 0.01;
 constexpr std::size_t kMostSorted = 1'000'000;  // maximum number of values from which percentiles are computed
 
-// Returns the ends of a scale: fixed ends as they are, the others from the values of the points with finite positions;
-// 0 if no value is known. valueOf(point) returns a value; NaN: unknown.
+// Returns the ends of a scale. Ends that are not fixed are computed from the values of points with finite positions;
+// they are 0 if no value is known. valueOf(point) returns a value; NaN: unknown.
 ScaleRange endsOf(const Scan& scan, const Scale& scale, const auto& valueOf) {
   std::vector<double> finite;
   const std::size_t step = scale.clipped > 0 ? scan.size() / kMostSorted + 1 : 1;
@@ -133,8 +133,8 @@ ScaleRange endsOf(const Scan& scan, const Scale& scale, const auto& valueOf) {
   return {low, scale.high ? *scale.high : endAt(1 - scale.clipped)};
 }
 
-// Colours points by a number. valueOf(point) returns the number; NaN: unknown. The ends of the scale are those of the
-// context or, if it has none, those that endsOf() returns.
+// Colours points by a number. valueOf(point) returns the number; NaN: unknown. Uses the ends of the scale that the
+// context states; if it states none, computes them by endsOf().
 Coloring byNumber(const Scan& scan, const Scale& scale, const ColorContext& context, const auto& valueOf) {
   const ScaleRange ends = context.scale ? *context.scale : endsOf(scan, scale, valueOf);
   const double span = ends.high - ends.low;
@@ -224,7 +224,7 @@ Coloring byForeign(const Scan& scan, const ForeignColumn& column, const ColorCon
 // Returns the names of quantities in the order of their keys in the viewer; columns without a key come last.
 std::vector<std::string> namesInOrder() {
   constexpr char kNoKey = '\0';
-  const std::map<char, ColorBy> computed{{'4', kByRange}, {'7', kByHeight}, {'0', kByError}};  // not columns, by key
+  const std::map<char, ColorBy> computed{{'4', kByRange}, {'7', kByHeight}, {'0', kByError}};  // not columns
   std::vector<std::string> names;
   for (const char key : {'1', '2', '3', '4', '5', '6', '7', '8', '9', '0', kNoKey}) {
     for (const Column& column : kColumns) {
@@ -318,8 +318,8 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
   if (!(span > 0) || !std::isfinite(span) || !(legend.power > 0)) return {{0.5, fmt::format("{:.4g}", low)}};
   std::vector<ScaleTick> ticks;
   const double largest = niceStep(std::max(span / (kMostTicks - 1), legend.integers ? 1.0 : 0.0));
-  // The next smaller steps add ticks where a scale that is not linear has room. niceStep(step / 2.5) is the next
-  // smaller step: of 1, 2 and 5 times powers of ten, neighbours differ by at most the factor 2.5.
+  // A scale that is not linear may have room for ticks at multiples of smaller steps. niceStep(step / 2.5) is the next
+  // smaller step, since consecutive steps differ by at most the factor 2.5.
   for (double step = largest; step > span / 100 && ticks.size() < kMostTicks; step = niceStep(step / 2.5)) {
     const double first = std::ceil((low - kSlack * span) / step);
     for (int k = 0; k < kMostMultiples && ticks.size() < kMostTicks; ++k) {

@@ -119,7 +119,7 @@ struct ColorOfId {
 };
 
 // Appends to `colors` the colour of each of `elements` elements. idOf(i) returns the id of element i; colorOf(id) its
-// colour; isCounted(i) whether the legend counts the element. Returns the ids of the counted elements.
+// colour; isCounted(i) whether the legend counts the element. Returns colours and counts of the counted ids.
 std::map<std::uint32_t, ColorOfId> paint(std::size_t elements, const auto& idOf, const auto& colorOf,
                                          const auto& isCounted, std::vector<Rgb>& colors) {
   std::map<std::uint32_t, ColorOfId> ids;
@@ -144,7 +144,7 @@ struct ScaleTick {
   std::string text;
 };
 
-// Returns at most six ticks at multiples of 1, 2 or 5 times a power of ten; if the scale has none of these, ticks at
+// Returns at most six ticks at multiples of 1, 2 or 5 times a power of ten; if the scale has no such multiple, ticks at
 // its ends. Values that are integers have integer ticks. A scale with a single value has one tick, in the middle.
 std::vector<ScaleTick> scaleTicks(const Legend& legend);
 

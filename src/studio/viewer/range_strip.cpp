@@ -33,7 +33,7 @@ struct PairSums {
     xy += newX * newY;
     count += 1;
   }
-  double covariance() const { return xy * count - x * y; }  // times the square of `count`
+  double covariance() const { return xy * count - x * y; }  // the covariance, times the square of `count`
   // Returns the product of the standard deviations, times the square of `count`.
   double spread() const { return std::sqrt((xx * count - x * x) * (yy * count - y * y)); }
 };
@@ -103,7 +103,7 @@ double stepOf(const Directions& directions, std::size_t columns) {
 std::optional<BeamAzimuths> fullTurnOf(const Directions& directions, const GridSize& grid, double step) {
   // Largest difference of a full turn's sweep from 2 pi, as a fraction of 2 pi, since the vehicle may turn meanwhile.
   constexpr double kTurnSlack = 0.03;
-  constexpr double kLeastAgreement = 0.8;  // least length of rings' sums of unit vectors, divided by their number
+  constexpr double kLeastAgreement = 0.8;  // least ratio of the lengths of `sums` to the number of unit vectors
   const double fullStep = std::copysign(2 * kPi / static_cast<double>(grid.columns), step);
   std::vector<std::complex<double>> sums(grid.rings);  // sums of directions, rotated back by their columns' azimuths
   double count = 0;
@@ -137,8 +137,8 @@ bool followsColumns(const Directions& directions, std::size_t columns, double st
   return std::copysign(1.0, step) * sums.covariance() > kCorrelated * sums.spread();
 }
 
-// Returns azimuths estimated from directions: see fullTurnOf() or, if this is no full turn, without offsets of rings.
-// Returns nothing if azimuths neither increase nor decrease with the column.
+// Returns azimuths estimated from directions: the result of fullTurnOf() or, if the columns form no full turn, azimuths
+// without offsets of rings. Returns nothing if azimuths neither increase nor decrease with the column.
 std::optional<BeamAzimuths> estimateAzimuths(const Directions& directions, const GridSize& grid) {
   const double step = stepOf(directions, grid.columns);
   if (step == 0) return {};

@@ -58,8 +58,8 @@ struct ItemLook {
   bool lit = true;          // shades triangles with a light at the eye
 };
 
-// A corner of a triangle of the overlay. The overlay, the triangles of panels and their text, is drawn on top of the
-// views. Each triangle's colours are multiplied by those of an image. Later triangles are on top of earlier ones.
+// A corner of a triangle of the overlay. The overlay contains panels and text, and is drawn on top of the views. The
+// colours of a triangle are multiplied by the colours of an image. Later triangles are on top of earlier ones.
 struct OverlayVertex {
   float x = 0;  // position on the canvas (pixels)
   float y = 0;
@@ -88,7 +88,7 @@ struct CanvasEvent {
     Wheel,   // the mouse wheel was turned by `amount`
     Resize,  // the canvas has a new size; also sent when the window first appears
     Redraw,  // the window must be redrawn
-    Tick,    // sent every `tickMilliseconds` of run()
+    Tick,    // sent every `tickMilliseconds` milliseconds, see Canvas::run()
     Close,   // the user closes the window; no further events follow
   };
   Kind kind = Kind::Tick;
@@ -116,8 +116,8 @@ class Canvas {
   virtual double scale() const = 0;
   // Sets the views: at most kCanvasViews rectangles, which must not overlap. Pixels outside of all views are black.
   virtual void setViews(std::span<const CanvasView> views) = 0;
-  // Sets the elements of an item: one colour each, and as many corners as the kind states. If the item exists, replaces
-  // its elements and keeps its look. Elements with coordinates that are not finite are not drawn.
+  // Sets the elements of an item. Each element has one colour, and ItemKind states its number of corners. If the item
+  // exists, replaces its elements and keeps its look. Elements with coordinates that are not finite are not drawn.
   virtual void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors) = 0;
   // Sets the colours of an item's elements: one per point, triangle or segment.
   virtual void setColors(ItemId item, std::span<const Rgb> colors) = 0;

@@ -29,7 +29,7 @@ std::uint64_t beamOf(const PointKey& key) {
   return std::uint64_t{key.ring} << 32 | key.column;
 }
 
-// Returns the points with a finite position, sorted by beam; those of a beam are in the order of the scan.
+// Returns the points with a finite position, sorted by beam. Points of the same beam are in the order of the scan.
 std::vector<BeamPoint> sortedByBeam(const Scan& scan) {
   std::vector<BeamPoint> points;
   points.reserve(scan.size());

@@ -100,8 +100,8 @@ std::optional<std::size_t> FrameLoader::missingFrame() const {
 }
 
 // Returns the next frame to read ahead in the direction of `step_` that is not cached; nothing if there is none. The
-// requested frame and those that are read ahead, plus one frame of the largest size, may fill half of the cache. The
-// other half is for frames that were shown before.
+// requested frame, the frames read ahead and one more frame of the largest size may fill half of the cache. The other
+// half is for frames that were shown before.
 std::optional<std::size_t> FrameLoader::nextAhead() const {
   constexpr std::int64_t kMostAhead = 64;  // number of frames that are read ahead, which play in several seconds
   if (!requestedFrame_ || step_ == 0) return std::nullopt;

@@ -67,10 +67,10 @@ class FrameLoader {
 
   std::map<std::size_t, CachedFrame> cached_;  // the keys are indices of frames
   std::optional<std::size_t> requestedFrame_;
-  int step_ = 0;  // direction in which frames are read ahead; 0: none are
+  int step_ = 0;  // direction in which frames are read ahead; 0: no frames are read ahead
 
   std::optional<SceneChoice> requestedMesh_;
-  std::shared_ptr<const ViewMesh> mesh_;  // the mesh that was loaded last, of `meshScene_`; null: none was
+  std::shared_ptr<const ViewMesh> mesh_;  // the last loaded mesh, which shows `meshScene_`; null: none was loaded
   SceneChoice meshScene_;
 
   std::thread thread_;

@@ -78,7 +78,7 @@ std::vector<Vec3f> placedAtStart(const Scan& scan, const ScanRecord& record, con
   return placed;
 }
 
-// A scan that is being loaded: its place in a store, and the data that have been read.
+// A scan that is being loaded: its position in a store, and the data that have been read.
 struct StoredFrames::Loading {
   const Store* store = nullptr;
   std::size_t sample = 0;  // index of the sample in the store
@@ -142,8 +142,8 @@ void StoredFrames::checkJoins() const {
   }
 }
 
-// Sets `ontology_` to the user's choice; without one, to the first ontology of a store, and sets
-// Store::classDifference.
+// Sets `ontology_` to the user's choice. Otherwise sets it to the ontology of the first store that has one, and sets
+// Store::classDifference of stores with other classes.
 void StoredFrames::chooseOntology() {
   if (!input_.ontology.empty()) {
     ontology_ = readOntology(input_.ontology);

@@ -17,13 +17,13 @@ constexpr std::size_t kTriangleGrain = 16384;
 constexpr std::size_t kBoxGrain = 64;
 
 // Returns the name of a part from the names of object and node, such as "hall: Wall.003"; only the object's name if the
-// node has no name, or the object's name without its number (node "car", object "car#3").
+// node has no name, or if the names differ at most by the object's number ("car" and "car#3").
 std::string partName(const std::string& object, const std::string& node) {
   const bool isSameName = object.starts_with(node) && (object.size() == node.size() || object[node.size()] == '#');
   return node.empty() || isSameName ? object : object + ": " + node;
 }
 
-// Appends names to a list, each key's name once.
+// Appends names to a list, one name for each distinct key.
 class NameList {
  public:
   explicit NameList(std::vector<std::string>& names) : names_(names) {}
@@ -47,7 +47,7 @@ std::string shortLocation(const Scene& scene, const Location& where) {
 }
 
 // Returns the key of a surface in the list of rules: the position of the rule or object that gives the class; without
-// such a position, "none" for surfaces without a class and "own" for others.
+// such a position, "none" if the surface has no class, otherwise "own".
 std::string ruleKey(const Surface& surface) {
   if (!surface.labelledBy.file.empty()) return surface.labelledBy.text();
   return surface.semantic == 0 ? "none" : "own";
@@ -93,7 +93,7 @@ std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
 // Sets the corners, class, instance and surface of each triangle. Triangles are in the order of instances, and in each
 // instance in the order of its mesh. Threads fill ranges of triangles, which may begin and end within an instance.
 void fillTriangles(const Scene& scene, ViewMesh& view) {
-  std::vector<std::size_t> firstTriangle{0};  // index of each instance's first triangle; at the end, their number
+  std::vector<std::size_t> firstTriangle{0};  // index of each instance's first triangle; last entry: the end
   for (const Instance& instance : scene.instances) {
     firstTriangle.push_back(firstTriangle.back() + scene.meshes[instance.mesh].triangles.size());
   }
@@ -141,8 +141,8 @@ void fillBoxes(ViewMesh& view) {
   }
 }
 
-// Returns one box for each cell of a horizontal grid that overlaps at least one of `boxes`: the box around the parts of
-// `boxes` in this cell. `origin`: corner of the grid with the least x and y. `side`: side of a cell (m).
+// Clips `boxes` to the cells of a horizontal grid. Returns the box around all clipped boxes of each cell that has any.
+// `origin`: corner of the grid with the least x and y. `side`: side of a cell (m).
 std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origin, double side) {
   std::map<std::pair<int, int>, Box> occupied;  // the keys are indices of cells along x and y
   for (const Box& box : boxes) {
@@ -163,12 +163,12 @@ std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origi
   return cells;
 }
 
-// Returns a box that contains most of a scene's parts, counted as occupied cells of a grid. Beyond each side of the box
-// is the fraction kOmitted of the cells, but at most this fraction of the number of parts. Large parts, such as ground,
-// are ignored unless the other parts reach nearly as far. The constants are chosen by eye.
+// Returns a box that contains most of a scene. The scene is divided into grid cells; at each side of the box, about the
+// fraction kOmitted of the occupied cells (or of the parts, if they are fewer) is left outside. Large parts, such as
+// ground, are ignored unless the other parts reach nearly as far. The constants are chosen by eye.
 Box coreOf(const ViewMesh& view) {
   constexpr double kLarge = 0.5;      // fraction of the scene's longest side from which a part counts as large
-  constexpr double kReaching = 0.85;  // fraction of this side above which the other parts reach nearly as far
+  constexpr double kReaching = 0.85;  // the other parts reach nearly as far if their extent is more than this fraction
   constexpr double kOmitted = 0.03;
   constexpr int kCells = 64;  // along the longest side
   const auto longestSide = [](const Box& box) {
@@ -240,7 +240,7 @@ double distanceToBox(const Box& box, const Vec3d& origin, const Vec3d& direction
 }
 
 // Returns the distance (m) at which a ray hits a triangle from either side; infinity if it misses. T. Moeller and B.
-// Trumbore, "Fast, minimum storage ray-triangle intersection", 1997, with their names; u and v are barycentric.
+// Trumbore, "Fast, minimum storage ray-triangle intersection", 1997, and their variable names; u and v are barycentric.
 double distanceToTriangle(std::span<const Vec3f, 3> corners, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d a(corners[0]);
   const Vec3d ab = Vec3d(corners[1]) - a;

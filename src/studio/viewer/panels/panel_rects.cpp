@@ -44,12 +44,12 @@ double windowLineHeight(double displayScale) {
 }
 
 int sideWidth(double lineHeight) {
-  constexpr double kLineHeights = 17;  // wide enough for a long name and a count of points
+  constexpr double kLineHeights = 17;  // width of a panel for long names and counts of points (in line heights)
   return static_cast<int>(std::lround(kLineHeights * lineHeight));
 }
 
 PanelRects panelRects(int width, int height, const PanelNeeds& needs) {
-  constexpr double kLeastLetters = 30;  // canvases that are narrower than so many line heights get no side panel
+  constexpr double kLeastLetters = 30;  // canvases narrower than this (in line heights) get no side panel
   PanelRects rects;
   PixelRect body{0, 0, std::max(width, 1), std::max(height, 1)};
   const int row = std::min(static_cast<int>(std::lround(needs.row)), body.height / 4);

@@ -102,8 +102,8 @@ struct LegendRow {
   enum class Look { Shown, Absent, Partly, Hidden } look = Look::Shown;
 };
 
-// Draws a row of a legend: swatch, name and, at the right end, the count. `id`: unique in the legend. `width`: of the
-// row (pixels). Returns true if the user has clicked the row.
+// Draws a row of a legend: swatch, name and, at the right end, the count. `id`: unique in the legend. `width`: width of
+// the row (pixels). Returns true if the user has clicked the row.
 bool drawLegendRow(int id, const LegendRow& row, bool clickable, float width) {
   using Look = LegendRow::Look;
   const ImVec2 corner = ImGui::GetCursorScreenPos();
@@ -303,7 +303,7 @@ std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use) {
                                  {corner.x + width * static_cast<float>(i + 1) / kSteps, barBottom}, left, right, right,
                                  left);
   }
-  float freeLeft = corner.x;  // x to the right of which no number has been drawn
+  float freeLeft = corner.x;  // no number has been drawn to the right of this x
   for (const auto& [position, text] : scaleTicks(legend)) {
     const float x = corner.x + width * static_cast<float>(position);
     list.AddLine({x, barBottom}, {x, barBottom + kTick}, textColor);
@@ -329,9 +329,9 @@ std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use) {
 
 PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int maxWidth) {
   if (!legend.scale && legend.entries.empty()) return {};
-  constexpr std::size_t kScaleRows = 6;  // bar, numbers, count of unknown values, and texts that are wrapped
+  constexpr std::size_t kScaleRows = 6;  // rows for the bar, its numbers, the count of unknown values and wrapped texts
   const std::size_t rows = legend.scale ? kScaleRows : legend.entries.size();
-  // A row is as high as drawLegendRow() and the spacing between rows; the title and the edges take two more.
+  // The height of a row includes the space to the next row. The title and the edges need two more rows.
   const int height = static_cast<int>(std::ceil((static_cast<double>(rows) + 2) * (1.3 * lineHeight + 2)));
   const int right = body.left + body.width;
   if (right + sideWidth(lineHeight) > maxWidth) return {body.left, body.top + body.height, body.width, height};

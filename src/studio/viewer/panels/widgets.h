@@ -9,7 +9,7 @@ namespace scanmill {
 
 using NamedValues = std::vector<std::pair<std::string, std::string>>;
 
-// Whether the user can scroll a panel and open or close its sections.
+// The use of a panel. In an interactive panel, the user can scroll, and open or close sections.
 enum class PanelUse { Picture, Interactive };
 
 // Draws a panel without title and border in `rect`. `body` draws the contents. In an interactive panel the user can
@@ -27,7 +27,7 @@ struct PanelLabel {
   std::string text{};
   PixelRect within{};     // rectangle of the view in which the text must lie
   bool mark = true;       // draws a small ring at (x, y)
-  bool optional = false;  // true: left out if its text would overlap that of an earlier label
+  bool optional = false;  // true: left out if its text would overlap the text of an earlier label
 };
 void drawLabels(const std::vector<PanelLabel>& labels);
 // Draws the name of one of several views and, if `active` is true, a frame around the view.
@@ -45,8 +45,8 @@ struct LegendClick {
 LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse use);
 // Draws a legend's scale, in an interactive panel with fields for its ends; returns the ends that the user enters.
 std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use);
-// Returns the rectangle of a legend in a picture whose contents are in `body`: right of `body` or, if the picture would
-// be wider than `maxWidth` pixels, below. The rectangle has room for all entries, and is empty without any.
+// Returns the rectangle of a legend with room for all entries: right of the picture's contents `body` or, if the
+// picture would be wider than `maxWidth` pixels, below. Empty if the legend has no entries and no scale.
 PixelRect legendRect(const Legend& legend, const PixelRect& body, double lineHeight, int maxWidth);
 
 // A picture of images with a title above them.

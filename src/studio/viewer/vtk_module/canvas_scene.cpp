@@ -244,7 +244,7 @@ void OverlayPainter::set(Overlay overlay) {
   uploaded_ = false;
 }
 
-// Copies the overlay to the bound vertex array, and connects its columns to the attributes of `program`.
+// Copies the overlay to the bound vertex array, and assigns its data to the attributes of `program`.
 void OverlayPainter::upload(vtkShaderProgram& program) {
   glBindBuffer(GL_ARRAY_BUFFER, vertices_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(overlay_.vertices.size() * sizeof(OverlayVertex)),

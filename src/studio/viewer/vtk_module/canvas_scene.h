@@ -19,7 +19,7 @@ namespace scanmill {
 // perceptive-based approach", 2009).
 class DepthEdges {
  public:
-  // Darkens pixels in the view's rectangle, except the background; keeps depths. `height`: the window's (pixels).
+  // Darkens pixels in the view's rectangle, except the background; keeps depths. `height`: window's height (pixels).
   void darken(vtkOpenGLRenderWindow* window, const CanvasView& view, int height);
   void release(vtkWindow* window);
 

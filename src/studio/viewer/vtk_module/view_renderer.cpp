@@ -35,7 +35,7 @@ void ViewRenderer::setView(const CanvasView& view, int canvasWidth, int canvasHe
   camera->SetPosition(eye.x, eye.y, eye.z);
   camera->SetFocalPoint(target.x, target.y, target.z);
   camera->SetViewUp(up.x, up.y, up.z);
-  // Half the picture's height: divided by the depth or, if the camera is orthographic, in metres.
+  // Half the picture's height: as a multiple of the depth or, if the camera is orthographic, in metres.
   const double halfHeight = rect.height / 2.0 / viewCamera.focal;
   camera->SetParallelProjection(viewCamera.orthographic);
   if (viewCamera.orthographic) {
@@ -73,9 +73,9 @@ void main() {
 // depths. This darkens every surface that slopes away from the eye, most of all roads. Here, the differences of two
 // neighbours on opposite sides are added; on a plane they cancel out, so that only edges are darkened. A neighbour
 // without a depth is given the depth of this pixel. Without perspective, depths are compared instead of their
-// logarithms. Logarithms of single depths would take most of the time: with the inverse depths u of this pixel and a
-// and b of the two neighbours, the difference of the pair is log2(a * b / u^2), so the sum over all pairs is the
-// logarithm of a product.
+// logarithms. The shader computes no logarithms, since they would take most of the time. If this pixel has the inverse
+// depth u and two opposite neighbours have a and b, their differences add up to log2(a * b / u^2), so the sum over all
+// pairs is the logarithm of a product.
 constexpr const char* kFragment = R"(//VTK::System::Dec
 //VTK::Output::Dec
 uniform sampler2D depths;
@@ -84,7 +84,7 @@ uniform ivec2 last;
 uniform vec3 lens;  // farthest depth (m), range of depths (m), and this range in pixels
 uniform int orthographic;
 
-// Returns a multiple of the inverse depth (of the depth, negative, without perspective). `depth`: of the framebuffer.
+// Returns a multiple of the inverse depth; without perspective, of the negative depth. `depth`: from the depth buffer.
 float nearness(float depth) {
   return orthographic == 1 ? -depth * lens.z : lens.x - depth * lens.y;
 }

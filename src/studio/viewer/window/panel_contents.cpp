@@ -251,7 +251,7 @@ void PanelContents::collectLegends() {
   }
 }
 
-// Gives a legend that several views share the numbers of points of the active view, see collectLegends().
+// Copies the numbers of points of the active view to a legend that several views share, see collectLegends().
 void PanelContents::countActiveView(LegendBlock& block) {
   Legend active;  // without entries unless the active view is one of the block's views
   if (clouds_.activeView && std::ranges::count(block.views, *clouds_.activeView) > 0) {

@@ -16,8 +16,8 @@ struct PointFunction {
   float operator()(const Vec3f& p) const { return dot(p, linear) + constant; }
 };
 
-// Functions of a point in the item's frame: `depth` (m), and its distances (pixels) to the right of the pointer and
-// below it, times a weight w, which saves divisions. w is the depth, or 1 for an orthographic camera.
+// Affine functions of a point in the item's frame: `depth` is its depth (m); `right` and `down` are its distances from
+// the pointer (pixels) times a weight w, which saves divisions. w is the depth, or 1 for an orthographic camera.
 struct PointerFunctions {
   PointFunction right, down, depth;
   bool orthographic;
@@ -47,8 +47,8 @@ struct PickLimits {
   float half, far, nearest;
 };
 
-// A point near the pointer. The least candidate is picked: if points cover the pointer, the nearest of these to the
-// eye, otherwise the nearest to the pointer.
+// A point near the pointer. The least candidate is picked: the point nearest to the eye among those that cover the
+// pointer or, if none does, the point nearest to the pointer.
 struct Candidate {
   bool beside = false;
   double first = 0;   // depth or, if the point is beside the pointer, distance from the pointer

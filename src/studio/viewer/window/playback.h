@@ -51,7 +51,7 @@ class Playback {
   std::optional<std::size_t> current_;
   std::optional<double> currentTime_;  // time of the current frame in its sequence (s); absent: the frame has no scan
   double shownAt_ = 0;                 // time at which the current frame was received or playing began (s)
-  double recordedSeconds_ = 0;         // recorded time between the last two frames (s); 0: they are not consecutive
+  double recordedSeconds_ = 0;         // recorded time between the last two frames (s); 0: not consecutive frames
   bool playing_ = false;
   bool readsAhead_ = false;
   std::string busy_;

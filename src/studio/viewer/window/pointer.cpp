@@ -67,7 +67,7 @@ void Pointer::moveTo(const CanvasEvent& event) {
   if (drag.button == 0) return;
   drag.moved = drag.moved || std::abs(event.x - drag.downX) > kStill || std::abs(event.y - drag.downY) > kStill;
   if (!drag.moved || context_.redraw.views().empty()) return;
-  const int right = event.x - drag.x;  // since the last move
+  const int right = event.x - drag.x;  // motion since the last event (pixels)
   const int down = event.y - drag.y;
   drag.x = event.x;
   drag.y = event.y;

@@ -53,7 +53,7 @@ struct Pointer {
   std::optional<PickedElement> pickStrip(const PixelRect& rect, int px, int py) const;
   // Describes a point. `cloudIndex`: index of its cloud in ShownClouds::list.
   PickedElement pickedPoint(std::size_t cloudIndex, std::size_t point) const;
-  // Returns `picked`. If other scans are shown, adds the name of its scan, and the others' points of the same beam.
+  // Returns `picked`; if other scans are shown, with its scan's name and the same beam's points in the other scans.
   PickedElement withOtherScans(PickedElement picked) const;
   // True if the point or triangle is not hidden and its scan is shown.
   bool isShown(const PickedElement& picked) const;

@@ -162,7 +162,7 @@ OrbitCamera SceneView::preset(View view) const {
   if (context_.source->isScene()) {
     // Shows the complete scene, or only ViewMesh::core if the scene is much larger than its core. Scenes often have
     // ground around them, which only the view from above shows.
-    const double largestRatio = view == View::Above ? 3 : 1.2;  // scene's by core's diagonal; chosen by eye
+    const double largestRatio = view == View::Above ? 3 : 1.2;  // ratio of scene to core (diagonals); chosen by eye
     if (!mesh) return fitted;
     const auto diagonal = [](const Box& box) { return box.empty() ? 0 : length(box.high - box.low); };
     const bool showsAll = diagonal(mesh->bounds) < largestRatio * diagonal(mesh->core);

@@ -41,8 +41,8 @@ struct SceneView {
   double farthest(const Vec3d& eye) const;  // returns an upper bound of the distance from the eye to what is drawn (m)
 
   OrbitCamera preset(View view) const;
-  // Returns the camera that the options choose. The result may be different after the first frame or the scene's mesh
-  // is loaded, since a named view is fitted to these.
+  // Returns the camera that the options choose. A named view is fitted to the first frame or the scene's mesh, so the
+  // result may change when these have been loaded.
   OrbitCamera firstCamera() const;
   // When the first points are shown, moves the camera to firstCamera(), or to the close-up if the options have one.
   void lookAtFirstPoints();

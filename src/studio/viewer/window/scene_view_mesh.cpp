@@ -205,7 +205,7 @@ void SceneView::addObjectBox(LineSet& lines, const ObjectRecord& object) const {
   const Rgb color = isSeen ? fullColor : mix(fullColor, context_.options.background, kUnseenShare);
   addBox(lines, box, object.size, color);
   if (object.headingKnown) addBoxFront(lines, box, object.size, color);
-  constexpr double kSeconds = 1;  // a moving object gets a line to where its centre is after this time
+  constexpr double kSeconds = 1;  // a moving object gets a line to its centre's position after this time (s)
   if (!object.moves) return;
   const Vec3d& center = box.translation;
   lines.add(center, center + canvasFromWorld.linear * (object.velocity * kSeconds), fullColor);

@@ -80,7 +80,7 @@ bool ViewSession::isOn(const KeyMeaning& meaning) const {
 void ViewSession::drawMenus() {
   if (!ImGui::BeginMainMenuBar()) return;
   std::string_view menu;    // the menu of the last command
-  bool isMenuOpen = false;  // true: the user has opened it, and its commands are drawn
+  bool isMenuOpen = false;  // true: the user has opened `menu`, and its commands are drawn
   for (const ViewCommand& command : viewCommands()) {
     if (command.menu.empty()) continue;
     if (command.menu != menu) {
@@ -220,7 +220,7 @@ void ViewSession::drawStrip() {
   }
 }
 
-// Draws the button that plays frames, the slider that chooses one, and what is being loaded.
+// Draws the button that plays frames, the slider that chooses a frame, and the name of what is being loaded.
 void ViewSession::drawFrameBar() {
   const std::size_t requested = playback_.requested();
   panelAt("##frames", panels_.rects.bar, PanelUse::Picture, [&] {
@@ -314,8 +314,7 @@ std::vector<const InstanceSummary*> ViewSession::sortedInstances() {
   return instances;
 }
 
-// Draws a table of the first shown scan's instances. A click selects a point of the instance and turns the camera to
-// it.
+// Draws a table of the first shown scan's instances. A click selects a point of an instance and turns the camera there.
 void ViewSession::drawInstances() {
   constexpr int kVisibleRows = 14;
   constexpr ImGuiTableFlags kTable = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |

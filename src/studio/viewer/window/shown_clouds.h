@@ -22,7 +22,7 @@ struct ShownCloud {
 struct ShownClouds {
   explicit ShownClouds(SessionContext& context);
 
-  // Creates the canvas items of the frame's scans for the current layout, and removes those of other scans.
+  // Creates the canvas items of the frame's scans for the current layout, and removes the items of other scans.
   void arrange();
   // Shows only the points that the filter does not hide.
   void applyFilter();
@@ -42,8 +42,8 @@ struct ShownClouds {
   // True if the user has hidden the cloud's scan in the overlay of all scans.
   bool isHidden(const ShownCloud& cloud) const;
 
-  // Change the quantity that colours show in the active view, or in all views, to `by`, or to the next (`step` 1) or
-  // previous (-1) quantity that these views' scans have. If a scan lacks `by`, only sets `colorProblem`.
+  // Change the colours of the active view, otherwise of all views, to the quantity `by`, or to the next (`step` 1) or
+  // previous (-1) quantity that the scans have. If a scan lacks `by`, chooseColor() only sets `colorProblem`.
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);
   // Computes the ends of the scales from the values again.

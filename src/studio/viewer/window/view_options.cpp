@@ -7,7 +7,7 @@ namespace scanmill {
 
 namespace {
 
-// Why commands do nothing for a scene without scans.
+// Reasons why commands do nothing for a scene without scans.
 constexpr std::string_view kNoFrames = "a scene has no frames: a dataset of it has";
 constexpr std::string_view kNoScans = "a scene has no scans: a dataset of it has";
 constexpr std::string_view kNoRangeImage = "a scene has no range image: a dataset of it has";

@@ -14,7 +14,7 @@ enum class ViewLayout {
 };
 
 // The objects whose boxes are drawn. Road users are the classes that KITTI's object benchmark knows
-// (labels/kitti.yaml), or all objects if the ontology has none of these.
+// (labels/kitti.yaml), or all objects if the ontology has no such class.
 enum class BoxChoice { RoadUsers, All, None };
 constexpr std::array<std::string_view, 3> kBoxChoiceNames{"road_users", "all", "none"};
 
@@ -23,8 +23,8 @@ struct ViewOptions {
   std::vector<ColorBy> colors{};
   std::optional<ScaleRange> scale{};  // ends of the scale of views that show numbers; absent: computed from the values
   ViewLayout layout = ViewLayout::One;
-  // A named view is fitted to a scene that is shown without scans, and to scans of which it would show hardly any
-  // point. If a scene is shown without scans, a target that the user gives is in the scene's world frame.
+  // A named view is fitted to a scene without scans, and to scans if it would otherwise show hardly any of their
+  // points. If a scene is shown without scans, a target that the user gives is in the scene's world frame.
   CameraChoice camera{};
   std::string sample{};  // key or index of the first frame; empty: the middle frame
   double pointSize = 0;  // side of a drawn point (pixels); 0: depends on the canvas's height
@@ -57,7 +57,7 @@ enum class KeyAction {
   PresetView,  // number: a value of View
   TurnAbout,
   ResetView,
-  StepFrames,  // number: how many
+  StepFrames,  // number: how many frames to go forward; negative: backward
   FirstFrame,
   LastFrame,
   Play,
