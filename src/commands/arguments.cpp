@@ -145,7 +145,7 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
 }
 
 void addThreads(CommandOptions& options) {
-  options.add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  options.add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"), "N");
 }
 
 void addInputLimit(CommandOptions& options) {

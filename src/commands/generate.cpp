@@ -145,13 +145,15 @@ GenerateOptions folderOptions(const Arguments& parsed, const std::filesystem::pa
 // Measures what samples cost, and prints the time and size that the dataset will take. Returns nothing if they cannot
 // be measured.
 std::optional<Forecast> printForecastOf(const Arguments& parsed, const Plan& plan) {
+  std::optional<SampleCosts> costs;
   try {
-    const Forecast predicted = forecast(sampleCosts(parsed, plan), plan.pipeline.frames(), scenesOf(plan.pipeline));
-    printText("this takes about {} and {}\n", timeText(predicted), sizeText(predicted));
-    return predicted;
+    costs = sampleCosts(parsed, plan);
   } catch (const Error&) {
     return std::nullopt;
   }
+  const Forecast predicted = forecast(*costs, plan.pipeline.frames(), scenesOf(plan.pipeline));
+  printText("this takes about {} and {}\n", timeText(predicted), sizeText(predicted));
+  return predicted;
 }
 
 // Makes one dataset. `sweepOverrides`: see planOf().
