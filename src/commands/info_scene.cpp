@@ -117,7 +117,7 @@ void printColors(const Asset& asset) {
   printText("\n{}", formatTable(rows));
 }
 
-// A part of a 3D file in the list of its names.
+// A row of the table of a 3D file's parts: the names by which rules can match the part, and its size.
 struct ListedPart {
   std::string node, material, texture;
   std::uint64_t triangles = 0;  // as the file has them

@@ -187,7 +187,8 @@ class HouseMaker {
     s_.rod(look_.metal, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 10);
   }
 
-  // Adds a slab of a roof, open at the ridge. Corners, counter-clockwise from outside: `a`, `b` at the eaves, `c`, `d`.
+  // Adds a slab of a roof without a face at the ridge. Seen from outside the corners are counter-clockwise: `a`, `b` at
+  // the eaves, `c`, `d` at the ridge. `thickness`: m, vertical.
   void slab(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double thickness) {
     const Vec3d down{0, 0, -thickness};
     s_.quad(look_.tile, a, b, c, d);

@@ -39,7 +39,8 @@ struct HouseMeasures {
   double windowWidth = 1.2, windowHeight = 1.4;
 };
 
-// Adds rooms and, in many houses, bands, corner stones, bays, porches, ivy, awnings and a garage (house's frame).
+// Adds rooms, curtains and fittings to a house, and to some houses bands, corner stones, bays, porches, ivy, awnings or
+// a garage. `shape` is in the house's frame.
 void addHouseDetails(Shape& shape, std::uint64_t seed, const House& house, const FacadeLook& look,
                      const HouseMeasures& measures);
 

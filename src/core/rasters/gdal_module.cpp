@@ -193,8 +193,8 @@ class GdalReader final : public RasterReader {
       if (isAlpha(GDALGetRasterBand(dataset_, i))) dropWhereZero(GDALGetRasterBand(dataset_, i), xywh, values);
     }
     const double marker = markerOf(band);
-    // Relative errors of markers: files state them in float32 (24 bits), or as a text, which has six digits if the
-    // marker is as large as -3.40282e+38.
+    // Samples equal the no-data value within these relative tolerances: files state it in float32 (24 bits), or as a
+    // text, which has six digits if the value is as far from 0 as -3.40282e+38.
     constexpr double kFloatRounding = 1e-7, kTextRounding = 1e-5, kLeastAsText = 1e6;
     const double tolerance = std::fabs(marker) * (std::fabs(marker) > kLeastAsText ? kTextRounding : kFloatRounding);
     const double scale = GDALGetRasterScale(band, nullptr);

@@ -89,9 +89,9 @@ struct UnreliableBeams {
   }
 };
 
-// Turns the records of launched particles that have marched into hits: lets particles continue through transparent
-// triangles (in fields with lists), fills the channels that `hits` has, and appends the beams that are neither hits nor
-// misses to `unresolved`. `particles` and `records`: kPacket for each tile, in the order of the tiles.
+// Makes hits of the records that the march has written: lets particles continue through transparent triangles (in
+// fields with lists), fills the channels that `hits` has, and appends the beams that are neither hits nor misses to
+// `unresolved`. Returns the numbers of unreliable beams. `particles`, `records`: kPacket for each tile, in their order.
 UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
                         Particles& particles, HitRecords& records, Hits& hits, std::vector<std::uint32_t>& unresolved);
 

@@ -95,8 +95,8 @@ void addUnresolved(const MarchJob& job, const Tile& tile, const Rays& rays, cons
 // Number of tiles whose triangles are prefetched together; these triangles fit into the L1 cache.
 constexpr std::size_t kTilesTogether = 16;
 
-// Prefetches the triangles that the rays of kTilesTogether tiles (fewer at the end) from `firstTile` on have hit,
-// because triangles are scattered in memory. `tiles`: number of all tiles.
+// Prefetches the triangles hit by the rays of a group of tiles, because triangles are scattered in memory. The group
+// has kTilesTogether tiles from `firstTile` on, or the tiles that remain. `tiles`: number of all tiles.
 void prefetchHits(const MarchJob& job, const HitRecords& records, std::size_t firstTile, std::size_t tiles) {
   const std::size_t endTile = std::min(firstTile + kTilesTogether, tiles);
   for (std::size_t i = firstTile * kPacket; i < endTile * kPacket; ++i) {

@@ -25,8 +25,8 @@ struct PacketJob {
 // about hits at exactly the maximum.
 float searchDistance(const BeamTable& beams);
 
-// Returns a distance (m) from the shot's first position, within which all rays of the shot end. Rays that start far
-// from the sensor may end early: see Shot::blockedBeyond.
+// Returns a distance (m) from the shot's first position within which all rays of the shot end. Rays that start more
+// than 1 m from the sensor's origin, since they continue other rays, count only as far as Shot::blockedBeyond.
 double farthestEnd(const Shot& shot);
 // Does the same for all rays that start at most `farthestOrigin` (m) from the sensor's origin.
 double farthestEnd(const Shot& shot, double farthestOrigin);

@@ -63,7 +63,7 @@ class SceneWriter {
         trianglesOfAnObject_(trianglesOfAnObject),
         arrays_(folder / "scene.bin") {}
 
-  // Writes both files. Must be called only once.
+  // Writes scene.bin and scene.json, and returns the objects. Must be called only once.
   std::vector<BlenderObject> write(int threads) {
     addMaterials();
     std::vector<std::vector<std::uint32_t>> instancesOf(scene_.meshes.size());  // by mesh: indices of its instances

@@ -163,8 +163,8 @@ class RandomNumbers {
   RandomAddress address_;
 };
 
-// The triangles of given classes that are less than 60 degrees steep (m, world frame), with the cumulative sums of
-// their areas (m^2) as seen from above.
+// The triangles of given classes that are less than 60 degrees steep, as corners (m, world frame), with the cumulative
+// sums of their areas (m^2) as seen from above.
 struct FlatTriangles {
   std::vector<std::array<Vec3d, 3>> triangles;
   std::vector<double> sums;

@@ -77,8 +77,9 @@ struct Lobes {
 
 constexpr double kHalfRoot = 0.70710678118654752440;
 
-// Returns the arc tangent (rad) of t, which must be from 0 to kHalfRoot. Uses only operations that give the same result
-// on all machines: atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), and a series for the right side; errors are below 1e-9.
+// Returns the arc tangent (rad) of t, which must be from 0 to kHalfRoot. Unlike std::atan(), gives the same result on
+// all machines: halves the angle by atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), and then uses the power series. Errors:
+// 1e-9.
 double angleOfSlope(double t) {
   const double half = t / (1 + std::sqrt(1 + t * t));
   const double z = half * half;

@@ -128,8 +128,8 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
   return chart;
 }
 
-// Returns the value of a setting for the name with index `name` on the x axis, and the text for the value's mark. The
-// value is NaN if the setting has none.
+// Computes the mark of a setting in a chart from the setting's `errors`: its value (NaN if it has none) and its text.
+// `name`: index in Chart::x.names.
 using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
 
 // Returns `chart` with one series per setting, which has one value per name on the x axis. Values of one name are drawn

@@ -28,8 +28,8 @@ struct ResponseFit {
   bool bytes = false;  // true: intensities are integers from 0 to 255; false: any numbers
   ResponseModel model = ResponseModel::Power;
   std::vector<std::pair<double, double>> table;  // value (power or reflectivity) and intensity, both ascending
-  // Derivative of the intensity's logarithm with respect to the value's, over the middle half of the surfaces. A gain
-  // error of the intensity divided by this slope is the gain error of the power.
+  // Slope of log(intensity) over log(value) between the quartiles of the surfaces' values. The gain error of the
+  // intensity divided by this slope is the gain error of the power.
   double slope = 1;
   double floor = 0;  // power that the sensor does not measure; 1: a white target at 10 m; 0: none was found
   // Standard deviation of the intensity in parts of the full scale (255 for bytes, otherwise 1), beyond that of the

@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// The default settings of a study besides each method with its defaults, in YAML.
+// Settings (YAML) that a study measures besides each method with default options, if the pipeline lists no settings.
 constexpr const char* kDefaultSettings = R"(
 - {ray_tracing: {simplify: [0.5, 0.25, 0.1]}}
 - {depth_camera: {resolution: [512, 1024]}}
