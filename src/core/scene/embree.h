@@ -15,8 +15,8 @@
 
 namespace scanmill {
 
-// A query passes the address of its context to its filter functions. A struct with more data for a filter has the
-// context as its first member, so that the filter can cast that address to the struct.
+// Embree passes the address of a query's context to filter functions. A struct with further data for a filter must have
+// the context as its first member, so that the filter can cast this address to the struct.
 #if SCANMILL_EMBREE_MAJOR >= 4
 using EmbreeContext = RTCRayQueryContext;
 #else
@@ -85,7 +85,7 @@ inline void intersectOne(RTCScene scene, EmbreeContext& context, RTCRayHit& ray)
 #endif
 }
 
-// Does the same as intersectOne() for sixteen coherent rays. `valid` is -1 for each active ray, else 0.
+// Finds the nearest hits of sixteen coherent rays, as intersectOne() does. `valid` is -1 for each active ray, else 0.
 inline void intersectPacket(RTCScene scene, EmbreeContext& context, const int* valid, RTCRayHit16& rays) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCIntersectArguments arguments;

@@ -51,8 +51,8 @@ struct ProfilePoint {
 void appendRevolution(Appender& appender, const std::vector<ProfilePoint>& profile, int segments) {
   const auto sides = static_cast<std::uint32_t>(std::max(segments, 3));
   struct Ring {
-    std::uint32_t first;  // index of its first vertex
-    bool onAxis;          // true: it is a single vertex
+    std::uint32_t first;  // index of the ring's first vertex
+    bool onAxis;          // true: the ring is a single vertex
     std::uint32_t vertex(std::uint32_t k, std::uint32_t count) const { return onAxis ? first : first + k % count; }
   };
   std::vector<Ring> rings;

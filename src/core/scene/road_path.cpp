@@ -19,14 +19,14 @@ constexpr double kClearance = 2.5;     // m, free height above the road; also th
 constexpr double kSteepest = 0.75;     // largest slope of a road, as a difference in height per distance
 constexpr double kHalfWidth = 1;       // m, half of a vehicle's width
 constexpr double kEdgeDistance = 2;    // m, desired distance of the vehicle's middle from the edge of the road
-constexpr double kOpenDistance = 12;   // m; beside an edge at least this far away the path is not moved sideways
+constexpr double kOpenDistance = 12;   // m; the path is not moved sideways where an edge is at least this far away
 constexpr double kEdgeStep = 0.25;     // m, accuracy of the distance to an edge
-constexpr double kSearchRadius = 20;   // m, largest distance from an end to the surface
+constexpr double kSearchRadius = 20;   // m, largest distance from the trip's start or goal to the road
 constexpr double kEasyDistance = 2.5;  // m; paths avoid edges that are nearer
 constexpr std::size_t kMostCells = 4'000'000;
-constexpr int kSmoothings = 6;  // smoothings before the path is moved to its side of the road; twice as many follow
+constexpr int kSmoothings = 6;  // number of smoothings before the path is moved sideways; twice as many follow
 constexpr std::size_t kHeadingCells =
-    3;                                // the road's direction is measured over so many cells before and after a point
+    3;                                // number of cells before and after a point over which the direction is measured
 constexpr double kPointDistance = 2;  // m, least distance between the points of the result
 constexpr int kDirections = 8;        // equally spaced directions in which room and edges are tested
 
@@ -43,7 +43,8 @@ class Road {
       : heights_(heights), classes_(classIds(ontology, trip.classes, trip.where)), where_(trip.where) {}
 
   // Returns the height (m) of the lowest road surface at (x, y) that is free up to kClearance above it and at most
-  // kSteepest * `distance` above or below `z`; nothing if there is none. `distance` (m): to the point at height `z`.
+  // kSteepest * `distance` above or below `z`; nothing if there is none. `distance` (m): from (x, y) to the point of
+  // height `z`.
   std::optional<double> height(double x, double y, double z, double distance = kHalfWidth) const {
     const std::optional<double> height = heightAt(x, y, z, distance);
     return height ? height : heightAt(x + kBesideSeam, y + kBesideSeam, z, distance);
@@ -165,13 +166,13 @@ class CellSearch {
     double cost = INFINITY;  // m, of the cheapest known path from the start: length and surcharges near edges
     Cell previous{};         // the cell before this one on that path
     bool hasRoom = false;    // a vehicle has room here
-    bool closed = false;     // the path is final
+    bool closed = false;     // true: the cheapest path to the node is final
   };
 
   // Returns the horizontal distance to the goal (m), a lower bound of the length of any path to the goal.
   double goalDistance(const Vec3d& p) const { return std::hypot(p.x - goal_.x, p.y - goal_.y); }
 
-  // Looks for road at the neighbour (dx, dy) of a node, and opens it if the path through the node is its cheapest.
+  // Looks for road at a node's neighbour (dx, dy), and opens the neighbour if this path is its cheapest so far.
   void visit(const Cell& cell, const Node& node, int dx, int dy) {
     const double x = start_.x + static_cast<double>(cell[0] + dx) * kCell;
     const double y = start_.y + static_cast<double>(cell[1] + dy) * kCell;
@@ -231,7 +232,7 @@ void moveTo(const Road& road, Vec3d moved, Vec3d& point) {
   if (road.hasRoom(moved)) point = moved;
 }
 
-// Replaces each point except the two ends by a mean with its neighbours, if a vehicle has room at the mean.
+// Replaces all points but the ends by a weighted mean with their neighbours, if a vehicle has room there.
 void smooth(const Road& road, std::vector<Vec3d>& path) {
   const std::vector<Vec3d> old = path;
   for (std::size_t i = 1; i + 1 < path.size(); ++i) {
@@ -239,7 +240,7 @@ void smooth(const Road& road, std::vector<Vec3d>& path) {
   }
 }
 
-// Moves points to kEdgeDistance from the edge on `side`, or to the middle of narrow roads; open places stay unchanged.
+// Moves points to kEdgeDistance from the edge on `side`, or to the middle of narrow roads. Points in open places stay.
 void keepToSide(const Road& road, RoadSide side, std::vector<Vec3d>& path) {
   const std::vector<Vec3d> old = path;
   for (std::size_t i = 0; i < path.size(); ++i) {

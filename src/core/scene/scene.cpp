@@ -83,9 +83,9 @@ Box boxAround(const Affine& transform, const Box& box) {
 
 namespace {
 
-// Limit of twice a triangle's area divided by the product of the lengths of two sides. Below this limit, the corners
-// are collinear as far as double arithmetic on float32 coordinates can tell. The thinnest triangle that float32 can
-// represent is far above the limit.
+// Corners are treated as collinear if twice the triangle's area, divided by the product of the lengths of two sides, is
+// at most this limit. Double arithmetic on float32 coordinates cannot tell them from collinear ones. The thinnest
+// triangle that float32 can represent is far above the limit.
 constexpr double kCollinear = 1e-14;
 
 bool isDegenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {

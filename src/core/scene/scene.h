@@ -54,7 +54,7 @@ struct Mesh {
   Box bounds() const;
 };
 
-// How many triangles clean() has dropped, by reason.
+// Numbers of triangles that clean() has dropped, by reason.
 struct Dropped {
   std::uint64_t nonFinite = 0;   // triangles with a vertex that was NaN or infinite
   std::uint64_t degenerate = 0;  // triangles with zero area, for example with a repeated corner
@@ -130,7 +130,7 @@ struct UnlabeledPart {
   auto operator<=>(const UnlabeledPart&) const = default;  // NOLINT(modernize-use-nullptr): nobody writes one
 };
 
-// How often a rule of the scene file applied, counted in triangles of meshes.
+// Numbers of triangles to which a rule of the scene file applied.
 struct RuleUse {
   Location where;
   std::string match, gives;   // the conditions and the result of the rule, in words

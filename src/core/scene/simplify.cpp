@@ -34,7 +34,7 @@ static_assert(sizeof(Weld) == 24, "bytes between the members would be compared, 
 // Triangles with merged vertices.
 struct Welded {
   std::vector<Weld> vertices;
-  std::vector<std::uint32_t> vertexOf;  // by vertex: the index of one of the merged vertices in the mesh
+  std::vector<std::uint32_t> vertexOf;  // for each of `vertices`: index in the mesh of a vertex merged into it
   std::vector<std::uint32_t> corners;   // indices into `vertices`, three per triangle
 };
 
@@ -89,7 +89,7 @@ std::vector<std::size_t> trianglesPerSurface(const Mesh& mesh) {
   return count;
 }
 
-// Restores in `target` surfaces that vanished when `source` was simplified. A surface of more than kFewTriangles
+// Restores surfaces in `target` that vanished when `source` was simplified. A surface of more than kFewTriangles
 // triangles is simplified again by itself. If it vanishes again, or has at most kFewTriangles triangles, all its
 // original triangles are restored.
 void restoreVanished(const Scene& scene, const Mesh& source, double keep, Mesh& target) {

@@ -14,7 +14,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kMargin = 1;  // m; rays start this far above and end this far below all surfaces
-// Triangles whose normals are within about this angle (rad) of horizontal are vertical and have no height.
+// Triangles whose normals are within about this angle (rad) of the horizontal count as vertical and have no height.
 constexpr double kVertical = 1e-6;
 
 // The context of a query that collects every triangle that a ray crosses.
@@ -69,7 +69,7 @@ double distanceToTriangle(const std::array<Vec3d, 3>& corners, const Vec3d& p) {
 struct SurfaceHeights::Hierarchy {
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene all = rtcNewScene(device);  // the instances
-  std::vector<RTCScene> meshes;        // by index in Scene::meshes; null: no instance has it
+  std::vector<RTCScene> meshes;        // by index in Scene::meshes; null: no instance of the mesh is added
   Vec3d anchor;                        // m, world frame
   Box bounds;                          // m, world frame
 

@@ -19,8 +19,8 @@ constexpr double kAboveGround = 0.5;           // m; ground up to this far above
 constexpr double kSteepestGround = kPi / 3;    // rad, largest slope of ground
 constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 
-// m. A vertical ray exactly on the edge between two meshes may miss both, because of rounding. A ray that finds no
-// ground is therefore followed by a second ray that is shifted by this distance along x and along y.
+// Shift of a second ray (m). A vertical ray exactly on the edge between two meshes may miss both, because of rounding.
+// If a ray finds no ground, a second ray is therefore traced, shifted by this distance along x and along y.
 constexpr double kBesideSeam = 1e-3;
 
 // Returns the ground under a point at the height `z` (m). `surfaces`: all surfaces above and below the point, the
@@ -39,7 +39,7 @@ const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const
   return lowest;
 }
 
-// Finds surfaces by vertical rays. Each mesh is stored once, however often it is placed.
+// Finds surfaces by vertical rays. Each mesh is stored once, even if several instances share it.
 class SurfaceHeights {
  public:
   struct Surface {

@@ -19,8 +19,8 @@ double turnDirection(const Vec2d& start, const Vec2d& middle, const Vec2d& end) 
   return (middle.x - start.x) * (end.y - start.y) - (middle.y - start.y) * (end.x - start.x);
 }
 
-// Returns the convex hull, counter-clockwise: Andrew, "Another efficient algorithm for convex hulls in two dimensions",
-// Information Processing Letters 9 (1979).
+// Returns the points' convex hull, counter-clockwise (Andrew, "Another efficient algorithm for convex hulls in two
+// dimensions", Information Processing Letters 9 (1979)).
 std::vector<Vec2d> hullOf(std::vector<Vec2d> points) {
   std::ranges::sort(points, {}, [](const Vec2d& p) { return std::pair(p.x, p.y); });
   std::vector<Vec2d> hull;
@@ -124,7 +124,7 @@ class ThingBoxes::Builder {
     return partsOf;
   }
 
-  // Describes a thing. `parts` are those of partsOfThings().
+  // Returns the description of a thing. `parts`: the thing's parts, as partsOfThings() returns them.
   Thing thingOf(std::uint32_t id, const std::vector<Part>& parts) const {
     const Instance& main = instanceOf(parts.front());
     Thing thing;

@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// The smallest box with given axes that encloses a thing.
+// A box around a thing: the smallest one with the axes of `worldFromBox`.
 struct OrientedBox {
   Pose worldFromBox;  // pose of the box's centre; x forward, y left, z up for the thing
   Vec3d size;         // m: length along x, width along y, height along z
@@ -49,7 +49,7 @@ class ThingBoxes {
   // Returns the box of a thing at a time (s since the drive began), in the shape that an animated thing has at that
   // time. `thing`: an index into things().
   OrientedBox at(std::size_t thing, double time) const;
-  // Returns the velocity over ground of the thing's frame (m/s, world axes), without the motion that an animation adds.
+  // Returns the velocity of the thing's frame over ground (m/s, world axes), without the motion that an animation adds.
   Vec3d velocity(std::size_t thing, double time) const;
 
  private:

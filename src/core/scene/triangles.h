@@ -1,6 +1,6 @@
 #pragma once
 
-// Tests and drops triangles of a mesh, visits those of a scene's classes, and cuts triangles along the faces of voxels.
+// Tests and drops triangles of a mesh, visits triangles of given classes, and cuts triangles along the faces of voxels.
 
 #include <algorithm>
 #include <array>
@@ -50,9 +50,9 @@ inline Vec3d pointInTriangle(const std::array<Vec3d, 3>& corners, double u, doub
   return corners[0] * (1 - root) + corners[1] * (root * (1 - v)) + corners[2] * (root * v);
 }
 
-// Calls visit(instance, triangle, corners) for each triangle of the classes in the first `instanceCount` instances,
-// except moving instances. `instance` is an index in the scene, `triangle` an index in the mesh; `corners` are in the
-// world's frame (m).
+// Calls visit(instance, triangle, corners) for each triangle of `classes` in the first `instanceCount` instances,
+// except moving instances. `instance`: index in Scene::instances; `triangle`: index in Mesh::triangles; `corners`: m,
+// world frame.
 template <class Visit>
 void forEachTriangleOf(const Scene& scene, const std::vector<std::uint16_t>& classes, std::size_t instanceCount,
                        const Visit& visit) {
@@ -68,7 +68,7 @@ void forEachTriangleOf(const Scene& scene, const std::vector<std::uint16_t>& cla
   }
 }
 
-// Voxels [low, high) along x, y and z.
+// A range of voxels: indices from `low` to `high` - 1 along x, y and z.
 struct VoxelRange {
   std::array<std::int64_t, 3> low{};
   std::array<std::int64_t, 3> high{};
@@ -138,9 +138,8 @@ class TrianglePiece {
   std::size_t count_ = 0;
 };
 
-// Cuts a piece along `Axis` and the axes after it, and calls visit(voxel, area) for each voxel of the range that
-// contains some area of the piece. Along the axes before `Axis` the piece is within a single voxel, whose index is in
-// `voxel`.
+// Cuts a piece along `Axis` and the axes after it, and calls visit(voxel, area) for each voxel of the range in which
+// the piece has some area. Along the axes before `Axis` the piece is within a single voxel, whose index is in `voxel`.
 template <std::size_t Axis, class Visit>
 void cutPiece(const TrianglePiece& piece, const VoxelRange& range, std::array<std::int64_t, 3>& voxel,
               const Visit& visit) {
@@ -173,9 +172,9 @@ void cutPiece(const TrianglePiece& piece, const VoxelRange& range, std::array<st
   }
 }
 
-// Calls visit(voxel, area) for each voxel of a range that contains some area of a triangle, with that area, in the
-// order of the voxels' indices. Coordinates are in units of voxels: voxel i of an axis is [i, i + 1). A voxel that the
-// triangle only touches is not visited.
+// Calls visit(voxel, area) for each voxel of a range in which a triangle has some area, in the order of the voxels'
+// indices. `area`: the triangle's area in the voxel. Coordinates are in units of voxels: voxel i of an axis is [i, i +
+// 1). A voxel that the triangle only touches is not visited.
 template <class Visit>
 void forEachPiece(const std::array<Vec3d, 3>& corners, const VoxelRange& range, const Visit& visit) {
   std::array<std::int64_t, 3> voxel{};

@@ -26,7 +26,7 @@ bool overlaps(const Box& box, const VoxelRange& range) {
          overlapsAlong(box.low.z, box.high.z, 2);
 }
 
-// Returns the transform from a mesh's frame to the grid's frame, in units of voxels. It subtracts the translations
+// Returns the transform from a mesh's frame (m) to the grid's frame in units of voxels. It subtracts the translations
 // first, so that a scene far from the origin gets the same labels.
 Affine voxelsFromMesh(const VoxelGrid& grid, const Pose& worldFromGrid, const Affine& worldFromMesh) {
   const Mat3 gridFromWorld = transposed(toMatrix(worldFromGrid.rotation));
@@ -36,7 +36,7 @@ Affine voxelsFromMesh(const VoxelGrid& grid, const Pose& worldFromGrid, const Af
 }
 
 // The area of each class in each voxel of a slab, in units of squared voxel edges. Most voxels have a single class and
-// need no entry in the map.
+// need no entry in `furtherAreas_`.
 class ClassAreas {
  public:
   explicit ClassAreas(std::size_t voxels) : firstArea_(voxels, 0.0), firstClass_(voxels, 0) {}
@@ -77,12 +77,12 @@ class ClassAreas {
  private:
   std::vector<double> firstArea_;          // by voxel: area of the first class
   std::vector<std::uint16_t> firstClass_;  // by voxel: the class that was added first; 0: the voxel is empty
-  std::unordered_map<std::uint64_t, double> furtherAreas_;  // of the voxels' further classes, by voxel << 16 | class
+  std::unordered_map<std::uint64_t, double> furtherAreas_;  // areas of further classes, by voxel << 16 | class
 };
 
 }  // namespace
 
-// An instance of which some triangles may be in the grid.
+// An instance that may have triangles in the grid.
 struct SceneVoxels::Candidate {
   struct Block {
     std::uint32_t first = 0;  // index of the first of some consecutive triangles
@@ -158,8 +158,8 @@ std::vector<SceneVoxels::Candidate> SceneVoxels::candidatesIn(const VoxelGrid& g
   return candidates;
 }
 
-// Labels the voxels of the layers `firstX` to `lastX` - 1 along x, and appends those without a class to `unlabeled`.
-// Adds areas in the order of the triangles, so that sums are always rounded in the same way.
+// Labels the voxels of the layers `firstX` to `lastX` - 1 along x, and appends non-empty voxels without a class to
+// `unlabeled`. Adds areas in the order of the triangles, so that sums are always rounded in the same way.
 void SceneVoxels::labelLayers(const VoxelGrid& grid, const std::vector<Candidate>& candidates, std::uint32_t firstX,
                               std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled) {
   const VoxelRange range{.low = {firstX, 0, 0}, .high = {lastX, grid.counts[1], grid.counts[2]}};

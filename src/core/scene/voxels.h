@@ -40,7 +40,7 @@ class SceneVoxels {
  private:
   struct Candidate;
 
-  // Returns the instances of which triangles may be in the grid at a time (s since the drive began).
+  // Returns the instances that may have triangles in the grid at a time (s since the drive began).
   std::vector<Candidate> candidatesIn(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
   static void labelLayers(const VoxelGrid& grid, const std::vector<Candidate>& candidates, std::uint32_t firstX,
                           std::uint32_t lastX, VoxelLabels& labels, std::vector<std::uint32_t>& unlabeled);

@@ -83,7 +83,7 @@ std::optional<std::uint32_t> idOf(const Value& item) {
   return static_cast<std::uint32_t>(std::stoul(item.text));
 }
 
-// Throws the error for a name that is not in the scene, with a suggestion.
+// Throws InputError for an item that names nothing in the scene, with a suggestion.
 [[noreturn]] void refuse(const Scene& scene, const Value& item) {
   std::set<std::string> names;  // names of objects, without the numbers of copies, and of classes
   for (const Instance& instance : scene.instances) names.insert(instance.name.substr(0, instance.name.find('#')));

@@ -16,7 +16,7 @@ namespace scanmill {
 namespace {
 
 // Limits of the search for positions of copies, chosen by eye.
-constexpr std::uint64_t kTriesPerCopy = 30;         // if `count` is given without `distance_from`
+constexpr std::uint64_t kTriesPerCopy = 30;         // tries for each copy if only `count` is given, not `distance_from`
 constexpr std::uint64_t kMostMissesInRow = 30'000;  // with `count`, the search ends after this many rejections
 constexpr double kCoverHeight = 0.05;  // m; a surface is covered if another surface lies more than this above it
 constexpr double kSameHeight = 1e-3;   // m; surfaces whose heights differ by less are the same surface
@@ -134,8 +134,8 @@ Arrangement::Along readAlong(const Value& value) {
   return along;
 }
 
-// Returns, for each limit, an object that computes distances from the surfaces of the limit's class. If the scene has
-// no triangle of the class, throws InputError for a limit with a largest distance, and warns for other limits.
+// Returns, for each limit, an object that computes distances to surfaces of the limit's class. If the scene has no
+// triangle of a limit's class, throws InputError if the limit has a largest distance, otherwise warns.
 std::vector<SurfaceDistance> classDistances(const Scene& scene, const std::vector<Arrangement::Distance>& limits) {
   std::vector<SurfaceDistance> distances;
   for (const Arrangement::Distance& limit : limits) {
@@ -173,7 +173,7 @@ std::uint64_t requestedCopies(const Arrangement::Scatter& scatter, double square
 }
 
 // Returns `position` moved vertically to the highest suitable surface or, without `within`, to a suitable surface at
-// its height. Returns nothing if there is none, or if it is covered by another surface although `covered` is false.
+// this height; nothing if there is none. Covered surfaces are suitable only if `covered` is true.
 std::optional<Vec3d> scatterPoint(const Arrangement::Scatter& scatter, const SurfaceHeights& heights,
                                   const Vec3d& position) {
   const std::vector<SurfaceHeights::Surface> surfaces = heights.at(position.x, position.y);  // the highest first
@@ -305,7 +305,7 @@ std::vector<Arrangement::Copy> Arrangement::copies(const Placement& placement, c
                                                    const SurfaceHeights* heights, std::uint64_t seed,
                                                    std::uint32_t object, std::size_t variants,
                                                    const std::function<double(const Copy&)>& lowestZ) const {
-  std::vector<Pose> basePoses{Pose{}};  // each gets all copies of `placement`
+  std::vector<Pose> basePoses{Pose{}};  // `placement` places all its copies at each of these poses
   if (scatter_) basePoses = scattered(scene, *heights, seed, object);
   if (along_) basePoses = alongPath(scene, heights);
   if (basePoses.size() * placement.count() > Placement::mostCopies()) {
@@ -335,7 +335,7 @@ std::vector<Arrangement::Copy> Arrangement::stoodOnSurfaces(const std::vector<Co
     return classes.empty() ? !surface.thing : std::ranges::find(classes, surface.semantic) != classes.end();
   };
   std::vector<Copy> standing;
-  std::optional<Vec3d> firstWithoutGround;  // its position
+  std::optional<Vec3d> firstWithoutGround;  // position of the first copy without a surface
   for (Copy copy : copies) {
     Vec3d& position = copy.worldFromMesh.translation;
     if (const auto ground = heights.under(position, carries)) {

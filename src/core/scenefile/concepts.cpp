@@ -33,11 +33,11 @@ bool isPlural(std::string_view ending) {
   return std::ranges::find(kEndings, ending) != kEndings.end();
 }
 
-// Index where the name's word that has the match ends, and length of the concept's word; compared in this order.
+// End of the name's word in which the match is, and length of the concept's word; compared in this order.
 using Match = std::pair<std::size_t, std::size_t>;
 
-// Finds the last place where a word of a concept occurs in a folded name: as a word or its plural, or if `word` is long
-// (kFewestLettersInside), within a word. Returns nothing if there is no such place.
+// Returns the last match of a concept's word in a folded name; nothing if there is none. The word or its plural must be
+// a word of the name. A word of at least kFewestLettersInside letters may also be a part of a word of the name.
 std::optional<Match> lastMatch(std::string_view name, std::string_view word) {
   std::optional<Match> match;
   for (std::size_t begin = name.find(word); begin != std::string_view::npos; begin = name.find(word, begin + 1)) {

@@ -13,7 +13,7 @@
 
 namespace scanmill {
 
-// In this order: ground; a complete object; a part of objects; geometry that is dropped, as it is not of the world.
+// Ground, a complete object, a part of objects, or geometry to drop, which does not belong to the world.
 enum class ConceptKind { Ground, Whole, Detail, Drop };
 
 struct Concept {

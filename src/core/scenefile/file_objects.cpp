@@ -21,7 +21,7 @@ namespace {
 // A clip of an animated file.
 struct Clip {
   std::string name;
-  std::optional<double> time;  // s, at which the clip is frozen; absent: it loops
+  std::optional<double> time;  // time (s) at which the clip is frozen; absent: the clip loops
 };
 
 // Reads {clip: NAME, time_s: t}.
@@ -98,7 +98,7 @@ std::filesystem::path FileObjects::assetPath(const std::string& name, const Valu
   return assetFolder_ / name;
 }
 
-// Throws InputError for an unknown class or material of a rule, so that a typing error is found even if the rule
+// Throws InputError if a rule has an unknown class or material, so that a typing error is found even if the rule
 // matches nothing.
 void FileObjects::checkNames(const std::vector<Rule>& rules) const {
   for (const Rule& rule : rules) {
@@ -186,8 +186,8 @@ std::vector<Rule> FileObjects::rulesOf(Fields& object) const {
   return rules;
 }
 
-// Returns each combination of a file of the object and one of `materials`, the materials of the key `vary` (without
-// materials, each file once). Each copy of the object gets one of these combinations at random.
+// Returns each combination of a file of the object and one of `materials`, which come from the key `vary`; without
+// materials, each file once. Each copy of the object gets one of these combinations at random.
 std::vector<LabelledFile> FileObjects::variantsOf(Fields& object, const std::vector<NamedFile>& files,
                                                   const std::vector<std::string>& materials) const {
   const AssetOptions asset = assetOptions(object);
@@ -292,7 +292,7 @@ void FileMeshes::compareSurveys(const LabelledFile& labelled, const Vec3d& posit
       fmt::format("{} around a middle of its own ({} and {})",
                   first.ownMiddle && survey.ownMiddle ? "each" : "one of them", first.system, survey.system);
   if (!first.ownMiddle && !survey.ownMiddle) {
-    constexpr double kLeastShift = 10;  // m, more than between two realisations of the same system
+    constexpr double kLeastShift = 10;  // m; two realisations of the same system differ by less
     const double shift = shiftBetween(first.system, survey.system, survey.origin.x, survey.origin.y);
     if (shift < kLeastShift) return;
     misfit = fmt::format("in coordinate systems that differ by {:.0f} m there", shift);

@@ -64,7 +64,7 @@ class FileMeshes {
     LabelledFile labelled;
     std::vector<PlacedMesh> meshes = {};  // empty: not loaded
     std::optional<Survey> survey = {};
-    std::shared_ptr<const Animation> animation = nullptr;  // of the clip; null: not loaded
+    std::shared_ptr<const Animation> animation = nullptr;  // animation of the clip; null: not loaded
   };
 
   Entry& entryOf(const LabelledFile& labelled);

@@ -148,7 +148,7 @@ void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& fra
   for (const auto& [deciding, triangles] : groups) labelledParts.push_back({copier.copy(triangles), deciding});
 }
 
-// Returns the least z (m) of the parts' triangles; infinity if there are none.
+// Returns the least z (m) of the corners of the parts' triangles; infinity if there are no triangles.
 double lowestZ(const std::vector<AssetPart>& parts) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const AssetPart& part : parts) {
@@ -231,7 +231,7 @@ std::vector<LabelledPart> divideIntoThings(std::vector<LabelledPart> parts, cons
                      file, thingCount, kMostSurfaces);
   }
   std::vector<LabelledPart> divided;
-  auto numbers = thingNumbers.begin();  // numbers of the next part in `thingParts`
+  auto numbers = thingNumbers.begin();  // iterator to the numbers of the next part in `thingParts`
   for (LabelledPart& labelled : parts) {
     std::map<std::uint32_t, std::vector<std::size_t>> trianglesByThing;
     if (labelled.isOfThings()) {
@@ -251,8 +251,8 @@ std::vector<LabelledPart> divideIntoThings(std::vector<LabelledPart> parts, cons
   return divided;
 }
 
-// Returns the parts of a file, divided by rules, classes and things. `origin`: of the parts' frame (m, asset frame).
-// `uses` counts the triangles of each rule; `dropped` counts triangles that are removed because they cannot be traced.
+// Returns the parts of a file, divided by rules, classes and things. `origin`: origin of the parts' frame (m, asset
+// frame). `uses` counts the triangles of each rule; `dropped` counts removed triangles, which cannot be traced.
 std::vector<LabelledPart> labelParts(const Ontology& ontology, std::vector<AssetPart> assetParts, const Vec3d& origin,
                                      const Labelling& labelling, std::vector<RuleUse>& uses, Dropped& dropped) {
   const PartFrame frame{origin, lowestZ(assetParts)};
@@ -273,7 +273,7 @@ std::vector<LabelledPart> labelParts(const Ontology& ontology, std::vector<Asset
 }
 
 // Adds the mesh of the labelled parts of a file. Returns the mesh's index; nullopt if no triangle remains. `dropped`
-// counts the triangles that are removed because they cannot be traced.
+// counts removed triangles, which cannot be traced.
 std::optional<std::uint32_t> addMesh(SceneBuilder& builder, std::vector<LabelledPart> parts, const Labelling& labelling,
                                      Dropped& dropped) {
   Mesh mesh;
@@ -388,7 +388,7 @@ PartTraits::PartTraits(const AssetPart& part, const PartFrame& frame, bool withS
   }
 }
 
-// Returns the base colour at the triangle's centre: the part's colour times that of its texture.
+// Returns the base colour at the triangle's centre: the part's colour times the colour of its texture.
 Rgb PartTraits::colorAt(const Triangle& triangle) const {
   std::array<double, 3> linear{part_.color[0], part_.color[1], part_.color[2]};
   const Texture* const texture = part_.fileMaterial.texture.get();

@@ -23,7 +23,7 @@ struct ThingBounds {
   Location where;
   bool byClass = false;  // true: triangles of different classes are different things (point clouds)
 
-  // Compares all but the place in the file.
+  // Compares everything except `where`.
   bool operator==(const ThingBounds& o) const { return by == o.by && pattern == o.pattern && byClass == o.byClass; }
 };
 
@@ -101,8 +101,8 @@ struct PartFrame {
 
 class PartTraits {
  public:
-  // Keeps a reference to `part`. Only if `withSizes` is true, computes the sizes of connected parts, which is slow; see
-  // connect().
+  // Keeps a reference to `part`. Computes the sizes of connected parts (see connect()) only if `withSizes` is true,
+  // since this is slow.
   PartTraits(const AssetPart& part, const PartFrame& frame, bool withSizes);
 
   TriangleTraits at(std::size_t triangle) const;

@@ -69,7 +69,7 @@ void readCopies(const Value& value, Placement& placement) {
     }
   }
   if (const Value* grid = f.find("grid")) readGrid(*grid, placement);
-  f.also({"scatter", "along"}).finish();  // object_placer.h describes these
+  f.also({"scatter", "along"}).finish();  // read by Arrangement, see object_placer.h
   const auto& cells = placement.gridCount;
   const double copies = double(cells[0]) * double(cells[1]) * double(cells[2]) * double(placement.at.size());
   if (copies > double(Placement::mostCopies())) {
@@ -87,10 +87,10 @@ const SurfaceHeights& ObjectPlacer::surfaces() {
   return *heights_;
 }
 
-// Reads the key `moving`: a velocity, or a path by waypoints or on the surfaces of earlier objects, with one or several
-// starts.
+// Returns the movements that the key `moving` gives: one for a velocity, or one for each start on a path. The path has
+// waypoints, or is on the surfaces of earlier objects.
 std::vector<std::shared_ptr<const Movement>> ObjectPlacer::movementsOf(const Value& moving) {
-  // Each key that says how the object moves, with the keys that may stand beside it.
+  // The keys that can define the motion, each with the keys that are allowed beside it.
   static const std::map<std::string_view, std::set<std::string_view>> kKeysBeside{
       {"to", {"from", "on", "keep", "speed", "start"}}, {"waypoints", {"ground", "speed", "start"}}, {"velocity", {}}};
   Fields fields(moving, "moving");
@@ -145,7 +145,7 @@ Copies ObjectPlacer::read(Fields& object) {
   return copies;
 }
 
-// Returns the z (m, world) of the lowest point of an asset's meshes.
+// Returns the z (m, world frame) of the lowest point of an asset's meshes.
 double ObjectPlacer::lowestZ(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const {
   double lowest = std::numeric_limits<double>::infinity();
   for (const PlacedMesh& placed : meshes) {

@@ -59,10 +59,10 @@ Placement readPlacement(Fields& object);
 // Reads [[x, y], [x, y]], two corners of a rectangle; returns the least x and y, then the greatest. Throws InputError.
 std::array<double, 4> readRectangle(const Value& value, std::string_view key);
 
-// Places of an object: scattered over surfaces, with random yaws, or along a path, with the path's heading. Each place
-// gets all copies of the object's Placement. `vary` turns a copy about the vertical axis through the copy's own
-// position. Random numbers depend only on the scene's seed and the object's name (or its `thing`). docs/keys.md lists
-// the keys.
+// Generates the places of an object: scattered over surfaces, with random yaws, or along a path, with the path's
+// heading. Each place gets all copies of the object's Placement. The key `vary` rotates a copy about the vertical axis
+// through the copy's own position. Random numbers depend only on the scene's seed and the object's name (or its
+// `thing`). docs/keys.md lists the keys.
 class Arrangement {
  public:
   // Values of an object's keys; each struct is one key.
@@ -114,11 +114,11 @@ class Arrangement {
     std::size_t number = 1;   // counts all copies from 1, including those that are left out
   };
 
-  // Returns the copies at all places, after these steps: `vary` moves copies and leaves some out; then each copy is set
-  // on a surface of `stand_on`, or left out if there is none below or above it. `Copy::variant` is random.
-  // `heights`: the surfaces of `scene`, which has the objects listed before this one; required if needsSurfaces().
-  // `lowestZ` returns the z of a copy's lowest point (m, world). Throws InputError if the scene has no surface of the
-  // required classes, or too little room.
+  // Returns the copies at all places. `vary` moves copies and leaves some out; then each copy is set on a surface of
+  // `stand_on`, or left out if no such surface is below or above it. `Copy::variant` is random. `heights`: the surfaces
+  // of `scene`, which has the objects listed before this one; required if needsSurfaces(). `lowestZ` returns the z of a
+  // copy's lowest point (m, world frame). Throws InputError if the scene has no surface of the required classes, or too
+  // little room.
   std::vector<Copy> copies(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
                            std::uint64_t seed, std::uint32_t object, std::size_t variants,
                            const std::function<double(const Copy&)>& lowestZ) const;
@@ -152,8 +152,8 @@ struct Copies {
 // The sets of meshes of an object; each copy gets one of the sets at random.
 struct Variants {
   std::size_t count = 1;
-  // Returns one of the sets of meshes; the argument is its index, less than `count`. Called once for each index in use;
-  // the result must stay valid until all copies are placed.
+  // Returns the set of meshes with this index, which is less than `count`. Called once for each index in use; the
+  // result must stay valid until all copies are placed.
   std::function<const std::vector<PlacedMesh>&(std::size_t)> meshes;
 };
 
@@ -184,7 +184,7 @@ class ObjectPlacer {
   std::optional<SurfaceHeights> heights_;
   std::uint64_t placedMeshes_ = 0;
   bool random_ = false;
-  std::map<std::string, std::uint32_t> objectsByName_;  // the number of objects with this name so far
+  std::map<std::string, std::uint32_t> objectsByName_;  // by name: number of objects so far
 };
 
 }  // namespace scanmill

@@ -22,7 +22,7 @@ std::size_t endOfSet(std::string_view glob, std::size_t open) {
   return close == std::string_view::npos ? open : close + 1;
 }
 
-// Returns a set, such as [a-z] or [!abc], as a regular expression. endOfSet() has found the end of the set.
+// Returns the regular expression for a set of a glob, such as [a-z] or [!abc], whose end endOfSet() has found.
 std::string regexOfSet(std::string_view set) {
   const bool negated = set[1] == '!' || set[1] == '^';
   const std::string_view items = set.substr(negated ? 2 : 1, set.size() - (negated ? 3 : 2));
@@ -51,9 +51,9 @@ std::vector<std::size_t> bracesAt(std::string_view glob, std::size_t open) {
   return {};
 }
 
-// Returns a glob as a regular expression for the whole name. Braces around a text without commas may be ordinary
-// characters of a name, too: "{a}" matches "a" and "{a}". Braces that are never closed are ordinary characters. `depth`
-// is the number of braces around the glob.
+// Returns the regular expression that matches the same whole names as a glob. Braces around a text without commas may
+// also be ordinary characters of a name: "{a}" matches "a" and "{a}". Braces that are never closed are ordinary
+// characters. `depth`: number of braces around the glob.
 std::string regexOf(std::string_view glob, int depth, const Location& where) {
   constexpr int kDeepest = 8;
   if (depth > kDeepest) {
@@ -130,7 +130,7 @@ Rgb readColor(const Value& value) {
   return {static_cast<std::uint8_t>(rgb >> 16), static_cast<std::uint8_t>(rgb >> 8), static_cast<std::uint8_t>(rgb)};
 }
 
-// Reads one colour or a list of colours; null gives an empty list.
+// Returns one colour or a list of colours; an empty list if `value` is null.
 std::vector<Rgb> readColors(const Value* value) {
   std::vector<Rgb> colors;
   if (value == nullptr) return colors;
@@ -142,7 +142,7 @@ std::vector<Rgb> readColors(const Value* value) {
 
 constexpr Range kLengths{-1e7, 1e7};  // m, limits of boxes, heights and sizes; deg, limits of slopes
 
-// Reads [[x, y, z], [x, y, z]], the corners with the least and with the greatest coordinates (m); none for null.
+// Returns the box with the corners [[x, y, z], [x, y, z]] (m), the lower one first; none if `value` is null.
 std::optional<Box> readBox(const Value* value) {
   if (value == nullptr) return std::nullopt;
   std::vector<std::vector<double>> corners;

@@ -29,9 +29,9 @@ using Rgb = std::array<std::uint8_t, 3>;  // red, green and blue (sRGB)
 struct Rule {
   Location where;
   std::string node, material, texture, file;  // patterns of names; empty: any name matches
-  std::vector<Rgb> colors;                    // sRGB; base colours that match at the triangle's centre
-  int within = 16;                            // largest difference in red, green or blue (0 to 255) from a colour
-  std::optional<Box> box;                     // m, in the asset's frame; must contain the triangle's centre
+  std::vector<Rgb> colors;                    // sRGB; the base colour at the triangle's centre must be near one of them
+  int within = 16;                            // largest difference from a colour in red, green or blue (0 to 255)
+  std::optional<Box> box;                     // m, asset frame; the triangle's centre must be in the box
   std::optional<Range> height;                // m, of the triangle's centre above the asset's lowest point
   std::optional<Range> slope;                 // rad, between the triangle and the horizontal
   std::optional<Range> size;                  // m, longest edge of the box around the triangle's connected part
@@ -41,7 +41,7 @@ struct Rule {
   // Returns true if the rule tests single triangles, and not only names.
   bool byTriangle() const { return !colors.empty() || box || height || slope || size; }
   bool decides() const { return drop || !className.empty(); }
-  bool operator==(const Rule& other) const;  // compares all but the place in the file
+  bool operator==(const Rule& other) const;  // compares everything except `where`
 };
 
 // Reads a list of rules. Throws InputError with the place.

@@ -43,7 +43,7 @@ std::string kindOf(const Fields& object) {
                        hint);
 }
 
-// Returns the pose of a town. Reads all keys of the object except `town`, which the caller reads.
+// Returns the pose of a town (worldFromTown). Reads all keys of the object except `town`, which the caller reads.
 Affine readTownPose(Fields& object) {
   object.require("town");
   object.text("name", "town");

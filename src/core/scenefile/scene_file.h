@@ -19,7 +19,7 @@ struct SceneOptions {
   std::filesystem::path ontology;  // if not empty, replaces the ontology that the scene file names
   int wavelengthNm = 905;          // nm, wavelength for which the material table is read
   bool textures = true;            // false: only textures for cut-outs and for rules about colours are loaded
-  // Called after the objects of the file are added, to add others; the file's list may then be empty. May be null.
+  // If not null, called after the file's objects are added, to add others; the file's list may then be empty.
   std::function<void(SceneBuilder&)> add = nullptr;
 };
 

@@ -47,7 +47,7 @@ class BoxCells {
     }
   }
 
-  // Calls visit(index) for all swept boxes that may overlap `box` (m, world frame), for some of them more than once.
+  // Calls visit(index) for each swept box that may overlap `box` (m, world frame); repeatedly for some of them.
   void forEachNear(const Box& box, const auto& visit) const {
     if (!overlaps(box, bounds_)) return;
     const Box common{{std::max(box.low.x, bounds_.low.x), std::max(box.low.y, bounds_.low.y), 0},
@@ -75,7 +75,7 @@ class BoxCells {
   std::unordered_map<std::int64_t, std::vector<std::size_t>> boxesByCell_;
 };
 
-// Returns the bounds of the part of a triangle that is inside of a box; an empty box if the triangle is outside.
+// Returns the bounds of the part of a triangle that is inside `box`; an empty box if no part of the triangle is.
 Box boundsInside(const Box& box, const std::array<Vec3d, 3>& corners) {
   TrianglePiece inside(corners);
   TrianglePiece below;

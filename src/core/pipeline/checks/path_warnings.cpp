@@ -20,9 +20,9 @@ namespace {
 // Limits of what is normal, chosen by eye.
 constexpr double kMostHeight = 50;       // m above the surface; a sensor that is higher causes a warning
 constexpr double kOnSurface = 0.05;      // m; a sensor at most this far from a surface causes a warning
-constexpr double kMostBareShare = 0.02;  // largest fraction of a path without ground that causes no warning
-// m, height of the vehicle's underside above the ground, or half of the vehicle's height if that is less. The vehicle
-// can drive over lower obstacles.
+constexpr double kMostBareShare = 0.02;  // a path causes a warning if a larger fraction of it has no ground
+// Height of the vehicle's underside above the ground (m), at most half of the vehicle's height. The vehicle can drive
+// over lower obstacles.
 constexpr double kClearance = 0.1;
 constexpr double kDefaultHeight = 0.6;    // m, of a vehicle without a model whose sensors are all on the ground
 constexpr double kLeastHalfWidth = 0.01;  // m, least half width and half length of a vehicle
@@ -33,15 +33,15 @@ constexpr std::uint32_t kHeightFrames = 100;  // frames in which a sensor's heig
 constexpr std::uint32_t kInsideFrames = 12;   // frames in which sensors are tested for being inside of objects, at most
 constexpr double kProbeLength = 1e5;          // m, length of test rays
 constexpr double kStep = 0.5;                 // m, largest length of the steps in which a path is checked
-constexpr double kTurnWeight = 5;             // m of path that count like a turn that swings the vehicle's end by 1 m
+constexpr double kTurnWeight = 5;             // m of path per m by which a turn swings the vehicle's farthest corner
 constexpr std::size_t kStepsAtOnce = 20'000;  // steps that are swept at once, which limits memory use
 constexpr std::size_t kMostPoses = 400'000;   // after this many poses the rest of a path is not checked
 constexpr double kMostStepsPerFrame = 1000;
 constexpr Vec3d kUp{0, 0, 1};
 constexpr Vec3d kDownwards{0, 0, -1};
 
-// Returns those directions to the face centres, edge centres and corners of a cube that point upwards. The cube is
-// rotated so that no direction is along an axis.
+// Returns the directions from the centre of a cube to its face centres, edge centres and corners that point upwards.
+// The cube is rotated so that no direction is along an axis.
 std::vector<Vec3d> upwardDirections() {
   const Mat3 rotation = toMatrix(fromYawPitchRoll(0.37, 0.21, 0.13));  // rad
   std::vector<Vec3d> directions;
@@ -138,7 +138,7 @@ class PathCheck {
     const auto below = firstHits(0, kDownwards, kProbeLength);
     const auto above = firstHits(0, kUp, kProbeLength);
     const auto touched = firstHits(kOnSurface, kDownwards, 2 * kOnSurface);
-    std::vector<std::size_t> onSurface, underground, outOfRange, high;  // indices of frames, by what is wrong in them
+    std::vector<std::size_t> onSurface, underground, outOfRange, high;  // frame numbers
     for (std::size_t i = 0; i < positions.size(); ++i) {
       if (touched[i]) {
         onSurface.push_back(i);
@@ -198,7 +198,7 @@ class PathCheck {
     }
   }
 
-  // Returns the height of the ground in the vehicle's frame (m).
+  // Returns the height of the ground in the vehicle's frame (m); 0 if the trajectory has no ground.
   double groundInVehicle() const { return trajectory_->ground() == nullptr ? 0 : -trajectory_->ground()->height; }
 
   // Returns the vehicle's box (m, vehicle's frame), without the space below its underside: the bounds of its model or,
@@ -246,10 +246,10 @@ class PathCheck {
       return length(b.translation - a.translation) +
              kTurnWeight * radius * length(toMatrix(b.rotation).x - toMatrix(a.rotation).x);
     };
-    Pose last = trajectory_->pose(0, 0);  // end of the last step
+    Pose last = trajectory_->pose(0, 0);  // the vehicle's pose at the end of the previous step
     for (std::uint32_t frame = 0; frame + 1 < sequence_.frames && steps.size() < kMostPoses; ++frame) {
       const double duration = trajectory_->frameTime(frame + 1) - trajectory_->frameTime(frame);
-      constexpr int kChords = 32;  // a frame's path is measured along so many chords
+      constexpr int kChords = 32;  // number of chords that approximate a frame's path
       double travelled = 0;
       Pose chordStart = trajectory_->pose(frame, 0);
       for (int k = 1; k <= kChords; ++k) {
@@ -321,7 +321,7 @@ class PathCheck {
   std::shared_ptr<const FrameSettings> settings_;
   std::shared_ptr<const Scene> vehicle_;      // null: no ego vehicle
   Box bounds_;                                // of the scene (m, world frame)
-  std::vector<std::uint16_t> groundClasses_;  // of the trajectory's ground; empty: it has none
+  std::vector<std::uint16_t> groundClasses_;  // classes of the trajectory's ground; empty: no ground
   std::set<std::uint32_t> movingIds_;         // instance ids of moving objects
   std::vector<std::string> warnings_;
 };

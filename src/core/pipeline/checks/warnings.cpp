@@ -20,11 +20,11 @@ namespace {
 // Extents of meshes that cause no warning (m), in general and if the mesh is a thing such as a car or a house.
 constexpr Range kUsualExtent{1e-3, 5000};
 constexpr Range kUsualThingExtent{0.01, 300};
-constexpr std::size_t kMostLines = 5;      // of warnings of the same kind
-constexpr double kLeastTown = 30;          // m; a mesh of at least this size is taken to hold more than one thing
-constexpr std::size_t kFewestNodes = 3;    // of a class in one mesh; if they share an instance, there is a warning
-constexpr double kMostBlockedShare = 0.5;  // of a sensor's rays that the ego vehicle may block
-constexpr double kPeriodRounding = 1e-6;   // as a fraction of a period
+constexpr std::size_t kMostLines = 5;      // most lines that warnings of the same kind give
+constexpr double kLeastTown = 30;          // m; a mesh of at least this size probably contains several things
+constexpr std::size_t kFewestNodes = 3;    // as many nodes of one class in a single instance cause a warning
+constexpr double kMostBlockedShare = 0.5;  // blocked fraction of a sensor's rays that causes a warning
+constexpr double kPeriodRounding = 1e-6;   // tolerance for rounding errors, as a fraction of a period
 
 // Returns the longest edge (m) of a mesh's bounding box, which is computed in the mesh's frame and scaled by `linear`.
 // A rotation does not change this edge.
@@ -43,8 +43,8 @@ std::vector<std::string> shortened(std::vector<std::string> lines, const Scene& 
   return lines;
 }
 
-// Returns a warning, without the names of drives at its beginning, if the time between the frames of a sequence is
-// shorter than a revolution of the slowest sensor; otherwise an empty text.
+// Returns a warning if the time between the frames of a sequence is shorter than a revolution of the slowest sensor,
+// otherwise an empty text. The warning does not contain the name of the drive, so that drives can share it.
 std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) {
   const double interval = sequence.trajectory->interval();
   const double period = pipeline.periods.longest;
@@ -60,12 +60,12 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
       text, period);
 }
 
-// Warns of values that effects assume, and of the effect weather if the near range of the intensity is the default.
+// Warns of values that effects assume, and of the effect weather beside a default near range of the effect intensity.
 std::vector<std::string> effectWarnings(const Effects& effects, const MountedSensor& sensor, const BeamTable& beams) {
   constexpr double kDefaultNearRange = 1;  // m, of the effect intensity
   std::vector<std::string> lines;
   bool hasWeather = false;
-  double nearRange = 0;  // m; 0: the power of no effect depends on the range
+  double nearRange = 0;  // m; 0: no effect makes the power fall with the squared range
   for (const ChosenEffect& effect : effects) {
     hasWeather |= effect.entry->name == "weather";
     const std::optional<Falloff> falloff = effect->falloff();
@@ -196,7 +196,7 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   std::set<std::string> reported;
   std::map<std::string, std::set<std::string>> drivesByWarning;  // names of drives, by intervalWarning()
   std::size_t turningDrives = 0;                                 // drives with `along: turns`
-  std::size_t straightDrives = 0;                                // those of them without any turn
+  std::size_t straightDrives = 0;                                // number of these drives that have no turn
   for (const Sequence& s : pipeline.sequences) {
     if (s.trajectory == nullptr) continue;
     if (s.trajectory->turns()) ++turningDrives;

@@ -19,9 +19,9 @@ namespace scanmill {
 class SceneProbe;
 class ShotSource;
 
-// Warns of meshes whose size suggests a wrong unit: more than 5 km or less than 1 mm; of a mesh that is one thing, such
-// as a car, more than 300 m or less than 1 cm. Returns one line per mesh: at most five lines, then a line with the
-// number of those left out.
+// Warns of meshes whose size suggests a wrong unit: larger than 5 km or smaller than 1 mm or, for meshes that are a
+// single thing such as a car, larger than 300 m or smaller than 1 cm. Returns one line per mesh: at most five lines
+// and, if there are more such meshes, a line with the number of the others.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
 // Warns of damaged meshes, in which triangles were left out because a corner is not finite or does not exist.
@@ -42,15 +42,15 @@ std::vector<std::string> withoutWarnings(const Scene& scene);
 // all seeds.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
 
-// Warns if no drive with `along: turns` turns (one straight drive among others is normal), of implausible recorded
-// drives, and of frames closer than the slowest sensor's revolution.
+// Warns if all drives with `along: turns` are straight (a single straight drive is normal), of implausible recorded
+// drives, and of frames closer together than the slowest sensor's revolution.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
 // Warns of values that effects assume because a sensor's file does not give them, and of effects that the pipeline
 // lists for a sensor but does not apply.
 std::vector<std::string> sensorWarnings(const Plan& plan);
 
-// Warns of sensors at least half of whose rays hit the ego vehicle. `blocked`: result of ShotSource::blockedShares().
+// Warns of a sensor if at least half of its rays hit the ego vehicle. `blocked`: result of ShotSource::blockedShares().
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
 
 // Checks a sequence in its scene, with all objects at their positions at time 0 s. Warns of sensors that are on or

@@ -235,13 +235,13 @@ void Plan::requireOneRay() const {
 std::uint64_t Plan::bytesPerFrameInMemory() const {
   // Counts hits, returns, the scan, the encoders' buffers, and the encoded bytes of this sample and of a second one
   // that waits to be written. Beam tables are not counted, since all frames share them.
-  constexpr std::uint64_t kReturnBytes = 40;  // of a row of Returns
-  constexpr std::uint64_t kVoxelBytes = 20;   // a voxel's labels, area, flags and part of the encoded archive
+  constexpr std::uint64_t kReturnBytes = 40;  // bytes of a row of Returns
+  constexpr std::uint64_t kVoxelBytes = 20;   // bytes of a voxel: labels, area, flags, part of the encoded archive
   std::uint64_t bytesPerPoint = sizeof(Vec3f);
   for (std::size_t c = 0; c < kColumnCount; ++c) {
     if (pipeline.output.layout.columns.has(c)) bytesPerPoint += bytesOf(kColumns[c].type);
   }
-  std::uint64_t bytesPerRay = 8;  // of buffers that all methods need, without the channels
+  std::uint64_t bytesPerRay = 8;  // bytes of buffers that all methods need, without channels
   forEachChannel([&]<class T>(const ChannelRow& row, std::vector<T> Hits::*) {
     if (row.channel != Channel::Normal || channels.has(Channel::Normal)) bytesPerRay += sizeof(T);
   });

@@ -118,11 +118,11 @@ void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& dat
 }  // namespace
 
 double mostSampleBytes(const Plan& plan) {
-  constexpr double kHeaderBytes = 1536;  // of a tar member with a long name, without its contents
-  constexpr double kScanBytes = 16384;   // of a scan's part of the sample's .json
+  constexpr double kHeaderBytes = 1536;  // bytes of a tar member's headers and padding, if its name is long
+  constexpr double kScanBytes = 16384;   // bytes of a scan's entry in the sample's .json
   constexpr double kMostObjects = 1000;  // assumed number of objects near the sensors
-  constexpr double kObjectBytes = 700;   // of an object's entry without the sensors' views of it
-  constexpr double kViewBytes = 450;     // of one sensor's view in an object's entry
+  constexpr double kObjectBytes = 700;   // bytes of an object's entry, without the sensors' views
+  constexpr double kViewBytes = 450;     // bytes of one sensor's view in an object's entry
   constexpr double kReserve = 10;  // m, added to twice the range, for noise and the vehicle's motion in a revolution
   const Pipeline& pipeline = plan.pipeline;
   const auto sensorCount = static_cast<double>(plan.sensors.size());

@@ -62,7 +62,7 @@ class DrawnSensors {
 
   Written written_;
   std::shared_ptr<const EffectClasses> classes_;
-  std::vector<PlaceInSplit> places_;  // by sequence, for its first frame
+  std::vector<PlaceInSplit> places_;  // by sequence: place of its first frame in its split
   bool drawsMounts_ = false;
   bool drawsPerFrame_ = false;
   std::vector<SensorDraw> cases_;

@@ -48,7 +48,7 @@ void resolveLabel(Value& label, const EffectClasses& classes) {
                    ontology->name, id);
 }
 
-// Resolves the key `label`; removes it if `classes` is null.
+// Replaces the class name in an effect's key `label` by the id; removes the key if `classes` is null.
 void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectClasses* classes) {
   if (entry.keys.find("label: ") == std::string_view::npos) return;
   const auto isLabel = [](const Value::Entry& option) { return option.key == "label"; };
@@ -135,7 +135,7 @@ void checkIsList(const Value& effects) {
   throw InputError(effects.where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
 }
 
-// Returns the items of the key `effects`: a list, the word `sensor`, or Null for none.
+// Returns the items of `list`, the value of the key `effects`: a list, the word `sensor`, or Null for no items.
 std::vector<Value> effectItems(const Value& list) {
   if (list.kind == Value::Kind::Null) return {};
   if (list.kind == Value::Kind::Sequence) return withoutNone(list.items);
@@ -151,7 +151,7 @@ Effects makeEffects(const std::vector<Value>& items, const EffectClasses& classe
 
 constexpr const char* kFolder = "pipelines/corruptions";
 
-// Reads a corruption file and checks that it has a list of effects for each severity.
+// Returns the contents of a corruption file. Throws InputError if a severity has no list of effects.
 Value readCorruption(const std::filesystem::path& file) {
   Value root = readYaml(file);
   Fields fields(root, "corruption");

@@ -21,7 +21,7 @@ VoxelGrid readVoxelGrid(const Value& value) {
   grid.low = fields.vec3("from", grid.low);
   const Vec3d high = fields.vec3("to", {51.2, 25.6, 4.4});
   const std::array<double, 3> lengths{high.x - grid.low.x, high.y - grid.low.y, high.z - grid.low.z};
-  constexpr double kRounding = 1e-6;  // as a fraction of the grid's length
+  constexpr double kRounding = 1e-6;  // tolerance for rounding errors, as a fraction of the grid's length
   double voxelCount = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (lengths[axis] <= 0) {

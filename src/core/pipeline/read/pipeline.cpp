@@ -125,8 +125,8 @@ void readVehicle(Fields& fields, Pipeline& pipeline) {
   pipeline.dropVehicle = keys.choice("returns", {"keep", "drop"}, "keep") == "drop";
 }
 
-// Throws InputError if the frames have more rays than Pipeline::maxRays. `perFrame`: rays of a frame, called `unit` in
-// the message. `atLeast`: "at least " if there may be more frames, otherwise empty.
+// Throws InputError if the frames have more rays than Pipeline::maxRays. `perFrame`: rays per frame; `unit`: their name
+// in the message. `atLeast`: "at least " if there may be more frames, otherwise empty.
 void checkRays(const Pipeline& pipeline, std::uint64_t frameCount, double perFrame, std::string_view unit,
                std::string_view atLeast = "") {
   const double rays = static_cast<double>(frameCount) * perFrame;
@@ -137,7 +137,7 @@ void checkRays(const Pipeline& pipeline, std::uint64_t frameCount, double perFra
                    atLeast, frameCount, perFrame, unit, rays, pipeline.maxRays, rays / kTypicalRaysPerSecond / 3600);
 }
 
-// Reads Pipeline::about; empty for null.
+// Returns the entries of the key `about`, for Pipeline::about; none if `value` is null.
 std::map<std::string, std::string> readAbout(const Value* value) {
   std::map<std::string, std::string> about;
   if (value == nullptr) return about;

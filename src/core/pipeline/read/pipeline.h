@@ -55,11 +55,11 @@ struct Sequence {
   // Returns the start times of a sensor's revolutions that belong to a frame (s after the frame's start, may be
   // negative). `period`: duration of the sensor's revolution (s). If the sensors turn without a break, these are the
   // revolutions that end after the frame's start but not after the next frame's start: several of a fast sensor, at
-  // times none of a slow one. Otherwise every sensor starts a revolution at the frame's start, and the frame has the
-  // revolutions that end within one of the slowest sensor, or only the first if the next frame starts before that.
+  // times none of a slow one. Otherwise every sensor starts a revolution at the frame's start. The frame has those that
+  // end during the slowest sensor's first revolution or, if the next frame starts during it, only the first one.
   std::vector<double> revolutions(std::uint32_t frame, double period, const Periods& periods) const;
-  double totalRevolutions(double period, const Periods& periods) const;        // of all frames
-  std::uint32_t mostRevolutions(double period, const Periods& periods) const;  // of one frame
+  double totalRevolutions(double period, const Periods& periods) const;        // total of all frames
+  std::uint32_t mostRevolutions(double period, const Periods& periods) const;  // maximum per frame
 
   bool sameScene(const Sequence& other) const;
   // Returns at most `most` frame numbers, spread evenly over the sequence.
@@ -126,7 +126,7 @@ class DrawnSensors;
 // A pipeline as it was read. Copies are cheap, since they share their constant parts.
 struct Pipeline {
   std::string name;
-  std::map<std::string, std::string> about;  // what it says of the dataset: see Manifest::about
+  std::map<std::string, std::string> about;  // description, license and so on, see Manifest::about
   std::filesystem::path file;
   std::string text;  // the file's text, with the overrides appended as comments
   Value root;        // the parsed text; studies read their keys from it
@@ -181,8 +181,8 @@ Pose readMount(const Value& mount);
 bool setsIntensity(const Pipeline& pipeline);
 
 // Reads a pipeline file. `overrides`: the arguments of --set. With a recording, the pipeline has the recording's
-// sequences: `trajectories` is ignored, `method` is ignored for recorded hits, and of `scenes` only `without` is
-// checked. Throws InputError with file:line:column.
+// sequences: the key `trajectories` is ignored; `method` is ignored for recorded hits; and of the key `scenes`, only
+// `without` is checked. Throws InputError with file:line:column.
 Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                       std::shared_ptr<const Recording> recording = nullptr);
 

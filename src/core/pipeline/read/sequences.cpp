@@ -56,7 +56,7 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
   return trajectories;
 }
 
-// Reads a seed or a list of seeds without repetitions; {1} for null.
+// Reads a seed or a list of seeds without repetitions; returns {1} if `value` is null.
 std::vector<std::uint64_t> readSeeds(const Value* value) {
   if (value == nullptr) return {1};
   constexpr std::int64_t kLargestSeed = 1'000'000'000'000;
@@ -81,7 +81,7 @@ bool sameItems(const std::vector<Value>& a, const std::vector<Value>& b) {
                     [](const Value& x, const Value& y) { return flowText(x) == flowText(y); });
 }
 
-// Reads the key `without`, the items of takeOut(); null gives an empty list.
+// Returns the items of the key `without`, as takeOut() needs them; none if `value` is null.
 std::vector<Value> readWithout(const Value* value) {
   if (value == nullptr || value->kind == Value::Kind::Null) return {};
   const bool isListOfScalars =

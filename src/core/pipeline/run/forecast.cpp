@@ -73,8 +73,8 @@ SceneFactors factorsOf(const std::filesystem::path& sceneFile) {
   return factors;
 }
 
-// Adds arguments of --set that leave the fraction `share` of the columns of each sensor that states a number of
-// columns.
+// Adds arguments of --set that reduce the number of columns to the fraction `share`, for each sensor whose description
+// states this number.
 void addFewerColumns(const Pipeline& pipeline, double share, std::vector<std::string>& overrides) {
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     const Value& sensor = pipeline.sensors[s].description;
@@ -146,7 +146,7 @@ void measure(const Plan& plan, SampleCosts& costs) {
   for (const double sampleBytes : bytes) costs.frameBytes += sampleBytes / static_cast<double>(sampleCount);
 }
 
-// Measures the costs of the small town, and scales those of a frame to all of the pipeline's beams.
+// Measures the costs of the small town, and scales the costs of a frame to all of the pipeline's beams.
 void measureInSmallTown(const Pipeline& pipeline, const Reread& reread, TownClasses classes, SampleCosts& costs) {
   const Plan small = makePlan(smallTownPipeline(pipeline, reread, classes));
   measure(small, costs);

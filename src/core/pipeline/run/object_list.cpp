@@ -9,8 +9,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostGrids = 16;  // in the cache, which needs one per sensor or, for a sensor with a rosette
-                                        // pattern, one per revolution
+constexpr std::size_t kMostGrids = 16;  // grids that the cache holds at most: each sensor needs one, or one per
+                                        // revolution if its pattern is a rosette
 constexpr int kCells = 6;               // samples along each edge of a box's face; see truncationOf()
 
 // A shot's view of one object: the number of its points, the number of beams whose axis hits it, and the least range of
@@ -54,8 +54,8 @@ double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRang
   double outsideAngle = 0;
   for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     const double sign = sensor.*axis > 0 ? 1 : -1;
-    // Distance of the sensor from the plane of the box's face on its side (m); the sensor sees the face only if the
-    // distance is positive.
+    // Distance (m) from the sensor to the plane of the face that is on the sensor's side of the box. The sensor sees
+    // the face only if the distance is positive.
     const double faceDistance = std::abs(sensor.*axis) - size.*axis / 2;
     if (!(faceDistance > 0)) continue;
     const auto second = axis == &Vec3d::x ? &Vec3d::y : &Vec3d::x;

@@ -189,8 +189,8 @@ class SampleMaker {
   // Completes the recording. Call it after all samples are made.
   void finish() { recorder_.finish(); }
   SceneStore& scenes() { return scenes_; }
-  // Returns the processor time of each stage (s); of stages that wait for a graphics card or for another process, the
-  // wall-clock time.
+  // Returns the time of each stage (s): wall-clock time for stages that wait for a graphics card or another process,
+  // processor time for all others.
   StageSeconds stageSeconds() const;
 
  private:

@@ -24,10 +24,10 @@ constexpr double kRoomHalfWidth = 1;  // m, half of a vehicle's width
 constexpr double kHalfLength = 2;     // m, half of a vehicle's length
 constexpr int kArcLength = 4;         // m, length of an arc; a path consists of such arcs
 constexpr double kLeastRadius = 6;    // m, of an arc
-// m, from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
+// Distance (m) from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
 constexpr double kSideDistance = 2;
-constexpr double kOpenWidth = 12;     // m; where an edge is at least this far away, the surface is an open place
-constexpr double kWishLength = 24;    // m, after which a vehicle in an open place chooses again whether to turn
+constexpr double kOpenWidth = 12;     // m; a surface is an open place where its edge is at least this far away
+constexpr double kWishLength = 24;    // m; in an open place, a vehicle chooses again after this distance
 constexpr double kTurnShare = 0.4;    // probability that a vehicle in an open place chooses to turn
 constexpr int kLookAhead = 12;        // m, distance that is tested beyond the end of an arc
 constexpr int kMostStarts = 24;       // starting points that are tried
@@ -38,7 +38,7 @@ constexpr int kMostStepsBack = 2000;  // backtracking steps of a search
 constexpr double kBendCost = 0.3;     // of the squared bend
 constexpr double kChangeCost = 1.5;   // of the squared change of the bend
 constexpr double kVisitCost = 3;      // of each earlier visit of the path to the spot ahead
-constexpr double kWishCost = 8;       // of the difference from the wished bend in an open place; half beside one edge
+constexpr double kWishCost = 8;       // of the difference from the wished bend; half if only the edge to keep to is far
 constexpr double kWishedBend = 0.75;  // bend of a turn in an open place
 
 // Position (m, world frame) and heading (rad) of a vehicle.
@@ -57,7 +57,7 @@ struct State {
   Vec3d left(double metres) const { return position + Vec3d{-std::sin(yaw), std::cos(yaw), 0} * metres; }
 };
 
-// Finds where surfaces of given classes are free of obstacles. Caches the results in cells; not for several threads.
+// Finds where surfaces of given classes are free of obstacles. Caches results; only one thread may use it at a time.
 class FreeSurface {
  public:
   FreeSurface(const SceneProbe& probe, std::vector<std::uint16_t> classes)
@@ -120,7 +120,7 @@ class FreeSurface {
   }
 
  private:
-  // Computes the result of height() for the cell with this middle.
+  // Returns the result of height() for the cell with this middle.
   std::optional<double> heightIn(const Vec3d& middle) const {
     const double startHeight = 0.5 + kAboveOrBelow;  // m above the middle; half of a cell's height is 0.5 m
     const Vec3d start = middle + Vec3d{0, 0, startHeight};
@@ -163,11 +163,10 @@ class RandomNumbers {
   RandomAddress address_;
 };
 
-// The triangles of given classes that are less than 60 degrees steep, as corners (m, world frame), with the cumulative
-// sums of their areas (m^2) as seen from above.
+// The triangles of given classes that are less than 60 degrees steep.
 struct FlatTriangles {
-  std::vector<std::array<Vec3d, 3>> triangles;
-  std::vector<double> sums;
+  std::vector<std::array<Vec3d, 3>> triangles;  // corners (m, world frame)
+  std::vector<double> sums;                     // m^2, by triangle: sum of the areas seen from above up to this triangle
 };
 
 FlatTriangles flatTriangles(const Scene& scene, const std::vector<std::uint16_t>& classes) {
@@ -335,8 +334,8 @@ class PathSearch {
   std::set<Spot> deadEnds_;     // spots from which the search found no path of the required length
 };
 
-// Tests kHeadings evenly spaced headings at `position`, the first one random. Returns the state in which a vehicle can
-// drive straight on farthest; nothing if this distance is not longer than two arcs.
+// Tests kHeadings evenly spaced headings at `position`, of which the first is random. Returns the state from which a
+// vehicle can drive farthest straight ahead; nothing if this distance is not longer than two arcs.
 std::optional<State> startAt(const FreeSurface& surface, Vec3d position, RandomNumbers& random) {
   constexpr int kHeadings = 32;
   constexpr int kFarEnough = 40;  // m; longer distances are not measured

@@ -10,15 +10,15 @@ namespace {
 
 constexpr double kBehindHit = 1e-3;  // m, distance behind a hit at which the next ray starts
 constexpr std::size_t kMostHits = 100;
-// m. The method is told that the sensor is at an anchor on the ray. It moves on only after this distance, since the
-// method may build a hierarchy for each anchor. Ray tracing's tie rule covers rounding up to 64 m (kCoplanarCorners).
+// Distance (m) after which all() moves the anchor, the sensor position that the method sees. A method may build a
+// hierarchy for each anchor. Ray tracing's tie rule covers rounding up to 64 m (kCoplanarCorners).
 constexpr double kAnchorDistance = 48;
 constexpr double kBoundsMargin = 1;        // m, around the scene's bounds
 constexpr double kNearGroundHeight = 1.5;  // m, largest height difference of the ground that near() finds
 constexpr Vec3d kDown{0, 0, -1};
 
-// Returns the distance along a ray at which it leaves the slab from `low` to `high` of one axis (m); negative if it
-// never enters the part of the slab ahead. `start`, `direction`: the ray's coordinates along this axis.
+// Returns the distance (m) along a ray at which it leaves the slab between `low` and `high` along one axis; negative if
+// no point of the ray is in the slab. `start`, `direction`: the ray's coordinates along this axis.
 double slabExit(double low, double high, double start, double direction) {
   if (direction == 0) return low <= start && start <= high ? INFINITY : -1;
   return ((direction > 0 ? high : low) - start) / direction;
@@ -80,7 +80,7 @@ std::vector<std::optional<SceneProbe::Hit>> SceneProbe::first(const std::vector<
 std::vector<SceneProbe::Hit> SceneProbe::all(const Ray& ray, double reach) const {
   std::vector<Hit> hits;
   double start = 0;   // distance along the ray (m) from which the next hit is searched
-  double anchor = 0;  // distance along the ray (m) of the position at which the method sees a sensor
+  double anchor = 0;  // distance along the ray (m) of the anchor, which the method takes for the sensor's position
   while (hits.size() < kMostHits && start < reach) {
     if (start - anchor > kAnchorDistance) anchor = start;
     const std::vector<Ray> remaining{{ray.from + ray.direction * start, ray.direction}};

@@ -37,12 +37,12 @@ class SceneProbe {
   const Scene& scene() const { return scene_; }
   const Box& bounds() const { return bounds_; }  // Scene::bounds(): m, world frame at time 0
   // Returns the first hit of each ray within `reach` (m); nothing for rays without a hit. Faster than calls for single
-  // rays.
-  // The method sees a sensor at `anchor`, a position near the rays; by default, the start of the first ray.
+  // rays. `anchor`: the position that the method takes for the sensor's; it must be near the rays, and is the start of
+  // the first ray by default.
   std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach,
                                         const std::optional<Vec3d>& anchor = {}) const;
   std::optional<Hit> first(const Ray& ray, double reach) const { return first(std::vector{ray}, reach).front(); }
-  // Returns the hits along a ray within `reach` (m), the nearest first, at most a hundred.
+  // Returns the hits along a ray within `reach` (m), ordered by distance; at most the hundred nearest.
   std::vector<Hit> all(const Ray& ray, double reach) const;
 
  private:

@@ -34,9 +34,9 @@ std::vector<Vec3d> pathOfTrip(const Scene& scene, const RandomPath& drive) {
                                                   length, drive.length, missing));
 }
 
-// Returns the trajectory with its random path, if the trajectory has one, and with its poses moved onto the ground, if
-// it asks for that. The path and the ground are found in the scene of `probe`. `seed`: determines the random path.
-// Throws InputError if the scene has no suitable path or ground.
+// Returns the trajectory as it is in the scene of `probe`: on its random path if it has one, and moved onto the ground
+// if it asks for that. `seed`: determines the random path. Throws InputError if the scene has no suitable path or
+// ground.
 Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed) {
   Trajectory result = trajectory;
   if (const RandomPath* request = trajectory.randomPath()) {
@@ -72,14 +72,14 @@ VehicleHits hitsOf(const FrameSettings& settings) {
 
 constexpr std::uint32_t kRaysAtOnce = 1 << 16;  // about the number of rays that are traced at a time
 
-// Sets `part` to `count` rings of a table, the first of which is `firstRing`.
+// Copies `count` rings of a table to `part`, starting with the ring `firstRing`.
 void copyRings(const BeamTable& table, std::uint32_t firstRing, std::uint32_t count, BeamTable& part) {
   part.rings = count;
   part.columns = table.columns;
   part.raysPerBeam = table.raysPerBeam;
   part.maxRange = table.maxRange;
   part.period = table.period;
-  const auto copy = [&](const auto& values, auto& partValues) {  // empty, or several values per ring
+  const auto copy = [&](const auto& values, auto& partValues) {  // empty, or as many values for each ring
     if (values.empty()) return;
     const std::size_t perRing = values.size() / table.rings;
     const auto first = values.begin() + static_cast<std::ptrdiff_t>(firstRing * perRing);

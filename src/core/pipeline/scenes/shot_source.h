@@ -35,7 +35,7 @@ class Trajectory;
 // The rays of a sensor that hit the vehicle which carries the sensor. They are the same for all shots, since sensor and
 // vehicle move together, unless the sensor's beams differ from revolution to revolution.
 struct BlockedRays {
-  bool dropped = false;                // true: these rays give no return, as drivers leave the vehicle out
+  bool dropped = false;                // true: these rays give no return, as in drivers that remove the vehicle
   std::vector<float> range;            // m, by ray of the sensor; kMiss: the ray does not hit the vehicle
   std::vector<std::uint32_t> blocked;  // indices of the rays that hit it, ascending
   Hits hits;                           // the hits of these rays, in the same order
@@ -46,8 +46,8 @@ struct BlockedRays {
   double share() const;  // the fraction of the rays that hit the vehicle
 };
 
-// Traces the rays of a sensor's beam table to the vehicle at any distance, even below the sensor's minimum range.
-// `vehicle`: a method that traces the vehicle's scene, which is in the vehicle's frame.
+// Returns the rays of a sensor's beam table that hit the vehicle, even if the hits are below the sensor's minimum
+// range. `vehicle`: a method that traces the vehicle's scene, which is in the vehicle's frame.
 BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor);
 
 // Replaces each hit behind the vehicle, and each miss of a ray that hits the vehicle, by the hit on the vehicle, with
