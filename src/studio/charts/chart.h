@@ -40,7 +40,7 @@ struct ChartSeries {
   std::size_t color = 0;
   ChartMark mark = ChartMark::Dots;
   bool emphasised = false;      // drawn larger and above other series, for instance the Pareto front
-  bool labelsFirst = false;     // labels are placed before those of other series, if necessary far from their points
+  bool labelsFirst = false;     // labels are placed before other series' labels, if necessary far from their points
   std::vector<Vec2d> points{};  // points that are not finite are not drawn, and interrupt lines
   // Each of the following lists is empty or has one entry per point.
   std::vector<Vec2d> spans{};  // low and high end of an error bar in y

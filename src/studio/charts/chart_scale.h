@@ -6,8 +6,8 @@
 
 namespace scanmill {
 
-// Maps values to positions along an axis, from 0 at its start to 1 at its end. A logarithmic axis with values of zero
-// and below shows these in a band at its start.
+// Maps values to positions along an axis, from 0 at its start to 1 at its end. On a logarithmic axis, values of zero
+// and below are in a band at its start.
 class ChartScale {
  public:
   static constexpr double kBand = 0.1;  // length of the band for values of zero and below

@@ -20,7 +20,7 @@ constexpr int kLeastWidth = 200, kLeastHeight = 160;          // least size of a
 constexpr double kMarkRadius = 4.5, kEmphasisedRadius = 6.5;  // radii of the marks of points (pixels)
 constexpr double kMarkReach = 1.15;  // half the width of a typical shape in kShapes, divided by the mark's radius
 constexpr double kBarShare = 0.76;   // width of all bars at one name, divided by the distance between two names
-constexpr double kThickestBar = 26;  // largest thickness (pixels), since bars at few names would be very wide
+constexpr double kThickestBar = 26;  // largest thickness of a bar (pixels), since few bars would otherwise be very wide
 constexpr double kNameAngle = 26;    // rotation (degrees) of names that are too long to fit side by side
 constexpr double kSwatch = 32;       // width of the mark before a name in the legend, with its margin (pixels)
 
@@ -181,7 +181,7 @@ class SvgDrawing {
                        hasEmphasis_ && !s.emphasised ? " dim" : "");
   }
 
-  // Draws the legend. Series with the same name and colour share an entry. `top`: its upper y. Returns its lower y.
+  // Draws the legend below y `top`; returns y of its lower edge. Series with the same name and colour share an entry.
   double drawLegend(double top) {
     constexpr double kBetweenEntries = 18;  // pixels
     double x = kMargin, y = top + kFont;

@@ -95,8 +95,8 @@ bool isFlat(const Concept& c) {
 // than the origin; the scores and fractions were tuned on files of many programs. `low`: lower corner of the box.
 double upScoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
                  const FrameGuess& guess) {
-  constexpr double kAtZero = 0.03, kThin = 0.1;  // fractions of the extent along the axis; kThin: of the longest extent
-  constexpr double kCentred = 0.1;               // fraction of the extent along the other axis
+  constexpr double kAtZero = 0.03, kThin = 0.1;  // kAtZero: fraction of the up extent; kThin: of the longest extent
+  constexpr double kCentred = 0.1;               // fraction of the horizontal extent
   constexpr double kStartsAtZeroScore = 1, kCentredScore = 0.5, kShapeScore = 2;
   double score = 0;
   const double longest = *std::ranges::max_element(extent);

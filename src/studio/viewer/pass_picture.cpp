@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The contents of an EXR file, either of a camera's render passes or of a sensor's hits.
+// The contents of an EXR file: the render passes of a camera, or the hits of a sensor.
 struct ExrImage {
   int width = 0, height = 0;
   std::string size;       // size as text, such as "40 x 20 pixels, 90.0 x 53.1 degrees"

@@ -15,9 +15,9 @@ constexpr int kMostPictureSide = 8192;
 // Maximum of width * height, slightly more than 8K has; drawing takes about 28 bytes per pixel.
 constexpr int kMostPicturePixels = 36'000'000;
 
-// Draws a view of the scan from behind and above the sensor, with `title` and the number of points above it and the
-// legend beside it. The picture of an empty scan says that it is empty. `depthEdges`: darkens points behind nearer
-// surfaces (eye-dome lighting).
+// Draws a scan as seen from behind and above the sensor, with `title` and the number of points in a row at the top, and
+// the legend beside the points. The picture of an empty scan says that it is empty. `depthEdges`: darkens points behind
+// nearer surfaces (eye-dome lighting).
 Image drawScan(const Scan& scan, const Coloring& coloring, int width, int height, const std::string& title,
                bool depthEdges = true);
 

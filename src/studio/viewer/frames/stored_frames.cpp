@@ -205,8 +205,8 @@ void StoredFrames::nameScans(std::vector<Loading>& scans) const {
   }
 }
 
-// Sets the errors of a scan to the distances from the reference's scan of the same sensor and revolution, preferably by
-// the same method. Throws InputError if the reference has no such scan, or the scans cannot be compared.
+// Sets the errors of a scan to the distances of its points from the reference's scan of the same sensor and revolution,
+// preferably of the same method. Throws InputError if the reference has no such scan, or the scans cannot be compared.
 void StoredFrames::addReferenceError(ViewScan& scan, const std::string& key) const {
   const auto sample = reference_->single() ? std::optional<std::size_t>(0) : reference_->find(key);
   if (!sample)

@@ -26,7 +26,7 @@ class StoredFrames : public FrameSource {
   struct Store {
     std::unique_ptr<const ScanStore> scans;
     std::string label;              // name of the file or folder, or its path if another store has the same name
-    std::string classDifference{};  // text about differences from the shown classes; empty: there are none
+    std::string classDifference{};  // text about a class whose name differs from the shown name; may be empty
   };
   struct Loading;
 

@@ -53,8 +53,7 @@ std::string ruleKey(const Surface& surface) {
   return surface.semantic == 0 ? "none" : "own";
 }
 
-// Returns the text for a surface whose class the object states, not a rule: the object's line in the scene file, and
-// the class.
+// Returns the text for a surface that has the class of its object: the object's line in the scene file, and the class.
 std::string objectRuleText(const Scene& scene, const Surface& surface) {
   const SemanticClass* const found = scene.ontology.find(surface.semantic);
   return fmt::format("{}: {} (of the object)", shortLocation(scene, surface.labelledBy),

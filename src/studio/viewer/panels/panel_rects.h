@@ -23,7 +23,7 @@ double windowLineHeight(double displayScale);
 // Returns the width of a side panel (pixels).
 int sideWidth(double lineHeight);
 
-// The rectangles of the panels, empty for panels that are not shown, and of the views (`body`), which is never empty.
+// The rectangles of the panels (empty for a panel that is not shown), and `body`, which the views fill (never empty).
 struct PanelRects {
   PixelRect title, side, strip, bar, body;
 };

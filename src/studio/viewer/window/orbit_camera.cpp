@@ -53,9 +53,9 @@ FilledSide fillPicture(OrbitCamera& camera, const std::vector<Vec3d>& points, co
                        int height) {
   constexpr double kFilled = 0.9;  // fraction of the picture's side
   const ViewCamera view = camera.camera(width, height);
-  // An axis of the picture: its direction, and the slope (m per m of depth) of the lines of sight to both sides of the
-  // filled part of the picture; 0 if the camera is orthographic. Planes along these lines touch the points; `low` and
-  // `high` are the coordinates (m) at which the planes cross the axis at depth 0.
+  // An axis of the picture. `slope`: slope of the lines of sight to both ends of the filled part (m per m of depth,
+  // with opposite signs; 0 if the camera is orthographic). Two planes along such lines touch the points; at depth 0
+  // they cross the axis at the coordinates `low` and `high` (m).
   struct PictureAxis {
     Vec3d direction;
     int pixels;

@@ -38,7 +38,7 @@ struct OrbitCamera {
   // of the picture's height empty. `middle`: the point at whose depth the target is.
   void fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height);
   // Returns this camera, which must be the camera of `view`. If less than a fifth of the points would be in a picture
-  // of this size, applies fillWith() with nearly all points, except for View::Driver, which stays at the sensor.
+  // of this size, returns a camera that shows nearly all points; not for View::Driver, which stays at the sensor.
   [[nodiscard]] OrbitCamera seeing(const std::vector<Vec3d>& points, View view, int width, int height) const;
   // Transforms the camera to a new frame, so that the view stays the same. `newFromOld` may rotate only about z.
   void moveBy(const Affine& newFromOld);

@@ -30,7 +30,7 @@ class ClassFilter {
   std::string text(const Ontology* ontology) const;
 
  private:
-  bool only_ = false;  // `listed_` are the classes shown (true) or the classes hidden (false)
+  bool only_ = false;  // true: `listed_` are the shown classes; false: the hidden classes
   std::set<std::uint16_t> listed_;
 };
 

@@ -79,8 +79,8 @@ ColorBy ShownClouds::colorOf(std::size_t view) const {
   return kByHeight;
 }
 
-// Returns the ends of the view's scale: those in `scales`, otherwise, if several scans are side by side, ends that fit
-// all scans with the same colouring. Returns nothing if the ends are computed from the view's scan alone.
+// Returns the ends of the view's scale: the user's choice or, if several scans are side by side, ends that fit all
+// scans with the same colouring. Returns nothing if the ends are computed from the view's scan alone.
 std::optional<ScaleRange> ShownClouds::scaleOf(std::size_t view) {
   if (scales[view]) return scales[view];
   const ColorBy by = colorOf(view);
