@@ -179,7 +179,7 @@ void uploadTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTabl
 }
 
 std::string glslConstant(const char* name, float value) {
-  // A macro and not a `const float`: for some shader compilers the call is not a constant expression.
+  // A macro and not a `const float`: some shader compilers do not treat uintBitsToFloat() as a constant expression.
   return fmt::format("#define {} uintBitsToFloat({:#x}u)\n", name, std::bit_cast<std::uint32_t>(value));
 }
 

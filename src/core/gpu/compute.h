@@ -64,12 +64,12 @@ class ComputeDevice {
 // An OpenGL device; the environment variable SCANMILL_GL_DEVICE can select it by its name (gpu/device.h).
 struct FoundDevice {
   std::string name;    // value of the variable that selects this device
-  std::string driver;  // the device's ComputeDevice::name(); if `usable` is false, the reason why not
+  std::string driver;  // the device's ComputeDevice::name(); if `usable` is false, why it cannot be used
   bool usable = false;
   bool software = false;  // true: runs on the CPU
 };
 
-// Opens all devices, and returns them in the order in which they are tried. Throws Error if OpenGL cannot be loaded.
+// Opens all devices; returns them in the order in which they are tried. Throws Error if OpenGL cannot be loaded.
 std::vector<FoundDevice> findDevices();
 
 // A buffer in a device's memory; may outlive the ComputeDevice. Calls may come from any thread, but one at a time.
@@ -120,8 +120,8 @@ class ComputeReadback {
   const std::byte* copy_ = nullptr;  // null: the copy is not complete yet
 };
 
-// A buffer that a program reads with texelFetch(), from a usamplerBuffer (Uint16, Uint32, Uint32x4) or a samplerBuffer
-// (Float32x4), and does not write. For scattered access, it is 10 to 20 % faster than a storage buffer on llvmpipe.
+// A buffer that a program only reads, with texelFetch(), from a usamplerBuffer (Uint16, Uint32, Uint32x4) or a
+// samplerBuffer (Float32x4). On llvmpipe, scattered reads are 10 to 20 % faster than from a storage buffer.
 struct ComputeTable {
   enum class Texel { Uint16, Uint32, Uint32x4, Float32x4 };
   const ComputeBuffer* buffer;

@@ -272,7 +272,7 @@ class GlCompute final : public ComputeBackend {
   std::string name_;
   bool software_ = false;
   ComputeLimits limits_;
-  std::uint64_t groupsPerDispatch_ = 0;  // largest number
+  std::uint64_t groupsPerDispatch_ = 0;  // largest number of work groups of a dispatch
 };
 
 class GlComputeModule final : public ComputeModule {

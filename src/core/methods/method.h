@@ -17,7 +17,7 @@
 namespace scanmill {
 
 std::span<const MethodEntry> methods();
-// Returns the method with this name. Throws InputError if there is none, with a similar name or all known names.
+// Returns the method with this name. If there is none, throws InputError, which suggests a name or lists all names.
 const MethodEntry& requireMethod(std::string_view name, const Location& where);
 // Returns the method with this name; null if there is none.
 const MethodEntry* findMethod(std::string_view name);

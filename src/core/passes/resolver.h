@@ -34,7 +34,7 @@ class Resolver {
                std::span<const VisibleTriangle> triangles, PassChoice requested, PassPlanes& planes) const;
 
  private:
-  // The values of a triangle in one record: pixels access triangles at random; each access needs few cache lines.
+  // All values of a triangle in one record: pixels access triangles at random, and a record takes few cache lines.
   struct Face {
     Vec3d normal;               // unit vector, mesh axes
     std::uint32_t surface = 0;  // index into surfaces_

@@ -33,7 +33,7 @@ Function entry(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-// Returns the devices that can be tried, in this order: graphics cards before software rasterisers.
+// Returns the devices that can be tried: first the graphics cards, then the software rasterisers.
 std::vector<Candidate> candidates() {
   const char* clientExtensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   const auto hasClient = [&](const char* extension) { return hasExtension(clientExtensions, extension); };
@@ -73,8 +73,8 @@ std::vector<Candidate> candidatesFor(const std::string& device) {
   return devices;
 }
 
-// Creates a context of OpenGL 4.5 or, if that fails, of 4.3; returns null if both fail. If the driver supports it, a
-// context that is lost in a reset of the graphics card reports this.
+// Creates a context of OpenGL 4.5 or, if that fails, of 4.3; returns null if both fail. If the driver supports it, the
+// context reports that it was lost in a reset of the graphics card.
 EGLContext newContext(EGLDisplay display, EGLConfig config) {
   for (const EGLint minorVersion : {5, 3}) {
     for (const bool reportsResets : {true, false}) {
@@ -93,7 +93,7 @@ EGLContext newContext(EGLDisplay display, EGLConfig config) {
   return EGL_NO_CONTEXT;
 }
 
-// Creates a context on the device and makes it current. Returns the reason for a failure; empty if it succeeds.
+// Creates a context on the device and makes it current. Returns an empty text, or the reason if this fails.
 std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLContext& context) {
   const auto getDisplay = entry<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (getDisplay == nullptr) return "it knows no platforms";

@@ -29,9 +29,9 @@ namespace {
 
 constexpr std::size_t kSensorsInMemory = 16;  // largest number of beam tables whose views are cached
 constexpr double kReachMargin = 1e-3;         // images reach kReachMargin * (range + 1 m) beyond the sensor's range
-// Measured with VTK on llvmpipe, as differences between processes. With nothing to render a process takes 128 MiB, with
-// ray tracing 44 MiB. The bytes per triangle and per pixel were measured in the scene "street" of 1.28 million placed
-// triangles, with 3 and with 4 images of 2048 x 2048 pixels.
+// Memory, measured with VTK on llvmpipe. kBytesOfLibraries is a difference: with nothing to render, a process takes 128
+// MiB, and 44 MiB with ray tracing. The bytes per triangle and per pixel were measured in the scene "street" of 1.28
+// million placed triangles, with 3 and with 4 images of 2048 x 2048 pixels.
 constexpr std::uint64_t kBytesOfLibraries = std::uint64_t{85} << 20;
 constexpr std::uint64_t kBytesPerPlacedTriangle = 60;
 constexpr std::uint64_t kBytesPerPixel = 16;
@@ -129,13 +129,13 @@ std::uint64_t rendersFor(const std::vector<Pose>& poses) {
 }
 
 // Returns the steps of a revolution, still without images. Each step has about equally many poses, and is rendered from
-// its middle pose. `renders`: number of steps, at most the number of poses. If it is 0, up to 64 poses each get a step;
-// for more poses, there is one step for every 5 cm or for every degree of the sensor's motion, whichever gives more.
+// its middle pose. `renders`: number of steps, at most the number of poses. If `renders` is 0, up to 64 poses get a
+// step each; more poses get a step for every 5 cm or every degree of the sensor's motion, whichever gives more steps.
 std::vector<PassStep> stepsOf(const Shot& shot, std::uint32_t renders) {
   const std::uint64_t poses = shot.worldFromSensor.size();
   const std::uint64_t columns = shot.beams->columns;
   const std::uint64_t count = std::min(renders == 0 ? rendersFor(shot.worldFromSensor) : renders, poses);
-  const auto firstColumn = [&](std::uint64_t pose) {  // first column of a pose, exact with one ray per beam
+  const auto firstColumn = [&](std::uint64_t pose) {  // first column of a pose; exact if a beam has one ray
     return static_cast<std::uint32_t>((pose * columns + poses - 1) / poses);
   };
   std::vector<PassStep> steps;
@@ -150,7 +150,7 @@ std::vector<PassStep> stepsOf(const Shot& shot, std::uint32_t renders) {
   return steps;
 }
 
-// Returns the beams of the columns from `first` to before `end`, relative to the rig, ring by ring.
+// Returns the beams of the columns [first, end), relative to the rig, ring by ring.
 RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, const Pose& worldFromRig) {
   constexpr std::size_t kGrain = 16384;  // beams per task
   const BeamTable& table = *shot.beams;

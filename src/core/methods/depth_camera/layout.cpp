@@ -169,7 +169,7 @@ class Candidate {
   // angle by which the side cameras look down (rad).
   Candidate(const Spread& spread, int sides, double steep, double pitch) : sides_(sides), steep_(steep) {
     const double sector = spread.width / sides;
-    // In a full circle camera 0 looks forward.
+    // If the beams cover a full circle, camera 0 looks forward.
     const double firstAzimuth = spread.width < 2 * kPi ? spread.firstAzimuth : -sector / 2;
     origin_ = squareAngle(firstAzimuth);
     for (int i = 0; i < sides; ++i) {

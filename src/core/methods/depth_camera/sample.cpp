@@ -134,7 +134,7 @@ class Sampler {
     }
   }
 
-  // Finds the pixels of the first round: in the beams' directions or, if originsDiffer(), of points on the beams.
+  // Finds each beam's first pixel: in the beam's direction or, if originsDiffer(), at a point on the beam.
   void findFirstPixels(Batch& batch) {
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
@@ -168,7 +168,7 @@ class Sampler {
     }
   }
 
-  // Fetches the batch's pixels, and rounds depths as a z-buffer would. Half500 is not applied yet: it rounds points.
+  // Fetches the batch's pixels, and rounds depths as a z-buffer would. Half500 is applied later: it rounds points.
   void fetch(const Batch& batch) {
     addresses_.resize(batch.count);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {

@@ -96,7 +96,7 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
   }
 }
 
-// Sets `triangleOrList`, by corner: the nearest triangle or, in a field with lists, the start in listed_ of the list.
+// Sets `triangleOrList`, by corner: the nearest triangle or, in a field with lists, the start of the list in listed_.
 void BrickMaker::fillTrianglesOrLists(const std::uint16_t* distance, std::uint32_t* triangleOrList) const {
   const auto farthest = static_cast<std::uint16_t>((lists_ ? kListLimit : kNearestLimit) / kDistanceStep);
   const auto& entries = lists_ ? list_ : nearest_;
@@ -126,7 +126,7 @@ void BrickMaker::appendLists(std::uint32_t* triangleOrList, std::vector<std::uin
   }
 }
 
-// Makes a brick with few triangles: compares each with the centres of all blocks, then with the corners of near blocks.
+// Makes a brick with few triangles: compares each triangle with all blocks' centres, then with near blocks' corners.
 void BrickMaker::makeSparse(const BrickFrame& frame) {
   facets_.resize(triangles_.size());
   centreDistance2_.resize(triangles_.size());

@@ -18,7 +18,7 @@ namespace scanmill {
 // Several algorithms give the same bytes. If few triangles are near a brick or a block, each triangle is compared with
 // all corners of this brick or block. In foliage, where a block may have thousands of triangles, each triangle is
 // compared only with the few corners that list the triangle, and other corners search for their nearest triangle. The
-// choice of the algorithm reduces the time of building the field in the scene "street" from 12 to 25 s to 1.3 to 2 s.
+// choice of the algorithm reduces the time of building the field in the scene "street" from 12-25 s to 1.3-2 s.
 class BrickMaker {
  public:
   BrickMaker(const World& world, bool lists) : world_(world), lists_(lists) {}

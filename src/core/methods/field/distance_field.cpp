@@ -211,7 +211,7 @@ class Builder {
     }
   }
 
-  // Sets newEntries_ to the new full bricks, and counts the other full bricks. Throws Error if both are too many.
+  // Sets newEntries_ to the new full bricks, and counts the reused ones. Throws Error if the field has too many bricks.
   void findNewBricks() {
     for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
       const std::uint32_t entry = field_->table[i];
@@ -277,7 +277,7 @@ class Builder {
     });
   }
 
-  // Sets the start of each brick's lists. Returns the end of the last brick's lists, for which the pool may lack space.
+  // Sets the start of each brick's lists. Returns the end of the last brick's lists, which may exceed the pool's space.
   std::uint64_t placeLists() {
     const auto countOf = [&](const Brick& brick) -> std::uint64_t {
       if (brick.newNumber != kNone) return lists_[brick.newNumber].size();

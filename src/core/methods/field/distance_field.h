@@ -149,12 +149,11 @@ struct BrickPool {
 // Returns the data of levels that particles read, for a field with this shape: one entry per level.
 std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
 
-// Builds the field of a world. Bricks of the fields in `before` are copied or shared (BrickPool) and not built
-// again. All fields in `before` must belong to this world. Of these, a field is used only if it has the voxel size and
-// the `lists` of `shape`, and the same pool as the first used field. The data that particles read is the same as
-// without `before`, byte by byte, and does not depend on the number of threads. The world must be flat, without
-// instances. An empty world gives a field of empty bricks. Runs on all threads. Moving a field by a metre takes a
-// thirtieth of the time of building the field.
+// Builds the field of a world, on all threads. Bricks of the fields in `before` are copied or shared (BrickPool) and
+// not built again. All fields in `before` must belong to this world. A field in `before` is used only if it has the
+// voxel size and the `lists` of `shape`, and the same pool as the first used field. The data that particles read is the
+// same, byte by byte, for any `before` and any number of threads. The world must be flat, without instances. An empty
+// world gives a field of empty bricks. Moving a field by a metre takes a thirtieth of the time of building it.
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
                                                 const std::vector<std::shared_ptr<const DistanceField>>& before = {});
 

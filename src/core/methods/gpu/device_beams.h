@@ -40,7 +40,7 @@ class DeviceBeams {
       return t.beams.lock() == shot.beams && t.poses == shot.worldFromSensor.size();
     });
     const bool isUploaded = table != tables_.end();
-    if (!isUploaded) {  // use a table that no longer exists, a new one or the least recently used one
+    if (!isUploaded) {  // replace a table that no longer exists, add one, or replace the least recently used
       table = std::ranges::find_if(tables_, [](const Table& t) { return t.beams.expired(); });
       if (table == tables_.end() && tables_.size() < kTables) table = tables_.emplace(tables_.end(), device_);
       if (table == tables_.end()) --table;
@@ -49,7 +49,7 @@ class DeviceBeams {
     if (!isUploaded) upload(tables_.front(), shot);
   }
 
-  // Buffers for the bindings 0 to 3 of programs that include rays.glsl, with the shots of the last ensureUploaded().
+  // Return the buffers for the bindings 0 to 3 of programs that include rays.glsl, for the shots of ensureUploaded().
   const ComputeBuffer& directions() const { return tables_.front().directions; }
   const ComputeBuffer& origins() const { return tables_.front().origins; }
   const ComputeBuffer& poses() const { return poses_; }

@@ -53,7 +53,7 @@ const std::string kRemedy = ": take coarser voxels (voxel_m) or fewer levels";
 
 using DeviceLevel = std::array<std::uint32_t, 8>;
 
-// See DeviceFields::levels().
+// Returns the parameters of the field's levels, in the layout of DeviceFields::levels().
 std::vector<DeviceLevel> deviceLevels(const DistanceField& field) {
   std::vector<DeviceLevel> levels;
   for (const FieldLevel& level : field.levels) {
@@ -153,8 +153,8 @@ std::uint64_t DeviceFields::UploadedPool::bytes() const {
          lists.buffer.bytes();
 }
 
-// Moves the pool's entry of pools_ to the front. A pool without an entry gets the entry of a pool that no longer
-// exists; if there is none, a new entry if kMostBytes allows, otherwise the least recently used entry.
+// Moves the pool's entry of pools_ to the front. A pool without an entry takes over the entry of a pool that no longer
+// exists. If there is none, it gets a new entry if kMostBytes allows this, otherwise the least recently used entry.
 void DeviceFields::bringToFront(const std::shared_ptr<const BrickPool>& pool) {
   auto entry = std::ranges::find_if(pools_, [&](const UploadedPool& p) { return p.pool.lock() == pool; });
   if (entry == pools_.end()) {

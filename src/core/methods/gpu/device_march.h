@@ -23,13 +23,13 @@ constexpr float kLeftToCpu = -1;  // value of Particles::begin that leaves a par
 constexpr std::uint32_t kPassesHole = 3;              // the particle continues behind a hole
 constexpr std::uint32_t kParticleDone = 0x80000000u;  // flag: the particle's result is complete
 
-// The compute programs of particles, assembled from the files in methods/gpu/shaders and the constants that the
+// The compute programs of particles are assembled from the files in methods/gpu/shaders and the constants that the
 // CPU's code uses. A comment at the top of each file lists the program's buffers and tables. See gpu/compute.h.
-// The text of rays.glsl alone, for programs that need the rays of shots:
+// kRaysShader is the text of rays.glsl alone, for other programs that need the rays of shots.
 extern const std::string_view kRaysShader;
 
-// These functions return programs for fields with or without lists of triangles: the launch program creates particles,
-// the march program takes their steps, and the last program computes hits from their records.
+// These functions return the texts of programs for fields with or without lists of triangles: the launch program
+// creates particles, the march program takes their steps, and the last program computes hits from their records.
 std::string launchShader(bool lists);
 std::string marchShader(bool lists);
 std::string resolveShader(bool lists);

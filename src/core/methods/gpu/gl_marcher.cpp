@@ -111,8 +111,8 @@ void GlMarcher::dispatch(const std::vector<const ShotWork*>& together, Queue::Ba
   });
 }
 
-// Launches `count` particles, marches them and computes their hits. `first`: number of the first of them,
-// counted through all shots of the dispatch. `rays`: number of rays of all these shots.
+// Launches `count` particles, marches them and computes their hits. `first`: index of the first of these particles
+// among the particles of all shots of the dispatch. `rays`: number of rays of all these shots.
 void GlMarcher::marchSlice(const ShotWork& work, std::size_t rays, std::size_t first, std::size_t count) {
   const DistanceField& field = work.job.field();
   const TriangleBlock& triangles = work.job.triangles();

@@ -37,7 +37,7 @@ class ShotQueue {
   // A function that submits works to the device, and starts the copy to `batch.hits`. Called by one thread at a time.
   using Dispatch = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;
 
-  // `mostBytes`: works share a dispatch only if their bytes() add up to at most this, and at most kMostBytesTogether.
+  // Works share a dispatch only if the sum of their bytes() is at most `mostBytes` and at most kMostBytesTogether.
   ShotQueue(const ComputeDevice& device, std::uint64_t mostBytes, Dispatch dispatch)
       : mostBytes_(std::min(mostBytes, kMostBytesTogether)), dispatch_(std::move(dispatch)) {
     for (std::size_t k = 0; k < kMostInFlight; ++k) free_.push_back(std::make_unique<Batch>(device));
@@ -47,7 +47,7 @@ class ShotQueue {
     std::shared_ptr<Batch> batch;
     std::size_t firstRay = 0;  // index in the batch of the work's first ray
   };
-  // Returns after this or another thread has submitted the work. Rethrows the exception if submitting failed.
+  // Waits until this or another thread has submitted the work, and returns its batch. Rethrows errors of submitting.
   Submitted submit(const Work& work) {
     Waiting waiting{work, {}, nullptr};
     std::unique_lock lock(mutex_);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStep = 1e-4;  // m; a continued ray starts this far from the surface, so as not to hit it again
 
-// A ray that continues after a hit; or a ray that starts at the sensor, whose path has no length yet.
+// A ray that continues after a hit, or a ray of the shot itself, which starts at the sensor with a path length of 0.
 struct ContinuedRay {
   std::uint32_t beam;
   Vec3d origin;               // m, world axes, relative to the sensor's position at the start of the revolution
@@ -179,7 +179,7 @@ class LightFollower {
   std::span<const Material> materials_;
   const LightPaths& paths_;
   Hits& hits_;
-  std::vector<float> remaining_;         // m, by ray of the last shotOf(): path left within the sensor's range
+  std::vector<float> remaining_;         // m, by ray of the last shotOf(): the sensor's range minus pathLength
   std::vector<std::uint8_t> continues_;  // by material: 1 if rays continue through or off the material
 };
 

@@ -40,9 +40,9 @@ struct Pane {
 };
 Pane paneOf(double cosine, double index, double inside);
 
-// Returns the fraction of light that a surface reflects as a mirror. A transmissive material reflects as a pane;
-// Material::metallic mixes other materials from a metal (Schlick, "An inexpensive BRDF model for physically-based
-// rendering", Eurographics 1994, eq. 15) and a smooth face. Returns 0 if the roughness exceeds kMirrorRoughness.
+// Returns the fraction of light that a surface reflects as a mirror; 0 if the roughness exceeds kMirrorRoughness. A
+// transmissive material reflects as a pane. Otherwise Material::metallic interpolates between a metal (Schlick, "An
+// inexpensive BRDF model for physically-based rendering", 1994, eq. 15) and a smooth dielectric.
 double mirrored(const Material& material, double cosine, double reflectance);
 
 // Continues rays through transmissive materials (in the same direction) and off mirrors (in the mirrored direction), as

@@ -52,8 +52,8 @@ class Worlds;
 class Method {
  public:
   virtual ~Method() = default;
-  // Does the preparation that trace() would do first for a shot at this position, such as building a hierarchy, so that
-  // preparation and tracing can be timed separately. Never changes a result.
+  // Builds what trace() needs for this shot, such as a hierarchy around the sensor; otherwise trace() builds it. Allows
+  // preparation and tracing to be timed separately. Never changes a result.
   virtual TraceAccount prepare(const Shot& shot) const = 0;
   // Fills `hits` with the requested channels; the result depends only on the shot. A hit nearer than the sensor's
   // minimum range or farther than its maximum range is a miss.
@@ -71,11 +71,11 @@ class Method {
 
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene itself, measured
 
-// Return what Method::modelled() says about the cut-outs and the textures of a scene's materials.
+// Return the items of Method::modelled() for the alpha cut-outs and the textures of a scene's materials.
 ModelledItem cutOutItem(const Scene& scene);
 ModelledItem textureItem(const Scene& scene);
 
-// The capabilities of a method. The plan refuses a pipeline that needs more.
+// The capabilities of a method. The plan refuses a pipeline that needs a capability which its method lacks.
 struct MethodCapabilities {
   // True if rays can start anywhere, not only at the sensor, and therefore can continue through glass and off mirrors
   // (methods/interface/light_paths.h). False: every surface stops rays, except where alpha cuts the surface out.

@@ -17,7 +17,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kMemoryFraction = 0.125;  // fraction of the memory limit for all pools; kFewestPools may exceed it
-// Least limit on the number of pools: for two drives, for a field under construction, and for a pool being released.
+// Smallest limit on the number of pools: for two drives, a field under construction, and a pool being released.
 constexpr std::size_t kFewestPools = 4;
 constexpr std::size_t kFieldsOfPool = 2;  // largest number of cached fields per pool, for two sensors of a vehicle
 
@@ -27,8 +27,8 @@ bool contains(const Box& outer, const Box& inner) {
           outer.high.x >= inner.high.x && outer.high.y >= inner.high.y && outer.high.z >= inner.high.z);
 }
 
-// Returns the largest number of pools that may exist, including the pool of the field under construction: two more than
-// threads, or fewer if these take more than kMemoryFraction of the memory limit, but at least kFewestPools.
+// Returns the largest number of pools that may exist, including the pool of the field under construction: the number of
+// threads plus 2, or fewer if these take more than kMemoryFraction of the memory limit, but at least kFewestPools.
 std::size_t mostPoolsOf(const ParticleOptions& options) {
   const double fittingPools = kMemoryFraction * static_cast<double>(memoryLimitBytes()) / fieldBytes(options);
   const auto usefulPools = static_cast<double>(threadCount() + 2);

@@ -8,13 +8,13 @@ namespace scanmill {
 
 namespace {
 
-// Returns the inverse of a component of a direction. A component below 1e-12 counts as 1e-12, so that none is infinite.
+// Returns the inverse of a component of a direction; finite, because absolute values below 1e-12 count as 1e-12.
 double inverseOf(double component) {
   constexpr double kSmallest = 1e-12;
   return 1 / (std::fabs(component) < kSmallest ? kSmallest : component);
 }
 
-// Clips lines' sections to low <= coordinate <= high (m) along an axis on which lines have this origin and direction.
+// Clips sections of lines to low <= x <= high (m). `origin`, `direction`: x components of the lines; x may be any axis.
 void clip(double low, double high, const Lane& origin, const Lane& direction, Sections& sections) {
   for (int i = 0; i < kPacket; ++i) {
     const double inverse = inverseOf(direction[i]);

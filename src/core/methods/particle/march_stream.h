@@ -81,15 +81,15 @@ struct LineHit {
   std::uint32_t triangle;
 };
 
-// The corners' lists of triangles differ in length, so pairs of a line and a triangle are first collected and then
-// intersected, kLanes pairs at a time, whichever lines they belong to. Lists, scattered in memory, are prefetched.
+// Intersects lines with the triangles that corners list, kLanes pairs of a line and a triangle at a time. Lists differ
+// in length, so the pairs of all lines are collected first. Lists, scattered in memory, are prefetched.
 class ListIntersector {
  public:
   static constexpr std::size_t kLines = 16 * kLanes;
 
   ListIntersector(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
 
-  // The caller sets these for each line that it adds. A later triangle of a list must be nearer by `tie` (m).
+  // The caller sets these for each line that it adds. Of a list, only a triangle nearer by `tie` (m) replaces a hit.
   HWY_ALIGN_MAX LineStart start[kLines] = {};
   HWY_ALIGN_MAX LineCourse course[kLines] = {};
   HWY_ALIGN_MAX float tie[kLines] = {};
@@ -461,7 +461,7 @@ class ParticleStream {
     }
   }
 
-  // In full bricks, loads the distances at the voxel's corners or, with lists, at the corner of chooseCorners().
+  // In full bricks, loads the distances at the voxel's corners or, with lists, at the corner nearest to the particle.
   void loadDistances(LaneGroup& group) const {
     if (hn::AllFalse(kFloats, isFull(hn::Load(kWords, group.entry)))) return;
     const Words cell = hn::Load(kWords, group.cell);

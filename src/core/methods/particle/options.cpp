@@ -84,8 +84,8 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
   shape.voxel = options.voxel;
   const Corner centre = nearestBrickCorner(sensor, options.voxel);
   shape.centre = pointOf(centre, kBrickVoxels * options.voxel);
-  // In voxels of the level. The middle of a coarse level's box may be half a brick of the level away from the field's
-  // centre; one more voxel is a margin.
+  // The reach, in voxels of the level, excludes half a brick, because the middle of a coarse level's box may be that
+  // far from the field's centre, and one voxel as a margin.
   shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
   std::uint32_t levels = options.levels;
   if (levels == 0) {

@@ -33,7 +33,7 @@ namespace {
 constexpr std::size_t kTilesAtOnce = 128;  // largest number of tiles of a work item, whose hits stay in the L2 cache
 constexpr std::size_t kFewestPieces = 64;  // least number of work items, to keep cores busy; fewer if tiles are fewer
 
-// Returns the tile of kPacket columns, or fewer at the end of the ring, that begins at a column.
+// Returns the tile of a ring that begins at `column`: kPacket columns, or fewer at the end of the ring.
 Tile tileAt(std::uint32_t ring, std::uint32_t column, std::uint32_t columns) {
   return {.ring = ring, .column = column, .rows = 1, .width = std::min<std::uint32_t>(kPacket, columns - column)};
 }

@@ -55,7 +55,7 @@ struct HitRecords {
   std::vector<std::uint32_t> outcome;   // Outcome + 4 * number of steps
 
   std::size_t size() const { return travelled.size(); }
-  // Sets all records to zero steps.
+  // Makes `count` records, all with zero steps.
   void reset(std::size_t count) {
     travelled.assign(count, 0);
     triangle.assign(count, 0);
@@ -89,9 +89,9 @@ struct UnreliableBeams {
   }
 };
 
-// Makes hits of the records that the march has written: lets particles continue through transparent triangles (in
-// fields with lists), fills the channels that `hits` has, and appends the beams that are neither hits nor misses to
-// `unresolved`. Returns the numbers of unreliable beams. `particles`, `records`: kPacket for each tile, in their order.
+// Computes hits from the records of marched particles: lets particles pass transparent triangles (in fields with
+// lists), fills the channels that `hits` has, and appends the beams that are neither hits nor misses to `unresolved`.
+// `particles`, `records`: kPacket per tile, in the order of tiles. Returns the numbers of unreliable beams.
 UnreliableBeams resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
                         Particles& particles, HitRecords& records, Hits& hits, std::vector<std::uint32_t>& unresolved);
 

@@ -52,8 +52,8 @@ inline float coplanarFloor(float sensorToOrigin) {
   return kRounding * (sensorToOrigin + kCoplanarCorners);
 }
 
-// When a hit is accepted, the ray is cut off not at the hit but farther, by this fraction of the hit's distance plus
-// the floor, to visit surfaces coplanar with the hit too. This suffices for angles of incidence up to 89.98 degrees.
+// An accepted hit shortens the ray to the hit's distance, plus this fraction of the distance, plus the floor: surfaces
+// coplanar with the hit are visited too. This suffices for angles of incidence up to 89.98 degrees.
 constexpr float kReach = 1e-3f;
 
 // The filters for opaque and for alpha-tested triangles. Their context is a TieContext.

@@ -18,7 +18,7 @@ float nonTiny(double direction) {
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
-// Returns the length (m) to trace of a ray whose hits beyond `blockedBeyond` (m) do not matter, at most `far`. The
+// Returns the length (m) to which a ray is traced if hits beyond `blockedBeyond` (m) do not matter; at most `far`. The
 // margin exceeds the difference between the range that follows from a triangle's plane and the traced range.
 float endOf(float blockedBeyond, float far) {
   constexpr auto kMargin = static_cast<float>(2 * kRangeErrorBound);
@@ -46,7 +46,7 @@ void findEnds(const PacketJob& job, const Tile& tile, float* ends) {
   }
 }
 
-// Traces a packet and sets the nearest hits in `context`. `firedAt` (see Pending), `ends` (see findEnds()): by lane.
+// Traces a packet and sets the nearest hits in `context`. `firedAt` (HitTriangle::firedAt), `ends` (m): one per lane.
 void intersectRays(const PacketJob& job, const Rays& rays, const float* firedAt, const float* ends,
                    TieContext& context) {
   RTCRayHit16 packet;
@@ -148,7 +148,7 @@ double farthestEnd(const Shot& shot, double farthestOrigin) {
 }
 
 double farthestEnd(const Shot& shot) {
-  constexpr float kLargestSensor = 1;   // m; a ray that starts farther from the sensor's origin continues another
+  constexpr float kLargestSensor = 1;   // m; a ray from farther away than this starts at a pane or mirror
   constexpr double kRoundUp = 1.00001;  // exceeds the rounding error of the squares
   const BeamTable& beams = *shot.beams;
   float farthestOrigin2 = 0;

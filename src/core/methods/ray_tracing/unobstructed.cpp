@@ -82,7 +82,7 @@ std::optional<Interval> crossing(const ThingExtent& extent, const Vec3d& origin,
 // the revolution. `axis`: the cone's axis, the direction to the thing's centre from the sensor's first pose.
 // `farthestOrigin`: largest distance of a beam's origin from the sensor's origin (m).
 double coneAngle(const ThingExtent& extent, const ShotFrame& frame, const Vec3d& axis, double farthestOrigin) {
-  constexpr double kOutside = 1.01;  // in radii; seen from a nearer sensor, the thing may be in any direction
+  constexpr double kOutside = 1.01;  // radii; a sensor this near to the thing may see it in any direction
   const double radius = extent.radius + farthestOrigin;
   double angle = 0;
   for (const std::size_t step : {std::size_t{0}, frame.rotation.size() / 2, frame.rotation.size() - 1}) {

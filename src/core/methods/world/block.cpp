@@ -22,7 +22,7 @@ bool alphaTested(const Scene& scene, const Surface& surface) {
   return material.alphaTested && material.texture != nullptr;
 }
 
-// Appends the alpha-tested (if `alpha`) or the other triangles of a mesh. fillPlanes() computes their planes later.
+// Appends a mesh's alpha-tested triangles if `alpha` is true, otherwise its other triangles; all without planes yet.
 void appendTriangles(TriangleBlock& block, const Scene& scene, const BlockSource& source, bool alpha) {
   const Mesh& mesh = *source.mesh;
   std::vector<char> isAppended(mesh.surfaces.size());  // by surface

@@ -18,7 +18,7 @@ namespace scanmill {
 
 // The labels of hits on a triangle.
 struct HitSurface {
-  std::uint32_t instance = 0;  // the number that TriangleBlock::surfaces describes
+  std::uint32_t instance = 0;  // instance id, or the object's number: see TriangleBlock::surfaces
   std::uint16_t semantic = 0;
   std::uint16_t material = 0;
 };

@@ -16,7 +16,7 @@ namespace {
 // equally fast, and instancing takes half the memory.
 constexpr std::uint64_t kFlattenedTriangles = 500'000;
 
-constexpr std::uint64_t kMostVertices = 0xFFFFFFF0u;  // largest number in a block, whose indices have 32 bits
+constexpr std::uint64_t kMostVertices = 0xFFFFFFF0u;  // largest number of vertices in a block (32-bit indices)
 
 // Fills World::baked with the instances of all meshes that are not instanced.
 void bake(World& world, const std::vector<bool>& instanced) {

@@ -79,8 +79,8 @@ class ExactDepth {
     }
   }
 
-  // Returns the depth (m) of the triangle's plane at a pixel's centre. If Blender's depth, which is
-  // `visible.depth`, differs by more than the fraction kPlaneShare, as for triangles seen edge-on, returns Blender's.
+  // Returns the depth (m) of the triangle's plane at a pixel's centre. Returns Blender's depth `visible.depth` instead
+  // if the two differ by more than the fraction kPlaneShare, as they do for triangles seen edge-on.
   float depthAt(std::size_t column, std::size_t row, const VisibleTriangle& visible) const {
     const Affine& cameraFromMesh = cameraFromMesh_[visible.instance - 1];
     const Mesh& mesh = scene_.meshes[scene_.instances[visible.instance - 1].mesh];
@@ -134,8 +134,8 @@ class BlenderRenderer : public PassRenderer {
     device_ = fmt::format("Blender {} (Cycles on {} threads)", ready.text, threads_);
   }
 
-  // Loads the scene into Blender, relative to the origin `near`. Does nothing if Blender has the scene relative to an
-  // origin within kReach of `near`.
+  // Loads the scene into Blender, relative to the origin `near`. Does nothing if Blender already has the scene,
+  // relative to an origin within kReach of `near`.
   void load(const Vec3d& near) {
     if (origin_ && length(near - *origin_) <= kReach) return;
     origin_ = near;
@@ -184,7 +184,7 @@ class BlenderRenderer : public PassRenderer {
     std::size_t object() const { return static_cast<std::size_t>(objectLow + kExactIntegers * objectHigh); }
   };
 
-  // Reads the channels, which Blender names after its layers, such as "ViewLayer.Depth.Z".
+  // Reads all pixels. Blender puts the name of a layer before the name of a channel: "ViewLayer.Depth.Z".
   static std::vector<BlenderPixel> readPixels(const ExrReader& reader) {
     std::vector<BlenderPixel> pixels(reader.pixels());
     const auto target = [&](const char* nameEnd, float BlenderPixel::*member) {
@@ -206,7 +206,7 @@ class BlenderRenderer : public PassRenderer {
                  VisibleTriangle* triangles) {
     const ExrReader reader(file);
     const std::vector<BlenderPixel> pixels = readPixels(reader);
-    // Rounding may put a surface at a depth limit on either side of the limit, so the test here is inclusive.
+    // A surface that is exactly at a depth limit may be rounded to either side of it, so this test includes the limits.
     const auto nearest = static_cast<float>(limits.nearest);
     const auto farthest = std::min(static_cast<float>(limits.farthest), kBlenderSky);
     const auto hasDepth = [&](const BlenderPixel& p) { return p.depth >= nearest && p.depth <= farthest; };

@@ -98,8 +98,8 @@ class SceneWriter {
     }
   }
 
-  // Writes a mesh that has `instances`, divided into objects of at most trianglesOfAnObject_ triangles. The positions
-  // of a mesh with one instance are relative to origin_, those of other meshes are in the mesh's frame.
+  // Writes a mesh and its `instances`, divided into objects of at most trianglesOfAnObject_ triangles. The positions of
+  // a mesh with one instance are relative to origin_, those of other meshes are in the mesh's frame.
   void addMesh(const Mesh& mesh, const std::vector<std::uint32_t>& instances) {
     const bool isPlacedOnce = instances.size() == 1;
     std::vector<Vec3f> positions = mesh.positions;

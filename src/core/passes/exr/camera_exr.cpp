@@ -69,7 +69,7 @@ class CameraReader {
     refuse(attribute, fmt::format("must be of type {}", type));
   }
 
-  // Returns the value of an attribute of numbers. If the file lacks it, throws InputError with its `meaning`.
+  // Returns the value of a numeric attribute. If the file lacks it, throws InputError that contains `meaning`.
   template <class T>
   const T& require(const char* attribute, const char* type, const char* meaning) const {
     const T* value = optional<T>(attribute, type);

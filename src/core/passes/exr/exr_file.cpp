@@ -39,7 +39,7 @@ constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;  // 268 million
 constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
 // Upper bound of the lossless compression ratio of OpenEXR: deflate's longest match has 258 bytes, in at least 2 bits.
 constexpr std::uint64_t kMostGain = 1100;
-constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // largest band of rows, unless 32 rows or a tile are more
+constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // size of a band of rows; 32 rows or a tile may exceed it
 
 // A stream of encoded bytes for OpenEXR. Several streams may read the same bytes.
 class MemoryInput : public Imf::IStream {

@@ -61,8 +61,8 @@ const ExrChannel* findInAnyLayer(const ExrReader& file, const std::string& name)
   return layered;
 }
 
-// Returns a channel "<layer>.Z" that is a depth; null if there is none. It must not be the third component of a vector,
-// and its name must not have further levels, as Blender's "<layer>.Mist.Z" has.
+// Returns a channel "<layer>.Z" that is a depth; null if there is none. Skips a channel that is the third component of
+// a vector, and names with more levels, such as Blender's "<layer>.Mist.Z".
 const ExrChannel* findLayerZ(const ExrReader& file) {
   const auto isDepth = [&](const ExrChannel& channel) {
     if (!channel.name.ends_with(".Z") || channel.name.find('.') != channel.name.size() - 2) return false;
@@ -110,7 +110,7 @@ std::array<const ExrChannel*, 3> findNormal(const ExrReader& file) {
   return {};
 }
 
-// If the pass is absent, these throw an InputError that lists the file's channels. They do not check channels' types.
+// These functions throw InputError that lists the file's channels if the pass is absent. They do not check types.
 const ExrChannel& requirePass(const ExrReader& file, std::string_view pass) {
   if (const ExrChannel* channel = findPass(file, pass)) return *channel;
   refuseAbsence(file, pass, fmt::format("the pass '{}'{}", pass, insteadOf(pass)));
@@ -265,8 +265,8 @@ class PassReader {
   // surfaces, whose sign may come from rounding. Normals from writePasses() are therefore never flipped.
   void checkNormals() {
     constexpr double kEdgeOn = 1e-6;  // cosine of the angle of incidence below which a surface counts as edge-on
-    // Squared lengths: within 2 % a vector counts as a unit vector; from 1e-5 on, rounding of float32 does not explain
-    // the difference, and the vector is normalised.
+    // Squared lengths from kShortest2 to kLongest2 are valid. If a squared length differs from 1 by more than
+    // kRounding2, which float32 rounding does not explain, the normal is normalised.
     constexpr float kShortest2 = 0.98f, kLongest2 = 1.02f, kRounding2 = 1e-5f;
     const Camera& camera = image_.camera;
     const Mat3 worldFromCamera = toMatrix(camera.worldFromCamera.rotation);

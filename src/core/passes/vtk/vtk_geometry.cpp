@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// Limit of a chunk. Larger chunks draw more triangles outside of the image; smaller chunks need more draw calls.
+// Largest chunk. Larger chunks draw more triangles outside of the image; smaller chunks need more draw calls.
 constexpr std::size_t kChunkTriangles = 1024;
 
 // Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kFraction * the mesh's size. The
@@ -177,7 +177,7 @@ std::vector<std::uint32_t> addCutouts(const Scene& scene, ViewGeometry& geometry
   return cutoutOf;
 }
 
-// Appends a mesh's batch to the batch of all meshes. Returns the indices that the mesh's chunks have there.
+// Appends a mesh's batch to `batch`. Returns the range of indices that the mesh's chunks have in `batch`.
 ChunkRange append(ViewBatch& batch, ViewBatch&& meshBatch) {
   const ChunkRange range{static_cast<std::uint32_t>(batch.chunks.size()),
                          static_cast<std::uint32_t>(batch.chunks.size() + meshBatch.chunks.size())};

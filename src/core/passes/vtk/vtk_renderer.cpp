@@ -188,8 +188,8 @@ class DrawnView {
     const ViewBatch* batch;
   };
 
-  // Adds an instance to frames_, and its chunks to the candidates, if it may be visible. Computes in double precision,
-  // from the instance's position relative to the camera: results are the same far from the world's origin.
+  // Adds an instance to frames_, and its chunks to the candidates, if it may be visible. Computes in double precision
+  // from the instance's position relative to the camera, so that the precision is the same far from the world's origin.
   void addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
     const Instance& instance = scene_.instances[index];
     const ViewMesh& mesh = geometry_.meshes[instance.mesh];

@@ -161,7 +161,7 @@ class TriangleStore {
     placements_.fill(placements.data(), placements.size_bytes(), GL_STREAM_DRAW);
   }
 
-  // Draws triangles of the solid batch or, if `cut` is true, of the batch with cut-outs, by the current program.
+  // Draws triangles by the current program: of the batch with cut-outs if `cut` is true, otherwise of the solid batch.
   void draw(bool cut, std::span<const VtkDraw> draws) {
     if (draws.empty()) return;
     std::vector<Command> commands(draws.size());

@@ -46,7 +46,7 @@ Plane planeOf(uint triangle, dvec3 d) {
   return p;
 }
 
-// Returns the range from `o` to the plane along the ray of planeOf(). The CPU's differs by at most `errorBound`.
+// Returns the range from `o` to the plane along the ray of planeOf(). The CPU's range differs by at most `errorBound`.
 double distanceTo(Plane p, dvec3 o, out double errorBound) {
   precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;
@@ -90,7 +90,7 @@ bool texelAt(Plane p, double range, double errorBound, dvec3 o, dvec3 d, uvec4 m
     dvec3 v = dvec3(k == 0 ? vec3(u[0], u[1], u[2]) : uintBitsToFloat(behind.xyz));
     double value = first * v.x + second * v.y + third * v.z;
     double off = blur * (abs(v.y - v.x) + abs(v.z - v.x)) + (abs(v.x) + abs(v.y) + abs(v.z)) * (4.0LF * kSlack);
-    // If both bounds lie in one texel of one repetition, so does every coordinate between them.
+    // If both bounds are in the same texel of the same repetition, all coordinates between them are in this texel too.
     float low = float(value - off);
     float high = float(value + off);
     index[k] = texelOf(low, sides[k]);

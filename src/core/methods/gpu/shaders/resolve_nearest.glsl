@@ -36,7 +36,7 @@ uint triangleAt(vec3 q) {
   return v.full ? fetch(trianglesOrLists, v.nearest) : kNoTriangle;
 }
 
-// Does the same as triangleOrLayer() in methods/particle/resolve.cpp.
+// Returns `triangle`, or a triangle of a thin layer on it, like triangleOrLayer() in methods/particle/resolve.cpp.
 uint triangleOrLayer(uint triangle, double range, dvec3 o, dvec3 d, inout bool certain) {
   dvec3 normal;
   double offset;
