@@ -388,7 +388,7 @@ class BlockMaker {
     return nearest;
   }
 
-  // Adds the wall from `a` to `b`, with the coping of a parapet. Seen from `a` to `b`, the building is at the left.
+  // Adds the wall from `a` to `b`, with the coping of a parapet. Looking from `a` to `b`, the building is at the left.
   void wall(const Point2& a, const Point2& b, bool door) {
     const double width = std::hypot(b.x - a.x, b.y - a.y);
     const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};

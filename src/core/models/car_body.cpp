@@ -9,7 +9,7 @@
 namespace scanmill::models {
 namespace {
 
-// Returns the line with its corners cut `passes` times, each cut at a fifth of the sides; the ends stay. Chaikin, "An
+// Returns the line after `passes` rounds that cut each corner at a fifth of its sides; the ends stay. Chaikin, "An
 // algorithm for high-speed curve generation", Computer Graphics and Image Processing 3 (1974), with other ratios.
 std::vector<Point2> rounded(std::vector<Point2> line, int passes) {
   for (int pass = 0; pass < passes; ++pass) {
@@ -117,7 +117,7 @@ class BodyMaker {
     return p;
   }
 
-  // Returns the sorted x (m) of the cross sections, at least 9 mm apart: dense at bumpers, wheel arches and windows.
+  // Returns the sorted positions x (m) of the cross sections: 9 mm apart or more, dense at bumpers, arches and windows.
   std::vector<double> stations() const {
     const double end = f_.length / 2;
     std::vector<double> xs{-end, -end + 0.06, -end + 0.15, -end + 0.28, end - 0.28, end - 0.15, end - 0.06, end};

@@ -53,7 +53,7 @@ class FacadeMaker {
     s_.quad(look_.trim, {u1, v0, 0}, {u1, v1, 0}, {u1, v1, w}, {u1, v0, w});
   }
 
-  // Adds a window's glass and its casing with bars; for windows that are not of a shop, also a sill and shutters.
+  // Adds a window's glass and its casing with bars; except at shops, also a sill and shutters.
   void window(const Opening& o) {
     const auto [u0, u1] = o.u;
     const auto [v0, v1] = o.v;
@@ -255,7 +255,7 @@ class Details {
     }
   }
 
-  // Adds a bay with a roof in front of a random column of windows without the door; it spans one storey or all.
+  // Adds a bay with a roof in front of a random column of windows, not at the door. The bay has one storey or all.
   void bay() {
     const int column = (h_.doorColumn + 1 + draw_.below(h_.columns - 1)) % h_.columns;
     const double middle = windowMiddle(column);
@@ -287,7 +287,7 @@ class Details {
     s_.box(look_.wood, {x, -out + 0.06, top - 0.06}, {2 * half - 0.02, 0.1, 0.12});
   }
 
-  // Adds leaves of ivy in front of the front wall (up to 0.35 m), from the ground upwards. Windows and door stay free.
+  // Adds leaves of ivy up to 0.35 m in front of the front wall, from the ground upwards. Windows and door stay free.
   void ivy() {
     const SurfaceIndex leaf = s_.surface("vegetation", "leaf");
     constexpr double kLeavesPerArea = 70;  // 1/m^2

@@ -144,7 +144,7 @@ void appendBoardsFence(Shape& s, Draw& draw) {
   }
 }
 
-// Appends a chain-link fence: wires 3 mm thick in two directions, 0.1 m apart. Most of a beam passes through.
+// Appends a chain-link fence: wires 3 mm thick in two directions, 0.1 m apart. Most of a laser beam passes through.
 void appendWireFence(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface("fence", "metal_weathered");
   const double h = draw.in(1.1, 2.0);

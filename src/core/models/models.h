@@ -81,7 +81,7 @@ constexpr Point2 lerp(const Point2& a, const Point2& b, double t) {
 }
 // Returns the corners of a regular polygon about the origin, counter-clockwise from the angle `firstAngle` (rad).
 std::vector<Point2> regularPolygon(int corners, double radius, double firstAngle = 0);
-// Returns the corners of a rectangle at the height z about the z axis, or about x = `middleX` (m).
+// Returns the corners of a horizontal rectangle at the height `z`, centred at x = `middleX`, y = 0 (m).
 std::vector<Vec3d> levelRectangle(double z, double halfX, double halfY, double middleX = 0);
 // Calls visit(a, b) for each side of a polygon, from corner a to the next corner b.
 template <class Visit>
@@ -112,7 +112,7 @@ class Shape {
  public:
   Shape(SceneBuilder& builder, std::string name);
 
-  // surface() returns the surface of a class with a material, surfaces() those of a class with several materials.
+  // surface() returns the surface of a class with a material; surfaces() returns a surface for each material.
   SurfaceIndex surface(std::string_view className, std::string_view material);
   template <class... Materials>
   std::array<SurfaceIndex, sizeof...(Materials)> surfaces(std::string_view className, const Materials&... materials) {
@@ -130,7 +130,7 @@ class Shape {
   // tube() appends a straight pipe from `a` to `b`; rod(), a straight pipe with the same radius at both ends.
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
   void rod(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radius, int segments = 8);
-  // Appends the surface of a profile of (radius, z) that rotates about the z axis. The surface faces to the right of
+  // Appends the surface of revolution of a profile (radius, z) about the z axis. The surface faces to the right of
   // the profile's direction: outwards where the profile goes upwards. `loop`: whether the profile is closed.
   void revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
                Loop loop = Loop::Open);
@@ -192,7 +192,7 @@ struct House {
   Vec3d garageMiddle() const { return {width + kGarageBeside + kGarageWidth / 2, kGarageFrom + kGarageDepth / 2, 0}; }
 };
 
-// A building with any outline and rooms behind its windows. The ground is at z = 0.
+// A building with an arbitrary outline and rooms behind its windows. The ground is at z = 0.
 struct Block {
   std::vector<Point2> outline;              // counter-clockwise; the first point is not repeated
   std::vector<std::vector<Point2>> courts;  // outlines of the courtyards, clockwise

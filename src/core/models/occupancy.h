@@ -41,7 +41,7 @@ Footprint footprint(const Model& model, const Spot& spot, double margin);
 // Returns the pose of a model at a spot, with its origin at the height `z` (m).
 Affine poseOf(const Spot& spot, double z);
 
-// Returns the column (for an x) or row (for a y) that contains a coordinate, in a grid with cells of `side` metres.
+// Returns the column that contains an x coordinate, or the row that contains a y coordinate. `side`: of a cell (m).
 inline std::int64_t cellOf(double v, double side) {
   return static_cast<std::int64_t>(std::floor(v / side));
 }
@@ -56,7 +56,7 @@ inline std::uint64_t cellKeyAt(const Point2& p, double side) {
   return cellKey(cellOf(p.x, side), cellOf(p.y, side));
 }
 
-// Calls visit(key) for all cells of `side` metres that the rectangle, enlarged by `reach` metres, may overlap.
+// Calls visit(key) for all cells of `side` m that the rectangle from `low` to `high`, enlarged by `reach` m, overlaps.
 template <class Visit>
 void forCells(const Point2& low, const Point2& high, double reach, double side, const Visit& visit) {
   for (std::int64_t row = cellOf(low.y - reach, side); row <= cellOf(high.y + reach, side); ++row) {
@@ -71,12 +71,12 @@ class CellIndex {
  public:
   explicit CellIndex(double side) : side_(side) {}  // m, side of a cell
 
-  // Adds an index to the cell of a point, or to all cells that a rectangle, enlarged by `reach` metres, may overlap.
+  // Adds an index to the cell of a point, or to all cells that a rectangle, enlarged by `reach` metres, overlaps.
   void add(const Point2& p, std::uint32_t index) { cells_[cellKeyAt(p, side_)].push_back(index); }
   void add(const Point2& low, const Point2& high, double reach, std::uint32_t index) {
     forCells(low, high, reach, side_, [&](std::uint64_t key) { cells_[key].push_back(index); });
   }
-  // inCell() returns the indices of a cell, at() those of the cell that contains a point, in the order of adding.
+  // Return the indices of a cell, or of the cell that contains a point, in the order in which they were added.
   std::span<const std::uint32_t> inCell(std::uint64_t key) const {
     const auto cell = cells_.find(key);
     return cell == cells_.end() ? std::span<const std::uint32_t>() : cell->second;

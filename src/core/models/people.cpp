@@ -29,7 +29,7 @@ struct Clothes {
   double girth = 1;  // factor on the width of the trunk and the limbs
 };
 
-// Returns the elbow or knee of a limb from `a` to `b`, bent towards `outwards`. `upper`, `lower`: lengths of parts (m).
+// Returns the elbow or knee of a limb from `a` to `b`, bent towards `outwards`. `upper`, `lower`: part lengths (m).
 Vec3d middleJoint(const Vec3d& a, const Vec3d& b, double upper, double lower, const Vec3d& outwards) {
   const double reach = std::min(length(b - a), (upper + lower) * 0.999);
   const Vec3d axis = normalized(b - a);
@@ -207,7 +207,7 @@ Model makeRider(SceneBuilder& builder, Draw draw, const RiderFit& fit, std::stri
   Pose p;
   p.hips = fit.saddle + Vec3d{0.02, 0, 0.1};
   const Vec3d grips = (fit.leftGrip + fit.rightGrip) * 0.5;
-  const double lowBar = std::clamp(1.12 - grips.z, 0.0, 0.25);  // m below 1.12 m; the rider leans forward
+  const double lowBar = std::clamp(1.12 - grips.z, 0.0, 0.25);  // m by which the grips are too low to sit upright
   p.shoulders = p.hips + normalized(Vec3d{0.3 + lowBar * 1.4, 0, 1}) * 0.5;
   p.head = p.shoulders + Vec3d{0.08, 0, 0.2};
   p.leftAnkle = fit.leftPedal + Vec3d{-0.06, -0.02, 0.1};

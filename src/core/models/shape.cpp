@@ -120,7 +120,7 @@ void Shape::ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, 
   appendSphere(mesh, surface, frame * Affine{Mat3::scale(radii), center}, 1.0, segments);
 }
 
-// All points of the first row are equal, and so are those of the last row: these two rows close the ends.
+// All points of the first row are equal, and all points of the last row are equal: these two rows close the ends.
 void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii,
                  int segments) {
   const std::size_t last = points.size() - 1;

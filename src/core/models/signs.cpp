@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSignSunk = 0.1;  // m that posts extend below the ground
 
-// Returns a frame in which a drawing in the x, y plane is upright and faces +x: the drawing's x is y, its y is z.
+// Returns a frame that turns a drawing in the x, y plane upright and towards +x: its x becomes y, its y becomes z.
 Affine facing(const Vec3d& center) {
   return {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, center};
 }

@@ -68,14 +68,14 @@ void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& 
   }
 }
 
-// Returns the crown's radius at a height from 0 (base) to 1 (top), as a fraction of the crown's largest radius.
+// Returns the crown's radius at the height `t` (0: base, 1: top), as a fraction of the crown's largest radius.
 double crownProfile(const Habit& habit, double t) {
   const bool column = habit.crownRadius < 0.15 * habit.height;
   return column ? 0.55 + 0.45 * std::sin(kPi * std::min(1.0, t * 0.9 + 0.15))
                 : std::sqrt(std::sin(kPi * (t * 0.86 + 0.1)));
 }
 
-// Appends the twigs in a cluster, which are visible when leaves have fallen. `twigRadius`: at the twigs' start (m).
+// Appends a cluster's twigs, which are visible when leaves have fallen. `twigRadius`: radius at a twig's start (m).
 void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, int count,
                  double twigRadius) {
   for (int k = 0; k < count; ++k) {
@@ -131,7 +131,7 @@ struct Cluster {
   double radius;
 };
 
-// Appends a trunk that leans and bends a little. `base`: z of the crown's lower end; `crown`: extent of the crown (m).
+// Appends a slightly leaning and bent trunk. Returns its axis. `base`: z of the crown's lower end; `crown`: height (m).
 TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, double crown) {
   constexpr int kSegments = 7;
   const double leanX = draw.in(-0.25, 0.25);
@@ -148,7 +148,7 @@ TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, dou
   return axis;
 }
 
-// Returns the clusters of a broadleaf's crown, in a spiral from the lower end to the top. `radius`: the crown's (m).
+// Returns the clusters of a broadleaf's crown, in a spiral from the lower end to the top. `radius`: of the crown (m).
 std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxis& trunk, double base, double crown,
                                   double radius, Raggedness ragged) {
   std::vector<Cluster> clusters;
@@ -166,7 +166,7 @@ std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxi
   return clusters;
 }
 
-// Appends a broadleaf: the trunk, and for each cluster a branch, twigs and leaves. `radius`: the crown's (m).
+// Appends a broadleaf: the trunk, and for each cluster a branch, twigs and leaves. `radius`: of the crown (m).
 void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,
                      const Raggedness& ragged) {
   const double base = habit.crownBase * height / habit.height;
@@ -220,7 +220,7 @@ std::vector<Bough> drawBoughs(Draw& draw, double base, double height, double rad
   return boughs;
 }
 
-// Appends a conifer: a trunk, and boughs with needles on both sides. `height`: the tree's; `radius`: the crown's (m).
+// Appends a conifer: a trunk, and boughs with needles on both sides. `height`: of the tree; `radius`: of the crown (m).
 void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
   const SurfaceIndex bark = s.surface("trunk", "bark");
   const auto [branch, needles] = s.surfaces("tree", "bark", "leaf_conifer");

@@ -194,7 +194,7 @@ Character::Character(const Parameters& p, std::uint64_t seed) : DistrictTraits(k
   drawSeason(p, seed);
 }
 
-// Draws from a random stream of its own, so that a town differs between seasons only in the properties set here.
+// Uses a separate random stream, so that a town differs between seasons only in the properties set here.
 void Character::drawSeason(const Parameters& p, std::uint64_t seed) {
   Draw draw(seed, Kind::Season);
   const double share = draw.next();

@@ -23,19 +23,19 @@ struct Parameters {
   std::string season = "summer";  // "summer", "autumn" or "winter"; "any": random
   std::filesystem::path map;      // an OpenStreetMap extract; empty: roads and buildings are random
   std::string road;               // name of the main road on the map; empty: random
-  bool keepsLeft = false;         // true: left-hand traffic: the town is laid out for right-hand traffic, then mirrored
+  bool keepsLeft = false;         // true: left-hand traffic, for which a right-hand town is mirrored
   double length = 300;            // m, length of the main road from its first to its last plot
   double slope = 1;               // factor on the heights of hills and banks
   double greenery = 1;
   double vehicles = 1;
-  double traffic = 1;  // factor on the number of driving vehicles, in addition to `vehicles`
+  double traffic = 1;  // factor on the number of driving vehicles, besides the factor `vehicles`
   double people = 1;
   double detail = 1;  // factor on the number of leaves
 };
 
 Parameters readParameters(Fields& fields);
 
-// The traits of a district. The key `district` or the seed selects one. The districts are listed in character.cpp.
+// The traits of a district. The key `district` or the seed selects the district. character.cpp lists all.
 struct DistrictTraits {
   std::string_view name;    // value of the key
   bool country = false;     // outside of towns, with few lamps, without crossings and shelters
@@ -48,7 +48,7 @@ struct DistrictTraits {
   bool plain = false;
 };
 
-// The properties of a town. Different seeds give different properties where the parameters do not set them.
+// The properties of a town. Properties that the parameters do not set depend on the seed.
 struct Character : DistrictTraits {
   Character(const Parameters& parameters, std::uint64_t seed);
 

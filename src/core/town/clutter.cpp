@@ -120,7 +120,7 @@ void placeCrossing(Placer& placer, const Model& light) {
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
   const double half = road.section.half - 0.3;
   for (const double lateral : models::steps(-half, half - kStripe, kStripeDistance)) {
-    constexpr int kPieces = 3;  // pieces of a stripe, so that it follows the ground
+    constexpr int kPieces = 3;  // number of pieces of a stripe; pieces follow the ground
     for (int piece = 0; piece < kPieces; ++piece) {
       const auto along = [&](int k) { return *start + kLength * k / kPieces; };
       paintBar(s, paint, l, road, {along(piece), along(piece + 1)}, {lateral, lateral + kStripe});
@@ -139,7 +139,7 @@ void placeSignals(Placer& placer, const Model& light) {
     const double away = side.section.half + 5;
     putLights(placer, light, l.mainRoad(), *side.joins - away, *side.joins + away, true,
               fmt::format("light {}", side.number));
-    // The side road's own light, at the right for vehicles that leave the side road.
+    // The light for vehicles that leave the side road is at the right of the side road.
     placer.tryPut(light, besideRoad(side, stopLineOfSideRoad(l), side.section.half + side.section.curb + 0.45),
                   fmt::format("light {}, out of the side road", side.number));
   }
@@ -160,7 +160,7 @@ bool tryPutInPlot(Placer& placer, const Plot& plot, Draw& draw, Clutter clutter,
 void placeGardenThings(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.character.motorway) return;
-  int attempts = 0;  // attempts on level ground so far, which number the objects
+  int attempts = 0;  // number of attempts on level ground so far; becomes the number in names
   int waters = 0;    // number of ponds and fountains
   const auto tryPut = [&](const Plot& plot, Draw& draw, Clutter clutter, double depth) {
     const bool placed = tryPutInPlot(placer, plot, draw, clutter, depth, attempts);
@@ -216,7 +216,7 @@ void placeSquares(Placer& placer) {
     for (int k = 0; k < count; ++k) {
       const Model& furnishing = draw.chance(0.6) ? bench : planter;
       const double angle = 2 * kPi * k / count;
-      const double share = draw.in(0.4, 0.8);  // distance from the middle, 1 at the edge
+      const double share = draw.in(0.4, 0.8);  // position between the square's middle (0) and its edge (1)
       const Point2 p = about.at(share * about.halfX * std::cos(angle), share * about.halfY * std::sin(angle));
       tryPut(furnishing, p, about.yaw + angle + kPi / 2);
     }

@@ -24,7 +24,7 @@ struct FurnishedRoad {
   double from, to;
 };
 
-// Returns a part of each road that is not minor.
+// Returns the parts of roads along which objects may be placed. Minor roads have none.
 std::vector<FurnishedRoad> furnishedRoads(const Layout& l) {
   std::vector<FurnishedRoad> parts;
   for (const Road& road : l.roads()) {
@@ -35,7 +35,7 @@ std::vector<FurnishedRoad> furnishedRoads(const Layout& l) {
 }
 
 // Tries to place `per100m` objects per 100 m of each road that is not minor. For each object, calls tryPlace(draw,
-// road, along, side) with random positions (m; side 1: left, -1: right) up to kTries times, until the result is true.
+// road, along, side) at most kTries times, until it returns true. `along` (m), `side` (1: left, -1: right): random.
 template <class TryPlace>
 void placeAlongRoads(const Layout& l, Kind kind, double per100m, const TryPlace& tryPlace) {
   for (const FurnishedRoad& part : furnishedRoads(l)) {
@@ -135,7 +135,7 @@ void placeFurniture(Placer& placer, const std::vector<Model>& furnishings) {
 
 constexpr double kRailPanel = 2;  // m, length of a panel
 
-enum class Faces { Left, Right };  // side of the main road's line
+enum class Faces { Left, Right };  // side of the main road's line to which panels face
 
 // Places a row of panels `lateral` m to the left of the main road's line. `heightFactor`: factor on the panels' height.
 void placeRow(Placer& placer, const Model& panel, const models::Span& along, double lateral, Faces faces,

@@ -8,14 +8,14 @@
 
 namespace scanmill::town {
 
-// The part of a route on one lane; routes can share lanes. The point d m along the route is d + shift m along the lane.
+// The part of a route on one lane; routes can share lanes. Distance along the lane: distance along the route + shift.
 struct Leg {
   std::uint32_t lane = 0;
   double from = 0, to = 0;  // m along the route, ends of this part
   double shift = 0;
 };
 
-// The rules by which a stop line is closed: always; while a light is red; while a lane with priority is occupied.
+// The rules of stop lines: closed always, while a light is red, or while vehicles are on a lane with priority.
 struct AlwaysClosed {};
 // The light is red during the first `red` seconds of each period of `period` seconds; a period begins at `offset` (s).
 struct TrafficLight {
@@ -60,8 +60,8 @@ struct DriverModel {
   double gap = 2;             // m between stationary vehicles
 };
 
-// Returns the speed limits (m/s) at 0, kLimitStep, ... m along a route: at most `fastest`, and low enough for a
-// comfortable lateral acceleration in bends and braking before bends. `curvature`: 1/m, at the same distances.
+// Returns the speed limits (m/s) at 0, kLimitStep, ... m along a route: at most `fastest`, and low enough
+// that lateral acceleration and braking at bends are comfortable. `curvature`: 1/m, at the same distances.
 std::vector<double> inBends(const std::vector<double>& curvature, double fastest);
 
 // Returns for each driver the distances along the route (m) at the times 0, interval, ... up to `duration` (s), after a

@@ -15,7 +15,7 @@ std::uint64_t mixed(std::uint64_t v) {
   return v ^ (v >> 31);
 }
 
-// Returns the dot product of the gradient at the lattice's corner (ix, iy), a unit vector, and the offset (dx, dy).
+// Returns the dot product of the gradient (a unit vector) at the lattice's corner (ix, iy) and the offset (dx, dy).
 double sloped(std::uint64_t lattice, std::int64_t ix, std::int64_t iy, double dx, double dy) {
   // The sines and cosines of 22.5 and 45 degrees.
   constexpr double kSin = 0.38268343236508977, kCos = 0.92387953251128674, kHalf = 0.70710678118654752;
@@ -29,7 +29,7 @@ double sloped(std::uint64_t lattice, std::int64_t ix, std::int64_t iy, double dx
   return g[0] * dx + g[1] * dy;
 }
 
-// Returns the quintic smooth step, from 0 to 1, of Perlin's improved noise.
+// Returns the quintic smoothstep, as in Perlin's improved noise, of `t` between 0 and 1.
 double faded(double t) {
   return t * t * t * (t * (t * 6 - 15) + 10);
 }

@@ -14,7 +14,7 @@ using Line = std::vector<Point2>;     // at least two points
 using Polygon = std::vector<Point2>;  // counter-clockwise; the first point is not repeated
 
 double distance(const Point2& a, const Point2& b);
-// Returns points relative to an origin.
+// Returns the coordinates of points relative to `origin`.
 std::vector<Point2> relativeTo(const Point2& origin, std::vector<Point2> points);
 
 // The bounding box of points.
@@ -27,7 +27,7 @@ double lengthOf(const Line& line);
 Point2 pointAt(const Line& line, double along);        // returns the line's end if `along` exceeds its length
 Point2 directionOf(const Point2& a, const Point2& b);  // unit vector from a to b
 
-// The point of a line that is nearest to another point.
+// The point of a line that is nearest to a given point.
 struct Nearest {
   double distance = 1e9;
   double along = 0;  // m along the line
@@ -41,7 +41,7 @@ Nearest nearestOn(const Line& line, const Point2& p);
 [[nodiscard]] Line denseLine(const Line& line, double step);
 // Returns points on the line about `step` apart, averaged with their neighbours to round the corners; the ends stay.
 [[nodiscard]] Line smoothLine(const Line& line, double step);
-// Returns the runs of successive points that are in the square about the origin with sides of 2 * half.
+// Returns the runs of successive points that are in the square from -half to half (m) in x and y.
 std::vector<Line> runsWithin(const Line& line, double half);
 
 // True if the point is inside the rings by the even-odd rule.
@@ -54,12 +54,12 @@ double areaOf(const Polygon& ring);  // m^2; negative if the ring is clockwise
 // Returns the smallest rectangle that contains a polygon and is parallel to one of the polygon's sides.
 models::Footprint rectangleAbout(const Polygon& ring);
 Polygon cornersOf(const models::Footprint& f);
-// Returns the part of a polygon in the square about the origin with sides of 2 * half, by Sutherland and Hodgman,
+// Returns the part of a polygon in the square from -half to half (m) in x and y, by Sutherland and Hodgman,
 // "Reentrant polygon clipping", Communications of the ACM 17 (1974). Edges along the sides connect separated parts.
 [[nodiscard]] Polygon clipped(Polygon ring, double half);
 
-// The purpose of a random field. Each value is used in one place of the code. The towns of a seed depend on the values:
-// append new ones, never renumber.
+// The purpose of a random field. Each value is used in one place of the code. The town of a seed depends on the values:
+// append new values, never renumber.
 // clang-format off
 enum class Field : std::uint32_t {
   Hills = 1, Slopes, Knolls, Ruts, WornSpots, Swells, Bumps, Banks, Roughness, Grain, SnowHeaps, SnowLumps, Woods,

@@ -43,7 +43,7 @@ class GroundMaker {
     set(GroundKind::Paved, "sidewalk", "paving");
   }
 
-  // Makes the tiling, cuts it along the five borders of roads and the edges of patches and hard areas, adds triangles.
+  // Makes the tiling, cuts it along the roads' five borders and the edges of patches and hard areas. Adds triangles.
   models::Model make() {
     tile();
     for (const Road& road : layout_.roads()) sections_.push_back(road.section);
@@ -134,7 +134,7 @@ class GroundMaker {
     return layout_.kindAt(middle, p);
   }
 
-  // Returns the vertex of a point: all low kinds (road, parking) share one vertex, and all other kinds share another.
+  // Returns the index of a point's vertex. Low kinds (road, parking) share a vertex, and so do all other kinds.
   std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
     std::uint32_t& indexPlusOne = (isLow(kind) ? low_ : high_)[point];
     if (indexPlusOne == 0) {
@@ -163,7 +163,7 @@ class GroundMaker {
     addWalls(isLowTriangle);
   }
 
-  // Adds a curb's wall at each edge that a low triangle shares, in the opposite direction, with a high triangle.
+  // Adds a curb's wall at each edge between a low and a high triangle, which have the edge in opposite directions.
   void addWalls(const std::vector<bool>& isLowTriangle) {
     const SurfaceIndex curb = surfaces_[static_cast<std::size_t>(GroundKind::Curb)];
     const auto forEdgesAtBothHeights = [&](bool low, const auto& visit) {
@@ -196,7 +196,7 @@ class GroundMaker {
   Shape shape_;
   std::array<SurfaceIndex, 12> surfaces_{};
   Tiling tiling_;
-  // Parts of a point's Beside, in a fifth of the memory: `edge` (m), and the index of `section` in sections_.
+  // A point's Beside::edge (m) and the index of its section in sections_. A Beside needs five times the memory.
   struct EdgeAndSection {
     double edge;
     std::uint32_t section;

@@ -61,7 +61,7 @@ LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double 
   return result;
 }
 
-// Of the side roads that are long enough, `from` is the first that vehicles may leave, `into` the last they may enter.
+// Returns the first side road that vehicles may leave and the last that they may enter, among roads of enough length.
 EgoRoads egoRoads(const Layout& l) {
   constexpr double kLeastMain = 30;   // m, least length of the main road between two turns, or before the only turn
   constexpr double kLeastLanes = 20;  // m, least length of a side road's lanes

@@ -7,7 +7,7 @@ using models::Footprint;
 using models::smooth;
 
 constexpr double kFarFromRoads = 1e3;  // m, distance that is assumed if no road is near
-constexpr double kSoftEdge = 1.5;      // m from pavements and hard areas to the full unevenness and levelling
+constexpr double kSoftEdge = 1.5;      // m beside hard ground, where unevenness and levelling fade in
 
 // Returns pointers to the outline and the holes of an area.
 std::vector<const Polygon*> ringsOf(const MapArea& area) {

@@ -37,8 +37,8 @@ class Areas {
  private:
   static constexpr double kCell = 32;  // m, side of a grid cell
   std::vector<MapArea> areas_;
-  std::vector<double> sizes_;       // m^2, by area
-  models::CellIndex cells_{kCell};  // of areas within kReach of a cell
+  std::vector<double> sizes_;       // m^2, area of each item of areas_
+  models::CellIndex cells_{kCell};  // by cell, indices of the areas within kReach
 };
 
 enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn, Water, Lot, Paved };
@@ -47,7 +47,7 @@ enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway
 struct TurnedRectangle : models::Footprint {
   explicit TurnedRectangle(const models::Footprint& f) : Footprint(f), cosine(std::cos(yaw)), sine(std::sin(yaw)) {}
 
-  // Returns how far a point is outside along the rectangle's x or y axis, whichever is larger (m; negative inside).
+  // Returns the larger of a point's two distances beyond the sides, along x and along y (m; negative inside).
   double outside(const Point2& p) const {
     const double dx = p.x - center.x;
     const double dy = p.y - center.y;
@@ -77,7 +77,7 @@ struct Plot {
   double setback = 0;  // m from the plot's edge at the road to the building
 };
 
-// A building with any outline.
+// A building with an arbitrary outline.
 struct PlacedBlock {
   models::Block block;      // relative to the centre of `about`
   models::Footprint about;  // the rectangle around the building
@@ -167,7 +167,7 @@ class Layout {
   void addGroundInFront(const models::House& house, double yaw, double width, double outer, Draw& draw);
   bool addDriveway(const models::House& house, double yaw, double outer, Draw& draw);
   models::Fencing drawFencing(Draw& draw, double setback) const;
-  // Adds a strip of ground from the point `inner` at a house towards the road. `yaw`: of the house; `half`: half width.
+  // Adds a strip of ground from `inner`, at a house, towards the road. `yaw`: of the house; `half`: half width (m).
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
   // Sets the water level of each area that is water: the level is below the lowest point of the area's shore.
   void findWaterLevels();
@@ -178,7 +178,7 @@ class Layout {
   void cover(const MapBuilding& building, const models::Footprint& around);
   void arrangePlots();
   double addBarePlots(const Road& road, int side, double from, double to);
-  // True if a grid of points in the rectangle is at least `gap` m from roads and sidewalks. `step`: in half sides.
+  // True if all points of a grid in `f` are at least `gap` m from roads and sidewalks. `step`: spacing, in half sides.
   bool isOffRoads(const models::Footprint& f, double gap, double step = 1) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;
@@ -200,7 +200,7 @@ class Layout {
   std::vector<Terrace> terraces_;
   models::CellIndex patchCells_{kPatchCell}, terraceCells_{kPatchCell}, potholeCells_{kPatchCell};
   models::Occupancy occupied_;       // ground that houses, garages and land of tryAddLand() occupy
-  std::vector<double> waterLevels_;  // m, by area; 0 for areas that are not water
+  std::vector<double> waterLevels_;  // m, for each item of areas.list(); 0: not water
 };
 
 models::Model makeGround(SceneBuilder& builder, const Layout& layout);

@@ -30,7 +30,7 @@ Parameters inDistrict(Parameters parameters, const std::string& district) {
 // for residential roads, random. Service roads, tracks and roundabouts have neither sidewalks nor parking lanes.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};  // m, by RoadClass, estimates; 0: not used
-  constexpr double kRingWidth = 6.5, kOneWayShare = 0.65;   // m; fraction of a two-way road's width
+  constexpr double kRingWidth = 6.5, kOneWayShare = 0.65;   // m, width of a roundabout; fraction of a two-way road
   const bool minor = road.kind >= RoadClass::Service;
   double width = road.kind == RoadClass::Residential ? 2 * c.main.laneWidth() * draw.in(0.85, 1.05)
                                                      : kWidths[static_cast<std::size_t>(road.kind)];
@@ -54,7 +54,7 @@ CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
 }
 
 // Narrows a cross section to fit between walls, but not below its least widths: first the verge, then the sidewalk, the
-// parking lane and the lanes. Fractions kIgnored and kOnPavement of the walls may remain on the carriageway and on the
+// parking lane and the lanes. A fraction kIgnored of the walls may remain on the carriageway, kOnPavement on the
 // pavement. `walls`: distances of points of the walls from the centre line (m), in any order.
 void narrowBetweenWalls(CrossSection& s, std::vector<double> walls) {
   constexpr double kGap = 0.4;            // m, least distance between the carriageway and a wall that is not ignored

@@ -20,7 +20,7 @@ Point2 polar(const Point2& from, double distance, double angle) {
   return {from.x + distance * std::cos(angle), from.y + distance * std::sin(angle)};
 }
 
-// Returns the ring of a roundabout, counter-clockwise from the angle `start` (rad). `section`: of the joining roads.
+// Returns a roundabout's ring, counter-clockwise from the angle `start` (rad). `section`: section of the joining roads.
 Road ringRoad(const Point2& center, double radius, double start, CrossSection section) {
   section.parking = section.sidewalk = 0;
   section.half = 3;
@@ -33,8 +33,8 @@ Road ringRoad(const Point2& center, double radius, double start, CrossSection se
   return ring;
 }
 
-// Returns points of a random line, kRoadStep apart, that begins at `from` with `heading` (rad). The heading varies by a
-// random field with the amplitude `bend` (rad), by less than a right angle: the line never crosses itself.
+// Returns points, kRoadStep apart, of a random line that begins at `from` with `heading` (rad). The heading varies with
+// a random field of amplitude `bend` (rad), by less than a right angle, so that the line never crosses itself.
 std::vector<Point2> drawLine(const FieldAddress& field, const Point2& from, double heading, double bend,
                              double length) {
   constexpr double kBends = 90;    // m, size of bends
@@ -117,7 +117,7 @@ void Layout::drawLand() {
   }
 }
 
-// True if 16 points on a circle about `p` are not on roads or sidewalks, except road `exceptRoad`. `reach`: radius (m).
+// True if none of 16 points on a circle about `p` is on a road or sidewalk, except `exceptRoad`. `reach`: radius (m).
 bool Layout::isClear(const Point2& p, double reach, std::uint32_t exceptRoad) const {
   for (std::uint32_t k = 0; k < 16; ++k) {
     const Beside b = besideAt(polar(p, reach, kPi * k / 8));
@@ -262,7 +262,7 @@ bool Layout::isOffRoads(const Footprint& f, double gap, double step) const {
   });
 }
 
-// Returns the random kind of boundary of a plot at the road: None in front of houses close to the sidewalk.
+// Returns a random kind of boundary between a plot and the road: None in front of houses close to the sidewalk.
 Fencing Layout::drawFencing(Draw& draw, double setback) const {
   constexpr double kLeastSetback = 1.5;  // m
   const Character& c = character;
@@ -295,7 +295,7 @@ struct Layout::PlotHouse {
 };
 
 // Adds the plots at one side of a road, from `from` to `to` (m along the road). Each plot has one random stream, so the
-// order counts: the plot, its house, its fence, whether it is built, its driveway, ground in front, garage.
+// order of draws counts: the plot, its house, its fence, whether it is built, its driveway, ground in front, garage.
 void Layout::addPlots(const Road& road, int side, double from, double to) {
   constexpr double kLeastPlot = 8;  // m; a shorter interval at the end of a road gets no plot
   constexpr double kIntoPlot = 6;   // m from the plot's front to the point at which areas are tested
@@ -310,7 +310,7 @@ void Layout::addPlots(const Road& road, int side, double from, double to) {
     PlotHouse plotHouse = drawPlotHouse(draw, road, plot);
     plot.depth = plotHouse.house.depth;
     plot.fencing = drawFencing(draw, plot.setback);
-    constexpr double kLeastWidth = 6.5, kTight = 0.5;  // m, least width for a house; excess of a driveway over the gap
+    constexpr double kLeastWidth = 6.5, kTight = 0.5;  // m, least house width; m by which a driveway may exceed the gap
     plotHouse.wanted = draw.chance(character.built) && plotHouse.width >= kLeastWidth;
     plotHouse.hasDriveway = !plotHouse.attached && draw.chance(0.6) && plotHouse.gap > kDriveway - kTight;
     plot.built = buildOn(plot, road, plotHouse, draw);
@@ -375,7 +375,7 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   return true;
 }
 
-// Adds a paved forecourt or a path to the road. `width`: of the plot's ground; `outer`: from plot to carriageway (m).
+// Adds a paved forecourt or a path to the road. `width`: the plot's (m); `outer`: m from the plot to the carriageway.
 void Layout::addGroundInFront(const House& house, double yaw, double width, double outer, Draw& draw) {
   constexpr double kUnder = 0.4;   // m, overlap of the forecourt with the house
   constexpr double kParkable = 7;  // m, least depth of a forecourt on which cars park

@@ -86,7 +86,7 @@ MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass
   return road;
 }
 
-// Returns the ring through the nodes, without points on straight walls. Outer rings stay counter-clockwise if mirrored.
+// Returns the ring through the nodes, without points on straight walls. Rings keep their direction if mirrored.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   constexpr double kShortest = 0.25;     // m, least length of a wall
   constexpr double kLeastOffset = 0.05;  // m between a corner and the straight line through its neighbours
@@ -189,7 +189,7 @@ class MapMaker {
     }
   }
 
-  // Returns the runs of a way that have at least two points, in the plane.
+  // Returns a way's runs of at least two points, in coordinates of the plane.
   std::vector<std::vector<Point2>> linesOf(const OsmWay& way) const {
     std::vector<std::vector<Point2>> lines;
     for (const std::vector<OsmNode>& nodes : way.runs) {
@@ -200,7 +200,7 @@ class MapMaker {
     return lines;
   }
 
-  // Adds a building, a building part or land. Counts areas that are left out: with faults, off the ground, open roofs.
+  // Adds a building, a building part or land. Counts areas left out: with a fault, off the ground or an open roof.
   void addArea(const OsmArea& area) {
     const OsmTags& tags = area.tags;
     if (isAbsent(tags)) return;
@@ -262,7 +262,7 @@ class MapMaker {
     }
   }
 
-  // Counts an element as left out, under the tag that shapeTagOf() returns; not if there is no such tag.
+  // Counts an element as left out, under the tag that shapeTagOf() returns. Without such a tag, does nothing.
   void leaveOut(const OsmTags& tags) {
     if (const std::string tag = shapeTagOf(tags); !tag.empty()) map_.leftOut.add(tag);
   }
@@ -347,7 +347,7 @@ Map makeMap(const OsmExtract& extract, bool mirrored) {
 }
 
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
-  // An absolute path, since libosmium would download a file whose name begins like a URL.
+  // The path is made absolute, since libosmium would download a file whose name begins like a URL.
   const std::filesystem::path absolute = std::filesystem::absolute(file);
   if (!std::filesystem::is_regular_file(absolute)) {
     throw InputError(where, "{} is not a file: a map is an OpenStreetMap extract", file.string());

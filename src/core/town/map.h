@@ -38,7 +38,7 @@ struct MapRoad {
   std::optional<double> width;  // m, width of the carriageway without parking lanes
   std::optional<bool> sidewalk;
   std::optional<bool> parking;
-  // For side roads: distance along the main road at which this road begins (m), and whether at the main road's left.
+  // For side roads: start of this road, in m along the main road, and whether this road is at the main road's left.
   std::optional<double> joins;
   bool joinsLeft = false;
 
@@ -49,10 +49,10 @@ struct MapRoad {
 struct MapBuilding {
   Polygon outline;
   std::vector<Polygon> courts;       // outlines of the courtyards, clockwise
-  double base = 0;                   // m, underside above the ground
-  std::optional<double> top;         // m, top of the roof above the ground
+  double base = 0;                   // m, height of the underside above the ground
+  std::optional<double> top;         // m, height of the roof's top above the ground
   std::optional<int> floors;         // number of floors above the ground
-  std::optional<models::Roof> roof;  // for houses; not set: the map gives no shape, or none that houses can have
+  std::optional<models::Roof> roof;  // roof of a house; not set: the map gives no shape that houses can have
   // Ends of the ridge of a pitched roof; equal: a pyramid. Not set: the roof is flat or, for a house, random.
   std::optional<std::array<Point2, 2>> ridge;
   double rise = 0;          // m, height of the roof
@@ -113,7 +113,7 @@ struct Map : MapContents {
   LeftOut leftOut;             // features of the map that the town lacks or shows differently
 };
 
-// A square cut out of a map. Its frame has another origin than the map's (m; x east, y north).
+// A square cut out of a map. Coordinates (m; x east, y north) are relative to the square's own origin.
 struct MapPlace : MapContents {
   OsmNode origin;  // origin of the place's frame, on the main road
   // The main road comes first. Lines are smoothed, with points about kRoadStep apart; `nodes` is empty.
@@ -129,7 +129,7 @@ const FormatSupport& osmFormat();
 // Returns the latitude and longitude (degrees) of a point in the map's frame.
 OsmNode degreesAt(const Map& map, const Point2& p);
 
-// Reads a file and warns of features left out. Throws InputError at `where` if the file is unreadable or has no road.
+// Returns the map in a file. Warns of features left out. Throws InputError at `where` if unreadable or without roads.
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
 // Builds a map from an extract in memory. `mirrored`: y points south.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
@@ -155,11 +155,11 @@ bool isSidewalk(const OsmTags& tags);
 bool onGround(const OsmTags& tags);
 // True if the map says that an object does not exist yet or no longer exists.
 bool isAbsent(const OsmTags& tags);
-// True if the tag `surface` has one of the values or is missing.
+// True if the tag `surface` is missing or has one of `values`.
 bool hasSurface(const OsmTags& tags, std::initializer_list<std::string_view> values);
-// True if an element has the key highway and is tagged as an area; its outline may still be open.
+// True if an element has the key highway and is tagged as an area, even if its outline is not closed.
 bool isHighwayArea(const OsmTags& tags);
-// True for a roof without walls, which is left out because it would get walls. False for parts with a min_height.
+// True for a roof without walls. Towns leave such a roof out. False for parts with a min_height.
 bool isOpenRoof(const OsmTags& tags);
 // True if the map gives a building's material or colour, or says that it is a ruin, abandoned or being built.
 bool hasLook(const OsmTags& tags);
@@ -178,7 +178,7 @@ bool isRectangular(const Polygon& outline, const models::Footprint& about);
 
 // Moves each part into its building, found by relation or position; a part outside of all buildings becomes a
 // building. If the parts of a building do not cover its outline, adds the uncovered regions as further parts. Removes
-// buildings and parts without a height. Counts these, and buildings and parts that differ from the map, in `leftOut`.
+// buildings and parts without a height. Counts removed buildings and parts, and those unlike the map, in `leftOut`.
 void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> parts, LeftOut& leftOut);
 
 }  // namespace scanmill::town

@@ -52,7 +52,7 @@ struct RoofDirection {
   double highSide;  // 1 or -1: end of this axis at which a skillion (single-slope) roof is high
 };
 
-// Returns the direction of slope that the map gives; if the map gives none, the roof slopes towards the longer sides.
+// Returns the map's direction of slope; by default, towards the longer sides (orientation `across`: the shorter sides).
 RoofDirection roofDirection(const OsmTags& tags, const models::Footprint& about, bool mirrored, TagNumbers& numbers) {
   const auto direction = numbers.read(tags, "roof:direction", compassOf, 0, 360);
   if (!direction) return {(about.halfX < about.halfY) != (tags["roof:orientation"] == "across"), 1};
@@ -199,7 +199,7 @@ Polygon polygonOf(const Ring& ring, const Point2& origin) {
   return polygon;
 }
 
-// Adds a part for each region of the outline that no part covers. Returns false if parts cover nearly all of it.
+// Adds a part for each uncovered region of the outline. Returns false if parts cover nearly the complete outline.
 bool addUncoveredRegions(MapBuilding& b) {
   constexpr double kCovered = 0.9;    // fraction of an outline; parts that cover more leave nothing to add
   constexpr double kLeastRegion = 1;  // m^2
@@ -209,7 +209,7 @@ bool addUncoveredRegions(MapBuilding& b) {
   const double totalArea = squareMetres(uncovered);
   for (const MapBuilding& part : b.parts) uncovered -= regionOf(part, origin);
   if (squareMetres(uncovered) <= (1 - kCovered) * totalArea) return false;
-  // Removes strips thinner than 2 * kSeam, as between an outline and a part: shrinks the region by kSeam and grows it.
+  // Removes strips thinner than 2 * kSeam between outline and parts: shrinks the region by kSeam, then grows it again.
   constexpr int kSeam = 80;  // units of kUnit; larger than the errors by ringOf() and by rounded degrees
   Region withoutStrips = uncovered;
   withoutStrips.resize(-kSeam);
@@ -337,7 +337,7 @@ void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> par
     building.parts.push_back(std::move(part));
   }
   buildings.insert(buildings.end(), std::make_move_iterator(unowned.begin()), std::make_move_iterator(unowned.end()));
-  // Sets the top of a building that hangs, if missing, and counts b.difference. True if the building has no height.
+  // Sets a missing top of a building above the ground. Returns true if it has no height, else counts b.difference.
   const auto countAndTestHeight = [&](MapBuilding& b) {
     if (b.base > 0 && !b.top) b.top = b.base + kStorey;
     const bool flat = b.base > 0 && *b.top < b.base + 0.05;

@@ -21,7 +21,7 @@ using models::Kind;
 constexpr double kLeastLength = 100;  // m, least length of a main road
 constexpr double kAroundLand = 30;    // m by which areas of land may extend beyond the square
 
-// Throws the InputError for a map without a main road. `longest`: length of the longest road with the right name (m).
+// Throws InputError: no road fits as main road. `longest`: length of the longest road with the wanted name (m).
 [[noreturn]] void refuse(const Map& map, const Parameters& parameters, double longest, const Location& where) {
   std::vector<std::string> names;
   for (const MapRoad& road : map.roads) {
@@ -62,7 +62,7 @@ std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& dra
   return candidates.back();
 }
 
-// Returns the value of the key `district` from the built fraction of the land at the main road and the mean floors.
+// Returns the `district` that fits the built fraction of the land at the main road and the mean number of floors.
 std::string districtAbout(const MapPlace& place) {
   constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
   const std::vector<Point2>& main = place.roads.front().line;
@@ -206,7 +206,7 @@ class Cutter {
     }
   }
 
-  // Makes a road that begins at the main road a side road, unless the angle between them is too small for turns.
+  // Marks a road that begins at the main road as a side road, unless the angle between them is too small for turns.
   void joinMain(MapRoad& road) const {
     constexpr std::size_t kAhead = 6;   // points from the junction to where the angle is measured
     constexpr double kLeastSine = 0.5;  // least sine of the angle between the roads
@@ -302,7 +302,7 @@ struct End {
 
 struct Piece {
   MapRoad road;
-  // The ends of other pieces that are joined to this piece's start and end. Not set if there is none.
+  // The ends of other pieces that are joined to this piece's start and end. Not set: no piece is joined.
   std::optional<End> next[2];
 };
 
@@ -404,7 +404,7 @@ void joinEnds(std::vector<Piece>& pieces) {
   }
 }
 
-// Returns the road of all pieces joined from `start` on, with the longest one's properties. Marks the pieces as used.
+// Returns the road of all pieces joined from `start` on, with the longest piece's properties. Marks pieces as used.
 MapRoad joinPieces(const std::vector<Piece>& pieces, const End& start, std::vector<bool>& used) {
   std::vector<Point2> line;
   std::vector<std::int64_t> nodes;

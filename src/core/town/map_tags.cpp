@@ -24,7 +24,7 @@ const std::initializer_list<std::string_view> kNotParked = {"no",          "none
 const std::initializer_list<std::string_view> kPaved = {"both", "left", "right", "yes", "separate"};
 const std::initializer_list<std::string_view> kNotPaved = {"no", "none"};
 
-// Tags of elements that do not exist (yet), are not on the ground, or have no shape.
+// Tags of elements that do not exist yet or any more, are not on the ground, or have no shape.
 constexpr std::string_view kShapeless =
     "highway=proposed highway=planned highway=construction highway=razed highway=demolished highway=abandoned "
     "highway=disused highway=services highway=rest_area highway=crossing highway=turning_circle highway=turning_loop "
@@ -67,7 +67,7 @@ std::optional<bool> featureOf(const OsmTags& tags, std::initializer_list<std::st
   return feature;
 }
 
-// Takes a number without a sign and the blanks around it from the front of a text.
+// Returns the unsigned number at the front of a text, and removes it with the blanks around it; nullopt: none.
 std::optional<double> takeNumber(std::string_view& text) {
   text = trimmed(text);
   if (text.empty() || std::string_view("0123456789.").find(text.front()) == text.npos) return std::nullopt;
@@ -200,7 +200,7 @@ bool differsFromTownRoads(const OsmTags& tags) {
   const bool parkingAtOneSide = !hasAny({"parking:both", "parking:lane:both"}, kParked) &&
                                 (onlyOneHas("parking:left", "parking:right", kParked) ||
                                  onlyOneHas("parking:lane:left", "parking:lane:right", kParked));
-  // Other kinds of parking than parking lanes along the road, which towns do not have.
+  // True for kinds of parking that towns do not have: all kinds but parking lanes along the road.
   const bool otherParking = std::ranges::any_of(tags.pairs, [](const auto& tag) {
     const auto& [key, value] = tag;
     return (key.starts_with("parking:") && isOneOf(value, {"perpendicular", "diagonal"})) ||

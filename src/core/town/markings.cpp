@@ -16,7 +16,7 @@ constexpr double kMarkingHeight = 0.004;  // m, height of markings and manhole c
 constexpr double kEndOfRoad = 4;          // m, length without dashes, covers and repairs at each end of a road
 constexpr double kHalfLine = 0.06;        // m, half of the width of a dashed line
 
-// Paints the solid (stop) or dashed (give way) line on the lane against the road's line. Returns the number of pieces.
+// Paints a solid stop line or dashed give-way line for vehicles against the road's line. Returns the number of pieces.
 std::uint32_t paintStopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
                             TrafficSign sign) {
   const bool solid = sign == TrafficSign::Stop;
@@ -44,9 +44,9 @@ std::uint32_t paintStopLines(const Placer& placer, Shape& s, models::SurfaceInde
   return pieces;
 }
 
-// True where another road joins the road: no dashes and repairs are placed there.
+// True where another road joins the road: no dashes or repairs are placed there.
 bool isJoint(const Layout& l, const Road& road, const Point2& middle) {
-  constexpr double kInside = 0.5;  // m farther from the carriageway's edge than the middle of this road
+  constexpr double kInside = 0.5;  // m; at joints, the edge is farther away by more than this
   return l.besideAt(middle).edge < -road.section.half - kInside;
 }
 

@@ -50,7 +50,7 @@ struct OsmPoint {
 struct OsmWay {
   OsmTags tags;
   std::vector<std::vector<OsmNode>> runs;  // successive nodes; a node that the extract lacks ends a run
-  bool area = false;                       // true: the way is a closed outline, and its tags may be those of an area
+  bool area = false;                       // true: the way is a closed outline, and its tags may describe an area
   bool incomplete = false;                 // true: the extract lacks some of the way's nodes
 };
 
@@ -61,17 +61,17 @@ struct OsmArea {
   std::vector<OsmNode> outer;
   std::vector<std::vector<OsmNode>> inner;
   std::string fault;  // why the area has no rings, such as "missing nodes"; empty: it has rings
-  // Areas with the same id, unless 0, are one building: the id of the relation with `type: building` that has the area
-  // as a member; otherwise the id of the multipolygon if the multipolygon has several outer rings; otherwise 0.
+  // Areas with the same id, if it is not 0, are one building. It is the id of the relation with `type: building` that
+  // the area belongs to; without this relation, the id of a multipolygon with several outer rings; otherwise 0.
   std::int64_t building = 0;
 };
 
 struct OsmExtract {
   std::vector<OsmPoint> points;  // nodes with tags
   std::vector<OsmWay> ways;      // lines with one of kMappedKeys; areas only with the key barrier or highway
-  // Closed ways that have one of the keys building, building:part, landuse, landcover, leisure, natural and amenity; or
-  // `area: yes` and one of the keys highway, aeroway and barrier; or some values of aeroway and waterway. Multipolygons
-  // that have a building key or one of kMappedKeys.
+  // Multipolygons with a building key or one of kMappedKeys, and closed ways with one of these tags: building,
+  // building:part, landuse, landcover, leisure, natural, amenity; `area: yes` with highway, aeroway or barrier; some
+  // values of aeroway and waterway.
   std::vector<OsmArea> areas;
   std::map<std::string, std::uint64_t> leftOut;  // numbers of elements left out, by a description of the kind
 };
@@ -101,7 +101,7 @@ std::optional<double> compassOf(std::string_view value);
 class TagNumbers {
  public:
   using Parse = std::optional<double> (*)(std::string_view value);
-  // Returns a tag's value; nullopt if the tag is missing, or (this is counted) unusable or outside [least, most].
+  // Returns a tag's value; nullopt if it is missing or unusable. Values outside [least, most] count as unusable.
   std::optional<double> read(const OsmTags& tags, const char* key, Parse parse, double least, double most);
   // Adds the number of unusable values of each key to `leftOut`, with an example.
   void report(LeftOut& leftOut) const;

@@ -17,9 +17,9 @@ using models::Kind;
 constexpr double kBay = 6;            // m, length of a parking bay along the curb
 constexpr double kParkingLane = 1.5;  // m, least width of a lane in which cars park
 
-// Returns the position of a parked car's middle beyond the carriageway's edge (m; negative: on the carriageway): in the
-// middle of a parking lane; else on the sidewalk, if lane and sidewalk stay passable; else at the curb, or nullopt on
-// roads of the ego vehicle. `half`: half of the car's width (m).
+// Returns the distance of a parked car's middle beyond the carriageway's edge (m; negative: on the carriageway). Cars
+// park in the middle of a parking lane; else on the sidewalk, if lane and sidewalk stay passable; else at the curb, or,
+// on roads of the ego vehicle, nowhere (nullopt). `half`: half of the car's width (m).
 std::optional<double> parkedBeyondEdge(const Road& road, double half, bool egoDrives) {
   constexpr double kBesideLane = 1.6;  // m between a lane's middle and parked cars, enough for lorries
   constexpr double kWalk = 0.7;        // m, width of the sidewalk that stays free

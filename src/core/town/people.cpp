@@ -119,7 +119,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   return true;
 }
 
-// Places a cyclist who rides along a pavement to the end of the free length. Returns false if this is too short.
+// Places a cyclist who rides along a pavement to the end of the free length. Returns false if the length is too short.
 bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model& rider, const std::string& name) {
   constexpr double kLeast = 20;  // m, least free length
   const std::optional<PavementPosition> start = drawPosition(placer, draw);

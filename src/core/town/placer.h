@@ -45,7 +45,7 @@ class Placer {
     const std::string name = shape.mesh.name;
     builder.place(shape.finish().mesh, worldFromTown, name);
   }
-  // Returns tryPlace("PREFIX NUMBER") for the prefix's next free number, which is used up if the result is true.
+  // Calls tryPlace("PREFIX NUMBER") with the prefix's next number and returns the result. True: the number is used up.
   template <class TryPlace>
   bool tryNumbered(const std::string& prefix, const TryPlace& tryPlace) {
     int& number = numbers[prefix];
@@ -79,8 +79,8 @@ class Placer {
   struct Light {
     static constexpr double kPeriod = 44;  // s, period of the light
     static constexpr double kRed = 16;     // s, duration of red in each period
-    double stopAgainstLine;                // m along the road, stop of vehicles against the road's line
-    double stopWithLine;                   // m along the road, stop of vehicles in the line's direction
+    double stopAgainstLine;                // m along the road, where vehicles against its line stop
+    double stopWithLine;                   // m along the road, where vehicles along its line stop
     double offset;                         // s, time at which a period begins
     bool marked;                           // true: there is a stop line on the road
   };

@@ -197,13 +197,13 @@ void placeMapTrees(Placer& placer) {
     const std::string name = fmt::format("tree {}", treeNumber);
     leftOut |= onRoad || !plant(placer, draw, spot, Trees::Broadleaf, 0, name, tree);
   }
-  // All towns on the map give the same text, which is reported only once.
+  // The text is the same for all towns on the map, so that the warning is reported only once.
   if (leftOut) {
     warn("{}: left out: trees where the town has roads, paths, houses or other trees", l.parameters.map.string());
   }
 }
 
-// Plants trees along the roads, in parks and in gardens, in this order. If the map has trees, only in gardens.
+// Plants trees along the roads, in parks and in gardens, in this order. If the map has trees, plants only in gardens.
 void placeTrees(Placer& placer) {
   const Layout& l = placer.layout;
   placer.numbers["tree"] = static_cast<int>(l.trees.size());  // continues the numbers of the map's trees
@@ -220,7 +220,7 @@ void placeTrees(Placer& placer) {
   for (const Plot& plot : l.plots) plantGarden(placer, plot);
 }
 
-// Places trees and undergrowth on a jittered lattice, in areas of wood and, outside of areas, where a field is high.
+// Places trees and undergrowth on a jittered lattice: in areas of wood and, outside all areas, where `density` is high.
 void placeWoods(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character;

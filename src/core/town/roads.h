@@ -29,7 +29,7 @@ struct CrossSection {
 
   double outer() const { return curb + verge + sidewalk; }               // width from the road's edge to the plots
   double paved() const { return outer() + (sidewalk > 0 ? apron : 0); }  // width from the road's edge to unpaved ground
-  // Returns the width from the road's edge to fences: they stand at the plots' edge, or behind an apron below 3 m.
+  // Returns the width from the road's edge to fences, at the plots' edge or behind an apron of less than 3 m.
   double fenced() const { return outer() + (apron < 3 ? apron : 0); }
   double laneWidth() const { return (half - parking - shoulder - median) / lanes; }
   bool operator==(const CrossSection&) const = default;
@@ -43,7 +43,7 @@ struct Road {
   bool main = false;
   bool minor = false;  // true: a service road or track, without lamps and without parked or waiting vehicles
   bool ring = false;   // true: a roundabout
-  // For side roads: distance along the main road at which this road begins (m), and whether at the main road's left.
+  // For side roads: start of this road, in m along the main road, and whether this road is at the main road's left.
   std::optional<double> joins{};
   bool joinsLeft = false;
   // `along` is true if vehicles may drive in the direction of the line, `against` if they may drive against it.
@@ -51,7 +51,7 @@ struct Road {
 
   double length() const { return at.back(); }
   bool oneWay() const { return !along || !against; }
-  // Returns the distance of the rightmost lane's middle from the centre line (m): 0 on one-way roads, with one lane.
+  // Returns the distance of the rightmost lane's middle from the centre line (m): 0 on one-way roads.
   double laneMiddle() const { return oneWay() ? 0 : section.median + (section.lanes - 0.5) * section.laneWidth(); }
   Point2 point(double distance) const;
   // Returns the direction of the line (unit length) at a distance along it (m).
@@ -106,13 +106,13 @@ class RoadNetwork {
     std::uint32_t run;
     float least;  // m, lower bound of the distance from the cell's points to the run; may be negative
   };
-  // The point of a road that is nearest to another point (m).
+  // The point of a road that is nearest to a given point.
   struct NearestPoint {
     double squaredDistance;       // m^2
     std::uint32_t road, segment;  // indices of the road, and of a segment of its line
-    double along;                 // along the road's centre line
-    bool left;                    // true: the other point is to the left of the line
-    double beyondEnd;             // beyond the road's first or last point, in the direction of its line
+    double along;                 // m along the road's centre line
+    bool left;                    // true: the given point is to the left of the line
+    double beyondEnd;             // m by which the given point is beyond the start or end of the road
   };
   void enterLastRun();  // adds the last run of runs_ to the cells near it
   // Sets `nearest` to the nearest point of each road within kReach, in the order of the roads.
@@ -126,7 +126,7 @@ class RoadNetwork {
   // The runs within kReach of a cell: roads in their order, and the runs of each road by RunOfCell::least.
   std::unordered_map<std::uint64_t, std::vector<RunOfCell>> cells_;
   std::vector<Point2> joints_;
-  models::CellIndex jointCells_{kCell};  // of joints, in all cells in which they round corners
+  models::CellIndex jointCells_{kCell};  // by cell, indices of the joints that round corners there
 };
 
 }  // namespace scanmill::town

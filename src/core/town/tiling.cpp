@@ -33,7 +33,7 @@ class Quadtree {
   }
 
  private:
-  static constexpr std::size_t kUsual = std::size_t{1} << 19;  // number of leaves and of points in a usual town, about
+  static constexpr std::size_t kUsual = std::size_t{1} << 19;  // approximate number of leaves and of points in a town
   struct Leaf {
     std::int32_t x, y, size;               // low corner and side, in steps of the lattice
     std::array<std::uint32_t, 4> corners;  // indices of the corners, counter-clockwise from the low corner

@@ -19,12 +19,12 @@ struct Tiling {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// Covers the square from -half to half (m) by triangles: those of the leaves of a quadtree. A cell of the tree is
+// Covers the square from -half to half (m) by the triangles of a quadtree's leaves. A cell of the tree is
 // divided if its side is longer than `smallest` (m) and divided(), called with its centre and side, returns true.
 Tiling makeTiling(double half, double smallest, const std::function<bool(double x, double y, double size)>& divided);
 
-// Divides triangles along the line on which a field is zero, so that no triangle has corners on both sides. `field`: by
-// point (m), linear within each triangle; absolute values below 0.1 mm count as zero.
+// Divides triangles along the line where a field is zero, so that no triangle has corners on both sides. `field`: value
+// at each point (m), linear within each triangle; absolute values below 0.1 mm count as zero.
 void cutAlong(Tiling& tiling, std::vector<double> field);
 
 }  // namespace scanmill::town

@@ -140,7 +140,7 @@ class Traffic {
     addLights(route, &Placer::Light::stopAgainstLine);
   }
 
-  // Adds stop lines at the main road's lights. `position`: stopAgainstLine or stopWithLine, by the route's direction.
+  // Adds stop lines at the main road's lights. `position`: stopAgainstLine or stopWithLine.
   void addLights(std::uint32_t route, double Placer::Light::*position) {
     for (const Placer::Light& light : placer_.lights) {
       routes_[route].stops.push_back({.at = paths_[route].distanceAt(0, light.*position),
@@ -187,9 +187,9 @@ class Traffic {
     addSideVehicles(r, inRoute, outRoute, end - start);
   }
 
-  // Adds the route from the main road into a side road. Up to the turn, lane and stops are those of the first route.
+  // Adds the route from the main road into a side road. Up to the turn, it has the first route's lane and stops.
   void addTurnInto(const Road& side) {
-    constexpr double kSeenBefore = 4;  // m before the side road's lane, from where turning vehicles also count as on it
+    constexpr double kSeenBefore = 4;  // m before the side road's lane; turning vehicles count as on it from there
     const double turnAlong = *side.joins + turnStart(side);  // m along the main road
     const std::uint32_t index =
         addRoute({.intervals = {{0, main_.length(), turnAlong}, {side.number, laneStart(l_), laneEnd(side)}},
@@ -258,8 +258,8 @@ class Traffic {
     }
   }
 
-  // Adds the vehicles that drive through the town or turn off. They start at least kStartGap plus the distance
-  // driven in 1 s apart. The first cyclistCount() vehicles in the built-up part are cyclists.
+  // Adds the vehicles that drive through the town or turn off. Distances between vehicles at the start are at least
+  // kStartGap plus the distance driven in 1 s. The first cyclistCount() vehicles in the built-up part are cyclists.
   void drawThrough() {
     if (!main_.against) return;
     constexpr double kHeavyShare = 0.27, kBusShare = 0.16, kMotorcycleShare = 0.2, kTurnShare = 0.25;
@@ -296,7 +296,7 @@ class Traffic {
     }
   }
 
-  // Adds the vehicles of a passing lane, faster than those of the rightmost lane. `out`: see Participant.
+  // Adds the vehicles of a passing lane, which are faster than on the rightmost lane. `out`: see Participant.
   void addPassingVehicles(Draw& draw, std::uint32_t route, double out) {
     const double per100m = l_.character.traffic;
     const double end = routes_[route].length - kBeyond;
