@@ -203,7 +203,7 @@ class GlCompute final : public ComputeBackend {
   void resize(GlBuffer& buffer, std::uint64_t bytes) override {
     withContext([&](ContextState&) {
       buffer.fill(nullptr, bytes, GL_DYNAMIC_COPY);
-      checkGl("a buffer cannot be makeOwned");
+      checkGl("a buffer cannot be made");
     });
   }
 

@@ -168,8 +168,8 @@ CoordinateSystem described(const OGRSpatialReference& reference, double x, doubl
 
 class GdalReader final : public RasterReader {
  public:
-  explicit GdalReader(const std::string& file) : dataset_(GDALOpen(file.c_str(), GA_ReadOnly)) {
-    if (dataset_ == nullptr) fail("is no raster that GDAL knows");
+  // Delegates to another constructor, so that the destructor closes the dataset if this constructor throws.
+  explicit GdalReader(const std::string& file) : GdalReader(GDALOpen(file.c_str(), GA_ReadOnly)) {
     readHeader(file);
     if (header_.driver == "VRT") markGapsOfMosaic();
   }
@@ -206,6 +206,10 @@ class GdalReader final : public RasterReader {
   }
 
  private:
+  explicit GdalReader(GDALDatasetH dataset) : dataset_(dataset) {
+    if (dataset_ == nullptr) fail("is no raster that GDAL knows");
+  }
+
   void readHeader(const std::string& file) {
     header_.width = GDALGetRasterXSize(dataset_);
     header_.height = GDALGetRasterYSize(dataset_);

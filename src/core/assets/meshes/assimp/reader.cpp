@@ -68,10 +68,10 @@ std::vector<ImportedMaterial> materialsOf(const aiScene& scene, LeftOut& leftOut
   for (const aiMaterial* const read : std::span(scene.mMaterials, scene.mNumMaterials)) {
     ImportedMaterial& material = materials.emplace_back();
     material.name = textOf(*read, AI_MATKEY_NAME);
+    aiColor4D color(1, 1, 1, 1);  // also of assimp's default material, whose own colour no file states
+    material.stated =
+        material.name != kDefaultMaterial && read->Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS;
     if (material.name == kDefaultMaterial) material.name.clear();
-    aiColor4D color(1, 1, 1, 1);
-    const bool hasColor = read->Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS;
-    material.stated = hasColor && textOf(*read, AI_MATKEY_NAME) != kDefaultMaterial;
     material.roughness = fraction(numberOf(*read, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f), 1.0f);
     material.metallic = fraction(numberOf(*read, AI_MATKEY_METALLIC_FACTOR, 0.0f), 0.0f);
     material.opacity = numberOf(*read, AI_MATKEY_OPACITY, 1.0f);
