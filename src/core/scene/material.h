@@ -61,7 +61,7 @@ struct Material {
   float retroreflectance = 0.0f;  // added reflectance towards the sensor, in units of a white Lambertian target
   float transmission = 0.0f;      // part of the light that the inside of a pane lets through, 0 to 1; 0: opaque
   float index = 1.52f;            // refractive index
-  std::string source = {};        // source of the reflectance value, such as a publication
+  std::string source = {};        // source of the reflectance, such as a measured spectrum
   std::vector<Variation> variations = {};  // used by the effect reflectance_variation; at most kMostVariations
   std::vector<Relief> relief = {};         // used by the effect relief; at most kMostReliefs
   bool textured = false;                   // true: the reflectance is multiplied by texture luminance / textureMean

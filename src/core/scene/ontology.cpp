@@ -43,8 +43,8 @@ SemanticClass readClass(const Value& value) {
   return c;
 }
 
-// Maps the name and each alias of a class to the name of the class in `classOfName`. Throws InputError at `where` if
-// the map has one of them already.
+// Adds the name and the aliases of a class to the map `classOfName`, with the class's name as their value. Throws
+// InputError at `where` if one of them is in the map already.
 void addNames(const SemanticClass& added, std::map<std::string, std::string>& classOfName, const Location& where) {
   std::vector<std::string> names = added.aliases;
   names.push_back(added.name);

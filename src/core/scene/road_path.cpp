@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// Chosen by eye for cars in the scenes that come with the program. The comment of findRoadPath() states most of these.
+// These values were chosen by eye for cars in the program's scenes. The comment of findRoadPath() states most of them.
 constexpr double kCell = 1;            // m, size of the cells of the search
 constexpr double kClearance = 2.5;     // m, free height above the road; also the height of the cells of the search
 constexpr double kSteepest = 0.75;     // largest slope of a road, as a difference in height per distance

@@ -25,12 +25,11 @@ class SceneVoxels {
  public:
   explicit SceneVoxels(const Scene& scene);
 
-  // Returns the classes of the voxels at a time (s since the drive began). A voxel is empty if no triangle has any area
-  // in it; surfaces that only touch the voxel do not count. Otherwise its class is the class with the largest area of
-  // triangles in it; among classes with equal areas (to 1e-9) the class with the smallest id. An object that ever moves
-  // has the ontology's class for moving objects, if there is one, even while it stands still. Solids are hollow: voxels
-  // inside their surfaces are empty. Alpha-tested surfaces, such as leaves, count with their full area.
-  //
+  // Returns the class of each voxel at a time (s since the drive began): the class whose triangles have the largest
+  // area in the voxel or, if areas are equal (to 1e-9), the smallest class id. A voxel is empty if no triangle has any
+  // area in it; surfaces that only touch it do not count. An object that ever moves has the ontology's class for moving
+  // objects, if there is one, even while it stands still. Solids are hollow: voxels inside their surfaces are empty.
+  // Alpha-tested surfaces, such as leaves, count with their full area.
   // `worldFromGrid`: pose of the grid's frame in the world. The result does not depend on the number of threads.
   VoxelLabels labels(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
 

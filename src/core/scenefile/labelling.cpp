@@ -313,7 +313,7 @@ std::optional<std::uint32_t> addMesh(SceneBuilder& builder, std::vector<Labelled
   return builder.addMesh(std::move(mesh));
 }
 
-// Throws the error for an asset of which no triangle remains. `uses` has one entry per rule.
+// Throws InputError for an asset of which no triangle remains, and says why. `uses` has one entry per rule.
 [[noreturn]] void refuseEmpty(const Labelling& labelling, const std::vector<RuleUse>& uses, const Dropped& dropped,
                               const Location& where) {
   std::uint64_t droppedByRules = 0;

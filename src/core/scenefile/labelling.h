@@ -18,8 +18,8 @@ namespace scanmill {
 struct ThingBounds {
   enum class By { Object, Node, Part, Name };
   By by = By::Object;
-  std::string pattern;  // only for By::Name: a regular expression between slashes; all nodes with the same match are
-                        // one thing
+  // Only for By::Name: a regular expression between slashes. All nodes with the same match are one thing.
+  std::string pattern;
   Location where;
   bool byClass = false;  // true: triangles of different classes are different things (point clouds)
 
@@ -70,8 +70,8 @@ struct Labelling {
   std::vector<Rule> rules;  // the first rule that matches decides
   std::string file;  // the asset's path as the scene file writes it; the key `file` of a rule is compared with it
   ThingBounds things = {};  // how triangles of thing classes are divided into things
-  bool counted = false;     // true if an earlier moment of the same clip has already counted the dropped and unlabelled
-                            // triangles
+  // True if an earlier moment of the same clip has already counted the dropped and unlabelled triangles.
+  bool counted = false;
   bool operator==(const Labelling&) const = default;
 };
 
@@ -112,8 +112,8 @@ class PartTraits {
 
   const AssetPart& part_;
   PartFrame frame_;
-  std::vector<double> sizes_;  // m, by triangle: the longest edge of the box around its connected part; empty without
-                               // `withSizes`
+  // By triangle: longest edge (m) of the box around its connected part; empty if `withSizes` was false.
+  std::vector<double> sizes_;
 };
 
 }  // namespace scanmill

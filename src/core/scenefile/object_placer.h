@@ -141,8 +141,8 @@ class Arrangement {
 struct Copies {
   Placement placement;
   Arrangement arrangement;
-  std::string thing;  // the n-th copies of all objects with the same `thing` are one thing; if empty, each copy is a
-                      // thing
+  // The n-th copies of all objects with the same `thing` are one thing. If it is empty, each copy is a thing.
+  std::string thing;
   // Each copy is placed once for each of these movements; empty: it is placed once and stands still.
   std::vector<std::shared_ptr<const Movement>> movements = {};
   std::shared_ptr<const Animation> animation = nullptr;  // null: the object keeps its mesh

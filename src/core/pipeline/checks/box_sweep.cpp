@@ -47,7 +47,7 @@ class BoxCells {
     }
   }
 
-  // Calls visit(index) for each swept box that may overlap `box` (m, world frame); repeatedly for some of them.
+  // Calls visit(index) for each swept box that may overlap `box` (m, world frame), several times for some boxes.
   void forEachNear(const Box& box, const auto& visit) const {
     if (!overlaps(box, bounds_)) return;
     const Box common{{std::max(box.low.x, bounds_.low.x), std::max(box.low.y, bounds_.low.y), 0},

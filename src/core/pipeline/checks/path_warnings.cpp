@@ -33,7 +33,7 @@ constexpr std::uint32_t kHeightFrames = 100;  // frames in which a sensor's heig
 constexpr std::uint32_t kInsideFrames = 12;   // frames in which sensors are tested for being inside of objects, at most
 constexpr double kProbeLength = 1e5;          // m, length of test rays
 constexpr double kStep = 0.5;                 // m, largest length of the steps in which a path is checked
-constexpr double kTurnWeight = 5;             // m of path per m by which a turn swings the vehicle's farthest corner
+constexpr double kTurnWeight = 5;             // a turn counts as so many m of path per m that the vehicle's end swings
 constexpr std::size_t kStepsAtOnce = 20'000;  // steps that are swept at once, which limits memory use
 constexpr std::size_t kMostPoses = 400'000;   // after this many poses the rest of a path is not checked
 constexpr double kMostStepsPerFrame = 1000;
@@ -271,7 +271,7 @@ class PathCheck {
   }
 
   // True for triangles that the vehicle may not touch: steep surfaces, and all surfaces of things that are not ground.
-  // Moving objects do not count. Gentle surfaces may be ground, whose recorded heights are not exact.
+  // False for moving objects, and for other gentle surfaces: they may be ground, whose recorded heights are not exact.
   bool isObstacle(const Instance& instance, const Surface& surface, const Vec3d& normal) const {
     if (instance.moves()) return false;
     if (std::fabs(normal.z) <= kWallNormal) return true;

@@ -20,7 +20,7 @@ namespace {
 // Extents of meshes that cause no warning (m), in general and if the mesh is a thing such as a car or a house.
 constexpr Range kUsualExtent{1e-3, 5000};
 constexpr Range kUsualThingExtent{0.01, 300};
-constexpr std::size_t kMostLines = 5;      // most lines that warnings of the same kind give
+constexpr std::size_t kMostLines = 5;      // largest number of lines for warnings of the same kind
 constexpr double kLeastTown = 30;          // m; a mesh of at least this size probably contains several things
 constexpr std::size_t kFewestNodes = 3;    // as many nodes of one class in a single instance cause a warning
 constexpr double kMostBlockedShare = 0.5;  // blocked fraction of a sensor's rays that causes a warning
@@ -60,7 +60,7 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
       text, period);
 }
 
-// Warns of values that effects assume, and of the effect weather beside a default near range of the effect intensity.
+// Warns of values that effects assume, and of the effect weather if the effect intensity has its default near range.
 std::vector<std::string> effectWarnings(const Effects& effects, const MountedSensor& sensor, const BeamTable& beams) {
   constexpr double kDefaultNearRange = 1;  // m, of the effect intensity
   std::vector<std::string> lines;

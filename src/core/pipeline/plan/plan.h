@@ -62,7 +62,7 @@ Plan makePlan(Pipeline pipeline, Channels recorded = {});
 // Returns what is computed, what is left out, and why. `blocked`: for each sensor, the fraction of its rays that hit
 // the ego vehicle; empty if there is no ego vehicle.
 std::vector<ModelledItem> modelled(const Plan& plan, std::span<const double> blocked);
-// Returns what the method models of the scene of a sequence and leaves out of it, and how many parts are of glass.
+// Returns what the method models of a sequence's scene, what it leaves out, and how many parts are of glass.
 std::vector<ModelledItem> modelledOf(const Plan& plan, const Sequence& sequence, const Scene& scene,
                                      const Method& method);
 

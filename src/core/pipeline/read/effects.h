@@ -31,8 +31,8 @@ class EffectClasses {
   const Ontology* find() const;
 
  private:
-  std::filesystem::path ontologyFile_, sceneFile_;  // files to read the ontology from: at most one is set; if neither
-                                                    // is, the recording's ontology is used
+  // The file to read the ontology from: at most one is set. If neither is set, the recording's ontology is used.
+  std::filesystem::path ontologyFile_, sceneFile_;
   mutable std::once_flag read_;
   mutable std::optional<Ontology> ontology_;
 };

@@ -248,7 +248,7 @@ class DatasetRun {
     return parts;
   }
 
-  // Warns of sensors without a scan or a point in a sequence. The manifest has all samples, in the order of sequences.
+  // Warns of sensors without any scan or point in a sequence. The manifest has all samples, in the order of sequences.
   void warnOfBlindSensors() {
     auto sample = summary_.manifest.samples.begin();
     for (const Sequence& sequence : pipeline_.sequences) {

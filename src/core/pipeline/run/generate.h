@@ -51,8 +51,8 @@ struct GenerateSummary {
   bool complete = false;        // the dataset is complete, whichever process completed it
   std::size_t shards = 0;       // number of shards that this process has made
   std::size_t samplesMade = 0;  // number of samples in the shards that this process has made
-  std::size_t samples = 0;  // number of samples in all shards that this process has made or found; `beams`, `points`
-                            // and `bytes` belong to them
+  // Number of samples in the shards that this process has made or found; `beams`, `points` and `bytes` count these.
+  std::size_t samples = 0;
   double seconds = 0;
   std::uint64_t beams = 0;
   std::uint64_t points = 0;

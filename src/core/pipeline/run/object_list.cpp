@@ -9,9 +9,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostGrids = 16;  // grids that the cache holds at most: each sensor needs one, or one per
-                                        // revolution if its pattern is a rosette
-constexpr int kCells = 6;               // samples along each edge of a box's face; see truncationOf()
+// Largest number of cached grids. Each sensor needs one, or one per revolution if its pattern is a rosette.
+constexpr std::size_t kMostGrids = 16;
+constexpr int kCells = 6;  // samples along each edge of a box's face; see truncationOf()
 
 // A shot's view of one object: the number of its points, the number of beams whose axis hits it, and the least range of
 // these beams (m).
@@ -121,7 +121,7 @@ void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hi
     const Unobstructed::View unoccluded = objects_.unobstructed().viewOf(i, shot, *grid);
     ObjectView view;
     view.sensor = shot.sensorName;
-    // The view's time is the firing time of the middle beam of those that would hit the unoccluded thing.
+    // The view's time is when a beam fires: the middle one of those that would hit the thing without occlusion.
     const std::uint32_t column = unoccluded.middle % shot.beams->columns;
     view.time = shot.duration > 0 ? shot.time + shot.beams->columnTime(column) : shot.time;
     const OrientedBox box = objects_.boxes().at(i, view.time);

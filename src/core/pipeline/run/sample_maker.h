@@ -115,8 +115,8 @@ class SceneStore {
   ~SceneStore();
   SceneStore& operator=(SceneStore&&) = delete;  // neither copied nor moved
 
-  // announce() announces a frame of the sequence. release() must be called for each announced frame once it is done or
-  // cancelled.
+  // announce() registers a frame that will need the scene of its sequence. release() must be called for each registered
+  // frame once it is done or cancelled.
   void announce(std::size_t sequence);
   void release(std::size_t sequence);
 
@@ -156,8 +156,8 @@ class SceneStore {
   ShotSource& source_;
   const Plan& plan_;
   std::function<void(const Sequence&)> loading_;
-  std::vector<std::size_t> sceneOf_;  // for each sequence, the index of the first sequence with the same scene; this
-                                      // index identifies the scene
+  // For each sequence, the index of the first sequence with the same scene; this index identifies the scene.
+  std::vector<std::size_t> sceneOf_;
   mutable std::mutex mutex_;
   std::map<std::size_t, std::shared_ptr<Slot>> slots_;    // keys: the indices of scenes that sceneOf_ contains
   std::vector<SceneWarnings> reported_;                   // indexed by the values of sceneOf_

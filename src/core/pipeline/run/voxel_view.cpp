@@ -90,8 +90,8 @@ std::vector<double> beamLengths(const Shot& shot, std::uint32_t raysPerBeam, con
       lengths[beam] = shot.beams->maxRange;
     }
   }
-  // If beams have several rays, a hit behind glass cannot be assigned to the axis, so only axes of beams with a single
-  // ray are extended.
+  // Only the axes of beams with a single ray are extended: if a beam has several rays, a hit behind glass cannot be
+  // assigned to the axis.
   const std::size_t end = raysPerBeam == 1 ? hits.rays() : 0;
   for (std::size_t ray = hits.size(); ray < end; ++ray) {
     if (hits.pathOfRay[ray] != RayPath::ThroughGlass) continue;
@@ -106,8 +106,8 @@ std::vector<double> beamLengths(const Shot& shot, std::uint32_t raysPerBeam, con
 std::vector<Affine> gridFromSteps(const Shot& shot) {
   const Pose& front = shot.worldFromSensor.front();
   const Mat3 frontFromWorld = transposed(toMatrix(front.rotation));
-  std::vector<Affine> gridFromStep;  // one transform per pose; translations are subtracted before rotation, since large
-                                     // world coordinates lose precision
+  // Subtracts translations before it rotates them, since large world coordinates would lose precision.
+  std::vector<Affine> gridFromStep;
   for (const Pose& pose : shot.worldFromSensor) {
     gridFromStep.push_back(
         {frontFromWorld * toMatrix(pose.rotation), frontFromWorld * (pose.translation - front.translation)});

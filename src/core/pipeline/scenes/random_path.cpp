@@ -27,7 +27,7 @@ constexpr double kLeastRadius = 6;    // m, of an arc
 // Distance (m) from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
 constexpr double kSideDistance = 2;
 constexpr double kOpenWidth = 12;     // m; a surface is an open place where its edge is at least this far away
-constexpr double kWishLength = 24;    // m; in an open place, a vehicle chooses again after this distance
+constexpr double kWishLength = 24;    // m; in an open place, a vehicle chooses again whether to turn after this length
 constexpr double kTurnShare = 0.4;    // probability that a vehicle in an open place chooses to turn
 constexpr int kLookAhead = 12;        // m, distance that is tested beyond the end of an arc
 constexpr int kMostStarts = 24;       // starting points that are tried
@@ -166,7 +166,7 @@ class RandomNumbers {
 // The triangles of given classes that are less than 60 degrees steep.
 struct FlatTriangles {
   std::vector<std::array<Vec3d, 3>> triangles;  // corners (m, world frame)
-  std::vector<double> sums;                     // m^2, by triangle: sum of the areas seen from above up to this triangle
+  std::vector<double> sums;                     // m^2, seen from above: total area up to this triangle
 };
 
 FlatTriangles flatTriangles(const Scene& scene, const std::vector<std::uint16_t>& classes) {

@@ -35,7 +35,7 @@ class Trajectory;
 // The rays of a sensor that hit the vehicle which carries the sensor. They are the same for all shots, since sensor and
 // vehicle move together, unless the sensor's beams differ from revolution to revolution.
 struct BlockedRays {
-  bool dropped = false;                // true: these rays give no return, as in drivers that remove the vehicle
+  bool dropped = false;                // true: these rays give no return
   std::vector<float> range;            // m, by ray of the sensor; kMiss: the ray does not hit the vehicle
   std::vector<std::uint32_t> blocked;  // indices of the rays that hit it, ascending
   Hits hits;                           // the hits of these rays, in the same order
@@ -50,7 +50,7 @@ struct BlockedRays {
 // range. `vehicle`: a method that traces the vehicle's scene, which is in the vehicle's frame.
 BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor);
 
-// Replaces each hit behind the vehicle, and each miss of a ray that hits the vehicle, by the hit on the vehicle, with
+// For each ray that hits the vehicle before anything else, replaces the hit or miss by the hit on the vehicle, with
 // path EgoVehicle, no instance, no material and a matt surface. If this hit is nearer than the sensor's minimum range
 // `minRange` (m), or if `vehicle.dropped` is true, it becomes a miss with path EgoVehicle. `vehicle` and `hits` must
 // have the same rays.
