@@ -41,9 +41,9 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
   return isDetail && !trianglesOfWholes.empty() ? mostFrequent(trianglesOfWholes) : main;
 }
 
-// True if the names of the parts, and of the file if `fileConcept` is not null, state at least three different objects
-// and grounds. The file then contains a place, such as a room, and not one object. Parts that may have the class of the
-// file's concept, such as walls and doors of a house, do not count.
+// True if the names of the parts (and, if `fileConcept` is not null, the name of the file) state at least three
+// different objects and grounds. The file then contains a place, such as a room, and not one object. Parts that may
+// have the class of the file's concept, such as walls and doors of a house, do not count.
 bool isPlace(const std::vector<const Concept*>& partConcepts, const Concept* fileConcept = nullptr) {
   constexpr std::size_t kSeveral = 3;
   std::set<const Concept*> stated;

@@ -102,9 +102,9 @@ struct ColorContext {
 // A legend of classes lists those that occur in the scan, sorted by id. The table of columns states which values a
 // column's scale covers: minimum to maximum, 1st to 99th percentile (computed from every n-th point if there are
 // millions), or all valid values. For foreign columns, range and height, the scale covers the 1st to 99th percentile.
-// The scales of intensity, range and error are proportional to the square root, since intensity decreases with the
-// square of the distance, and most points are near. The scale of errors starts at 0. Values beyond a scale get the
-// colour of its nearer end.
+// For intensity, range and error, colours are proportional to the square root of the value, since intensity decreases
+// with the square of the distance, and most points are near. The scale of errors starts at 0. Values beyond a scale get
+// the colour of its nearer end.
 //
 // If the context has no errors, a point's error is the absolute difference between its distance from the sensor's
 // origin and `range_true`. This is inexact if beams do not start at the sensor's origin, or if points are deskewed. If

@@ -140,7 +140,7 @@ void fillBoxes(ViewMesh& view) {
   }
 }
 
-// Clips `boxes` to the cells of a horizontal grid. Returns the box around all clipped boxes of each cell that has any.
+// Clips `boxes` to the cells of a horizontal grid. Returns, for each cell with clipped boxes, the box around these.
 // `origin`: corner of the grid with the least x and y. `side`: side of a cell (m).
 std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origin, double side) {
   std::map<std::pair<int, int>, Box> occupied;  // the keys are indices of cells along x and y

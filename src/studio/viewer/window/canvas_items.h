@@ -41,7 +41,7 @@ void addRangeRings(LineSet& lines, const Vec3d& center, const Rgb& color);
 // Adds lines from position to position, darker up to `positions[current]`, and a small circle around this position.
 void addTrack(LineSet& lines, std::span<const Vec3d> positions, std::size_t current, const Rgb& color);
 
-// Adds the edges of a box. `pose`: pose of its centre. `size`: along x, y and z (m).
+// Adds the edges of a box. `pose`: pose of its centre. `size`: lengths along x, y and z (m).
 void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& color);
 // Adds a line along x that starts on the front (x > 0) of a box, in the middle of its lower edge.
 void addBoxFront(LineSet& lines, const Affine& pose, const Vec3d& size, const Rgb& color);

@@ -91,7 +91,7 @@ void Pointer::release(const CanvasEvent& event) {
   if (isClick) click(event.x, event.y);
 }
 
-// Selects what is at the pixel or, while measuring, adds its position to `ends`.
+// Selects the point or triangle at the pixel or, while measuring, adds its position to `ends`.
 void Pointer::click(int px, int py) {
   auto picked = pick(px, py);
   context_.changes.panels = true;
@@ -265,7 +265,7 @@ const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t
   return lastSummary_->second;
 }
 
-// Outlines the instance under the pointer: draws its points again in white, larger and slightly farther away.
+// Outlines the hovered or clicked instance: draws its points again in white, larger and slightly farther away.
 void Pointer::highlightInstance() {
   constexpr double kRest = 0.15;  // time without a move after which the pointer is at rest (s)
   const PickedElement* const picked = hoveredOrPinned();

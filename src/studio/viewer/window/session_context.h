@@ -88,7 +88,7 @@ struct InstanceSummary {
   std::vector<std::pair<std::uint16_t, std::uint64_t>> classes;
   // The smallest upright box that contains the points. `size`: longer side, shorter side and height (m).
   // `levelFromBox`: transform from the box's frame, with x along the longer side and the origin at the box's centre, to
-  // the level frame.
+  // the level frame (z vertical).
   Vec3d size;
   Affine levelFromBox;
 };

@@ -13,7 +13,7 @@ enum class ViewLayout {
   Split,    // views side by side with the same camera; they show different scans, or one scan in different colours
 };
 
-// The objects whose boxes are drawn. Road users are the classes that KITTI's object benchmark knows
+// The objects whose boxes are drawn. Road users are objects of the classes in KITTI's object benchmark
 // (labels/kitti.yaml), or all objects if the ontology has no such class.
 enum class BoxChoice { RoadUsers, All, None };
 constexpr std::array<std::string_view, 3> kBoxChoiceNames{"road_users", "all", "none"};
