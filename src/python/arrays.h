@@ -28,7 +28,7 @@ void defineSimulator(pybind11::module_& module);
 template <class T>
 using Array = pybind11::array_t<T, pybind11::array::c_style | pybind11::array::forcecast>;
 
-// Returns the elements of an array as values that consist of one element or several, such as Vec3f.
+// Copies an array into values T that consist of one or several elements each, such as Vec3f.
 template <class T, class V>
 std::vector<T> copied(const Array<V>& array) {
   static_assert(sizeof(T) % sizeof(V) == 0);

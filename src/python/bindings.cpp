@@ -46,7 +46,7 @@ void findResources() {
   if (isFolder(share)) ::setenv("SCANMILL_RESOURCES", share.c_str(), 0);
 }
 
-// Returns the beam table of a dataset's sensor as arrays of the shape rings x columns, also beams without returns.
+// Returns the beam table of a dataset's sensor as arrays of the shape rings x columns, including beams without returns.
 py::object beamsOf(const ScanStore& store, const std::string& sensor, double time) {
   const std::shared_ptr<const BeamTable> table = store.beams(sensor, time);
   if (table == nullptr || table->direction.empty()) {

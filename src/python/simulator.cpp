@@ -99,7 +99,7 @@ class Simulator {
   mutable ShotSource source_;  // its functions may be called from any thread
   Scene scene_;
   std::unique_ptr<Method> method_;
-  // The indices of the instances with each name, and of the copies NAME#1, NAME#2, ... of each NAME.
+  // Indices of instances: by their name, and for the copies NAME#1, NAME#2, ... by NAME.
   std::unordered_map<std::string, std::vector<std::uint32_t>> instances_, copies_;
 };
 

@@ -61,7 +61,7 @@ class [[nodiscard]] AtomicFile {
 
   void write(std::string_view bytes);
   std::size_t size() const { return size_; }  // bytes written so far
-  // Flushes the bytes to the disk, which may fail or be slow. commit() then only renames the file and flushes the
+  // Flushes the bytes to the disk, which may fail or be slow. A later commit() only renames the file and flushes the
   // folder.
   void flush();
   void commit();

@@ -30,7 +30,7 @@ class [[nodiscard]] FolderLock {
   ~FolderLock();
   FolderLock& operator=(FolderLock&&) = delete;  // neither copied nor moved
 
-  // Does the same as the constructor, but if another process holds the lock, returns null and names it in `holder`.
+  // Does the same as the constructor, but returns null if another process holds the lock, which `holder` then names.
   [[nodiscard]] static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& folder,
                                                            const std::filesystem::path& file, LockKind kind,
                                                            std::string& holder);

@@ -44,7 +44,7 @@ class LeftOut {
   // quotes if the table lacks it. Does nothing for keywords that are read or unused.
   void addKeyword(const FormatSupport& format, std::string_view keyword);
   void add(const LeftOut& other);
-  // Counts the bytes `rest` behind the contents that a file's header states, unless all are blanks or zeros.
+  // Counts the bytes `rest`, which follow the contents that a file's header states, unless all are blanks or zeros.
   void addRest(std::string_view rest);
   bool empty() const { return counts_.empty(); }
   const std::map<std::string, std::uint64_t>& counts() const { return counts_; }

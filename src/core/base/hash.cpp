@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the number of bytes, for OpenSSL as an int. Throws Error if the number is above kMostBase64.
+// Returns the size of `text` as an int, which OpenSSL takes. Throws Error if the size is above kMostBase64.
 int countOf(std::string_view text) {
   if (text.size() > kMostBase64) throw Error("base64 of more than 1 GiB");
   return static_cast<int>(text.size());

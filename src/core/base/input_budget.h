@@ -39,14 +39,14 @@ class [[nodiscard]] InputBudget {
 // Counts a file that is opened, at most 100,000. The size of each file, counted once however often it is opened, raises
 // the limits of bytes and pixels. readFile() calls it.
 void chargeFile(const std::filesystem::path& file);
-// Counts placed meshes, nodes, tiles, models and the like, at most ten million, and `each` bytes of memory for each.
+// Counts placed meshes, nodes, tiles, models and the like, at most ten million. Each takes `each` bytes of memory.
 void chargeCopies(std::uint64_t copies, const Location& where, double each = 1024);
-// Counts bytes that are decompressed, or copied from data already counted: at most 2 GiB and 64 times the size of the
+// Counts bytes that are decompressed, or copied from data already counted: at most 2 GiB plus 64 times the size of the
 // files. Also throws if these bytes alone are more than memoryLimitBytes().
 void chargeBytes(double bytes, const Location& where);
-// Counts pixels of images that are decoded: at most 2^31 and 64 for each byte of the files.
+// Counts pixels of images that are decoded: at most 2^31 plus 64 for each byte of the files.
 void chargePixels(double pixels, const Location& where);
-// Checks the time alone, at every 256th call: at most ten minutes of this thread's processor time.
+// Checks only the limit of time, ten minutes of this thread's CPU time, and only at every 256th call.
 void chargeTime(const Location& where);
 
 // Thrown by the functions above. Readers that go on without a damaged file, such as an image, must not catch it.

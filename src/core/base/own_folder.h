@@ -22,7 +22,7 @@ class ForeignFile : public InputError {
   using InputError::InputError;
 };
 
-// Throws an Error "PATH: WHAT: No such file or directory" with the reason of the latest failing system call.
+// Throws an Error "PATH: WHAT: REASON". The reason is why the latest system call failed, as errno states it.
 [[noreturn]] void failBySystem(const std::filesystem::path& path, std::string_view what);
 
 // True if `path` is `folder` or lies in it, also through links. Neither path needs to exist. Throws Error if links

@@ -40,8 +40,8 @@ class Process {
   ~Process();
   Process& operator=(Process&&) = delete;  // neither copied nor moved
 
-  // Writes to the child's standard input a text that is short enough for the system to hold it (64 KiB). If the child
-  // has closed its input, the text is dropped without an error.
+  // Writes a text to the child's standard input: at most 64 KiB, which the system buffers. If the child has closed its
+  // input, the text is dropped without an error.
   void write(std::string_view text);
   // Waits for the next line of the child's standard output and returns it without its line feed; nullopt if the output
   // has ended. Throws TimeOut after `seconds`, and Error for a line of over 16 MiB.

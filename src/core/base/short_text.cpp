@@ -80,7 +80,7 @@ std::string axisNumber(double value, const std::string& unit) {
   const double magnitude = std::abs(value);
   const std::string space = unit.empty() ? "" : " ";
   if (magnitude == 0) return "0" + space + unit;
-  // Numbers below 1 without a unit get no prefix, because "5 m" would read as 5 metres.
+  // Numbers below 1 without a unit get no prefix, because "5 m" for 0.005 would read as 5 metres.
   if (!(magnitude < 1 && unit.empty()) && magnitude < 1e16) {
     for (const auto& [factor, prefix] : kSiPrefixes) {
       if (magnitude < factor * (1 - 1e-9)) continue;

@@ -23,7 +23,7 @@ struct Utf8Character {
 };
 
 // Returns the character that begins at the byte `at`. A well-formed character is one of Unicode 15, table 3-7: no
-// overlong form, no surrogate, nothing beyond U+10FFFF. Beyond the end of the text returns kNoCharacter.
+// overlong form, no surrogate, nothing beyond U+10FFFF. Returns kNoCharacter if the text has no byte `at`.
 [[nodiscard]] Utf8Character utf8At(std::string_view text, std::size_t at);
 
 [[nodiscard]] bool isUtf8(std::string_view text);

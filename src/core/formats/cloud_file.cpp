@@ -25,7 +25,7 @@ Vec3d cloudOrigin(const Vec3d& position) {
 
 namespace {
 
-// True for kinds of clouds that readCloud() refuses with advice.
+// True for the suffixes of point clouds that readCloud() refuses with advice.
 bool isUnreadCloud(const std::string& suffix) {
   return suffix == ".e57" || suffix == ".pts" || suffix == ".ptx";
 }

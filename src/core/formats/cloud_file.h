@@ -27,9 +27,9 @@ struct Cloud {
 // km of 0, where float32 is exact to 0.1 mm; else the coordinate, rounded down to whole metres.
 Vec3d cloudOrigin(const Vec3d& position);
 
-// True if a file is a cloud that can be part of a scene, judged by its suffix; also for kinds of clouds that
-// readCloud() refuses with advice (.laz, .e57, .pts, .ptx). A .ply is a cloud if its header has no faces, and an .asc
-// if it lists points, but not if it does not exist or is empty. Throws InputError for a .ply with a damaged header.
+// True if a file is a point cloud by its suffix, also if readCloud() refuses its format with advice (.laz, .e57, .pts,
+// .ptx). A .ply counts as a cloud only if it exists, is not empty and has no faces; an .asc only if it lists points.
+// Throws InputError for a .ply with a damaged header.
 bool isCloud(const std::filesystem::path& file);
 // True if a file can be a recorded scan: a cloud, .bin, or .npz (readCloud() refuses .npz). Throws as isCloud().
 bool isScan(const std::filesystem::path& file);

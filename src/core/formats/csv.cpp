@@ -25,7 +25,7 @@ namespace scanmill {
 
 namespace {
 
-// A function that stores a cell of the file as a value of the point that was added to the scan last.
+// A function that stores a cell of the file as a value of the latest point of the scan.
 using ReadCell = std::function<void(std::string_view word, const Location& where)>;
 
 bool isNumber(std::string_view word) {

@@ -55,7 +55,7 @@ struct PcdHeader {
 
 constexpr std::uint64_t kMostFields = 1024;
 constexpr std::uint64_t kMostElements = 65536;
-// Largest factor by which LZF expands data: its longest back reference turns 3 bytes into 264.
+// Largest factor by which LZF data grow when decompressed: 3 bytes, the longest back reference, become 264.
 constexpr std::uint64_t kLzfGain = 88;
 
 std::uint64_t readCount(std::string_view word, std::string_view key, std::uint64_t most, const Location& where) {
@@ -218,7 +218,7 @@ class BodyReader {
   }
 
  private:
-  // Reads the points, and sets rest_.
+  // Returns a scan with the points, and sets rest_ to the bytes behind the points.
   Scan readBody() {
     if (header_.data == "ascii") return readAscii();
     if (header_.data == "binary") {

@@ -52,13 +52,13 @@ class PlyBody {
   PlyBody(const std::filesystem::path& file, const PlyHeader& header, std::string_view bytes)
       : file_(file.string()), header_(header), bytes_(bytes), at_(header.size), line_(header.lines) {}
 
-  // Must be called before the numbers of a row are read. `row`: from 0.
+  // Begins a row; must be called before numbers of the row are read. `row`: from 0.
   void beginRow(const PlyElement& element, std::uint64_t row);
   // Returns the next number of a row: the property's value or, if the property is a list, its next member.
   double number(const PlyProperty& property) { return next(property, property.value); }
   // Returns the length of a list.
   std::uint64_t length(const PlyProperty& property);
-  // Skips a property. In a binary file this takes no time for the members of a list.
+  // Skips a property. In a binary file, a list is skipped as fast as a single value.
   void skip(const PlyProperty& property);
   // Returns the bytes behind the rows that were read.
   std::string_view rest() const { return bytes_.substr(std::min(at_, bytes_.size())); }

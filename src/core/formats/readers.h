@@ -43,13 +43,13 @@ const FormatSupport& pointRecordsFormat();
 // (cloud_file.h); false: positions are the file's numbers in float32, and the origin is zero.
 
 // Reads any valid PCD. Fields may be in any order and of any numeric type whose values fit the column. Fields of
-// several values a point are left out. `worldFromFile` is the VIEWPOINT: a quaternion whose length is off by up to a
-// hundredth is normalised, others are refused, unless all seven numbers are 0, which states no pose.
+// several values a point are left out. Cloud::worldFromFile is the VIEWPOINT, or the identity if its numbers are all 0.
+// Quaternions whose length is 0.99 to 1.01 are normalised, all others refused.
 Cloud readPcd(std::string_view bytes, const std::string& what, bool exact = true);
 
-// Reads text with a line for each point, of values that commas, semicolons, tabs or blanks separate. The first line
-// names the columns; it may be absent if there are three columns: x, y and z. Lines that are empty or begin with # or
-// // are skipped, unless they name the columns. Columns of the table are read in their types, others as doubles.
+// Reads text with one line per point. Commas, semicolons, tabs or blanks separate the values. The first line names the
+// columns; it may be absent if there are three columns: x, y and z. Lines that are empty or begin with # or // are
+// skipped, unless they name the columns. Columns of the table are read in their types, others as doubles.
 Cloud readCsv(std::string_view bytes, const std::string& what, bool exact = true);
 
 // Reads any Draco point cloud that has positions. Its other attributes are recognised by their metadata entry "name".
@@ -76,8 +76,8 @@ std::string columnMeant(std::string_view name);
 // of zeros alone is replaced, too. Of several columns with the same meaning, the column that has the table's name is
 // used, else the first; the others stay foreign. Negative instance numbers mean "no instance" and become 0; if there
 // are any, all other instance numbers increase by 1. The labels -1 and -100 become 0, or 65535 if the column has a 0,
-// which may be a class. If a number does not fit the type, throws an InputError at `where` if the column has the
-// table's name and `where` names a file; otherwise the column stays foreign and is counted in cloud.leftOut.
+// which may be a class. Throws an InputError at `where` if a number does not fit the type of a column with the table's
+// name, and `where` names a file. Otherwise the column stays foreign and is counted in cloud.leftOut.
 void adoptColumns(Cloud& cloud, const Location& where);
 
 // Sets the positions of a scan to `exact` (m) and the cloud's origin to cloudOrigin() of the first finite position.
@@ -105,8 +105,8 @@ void addSemanticKittiLabels(std::string_view bytes, const std::string& what, Sca
 void addLidarsegLabels(std::string_view bytes, const std::string& what, Scan& scan);
 
 // Adds the column `instance`, and `label` if the scan has none, from a file of Panoptic nuScenes: a NumPy archive with
-// the array `data` of one uint16 per point, 1000 * class + number of the instance. The instance is the complete number,
-// since its last three digits count within a class; 0 if these digits are 0. Throws like addSemanticKittiLabels().
+// the array `data` of one uint16 per point: 1000 * class + index. The instance is the complete uint16, since indices
+// count within one class; it is 0 where the index is 0. Throws like addSemanticKittiLabels().
 void addPanopticLabels(std::string_view bytes, const std::string& what, Scan& scan);
 
 // Returns the label file of a scan of SemanticKITTI: for velodyne/000000.bin the file labels/000000.label beside the

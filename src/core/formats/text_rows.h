@@ -79,8 +79,8 @@ T columnValue(Stored stored, std::string_view name, std::size_t point, const Loc
   }
 }
 
-// Calls visit(T{}), where T is the type of numbers that a file states by its kind, F (floating-point), U (unsigned) or
-// I (signed), and by its size (bytes).
+// Calls visit(T{}). T is the type of numbers with this size (bytes) and this kind: F (floating-point), U (unsigned) or
+// I (signed).
 template <class Visit>
 auto visitNumberType(char kind, std::uint64_t size, const Visit& visit) {
   if (kind == 'F') return size == 4 ? visit(float{}) : visit(double{});

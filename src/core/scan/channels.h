@@ -16,7 +16,7 @@
 
 namespace scanmill {
 
-// Each channel is one array of Hits (scan/hits.h), where the values are described.
+// Each channel is one array of Hits; scan/hits.h describes the values.
 enum class Channel : std::uint32_t {
   Range = 1u << 0,
   Normal = 1u << 1,

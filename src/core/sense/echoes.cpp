@@ -39,8 +39,8 @@ struct BeamGroup {
   std::array<PerBeam<float>, kMostGroupRays> powers;
 };
 
-// Computes power, range, spread and the strongest ray of each beam from `ranges` and `powers`. The operations are those
-// of EchoFinder::echoOf(), so that results do not depend on how a beam is computed. Computes all kGroup beams, also
+// Computes power, range, spread and the strongest ray of each beam from `ranges` and `powers`. Uses the same operations
+// as EchoFinder::echoOf(), so that both functions give the same result for a beam. Computes all kGroup beams, also
 // those from BeamGroup::count on, so that the loops have a fixed length and are vectorised.
 SCANMILL_BEST_INSTRUCTIONS void computeEchoes(BeamGroup& group) {
   BeamGroup::PerBeam<double> totalPower{}, weightedSum{}, unweightedSum{}, squareSum{};
@@ -114,7 +114,7 @@ class EchoFinder {
 
  private:
   // Adds a beam, with the rays first to end - 1, to the group of beams whose echoes are computed together. Returns
-  // false if a ray misses, if the rays form several echoes, or if their number differs from that of the group's beams.
+  // false if a ray misses, if the rays form several echoes, or if the group's beams have a different number of rays.
   bool addToGroup(std::uint32_t beam, std::uint32_t first, std::uint32_t end) {
     const std::uint32_t rays = end - first;
     if (rays < 2 || rays > kMostGroupRays || pulse_ == 0 || (group_.rays != 0 && rays != group_.rays)) return false;

@@ -12,7 +12,7 @@ namespace scanmill {
 namespace {
 
 // Beams are stored ring by ring, dense scans column by column. Processing in tiles keeps both in the first-level cache:
-// for each ring a tile reads a few consecutive beams, and for each column it writes to one place.
+// for each ring a tile reads a few consecutive beams, and for each column it writes consecutive points.
 constexpr std::uint32_t kTileRings = 16;
 constexpr std::uint32_t kTileColumns = 64;
 constexpr std::size_t kTilePoints = std::size_t{kTileRings} * kTileColumns;
@@ -128,7 +128,7 @@ class Gathering {
   }
 
  private:
-  // Resizes each column to the scan's points, or to 0 if it was not asked for. Organised scans then have only misses.
+  // Resizes each column to the number of points, or to 0 if it was not asked for. Fills organised scans with misses.
   void resizeColumns() {
     scan_.rings = hits_.rings;
     scan_.columns = hits_.columns;

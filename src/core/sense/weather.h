@@ -29,7 +29,7 @@ struct Weather {
   // Echo of a drop (m^2 / mm^2): a drop of diameter D (mm) in a beam of area A (m^2) returns dropEcho * D^2 / A of the
   // power that a white Lambertian target filling the beam returns.
   double dropEcho = 0;
-  // Backscatter (1/(m sr)) of particles that are too many and too small to be resolved.
+  // Backscatter (1/(m sr)) of dense small particles, which are not modelled one by one.
   double backscatter = 0;
 };
 

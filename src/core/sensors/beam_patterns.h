@@ -11,10 +11,10 @@
 
 namespace scanmill {
 
-// A sensor read from a table with one line per beam, whose columns docs/keys.md explains (`beams`). Rings and columns
-// are numbered from 0, and every pair of ring and column must occur once; without these numbers all beams form one
-// ring, in the order of the lines. No column may fire before its predecessor. readListedBeams() throws InputError with
-// the file and, if the fault is in one line, the line.
+// A sensor that is read from a table with one line per beam. docs/keys.md explains the columns (key `beams`). Rings and
+// columns are numbered from 0, and every pair of ring and column must occur once; without these numbers all beams form
+// one ring, in the order of the lines. No column may fire before its predecessor. readListedBeams() throws InputError
+// with the file and, if the fault is in one line, the line.
 struct ListedSensor {
   std::uint32_t rings = 0, columns = 0;
   ListedBeams beams;

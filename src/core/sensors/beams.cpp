@@ -101,10 +101,10 @@ double BeamTable::azimuth(std::uint32_t columnOfRays) const {
 //   direction = (cos(t + a) cos e, sin(t + a) cos e, sin e),  origin = (n cos t, n sin t, height),
 //   point = origin + direction * (range from the beam origin).
 // See Ouster, "Sensor Data: Lidar Range to XYZ" (there a is minus beam_azimuth_angles and n is
-// lidar_origin_to_beam_origin_mm; the reported range counts from the axis, hence its range - n).
-// The offsets l and u of a ring add l (-sin(t + a), cos(t + a), 0) + u (-cos(t + a) sin e, -sin(t + a) sin e, cos e) to
-// the origin: Velodyne's horizontal and vertical offsets, as velodyne_pointcloud applies them (HDL-64E S2 User's
-// Manual, appendix on converting data).
+// lidar_origin_to_beam_origin_mm; the reported range counts from the axis, hence the term range - n there). The offsets
+// l and u of a ring add l (-sin(t + a), cos(t + a), 0) + u (-cos(t + a) sin e, -sin(t + a) sin e, cos e) to the origin:
+// Velodyne's horizontal and vertical offsets, as velodyne_pointcloud applies them (HDL-64E S2 User's Manual, appendix
+// on converting data).
 void fillBeams(BeamTable& table) {
   if (table.listed() != nullptr) return fillListed(table);
   if (table.rosette() != nullptr) return fillRosette(table);

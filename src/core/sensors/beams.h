@@ -121,8 +121,8 @@ struct BeamTable {
   double columnTime(std::uint32_t column) const {
     return columnStart.empty() ? column * columnPeriod() : columnStart[column / raysPerBeam];
   }
-  // Returns the time between neighbouring columns (s; of listed beams the mean). In a field of less than a full circle
-  // the first and the last column are at the two edges.
+  // Returns the time between neighbouring columns (s), or its mean for listed beams. In a field of less than a full
+  // circle the first and the last column are at the two edges.
   double columnPeriod() const {
     const std::uint32_t steps = fullTurn() || columns == 1 ? columns : columns - 1;
     return (sweep > 0 ? sweep : period * (field / (2 * kPi))) / steps;
@@ -146,15 +146,15 @@ struct Destagger {
   std::vector<std::uint32_t> shift;  // columns to add in each ring
   std::uint32_t width = 0;           // columns of the image
 
-  // Returns the image's column of a beam. Different columns of a ring have different columns in the image.
+  // Returns the column of the image that shows a beam. Beams of one ring never share a column.
   std::uint32_t columnOf(std::size_t ring, std::uint32_t column) const { return (column + shift[ring]) % width; }
 };
 
-// Returns shifts that place each beam within half a column of the direction of its column in the image. `offset`:
-// azimuth of each ring (rad) relative to the others. `step`: azimuth from a column to the next one (rad), negative if
-// the sensor turns clockwise. In a full turn the image is as wide as the sensor has columns, and a ring with the offset
-// 0 is not shifted. In a partial field the image is wider by the largest difference of two shifts, and the least shift
-// is 0.
+// Returns shifts that place each beam in the column of the image nearest to its direction, at most half a column away.
+// `offset`: azimuth of each ring (rad) relative to the others. `step`: azimuth from a column to the next one (rad),
+// negative if the sensor turns clockwise. In a full turn the image is as wide as the sensor has columns, and a ring
+// with the offset 0 is not shifted. In a partial field the image is wider by the largest difference of two shifts, and
+// the least shift is 0.
 Destagger destagger(std::span<const double> offset, double step, std::uint32_t columns, bool fullTurn);
 
 // Returns the shifts of a sensor by its azimuth offsets; only the compact description of the beams is needed. Sensors

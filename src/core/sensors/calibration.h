@@ -58,8 +58,8 @@ struct OusterMetadata {
   double originHeight = 0;  // m, height of the beam origins above the origin of the sensor's frame
 };
 
-// Reads metadata of old or new firmware, complete or reduced to the beams' angles and the mode. Missing values get the
-// defaults of Ouster's own software (ouster-sdk, types.cpp). Throws InputError with the file and the reason.
+// Reads the metadata of old or new firmware: a complete file, or only the beams' angles and the mode. Missing values
+// get the defaults of Ouster's own software (ouster-sdk, types.cpp). Throws InputError with the file and the reason.
 OusterMetadata readOusterMetadata(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -53,7 +53,7 @@ std::optional<GroundSample> sampleAt(const GroundOptions& options, const Pose& p
     z[i] = ground.value_or(0);
   }
   // A wheel without ground is put into the plane of the other three wheels. In the order of kWheels, index ^ 1 is the
-  // wheel on the other side, index ^ 2 the other wheel on the same side, and index ^ 3 the wheel diagonally opposite.
+  // other wheel of the axle, index ^ 2 the other wheel on the same side, and index ^ 3 the wheel diagonally opposite.
   if (hanging) z[*hanging] = z[*hanging ^ 1] + z[*hanging ^ 2] - z[*hanging ^ 3];
   const auto [wheelbase, track] = *options.wheels;
   return GroundSample{.height = (z[0] + z[1] + z[2] + z[3]) / 4,

@@ -88,8 +88,8 @@ void setHeadingsOfTravel(std::vector<StampedPose>& poses) {
   }
 }
 
-// Renames the columns of other programs to the names that readPoseTable() reads. The ground truth of the EuRoC dataset,
-// whose times are in ns, may name them without a unit.
+// Renames the columns of other programs to the names that readPoseTable() reads. The ground truth of the EuRoC dataset
+// may name its times, which are in ns, without a unit.
 void renameColumns(TextTable& table) {
   constexpr std::pair<const char*, const char*> kEuroc[] = {
       {"timestamp", "time_ns"}, {"p_rs_r_x", "x"}, {"p_rs_r_y", "y"}, {"p_rs_r_z", "z"},
@@ -212,7 +212,7 @@ Affine readKittiCalibration(const std::filesystem::path& file) {
 
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
-  // A comment may name the columns.
+  // A comment may name the columns, and show that they are in the wrong order.
   if (bytes.find("qw") < bytes.find("qx") && bytes.find("qx") != std::string::npos) {
     throw InputError({file.string()},
                      "names qw before qx, but a line must be time x y z qx qy qz qw: make it a .csv table, whose first "

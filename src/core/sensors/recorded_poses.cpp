@@ -30,8 +30,8 @@ std::string formatOf(Fields& f, const std::filesystem::path& file) {
   return format;
 }
 
-// Returns the poses of the vehicle or, with `calib`, of the scanner. KITTI's poses are those of the left camera in its
-// first frame; here they are converted to the axes of the vehicle's or the scanner's first frame.
+// Returns the poses of the vehicle or, with `calib`, of the scanner. KITTI's poses are poses of the left camera, in the
+// axes of the camera's first frame; here they are converted to the axes of the vehicle's or the scanner's first frame.
 std::vector<StampedPose> readKitti(Fields& f, const std::filesystem::path& file) {
   const std::vector<Affine> cameras = readKittiPoses(file);
   std::vector<double> times;

@@ -106,7 +106,7 @@ class Trajectory {
   // Returns the time of a frame's start (s since the start of the trajectory).
   double frameTime(std::uint32_t frame) const;
   // Returns the time from frame to frame (s). If the frames of an accelerating drive are equally spaced along the path,
-  // this is the shortest time.
+  // this is the shortest of these times.
   double interval() const { return interval_; }
   // Returns true if the vehicle drives without a break and its frames are equally far apart in time.
   bool regular() const { return !still() && everyMetres_ <= 0; }
@@ -151,7 +151,7 @@ class Trajectory {
   void readPoses(Fields& fields, double period, double limit);
   void readRecorded(Fields& fields, double period, double limit);
   void readDrive(Fields& fields, double period, double limit, std::uint64_t seed, const SceneLanes* lanes);
-  // Read the path and the number of frames: of a drive with the key `on`, and of a drive along waypoints or lanes.
+  // Read path and number of frames: readRandomDrive() for the key `on`, readPathDrive() for waypoints and lanes.
   void readRandomDrive(Fields& fields, double limit, const Location& where);
   void readPathDrive(Fields& fields, double limit, const SceneLanes* lanes);
   void readPath(Fields& fields, const SceneLanes* lanes);

@@ -28,7 +28,7 @@ class AngularJitter : public Effect {
   }
 
  private:
-  // Adds the displacements of the points by the errors of their beams' directions.
+  // Displaces each point as a random error of its beam's direction would.
   SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
     if (azimuthSigma_ == 0 && elevationSigma_ == 0) return;
     returns.displacement.resize(returns.range.size());

@@ -220,7 +220,7 @@ class Detection : public Effect {
     }
   }
 
-  // Removes the rows of one beam that are not reported. `rows`: the beam's rows by descending power; gets reordered.
+  // Removes the rows of one beam that are not reported. `rows`: the beam's rows by descending power; are reordered.
   void removeUnreported(std::span<std::uint32_t> rows, Returns& returns) const {
     std::size_t count = 1;  // number of rows kept so far, which are moved to the front of `rows`
     for (std::size_t i = 1; i < rows.size(); ++i) {

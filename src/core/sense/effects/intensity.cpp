@@ -160,7 +160,7 @@ class Intensity : public Effect {
     return lobes;
   }
 
-  // Does the work of powerOfRays(), which is virtual and therefore cannot have the macro itself.
+  // Does the work of powerOfRays(), which cannot be marked SCANMILL_BEST_INSTRUCTIONS because it is virtual.
   SCANMILL_BEST_INSTRUCTIONS void powerOf(const Hits& hits, std::span<const Material> materials,
                                           std::vector<float>& power) const {
     const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);

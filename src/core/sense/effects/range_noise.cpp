@@ -104,7 +104,7 @@ class RangeNoise : public Effect {
     });
   }
 
-  // Adds the noise that grows for faint echoes to `sigma`, the standard deviations (m) of rows first, first + 1, ...
+  // Adds the noise of faint echoes (`over_snr_m`) to `sigma`, the standard deviations (m) of rows first, first + 1, ...
   void addNoiseOfFaintEchoes(const Shot& shot, const Returns& returns, std::size_t first, std::size_t count,
                              Batch<double>& sigma) const {
     if (returns.snr.size() != returns.size()) {

@@ -41,8 +41,8 @@ class ReflectanceVariation : public Effect {
     const std::vector<Variation> none;
     for (const Material& m : materials) variationsOf.push_back(&m.variations);
     variationsOf.push_back(&none);
-    // Values of the rows of a batch. `area`: m^2, illuminated by the beam. `size` (m, later cubes per metre) and
-    // `contrast`: of one variation. `exponent`: natural logarithm of the factor on the reflectance.
+    // Values of the rows of a batch. `area`: area that the beam illuminates (m^2). `size` (m, later cubes per metre)
+    // and `contrast` belong to one variation. `exponent`: natural logarithm of the factor on the reflectance.
     Positions positions;
     Batch<const std::vector<Variation>*> variations;
     Batch<double> area, size, contrast, exponent;
