@@ -69,7 +69,7 @@ class Spaced {
 
  private:
   double spacing_;
-  // By column and row of square cells with the edge `spacing`: positions that are too near lie in neighbouring cells.
+  // Accepted positions by column and row of cells with the edge `spacing`; near positions are in neighbouring cells.
   std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Vec3d>> acceptedByCell_;
 };
 

@@ -17,7 +17,7 @@ namespace scanmill {
 
 namespace {
 
-// Extents of meshes that cause no warning (m), in general and if the mesh is a thing such as a car or a house.
+// Usual sizes of meshes (m), in general and of meshes that are one thing, such as a car. Other sizes cause a warning.
 constexpr Range kUsualExtent{1e-3, 5000};
 constexpr Range kUsualThingExtent{0.01, 300};
 constexpr std::size_t kMostLines = 5;      // largest number of lines for warnings of the same kind

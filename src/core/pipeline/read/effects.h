@@ -6,9 +6,9 @@
 //   effects: sensor                                        # the list in each sensor's own file
 //   effects: [sensor, {footprint: {rays: 61}}, light_paths, {speckle: none}]
 //
-// The word `sensor` stands for the list in the sensor's file. The other items change this list. An item for an effect
-// that the list has replaces only the keys that the item states, or removes the effect if the item's value is `none`.
-// Items for other effects are added. The word `none` alone is ignored, so that a random choice can be between an effect
+// The word `sensor` stands for the list in the sensor's file. The other items change this list. If an item's effect is
+// in the list already, the item replaces only the keys that it states, or removes the effect if the item's value is
+// `none`. Other effects are added. The word `none` alone is ignored, so that a random choice can be between an effect
 // and none. The key `label` of an effect is the id or the name of a class.
 
 #include <mutex>

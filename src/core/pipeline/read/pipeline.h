@@ -50,7 +50,7 @@ struct Sequence {
   std::vector<Value> without = {};  // classes, names or ids of objects to remove from the scene, see takeOut()
 
   // True if sensors of different rates turn without a break from the start of the sequence: the time from frame to
-  // frame is not longer than a revolution of the slowest sensor, and not shorter than one of the fastest.
+  // frame is not longer than a revolution of the slowest sensor, and not shorter than a revolution of the fastest.
   bool turnsWithoutBreak(const Periods& periods) const;
   // Returns the start times of a sensor's revolutions that belong to a frame (s after the frame's start, may be
   // negative). `period`: duration of the sensor's revolution (s). If the sensors turn without a break, these are the

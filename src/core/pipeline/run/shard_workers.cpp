@@ -40,8 +40,8 @@ class ShardWorkers {
     TaskOrder done;
     {
       const TaskOrder::Wait wait(started, done);
-      // Unlike parallelFor(), tbb::parallel_for is not isolated here: threads without work help other threads' inner
-      // loops.
+      // Not parallelFor(), which isolates its tasks: here threads without work help with the inner loops of other
+      // threads.
       tbb::parallel_for(
           tbb::blocked_range<std::size_t>(0, workers_, 1),
           [&](const tbb::blocked_range<std::size_t>&) SCANMILL_UNWATCHED {
