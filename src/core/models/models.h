@@ -1,6 +1,6 @@
 #pragma once
 
-// Builds the objects of procedural scenes: random numbers, a mesh under construction, one function per kind of object.
+// Builds the objects of procedural scenes, with one function per kind of object. Also random streams and mesh building.
 // Frame of an object: metres, x forward, z up, ground at z = 0. Only town/ and tests include this header.
 
 #include <algorithm>
@@ -22,8 +22,8 @@
 namespace scanmill::models {
 
 // The purpose of random numbers: the shape of a kind of object, its positions in a town, or a property of the town.
-// Each kind has its own random stream and is drawn in one place of the code, so that more objects of one kind leave the
-// others unchanged. What a seed generates depends on these values: append new kinds, never renumber.
+// Each kind has its own random stream and is drawn in one place of the code, so that more objects of one kind do not
+// change other kinds. What a seed generates depends on these values: append new kinds, never renumber.
 // clang-format off
 enum class Kind : std::uint32_t {
   Plot = 1, Lot, Terrain, House, Tree, Bush, Car = 8, Truck, Bus, Bicycle, Motorcycle, Person, Sign, Lamp, Light,
@@ -215,7 +215,7 @@ struct Block {
 enum class Fencing { None, Pickets, Bars, Brick, Hedge, Boards, Wire, GuardRail, Barrier, Count };
 
 // The functions make...() below add a mesh to the scene. The mesh depends on the seed and on `form` or `number`, which
-// number the variants of an object.
+// select a variant of the object.
 
 // Returns a house of this size with random windows and a random roof.
 House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors);
@@ -295,7 +295,7 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing kind)
 // A barrier extends along x; a shed's door faces -y. Values select random streams: append new ones, never renumber.
 enum class Clutter { Cone, Barrier, Skip, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter clutter, int number);
-Model makeShelter(SceneBuilder& builder, std::uint64_t seed);  // its open side faces -y
+Model makeShelter(SceneBuilder& builder, std::uint64_t seed);  // the shelter's open side faces -y
 // Builds a panel 2 m long along x; its middle is at the origin.
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing kind, int form = 0);
 

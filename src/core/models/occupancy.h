@@ -41,7 +41,7 @@ Footprint footprint(const Model& model, const Spot& spot, double margin);
 // Returns the pose of a model at a spot, with its origin at the height `z` (m).
 Affine poseOf(const Spot& spot, double z);
 
-// Returns the column that contains an x coordinate, or the row that contains a y coordinate. `side`: of a cell (m).
+// Returns the column that contains an x coordinate, or the row that contains a y coordinate. `side`: cell size (m).
 inline std::int64_t cellOf(double v, double side) {
   return static_cast<std::int64_t>(std::floor(v / side));
 }

@@ -174,7 +174,7 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
   const TrunkAxis trunk = appendTrunk(s, draw, habit, base, crown);
   const auto [branch, leaf] = s.surfaces("tree", "bark", "leaf");
   const std::vector<Cluster> clusters = drawClusters(draw, habit, trunk, base, crown, radius, ragged);
-  double squares = 0;  // sum of squared radii; leaves are distributed in proportion to them
+  double squares = 0;  // sum of squared radii; each cluster has leaves in proportion to its squared radius
   for (const Cluster& c : clusters) squares += c.radius * c.radius;
   for (const Cluster& c : clusters) {
     const double fork = std::max(base * 0.85, c.center.z - 0.35 * crown * draw.in(0.5, 1.0) - 0.2);  // m, height
@@ -192,7 +192,7 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
   }
 }
 
-// A branch of a conifer, from the trunk outwards (m). `reach`: its horizontal length.
+// A branch of a conifer, from the trunk outwards (m). `reach`: horizontal length of the branch.
 struct Bough {
   Vec3d root, tip;
   double reach;
@@ -227,7 +227,7 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
   s.pipe(bark, {{0, 0, -0.15}, {0, 0, 0.3}, {0.04, 0.02, height * 0.5}, {0, 0, height - 0.1}},
          {habit.trunkRadius * 1.3, habit.trunkRadius, habit.trunkRadius * 0.55, 0.015}, 12);
   const std::vector<Bough> boughs = drawBoughs(draw, habit.crownBase * height / habit.height, height, radius);
-  double totalReach = 0;  // m, sum over all boughs; a bough's needles are in proportion to its reach
+  double totalReach = 0;  // m, sum over all boughs; the number of needles on a bough is proportional to its reach
   for (const Bough& b : boughs) totalReach += b.reach;
   for (const Bough& b : boughs) {
     s.tube(branch, b.root, b.tip, 0.022, 0.006, 4);

@@ -79,7 +79,7 @@ void placeLamps(Placer& placer, const std::vector<Model>& lamps) {
   }
 }
 
-// Places signs along roads and where side roads meet the main road; signs face the traffic. `signs`: by TrafficSign.
+// Places signs along roads and at the mouths of side roads, facing the traffic. `signs`: models, by TrafficSign.
 void placeSigns(Placer& placer, const std::vector<Model>& signs) {
   const Layout& l = placer.layout;
   const auto modelOf = [&](TrafficSign sign) -> const Model& { return signs[static_cast<std::size_t>(sign)]; };

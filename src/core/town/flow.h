@@ -64,8 +64,8 @@ struct DriverModel {
 // that lateral acceleration and braking at bends are comfortable. `curvature`: 1/m, at the same distances.
 std::vector<double> inBends(const std::vector<double>& curvature, double fastest);
 
-// Returns for each driver the distances along the route (m) at the times 0, interval, ... up to `duration` (s), after a
-// simulation of `warmUp` seconds before time 0. No vehicle drives backwards or into another vehicle on its lane.
+// Returns for each driver the distances along the route (m) at the times 0, interval, ... up to `duration` (s). The
+// simulation starts `warmUp` seconds before time 0. No vehicle drives backwards or into another vehicle on its lane.
 std::vector<std::vector<double>> drive(const std::vector<Route>& routes, const std::vector<Driver>& drivers,
                                        double warmUp, double duration, double interval);
 

@@ -38,7 +38,7 @@ struct LanePoints {
 // to the right of the centre line; on one-way roads, `out` m to the right of the centre line.
 LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double leastLateral);
 
-// Distances along a side road (m) at which its lanes begin and end, and at which vehicles that leave it stop.
+// Return the distances (m) along a side road of the start and the end of its lanes, and of its stop line.
 inline double laneStart(const Layout& l) {
   return l.mainRoad().section.half + 7;
 }
@@ -48,7 +48,7 @@ inline double laneEnd(const Road& sideRoad) {
 inline double stopLineOfSideRoad(const Layout& l) {
   return laneStart(l) - 4;
 }
-// Returns the distance along the main road (m) between a side road's junction and the start of the turn into it.
+// Returns the distance along the main road (m) between a junction and the start of the turn into `sideRoad`.
 inline double turnStart(const Road& sideRoad) {
   return sideRoad.section.half + 6;
 }

@@ -349,7 +349,7 @@ double headingFrom(const MapRoad& road, int end) {
   return std::atan2(at(i).y - start.y, at(i).x - start.x);
 }
 
-// Returns how poorly two pieces fit together that meet at their ends `a` and `b`: the change of direction (rad) plus
+// Returns the misfit of two pieces that meet at their ends `a` and `b`: the change of direction (rad) plus
 // penalties; nullopt if they must not be joined. `alone`: true if no other piece ends at the same node.
 std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, const End& b, bool alone) {
   constexpr double kSharpestCrossing = 0.8;             // rad, where other roads join or the name changes

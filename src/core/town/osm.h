@@ -61,7 +61,7 @@ struct OsmArea {
   std::vector<OsmNode> outer;
   std::vector<std::vector<OsmNode>> inner;
   std::string fault;  // why the area has no rings, such as "missing nodes"; empty: it has rings
-  // Areas with the same id, if it is not 0, are one building. It is the id of the relation with `type: building` that
+  // Areas with the same id, if it is not 0, are one building. This is the id of the relation of `type: building` that
   // the area belongs to; without this relation, the id of a multipolygon with several outer rings; otherwise 0.
   std::int64_t building = 0;
 };

@@ -32,7 +32,7 @@ std::optional<double> parkedBeyondEdge(const Road& road, double half, bool egoDr
 }
 
 // Places cars in the bays and at the curb of one side of a road. `egoDrives`: true on roads that the ego vehicle uses.
-// `firstBay`: number of the first bay; each bay has its own random stream. Returns the number after the last bay's.
+// `firstBay`: number of the first bay; each bay has its own random stream. Returns the last bay's number plus 1.
 std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool egoDrives, std::uint32_t firstBay) {
   constexpr double kDrivewayClear = 2.2;  // m between a bay's middle and driveways
   const Layout& l = placer.layout;
@@ -115,7 +115,7 @@ bool isOnLot(const Placer& placer, const Point2& p) {
          (!b.nearRoad || b.edge > b.section.outer() + kFromEdge);
 }
 
-// Paints the lines of a row of bays and parks cars in some bays. `about`: rectangle around the lot, its x axis along
+// Paints the lines of a row of bays and parks cars in some bays. `about`: rectangle around the lot, x axis along
 // the row; `low`: lower end of the bays on the y axis (m); `facing`: 1 if most cars face +y, -1 if most face -y;
 // `occupied`: fraction of bays with a car. Returns the number of lines.
 int placeRowOfBays(Placer& placer, models::Shape& s, models::SurfaceIndex paint, const Footprint& about, double low,

@@ -29,7 +29,7 @@ class Placer {
 
   Placer(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown);
 
-  // Places a model upright, with its origin on the ground or `sink` metres below, even if the spot is not free.
+  // Places a model upright, with its origin `sink` metres below the ground, even if the spot is not free.
   void put(const Model& m, const Spot& s, const std::string& name, double sink = 0);
   // Places the model if the spot is free. Otherwise returns false.
   bool tryPut(const Model& m, const Spot& s, const std::string& name);

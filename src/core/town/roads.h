@@ -123,7 +123,7 @@ class RoadNetwork {
 
   std::vector<Road> roads_;
   std::vector<Run> runs_;
-  // The runs within kReach of a cell: roads in their order, and the runs of each road by RunOfCell::least.
+  // The runs within kReach of a cell, sorted by road, then by RunOfCell::least.
   std::unordered_map<std::uint64_t, std::vector<RunOfCell>> cells_;
   std::vector<Point2> joints_;
   models::CellIndex jointCells_{kCell};  // by cell, indices of the joints that round corners there

@@ -187,9 +187,9 @@ class Traffic {
     addSideVehicles(r, inRoute, outRoute, end - start);
   }
 
-  // Adds the route from the main road into a side road. Up to the turn, it has the first route's lane and stops.
+  // Adds the route from the main road into a side road. Up to the turn, the route has the first route's lane and stops.
   void addTurnInto(const Road& side) {
-    constexpr double kSeenBefore = 4;  // m before the side road's lane; turning vehicles count as on it from there
+    constexpr double kSeenBefore = 4;  // m; turning vehicles count as on the side lane this far before its start
     const double turnAlong = *side.joins + turnStart(side);  // m along the main road
     const std::uint32_t index =
         addRoute({.intervals = {{0, main_.length(), turnAlong}, {side.number, laneStart(l_), laneEnd(side)}},
