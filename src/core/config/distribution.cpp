@@ -63,7 +63,7 @@ Normal readNormal(Fields& fields) {
   return {mean, deviation, ends};
 }
 
-// Returns the quantile `random` (0 to 1) of the cut-off distribution; uniform numbers thus give random values.
+// Returns the quantile `random` (0 to 1) of the cut-off distribution. If `random` is uniform, the result is a sample.
 double sampleNormal(const Normal& normal, double random) {
   const double low = normalProbability((normal.ends.low - normal.mean) / normal.deviation);
   const double high = normalProbability((normal.ends.high - normal.mean) / normal.deviation);
@@ -71,7 +71,7 @@ double sampleNormal(const Normal& normal, double random) {
                     normal.ends.high);
 }
 
-// Returns a scalar with this text, at the file position and with the key of the distribution that it replaces.
+// Returns a scalar with this text. It has the file position and the key of `distribution`, which it replaces.
 Value scalar(const Value& distribution, std::string text) {
   Value value = distribution;
   value.kind = Value::Kind::Scalar;
@@ -89,7 +89,7 @@ std::vector<PlacedInteger> readSpan(const Value& list) {
   return spans ? readIntegers(list, "choice", -kMost, kMost) : std::vector<PlacedInteger>{};
 }
 
-// Returns an item of the choice `list`, with the key position of the distribution, which messages then name.
+// Returns the item `index` of the choice `list`. Its key position is that of the distribution, for use in messages.
 Value itemOf(const Value& distribution, const Value& list, std::size_t index) {
   Value item = list.items[index];
   item.keyLine = distribution.keyLine;
@@ -197,8 +197,8 @@ std::uint32_t hashOf(const std::string& text) {
 }
 
 // Returns the image of `index` under a random permutation of the numbers below `count`. A Feistel network of four
-// rounds (Luby and Rackoff, SIAM J. Comput. 17, 1988) permutes the numbers below the next power of four; it is repeated
-// until the result is below `count`.
+// rounds (Luby and Rackoff, SIAM J. Comput. 17, 1988) permutes the numbers below the next power of four. The network is
+// applied again until the result is below `count`.
 std::uint64_t permuted(std::uint64_t index, std::uint64_t count, RandomAddress address) {
   unsigned halfBits = 1;  // an index has twice as many bits: an upper and a lower half
   while (count > std::uint64_t{1} << (2 * halfBits)) ++halfBits;
@@ -294,7 +294,7 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
   if (isDistribution(value)) {
     Value sampled = value;
     RandomAddress numbered = address;
-    // The item of a choice may be a distribution, too. Each nested one uses the next of 16 numbers of the address.
+    // An item of a choice may be a distribution, too. Each nested one gets the next of the address's 16 numbers.
     for (numbered.number = 0; isDistribution(sampled); numbered.number = (numbered.number + 1) % 16) {
       Fields fields = fieldsOf(sampled);
       sampled = sample(fields, randomNumberOf(key, numbered, fields, place));

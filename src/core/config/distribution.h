@@ -14,8 +14,8 @@
 //   rate_mm_h: {uniform: [0, 30], per: frame}          # a new value for each frame, not for each sequence
 //   road: {choice: [dry, wet], stratify: split}        # half of the sequences of each split is wet
 //
-// A normal distribution is also cut off at four standard deviations, which one of 16,000 numbers would exceed, so that
-// every random value has bounds.
+// A normal distribution is also cut off at four standard deviations, so that every random value has bounds; otherwise
+// one of 16,000 numbers would be farther from the mean.
 
 #include <cstddef>
 #include <cstdint>

@@ -43,7 +43,7 @@ std::string description(const Value& value) {
   throw InputError(value.where, "{} must be {}, not {}{}", what, expected, description(value), hint);
 }
 
-// Returns the noun with its bounds, such as "a number from 1 to 5"; leaves out a bound that is the type's own.
+// Returns the noun with its bounds, such as "a number from 1 to 5", but without a bound that is the type's limit.
 template <class T>
 std::string bounded(std::string_view noun, T low, T high, T lowest, T highest) {
   if (low == lowest && high == highest) return std::string(noun);
@@ -99,7 +99,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-// True if one of the words begins with the other, such as `yaw` and `yaw_deg`, and both have at least three letters.
+// True if one word is a prefix of the other, such as `yaw` of `yaw_deg`, and both have at least three letters.
 bool isPrefix(std::string_view a, std::string_view b) {
   return std::min(a.size(), b.size()) >= 3 && (a.starts_with(b) || b.starts_with(a));
 }
@@ -396,8 +396,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     const std::size_t distance = editDistance(foldedWord, foldedName);
     const std::size_t longest = std::max(foldedWord.size(), foldedName.size());
     const bool hasPrefix = isPrefix(foldedWord, foldedName);
-    // A name is near if at most a third of its letters (or one of two) differ, or if one of both is a prefix of the
-    // other.
+    // A name is near if at most a third of its letters (or one of two) differ, or if one word is a prefix of the other.
     if ((distance > std::max<std::size_t>(1, longest / 3) && !hasPrefix) || distance == longest) continue;
     // Of two names at the same edit distance, the one that is a prefix of the word, or starts with it, is nearer.
     const std::size_t cost = 2 * distance - (distance > 0 && hasPrefix ? 1 : 0);

@@ -45,7 +45,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kSuffix = ".yaml";
-constexpr std::string_view kProgramPrefix = "scanmill:";  // begins the saved paths of the program's own files
+constexpr std::string_view kProgramPrefix = "scanmill:";  // prefix of the saved paths of the program's own files
 
 // Returns the file at this path, with or without the suffix .yaml; nullopt if there is no such file.
 std::optional<fs::path> fileAt(const fs::path& path) {
@@ -83,7 +83,8 @@ std::set<std::string> yamlNames(const fs::path& folder, FileKind kind = FileKind
   return names;
 }
 
-// Returns `name` as a path that starts in the folder of the file that contains `value`, or that --set changes.
+// Returns `name` as a path that starts in the folder of the file that contains `value` or, if the value comes from
+// --set, in the folder of the file that --set changes.
 fs::path pathFromFile(const Value& value, const fs::path& name) {
   if (name.is_absolute()) return name;
   if (value.folder == ".") return name;  // the value comes from --set on a file of the current folder

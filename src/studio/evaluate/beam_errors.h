@@ -19,8 +19,8 @@
 namespace scanmill {
 
 // The errors of a group of beams. Each beam is counted once: beams = bothHit + bothMiss + falseNegatives +
-// falsePositives + unresolved. For nearestTo and nearestFrom, the nearest point may be that of any beam, also of
-// another group.
+// falsePositives + unresolved. For nearestTo and nearestFrom, the nearest point may belong to any beam, also to a beam
+// of another group.
 struct GroupErrors {
   std::uint64_t beams = 0, bothHit = 0, bothMiss = 0;
   std::uint64_t falseNegatives = 0;  // beams that hit only in the truth

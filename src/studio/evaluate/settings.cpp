@@ -20,7 +20,7 @@ std::vector<Value> expandLists(const Value& options, const std::string& what) {
     const Value& list = options.entries[e].value;
     if (list.kind != Value::Kind::Sequence) continue;
     if (list.items.empty()) throw InputError(list.where, "{}: the list is empty", what);
-    std::vector<Value> expanded;  // every combination so far with each item of this list
+    std::vector<Value> expanded;  // each combination of the previous lists, with each item of this list
     for (const Value& combination : combinations) {
       for (const Value& item : list.items) {
         expanded.push_back(combination);

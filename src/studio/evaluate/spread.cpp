@@ -34,7 +34,7 @@ double rocArea(std::vector<float> a, std::vector<float> b) {
   std::ranges::sort(a);
   std::ranges::sort(b);
   double twicePairs =
-      0;  // 2 x number of pairs (one value of each set) in which b is greater, plus number of equal ones
+      0;  // twice the number of pairs (value of a, value of b) with b > a, plus the number of pairs with b = a
   auto notBelow = a.begin(), above = a.begin();
   for (const float value : b) {
     while (notBelow != a.end() && *notBelow < value) ++notBelow;

@@ -53,7 +53,7 @@ std::string shareText(double share) {
   const double percentFromEnd = std::min(share, 1 - share) * 100;  // distance from 0 or 100 %, whichever is nearer
   if (percentFromEnd <= 0) return fmt::format("{:.0f} %", share * 100);
   if (percentFromEnd < 1e-5) return share < 0.5 ? "below 0.00001 %" : "above 99.99999 %";
-  // Show two significant digits of the difference.
+  // Show two significant digits of the distance from 0 or 100 %.
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(percentFromEnd))), 1, 6);
   return fmt::format("{:.{}f} %", share * 100, decimals);
 }

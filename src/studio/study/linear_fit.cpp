@@ -22,7 +22,7 @@ void addMultiple(double factor, const std::vector<double>& added, std::vector<do
 // Gram-Schmidt process twice to each column, which is enough to make columns orthogonal up to rounding errors (Giraud,
 // Langou, Rozloznik, "The loss of orthogonality in the Gram-Schmidt orthogonalization process", 2005).
 LinearFit fitLinear(std::span<const double> design, std::size_t columns, std::span<const double> values) {
-  constexpr double kDependent = 1e-9;  // least fraction of a used column that is independent of earlier columns
+  constexpr double kDependent = 1e-9;  // a column is not used if a smaller fraction of it is independent
   const std::size_t rows = values.size();
   std::vector<std::vector<double>> q(columns);    // the columns; empty for those that are skipped
   std::vector<double> r(columns * columns, 0.0);  // row by row

@@ -45,11 +45,10 @@ struct TriangleHit {
   double u = 0, v = 0;  // barycentric coordinates of the second and third corner
 };
 
-// Intersects a beam with a triangle in double precision: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection",
-// JCGT 2(1), 2013. For triangles that share an edge, the test on which side of the edge a beam passes gives exactly the
-// same result, so that no beam passes between them.
-//
-// A beam for intersection tests. Coordinates are permuted and sheared so that the beam runs along the z axis.
+// A beam that is intersected with triangles in double precision (Woop, Benthin, Wald, "Watertight Ray/Triangle
+// Intersection", JCGT 2(1), 2013). The test whether the beam passes left or right of an edge gives exactly the same
+// result for both triangles at the edge, so no beam passes between them. Coordinates are permuted and sheared so that
+// the beam runs along the z axis.
 class ShearedBeam {
  public:
   ShearedBeam(const Vec3d& origin, const Vec3d& direction) : origin_(origin) {
@@ -226,8 +225,7 @@ void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& co
   intersectOne(context.world->world.embree.get(), context.embree, ray);
 }
 
-// Returns Embree's hierarchy of all placed meshes. `built`: keeps the data that the callbacks read, and must stay
-// alive.
+// Returns Embree's hierarchy of all placed meshes. Its callbacks read `built`, which must outlive the hierarchy.
 SceneHandle hierarchyOf(RTCDevice device, const ExactWorld& built) {
   SceneHandle scene(rtcNewScene(device), rtcReleaseScene);
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);

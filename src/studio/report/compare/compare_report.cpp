@@ -48,7 +48,7 @@ Chart featureChart(const SetComparison& comparison) {
   return chart;
 }
 
-// The keys with which the rows of a list of the comparison's JSON state the name and the values of both sets.
+// The JSON keys of a row: the key of its name, of the real set's value and of the simulated set's value.
 struct PairKeys {
   const char *name, *real, *simulated;
 };

@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kBarHeight = 21, kAxesHeight = 120;  // pixels: of a bar, and of a chart without its bars
+constexpr int kBarHeight = 21, kAxesHeight = 120;  // height in pixels: of one bar; of a chart without its bars
 constexpr std::size_t kMostClasses = 12;           // maximum number of classes in a stacked bar beside "other classes"
 constexpr const char* kOtherFill = "#8b949e";
 

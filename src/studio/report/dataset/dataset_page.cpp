@@ -62,7 +62,7 @@ class DatasetPage {
   }
 
  private:
-  // Sets the values that stand once on the page.
+  // Sets the values that describe the dataset as a whole.
   void facts() {
     const std::string& folder = report_.folder;
     std::uint64_t bytes = 0;
@@ -143,8 +143,8 @@ class DatasetPage {
     }
   }
 
-  // Adds a row for each class with points. Per item of `class_splits` and of `instance_columns`, tables have a group of
-  // columns; `instance_columns` has one item if the dataset has instances and labels, otherwise none.
+  // Adds a row for each class with points. The table has a group of columns for each item of `class_splits` and of
+  // `instance_columns`; `instance_columns` has one item if the dataset has instances and labels, otherwise none.
   void classes() {
     page_["all_points"] = summary_.points;
     page_["class_splits"] = page_["instance_columns"] = page_["classes"] = Json::array();

@@ -45,7 +45,7 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanIndex& index, const S
   return pictured;
 }
 
-// Collects the contents of a report. run() calls the steps in the order in which they need each other's results.
+// Collects the contents of a report. Later steps use results of earlier steps; run() calls all steps in order.
 class Examination {
  public:
   Examination(const std::filesystem::path& folder, const DatasetReportOptions& options)

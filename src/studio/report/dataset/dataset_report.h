@@ -62,7 +62,7 @@ struct SplitSummary {
   std::uint64_t samples = 0, scans = 0, points = 0, shards = 0, bytes = 0;
 };
 
-// An instance with points of classes that seldom occur in one object.
+// An instance whose points have classes that rarely occur together in one object.
 struct MixedInstance {
   std::string sample;  // key of a sample that shows the class with the fewest points
   std::uint32_t id = 0;

@@ -204,7 +204,7 @@ class SummaryMaker {
     // A pair of classes is usual if this many instances have both; two suffice if one class never occurs alone.
     constexpr std::uint64_t kFewest = 3;
     std::map<std::uint16_t, std::uint64_t> instancesWith;                     // number of instances with the class
-    std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> shared;  // number with both classes
+    std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> shared;  // number of instances with both classes
     for (const auto& [key, points] : objects_) {
       for (auto a = points.begin(); a != points.end(); ++a) {
         ++instancesWith[a->first];

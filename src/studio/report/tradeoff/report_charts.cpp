@@ -128,14 +128,14 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
   return chart;
 }
 
-// Computes the mark of a setting in a chart from the setting's `errors`: its value (NaN if it has none) and its text.
-// `name`: index in Chart::x.names.
+// Returns the y value of a setting and the text of its mark. `errors`: the setting's errors. `name`: index in
+// ChartAxis::names of the x axis. The y value is NaN if the setting has none.
 using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
 
-// Returns `chart` with one series per setting, which has one value per name on the x axis. Values of one name are drawn
-// side by side. `settings`: indices in Study::settings.
+// Returns `chart` with one series per setting. A series has one mark for each name on the x axis; the marks for the
+// same name are drawn side by side. `settings`: indices in Study::settings.
 Chart settingsChart(const Study& study, const std::vector<std::size_t>& settings, Chart chart, const Figure& figure) {
-  constexpr double kBeside = 0.09;  // distance of two values of one name; names are 1 apart
+  constexpr double kBeside = 0.09;  // distance between marks for the same name; names are 1 apart
   chart.width = kHalfWidth;
   std::vector<std::string> methods;
   for (const std::size_t i : settings) methods.push_back(study.settings[i].setting.method);

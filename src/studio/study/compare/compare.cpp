@@ -169,9 +169,8 @@ void addIntensities(SetComparison& result) {
       });
 }
 
-// The groups of two sets by the classes of one of them, `owner`, to which the classes of the other set are mapped. The
-// group is the id of the class; a moving class is replaced by its static class, since a patch alone does not show
-// motion.
+// The groups of the patches of two sets. A group is a class of one set, the owner; classes of the other set are mapped
+// to the owner's. A moving class is replaced by its static class, since a patch alone does not show motion.
 struct ClassGroups {
   Groups ofOwner, ofOther;                  // 0: the class is unknown to the owner
   std::vector<std::string> unknownClasses;  // names of the other set's classes that the owner lacks

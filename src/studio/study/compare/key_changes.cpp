@@ -21,7 +21,7 @@ namespace {
 // A key of an effect and a figure that grows as a power of the key's value, if other influences stay the same.
 struct KeyInfluence {
   std::string_view figure;  // name of an entry in kPatchFeatures, kSetFigures or both
-  double leastFigure = 1;   // if the figures (as shown to users) of both sets are below, they may differ by chance
+  double leastFigure = 1;   // if both sets' figures (as shown to users) are below, they may differ by chance
   std::string_view effect, key;
   double power = 1;                // the figure is proportional to the key's value to the power 1 / power
   double lowest = 0, highest = 0;  // bounds of the key's value

@@ -20,7 +20,7 @@ double elevationOf(const Vec3f& p) {
   return std::atan2(static_cast<double>(p.z), std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
 }
 
-// Builds the grid of a scan with one of three fill functions, according to what the scan knows of its beams.
+// Builds the grid of a scan with one of three fill functions: for known beams, for known rings, or for angles only.
 class GridMaker {
  public:
   explicit GridMaker(const Scan& scan) : scan_(scan), azimuth_(scan.size()) {
@@ -80,7 +80,7 @@ class GridMaker {
     const bool upwards = filled.size() > 1 && elevation[filled.front()] < elevation[filled.back()];
     std::vector<std::uint32_t> row(rings);
     for (std::uint32_t r = 0; r < rings; ++r) row[r] = upwards ? rings - 1 - r : r;
-    std::vector<std::uint32_t> rowsOfFilled;  // ascending, from the top
+    std::vector<std::uint32_t> rowsOfFilled;  // rows of the rings with points, from top to bottom
     for (const std::uint32_t r : filled) rowsOfFilled.push_back(row[r]);
     std::ranges::sort(rowsOfFilled);
     std::ranges::stable_sort(filled, [&](std::uint32_t a, std::uint32_t b) { return elevation[a] > elevation[b]; });

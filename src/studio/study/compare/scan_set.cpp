@@ -121,7 +121,7 @@ struct LevelPlane {
   double heightAbove(const Vec3d& p) const {
     return p.z - coefficients[0] * p.x - coefficients[1] * p.y - coefficients[2];
   }
-  // Returns the standard deviation (m) of the heights of the points to which the plane was fitted.
+  // Returns the standard deviation (m) of the heights above the plane. `points`: those to which the plane was fitted.
   double deviationOf(const std::vector<Vec3d>& points) const {
     double squares = 0;
     for (const Vec3d& p : points) squares += heightAbove(p) * heightAbove(p);
@@ -208,7 +208,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanMeasures& counts
   }
 }
 
-// `scanIndex`: index of the scan in its set.
+// Returns the measures of a scan. `scanIndex`: index of the scan in its set.
 ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex, const ScanSetOptions& options) {
   const RangeGrid grid = rangeGrid(scan);
   ScanMeasures counts;

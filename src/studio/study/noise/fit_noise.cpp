@@ -79,7 +79,7 @@ MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
   };
   MeasuredShare dropOut = count(patches);
   if (dropOut.beams == 0) return dropOut;
-  // If no return is lost, the bootstrap error would be 0, which is too small; one lost return is the error instead.
+  // If no return is lost, the bootstrap error is 0, which is too small. The error is then the share of one lost return.
   dropOut.error =
       dropOut.lost == 0
           ? 1 / static_cast<double>(dropOut.beams)

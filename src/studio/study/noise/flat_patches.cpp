@@ -236,7 +236,7 @@ std::vector<FlatPatch> chooseFlat(const std::vector<FlatPatch>& candidates, cons
 
 // Sets the fits of the measured half and the number of points, if the half has enough returns.
 void addMeasuredHalf(const BeamTable& beams, const std::vector<const Cell*>& measured, FlatPatch& patch) {
-  constexpr double kLeastFree = 0.1;  // least 1 - leverage of a counted return; others determine a coefficient alone
+  constexpr double kLeastFree = 0.1;  // returns with a smaller value of 1 - leverage do not count
   if (measured.size() < kFewestMeasured) return;
   const LinearFit lines = fitLines(beams, measured, patch.plane);
   const std::optional<PlaneFit> plane = fitPlane(beams, measured);

@@ -58,7 +58,7 @@ Scan withColumns(const Scan& scan, const BeamTable& beams) {
   Scan assigned = scan;
   const std::vector<std::uint16_t> sensorRingOf = ringsByElevation(scan, beams);
   const double step = beams.field / (beams.fullTurn() ? beams.columns : std::max(beams.columns, 2u) - 1);  // rad
-  // The exact number for full turns, since the quotient is rounded.
+  // For full turns, use the exact number of columns, since the quotient is rounded.
   const double columnsPerTurn = beams.fullTurn() ? beams.columns : 2 * kPi / step;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const std::uint16_t ring = sensorRingOf[scan[kRing][i]];
@@ -160,7 +160,7 @@ Pose alignmentStep(const std::vector<BeamPoint>& points, const BeamTable& beams,
 // Returns the pose of the sensor in the scan's frame. Gauss-Newton steps over the six degrees of freedom minimise the
 // angles between the points' directions and their beams.
 Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) {
-  constexpr std::size_t kUsedPoints = 3000;  // about; limits the time
+  constexpr std::size_t kUsedPoints = 3000;  // approximate number of points used; limits the time
   constexpr int kMostSteps = 8;
   constexpr double kConvergedAngle = 1e-12, kConvergedMove = 1e-10;  // rad, m
   const std::size_t stride = std::max<std::size_t>(1, points.size() / kUsedPoints);

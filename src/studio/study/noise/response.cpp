@@ -129,7 +129,7 @@ class Distribution {
 // Returns the step of which nearly all values are multiples; 0 if there is no such step. `values`: not empty.
 double stepOf(std::vector<double> values) {
   constexpr double kRounding = 1e-5;    // values that differ by less, relative to the largest, are equal
-  constexpr double kTolerance = 0.05;   // largest distance of a multiple of the step, in steps
+  constexpr double kTolerance = 0.05;   // largest deviation of a value from a multiple of the step, in steps
   constexpr double kLeastShare = 0.99;  // fraction of the values that must be multiples of the step
   std::ranges::sort(values);
   const double leastGap = kRounding * std::max(1.0, values.back());
@@ -164,7 +164,7 @@ struct KindReturns {
   std::vector<SurfaceReturn> simulated;
 };
 
-// Returns the kinds with enough returns in both; of each kind, about kMostReturns simulated returns at most.
+// Returns the kinds with enough returns in both sets; keeps at most about kMostReturns simulated returns per kind.
 std::vector<KindReturns> commonKinds(const Surfaces& recorded, const Surfaces& simulated) {
   constexpr std::size_t kMostReturns = 2000;  // limits the time
   std::vector<KindReturns> kinds;
@@ -351,8 +351,8 @@ void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::m
     if (share > recordedCells.zeroShare())
       addRow(fit.table, simulatedCells.quantile(share), recordedCells.quantile(share));
   }
-  // The brightest returns come from small things, such as signs and plates, which fill no cell.
-  constexpr double kBrightest = 0.9997;  // beyond what noise alone makes bright
+  // The brightest returns come from small objects, such as signs and plates, which fill no cell.
+  constexpr double kBrightest = 0.9997;  // quantile of the returns that is too high to be reached by noise alone
   addRow(fit.table, simulatedReturns.quantile(kBrightest), recordedReturns.quantile(kBrightest));
   limitSlope(fit.table);
   const double low = simulatedCells.quantile(0.25), high = simulatedCells.quantile(0.75);

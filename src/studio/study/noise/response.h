@@ -32,13 +32,13 @@ struct ResponseFit {
   // intensity divided by this slope is the gain error of the power.
   double slope = 1;
   double floor = 0;  // power that the sensor does not measure; 1: a white target at 10 m; 0: none was found
-  // Standard deviation of the intensity in parts of the full scale (255 for bytes, otherwise 1), beyond that of the
-  // simulated scans. Includes speckle if the simulated scans have none.
+  // The receiver's noise: the part of the intensities' standard deviation that the simulated scans do not have, as a
+  // fraction of the full scale (255 for bytes, otherwise 1). Includes speckle if the simulated scans have none.
   double noise = 0;
-  double step = 0;    // step of the intensities, in parts of the full scale; 0: none was found
+  double step = 0;    // step of the intensities, as a fraction of the full scale; 0: none was found
   double misfit = 0;  // RMS difference of the medians of recorded and simulated surfaces, over kinds of surfaces (band
                       // of ranges, ground or not), as a fraction of the recorded 5 to 95 % span of intensities
-  double otherMisfit = 0;                   // the same for the other model
+  double otherMisfit = 0;                   // `misfit` of the fit with the other ResponseModel
   std::size_t recorded = 0, simulated = 0;  // numbers of surfaces
 };
 
@@ -48,7 +48,7 @@ struct ResponseFit {
 ResponseFit fitResponse(const std::vector<Scan>& recorded, const std::vector<Scan>& simulated);
 
 // Returns the YAML text of the effect `intensity`, an item of the key `effects`, with a comment about its origin.
-// `diffuse`: the effect's key of this name with which the simulated scans were made. `source`: the name of the
+// `diffuse`: value of the effect's key `diffuse` in the pipeline of the simulated scans. `source`: the name of the
 // simulated scans.
 std::string responseYaml(const ResponseFit& fit, const std::string& diffuse, const std::string& source);
 

@@ -11,7 +11,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kFewestBeams = 20;  // a patch with fewer returns is not used
-constexpr double kRidge = 0.1;            // chosen by eye
+constexpr double kRidge = 0.1;            // weight of the ridge, see RingSystem; chosen by eye
 constexpr double kOutlier = 5;            // ranges farther from the plane than this multiple of the median are not used
 constexpr std::size_t kFewestRings = 3;
 

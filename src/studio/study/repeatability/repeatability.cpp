@@ -275,7 +275,7 @@ class RepeatabilityRun {
     return pose;
   }
 
-  // `clouds`: the object's points in all scans with one noise level; at least one scan.
+  // Returns the numbers of points on the object. `clouds`: its points in all scans with one noise level; not empty.
   static PointCount countPoints(std::span<const ObjectCloud> clouds) {
     PointCount count{.mean = 0, .least = clouds.front().size(), .most = 0};
     for (const ObjectCloud& cloud : clouds) {

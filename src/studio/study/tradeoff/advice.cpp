@@ -20,12 +20,12 @@ namespace {
 constexpr double kSameTime = 0.10;
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
-// A use of the scans, with the largest errors that it tolerates. Fractions are of the beams.
+// A use of the scans, with the largest errors that it tolerates. Error rates are fractions of the beams.
 struct Need {
   const char* name;
   const char* limits;         // the limits below in words; empty: none
-  double p95 = kAny;          // limit of this percentile of the range error (m)
-  double p99 = kAny;          // limit of this percentile of the range error (m)
+  double p95 = kAny;          // limit of the 95th percentile of the range error (m)
+  double p99 = kAny;          // limit of the 99th percentile of the range error (m)
   double missRate = kAny;     // limit of GroupErrors::missRate()
   double wrongLabels = kAny;  // limit of 1 - GroupErrors::labels()
 };

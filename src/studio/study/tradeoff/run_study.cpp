@@ -128,8 +128,8 @@ class StudyRun {
     }
   }
 
-  // Returns how long the set-ups of all settings and the measurements of one frame probably take. Each method's first
-  // setting stands for all of its settings.
+  // Returns how long the set-ups of all settings and the measurements of one frame probably take. Assumes that all
+  // settings of a method take as long as the method's first setting.
   ExpectedTime expectedTime() {
     const std::vector<Shot> shots = source_.frame(choice_.sequence, sequence_.spreadFrames(1).front()).shots;
     std::map<std::string, ExpectedTime> timeOfMethod;
@@ -230,7 +230,8 @@ class StudyRun {
     }
   }
 
-  // Measures one frame only, since its reference scan may have 127 rays per beam and then takes as long as 127 scans.
+  // Measures simplified physics on one frame only, since its reference scan may have 127 rays per beam and then takes
+  // as long as 127 scans.
   void measureSimplifications() {
     std::vector<Shot> shots;
     for (const TrueShot& t : truth_) {

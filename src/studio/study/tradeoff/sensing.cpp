@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kFirstNoiseStage = 3;  // EffectEntry::stage of the first effects that only add noise
 
-// Effect name -> YAML options that replace the pipeline's; an empty text removes the effect.
+// Maps an effect's name to the YAML options that replace the pipeline's options; an empty text removes the effect.
 using Changes = std::map<std::string, std::string>;
 
 struct Variation {
@@ -139,7 +139,7 @@ class SensingStudy {
     // Adds a variation that differs from the truth by these changes.
     const auto add = [&](const std::string& name, const Changes& changes) {
       Variation& variation = list.emplace_back(Variation{name, changes});
-      variation.changes.insert(truth.changes.begin(), truth.changes.end());  // keeps entries of `changes`
+      variation.changes.insert(truth.changes.begin(), truth.changes.end());  // does not overwrite `changes`
     };
     if (manyRays) {
       add("1 ray a beam", {{"footprint", ""}});

@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Settings (YAML) that a study measures besides each method with default options, if the pipeline lists no settings.
+// Settings (YAML) that a study measures if the pipeline lists none, in addition to each method with default options.
 constexpr const char* kDefaultSettings = R"(
 - {ray_tracing: {simplify: [0.5, 0.25, 0.1]}}
 - {depth_camera: {resolution: [512, 1024]}}

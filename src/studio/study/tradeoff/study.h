@@ -133,7 +133,7 @@ struct Study {
 struct Advice {
   std::string need;     // such as "For exact ranges and labels", or "For centimetres; for speed at any price"
   std::string setting;  // name of the setting, see Setting::name; empty if none is good enough
-  std::string text;     // speed and errors of the setting, or of the nearest to the limits if none is good enough
+  std::string text;     // speed and errors of the setting; if none is good enough, of the one nearest to the limits
 };
 // Returns the advice for all needs, in the order of the needs; nothing if no setting was measured.
 std::vector<Advice> advise(const Study& study);
