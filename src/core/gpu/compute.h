@@ -34,8 +34,8 @@ struct ComputeErrorWords {
 
 // Largest sizes that a device allows.
 struct ComputeLimits {
-  std::uint64_t bufferBytes = std::numeric_limits<std::uint64_t>::max();  // of a buffer that a program writes
-  std::uint64_t tableTexels = std::numeric_limits<std::uint64_t>::max();  // of a table, which a program only reads
+  std::uint64_t bufferBytes = std::numeric_limits<std::uint64_t>::max();  // largest buffer that a program writes
+  std::uint64_t tableTexels = std::numeric_limits<std::uint64_t>::max();  // largest table, which a program only reads
 };
 
 class ComputeDevice {
@@ -48,8 +48,8 @@ class ComputeDevice {
   const std::string& name() const;  // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
   bool software() const;            // true: a software rasteriser that runs on the CPU
   const ComputeLimits& limits() const;
-  // Calls `work` on the thread that makes all calls of OpenGL. Several calls of this device, its buffers and programs
-  // in `work` then do not have to wait for that thread one by one.
+  // Calls `work` on the thread that makes all calls of OpenGL. Calls of this device, its buffers and its programs in
+  // `work` then do not each have to wait for that thread.
   void atOnce(const std::function<void()>& work) const;
   // Throws an Error with the wording of ComputeErrorWords. `why`: the reason in its message.
   [[noreturn]] void fail(const std::string& why) const;

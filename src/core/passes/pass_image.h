@@ -109,7 +109,7 @@ struct PassImage {
 using PixelAddress = std::uint32_t;
 constexpr PixelAddress kNoPixel = 0xFFFFFFFFu;
 
-// Returns the address of each image's first pixel, then the number of all pixels. Throws InputError if it is too large.
+// Returns the addresses of the images' first pixels, then the number of pixels. Throws InputError for too many pixels.
 std::vector<PixelAddress> firstPixels(std::span<const Camera> cameras);
 
 // Returns the index of the image that has a pixel. `firsts`: the result of firstPixels().

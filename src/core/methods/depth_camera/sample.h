@@ -1,6 +1,6 @@
 #pragma once
 
-// Samples images at the beams of a sensor.
+// Computes the hits of a sensor's beams from the pixels of images.
 
 #include <cstdint>
 #include <vector>

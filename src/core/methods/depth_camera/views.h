@@ -131,7 +131,8 @@ inline void rotateNormals(const Vec3f* normal, const Mat3& rigFromWorld, std::si
   }
 }
 
-// Replaces each range by the range to the tangent plane at the pixel's point, if that is reliable (kPlaneErrorBound).
+// Replaces a range by the range to the tangent plane at the pixel's point, if the latter is reliable
+// (kPlaneErrorBound).
 inline void usePlaneRanges(std::size_t begin, std::size_t end, const BeamBlock& block, ImageHits& hits) {
   for (std::size_t i = begin; i < end; ++i) {
     const double height = hits.nx[i] * (hits.px[i] - block.ox[i]) + hits.ny[i] * (hits.py[i] - block.oy[i]) +

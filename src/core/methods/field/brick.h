@@ -29,7 +29,7 @@ class BrickMaker {
   void make(const BrickFrame& frame, std::uint16_t* distance, std::uint32_t* triangleOrList,
             std::vector<std::uint32_t>& listEntries);
 
-  // Corners are processed in 27 blocks of 3 x 3 x 3 corners, one per lane. Surplus lanes repeat the last corner.
+  // Corners are processed in 27 blocks of 3 x 3 x 3; a lane has one corner. Surplus lanes repeat the last corner.
   static constexpr int kBlock = 27;
   static constexpr int kLanes = 32;
   using Lanes = std::array<float, kLanes>;
@@ -121,8 +121,8 @@ constexpr std::uint32_t cornerIndex(int block, int lane) {
          coordinate(block % 3, lane % 3);
 }
 
-// Triangles within kGatherRadius of a brick's centre are gathered. Returns the distance from a block's centre up to
-// which the gathered triangles include all triangles.
+// Returns the distance (voxels) from a block's centre up to which all triangles have been gathered. Triangles are
+// gathered up to kGatherRadius from the brick's centre.
 inline float gatheredRadius(int block) {
   const auto& c = kBlockCentres;
   return kGatherRadius - std::sqrt(c.x[block] * c.x[block] + c.y[block] * c.y[block] + c.z[block] * c.z[block]);

@@ -122,7 +122,7 @@ bool BrickMaker::makeBlock(const BrickFrame& frame, int block) {
 // Sets the distances and nearest triangles of the corners of a crowded block, by a search for each corner.
 void BrickMaker::searchBlock(const BrickFrame& frame, int block) {
   const Points& p = brick::kBlockCorners[block];
-  // Each corner's list has all triangles within this distance; addListings() has compared these with the corner.
+  // All triangles this near are in the corner's list, and addListings() has compared them with the corner already.
   constexpr float kCompared = kListHalfSide - kMargin;
   const float compared2 = lists_ ? kCompared * kCompared : -1.0f;
   for (int i = 0; i < kBlock; ++i) {

@@ -8,10 +8,10 @@
 // distances at the 9 x 9 x 9 corners of its voxels; any other brick stores one distance. Memory therefore grows with
 // the surface area and not with the volume. The fields at the positions of a moving sensor share bricks (BrickPool).
 //
-// Frames. "Lattice": corners of voxels have integer coordinates, counted from the world's origin (world.h) in voxels of
-// the level; brick b has the corners 8b to 8b + 8 along each axis. The values at a corner depend only on the corner's
-// position, so that a field that has moved has the same bytes as a new field at its position. "Field": metres / voxel
-// size of level 0, relative to the field's centre, in float32; particles march in this frame.
+// Two frames are used. In the "lattice", corners of voxels have integer coordinates, counted from the world's origin
+// (world.h) in voxels of the level; brick b has the corners 8b to 8b + 8 along each axis. The values at a corner depend
+// only on its position, so that a field that has moved has the same bytes as a new field at that position. Particles
+// march in the "field frame": metres / voxel size of level 0, relative to the field's centre, in float32.
 
 #include <array>
 #include <cstdint>
@@ -71,8 +71,8 @@ struct FieldShape {
   double voxel = 0.1;            // m, voxel size of level 0; level l has voxel * 2^l
   Vec3d centre;                  // m, relative to the world's origin; a corner of level 0's brick grid
   std::vector<LevelBox> levels;  // 1 to kMaxLevels levels, the finest first
-  // Voxels of level 0. A point is looked up in the finest level l for which the point's largest absolute coordinate
-  // (field frame) is at most reach * 2^l; in the last level if no level is so large.
+  // Reach of level 0 (voxels). A point is looked up in the finest level l for which the point's largest absolute
+  // coordinate (field frame) is at most reach * 2^l, or in the last level if the point is farther out.
   float reach = 0;
   // True: corners near surfaces store lists of all near triangles; false: only the nearest triangle. In "street" the
   // lists take 40 MB in addition to 59 MB, and reduce the wrong labels among a million beams from 85,000 to 28.

@@ -46,9 +46,9 @@ class DeviceFields {
   // fit, throws an Error worded by the device's ComputeErrorWords.
   void ensureUploaded(const std::shared_ptr<const DistanceField>& field);
 
-  // The tables of the field of the last ensureUploaded(). levels() has two words of 16 bytes per level. The first word
-  // has the bits of the level's offset (float32) and the index of the level's first entry in the table; the second word
-  // has the level's numbers of bricks along x, y and z.
+  // The tables of the field that was uploaded last. levels() has two words of 16 bytes per level. The first word has
+  // the bits of the level's offset (float32) and the index of the level's first entry in the table; the second word has
+  // the level's numbers of bricks along x, y and z.
   ComputeTable levels() const { return {&pools_.front().levels, ComputeTable::Texel::Uint32x4}; }
   ComputeTable table() const { return {&pools_.front().table, ComputeTable::Texel::Uint32}; }
   ComputeTable distances() const { return {&pools_.front().distances.buffer, ComputeTable::Texel::Uint16}; }

@@ -45,12 +45,12 @@ Pane paneOf(double cosine, double index, double inside);
 // inexpensive BRDF model for physically-based rendering", 1994, eq. 15) and a smooth dielectric.
 double mirrored(const Material& material, double cosine, double reflectance);
 
-// Continues rays through transmissive materials (in the same direction) and off mirrors (in the mirrored direction), as
-// often as `paths` allows, and appends the hit of each continued ray to `hits`. At the call, `hits` must have
-// kLightChannels for each ray of the shot's beam table (which may be a footprint's). An appended ray has the beam of
-// the ray that it continues, a kind of path (pathOfRay), the length of the complete path as its range, and a weight:
-// the weight of the ray that it continues, times the square of the fraction of light that continues, because the echo
-// returns along the same path. Continued rays that hit nothing within the sensor's range limits are not appended.
+// Follows rays through transmissive materials (in the same direction) and off mirrors (in the mirrored direction), as
+// often as `paths` allows, and appends the hit of each continued ray to `hits`. Before the call, `hits` must have
+// kLightChannels for each ray of the shot's beam table, which may be the table of a footprint. An appended ray has the
+// beam of the ray that it continues, a kind of path (pathOfRay), the length of the complete path as its range, and a
+// weight: the weight of the ray that it continues, times the square of the fraction of light that continues, because
+// the echo returns along the same path. Continued rays without a hit within the range limits are not appended.
 TraceAccount followLight(const Method& method, const Shot& shot, std::span<const Material> materials,
                          const LightPaths& paths, Hits& hits);
 

@@ -67,7 +67,7 @@ inline Floats dotOf(const Floats (&a)[3], const Floats (&b)[3]) {
 }
 
 // The section of a particle's line that is tested: from `low` to `high` along d, counted from the point x y z (all in
-// m, relative to the world's origin). The section is split into two records of four floats.
+// m, relative to the world's origin). It is stored in two records of four floats, LineStart and LineCourse.
 struct LineStart {
   float x, y, z, low;
 };

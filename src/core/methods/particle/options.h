@@ -27,7 +27,7 @@ ParticleOptions readParticleOptions(Fields& fields);
 
 // Returns the shape of a field that reaches `range` (m) around a sensor at `sensor` (m, relative to the world's
 // origin), but not farther than `scene` (the scene's bounds in the same frame; empty if the scene has no triangles).
-// Depends only on its arguments. Throws Error, with advice, if the sensor is too far from the origin for such voxels.
+// Depends only on its arguments. Throws Error, with advice, if the sensor is too far away for this voxel size.
 FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range);
 
 // Returns approximately how many bytes a field takes. The number of non-empty bricks grows with the surface area, and

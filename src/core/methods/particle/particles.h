@@ -1,8 +1,8 @@
 #pragma once
 
-// How a beam becomes a hit: launch() makes Particles, marchCpu() marches the particles and writes HitRecords, and
-// resolve() turns the records into Hits. A device does the same by the shaders launch.glsl, march_*.glsl and
-// resolve_*.glsl in methods/gpu/shaders.
+// A beam becomes a hit in three steps: launch() makes Particles, marchCpu() marches the particles and writes
+// HitRecords, and resolve() turns the records into Hits. A device does the same by the shaders launch.glsl,
+// march_*.glsl and resolve_*.glsl in methods/gpu/shaders.
 //
 // The march is sphere tracing (Hart 1996): particles march from the sensor through a distance field. The length of each
 // step is the radius around the particle in which the field has no surface. A particle ends where it hits a surface, at

@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Embree's RTCRayN and RTCHitN for N rays (Embree 3 API, rtcore_ray.h): field f of ray i is the 32-bit word f * N + i.
+// Fields of Embree's RTCRayN and RTCHitN (Embree 3, rtcore_ray.h). Field f of ray i of N is the 32-bit word f * N + i.
 enum RayField { kDirX = 4, kDirY = 5, kDirZ = 6, kFar = 8, kId = 10 };
 enum HitField { kU = 3, kV = 4, kPrimitive = 5, kGeometry = 6, kInstance = 7 };
 

@@ -23,7 +23,7 @@ namespace scanmill {
 namespace {
 
 // Weight of angles between rings, relative to angles between columns, when the shape of tiles is chosen: on the ground,
-// rings hit farther apart than columns at the same angle. Affects only the speed; the value was not measured.
+// hits of rings are farther apart than hits of columns. Affects only the speed; the value was not measured.
 constexpr double kRingWeight = 3.5;
 
 // The map `ray_tracing: {...}` of a pipeline. `instancing` gives the same hits, up to float32 rounding.

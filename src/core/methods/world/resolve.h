@@ -27,8 +27,7 @@ struct ShotFrame {
   std::vector<float> columnFraction;
 };
 
-// Returns a shot's frame in a world with this origin (m). `duration`: length of the revolution (s), 0 if nothing
-// moves.
+// Returns a shot's frame in a world with this origin (m). `duration`: seconds of the revolution, 0 if nothing moves.
 ShotFrame frameOf(const Shot& shot, const Vec3d& origin, double duration = 0);
 
 // A rectangle of at most 16 beams: rings [ring, ring + rows) x columns [column, column + width).

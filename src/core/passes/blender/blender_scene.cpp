@@ -54,7 +54,7 @@ class Arrays {
 
 class SceneWriter {
  public:
-  // See writeBlenderScene().
+  // The parameters are those of writeBlenderScene().
   SceneWriter(const Scene& scene, const Vec3d& origin, const std::filesystem::path& folder,
               std::uint32_t trianglesOfAnObject)
       : scene_(scene),
@@ -82,7 +82,7 @@ class SceneWriter {
   }
 
  private:
-  // Writes an entry for each material: null, or for an alpha-tested material a mask of its solid texels.
+  // Writes an entry for each material: for an alpha-tested material the mask of its solid texels, otherwise null.
   void addMaterials() {
     Json& list = index_["materials"] = Json::array();
     std::vector<std::uint8_t> mask;

@@ -33,11 +33,11 @@ namespace scanmill {
 
 namespace {
 
-// Limits against files that ask for more memory than an image of a LiDAR needs.
+// Limits of the images that are read, so that no file can make OpenEXR allocate more memory than a LiDAR image needs.
 constexpr std::int64_t kMostAcross = 65536;                    // px, largest width and height of an image
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;  // 268 million
 constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
-// Upper bound of the lossless compression ratio of OpenEXR: deflate's longest match has 258 bytes, in at least 2 bits.
+// Upper bound of OpenEXR's lossless compression ratio: deflate encodes at most 258 bytes by one match of 2 bits.
 constexpr std::uint64_t kMostGain = 1100;
 constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // size of a band of rows; 32 rows or a tile may exceed it
 
@@ -134,7 +134,7 @@ std::array<double, N> rowByRow(const Matrix& matrix) {
   return rows;
 }
 
-// Returns the value of an attribute; std::monostate if its type is not read.
+// Returns the value of an attribute; std::monostate if ExrValue has no alternative for the attribute's type.
 ExrValue valueOf(const Imf::Attribute& attribute) {
   if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute)) return text->value();
   if (const auto* d = dynamic_cast<const Imf::DoubleAttribute*>(&attribute)) return d->value();

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// Largest chunk. Larger chunks draw more triangles outside of the image; smaller chunks need more draw calls.
+// Triangles of the largest chunk. If chunks are larger, more is drawn outside of the image; if smaller, in more calls.
 constexpr std::size_t kChunkTriangles = 1024;
 
 // Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kFraction * the mesh's size. The

@@ -1,6 +1,6 @@
-// Hits of triangles: their planes, labels and textures, and the requested columns of hits, with the same bits as on the
-// CPU. The including file declares a uniform block with the members of ResolverParameters (device_resolver.h):
-// nearest, farthest, channels, rays. Storage buffer at binding 5: the columns.
+// Computes the planes, labels and texels of hit triangles, and writes the columns of hits, with the same bits as on the
+// CPU. The including file declares a uniform block with the members of ResolverParameters (device_resolver.h): nearest,
+// farthest, channels, rays. Storage buffer at binding 5: the columns.
 
 layout(std430, binding = 5) writeonly restrict buffer HitColumns { uint hitColumns[]; };
 layout(binding = 0) uniform usamplerBuffer planeRecords;

@@ -1,4 +1,4 @@
-// The numbers and rays of a dispatch's particles. The storage buffers 0 to 3 are those of rays.glsl.
+// Finds the rays of a dispatch's particles. The storage buffers 0 to 3 are those of rays.glsl.
 
 // The block has the layout of ParticleParameters in gl_marcher.cpp.
 layout(std140, binding = 0) uniform Parameters {
@@ -20,7 +20,7 @@ layout(std140, binding = 0) uniform Parameters {
   dvec4 low, high;     // corners of the box in which particles march (m)
   dvec4 centre;        // x, y, z: the field's centre (m); w: voxels of level 0 per metre
   double rangeErrorBound;  // kRangeErrorBound of methods/world/resolve.h
-  // The constants of these names in march_rule.h.
+  // Values of the constants with these names in march_rule.h.
   double layerLookupOffset, layerThickness, layerMinCosine;
 };
 
