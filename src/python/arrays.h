@@ -39,7 +39,7 @@ std::vector<T> copied(const Array<V>& array) {
   return values;
 }
 
-// Returns an array that takes over the memory of values, each of which consists of one element or several.
+// Returns an array that takes over the memory of `values`, each of which consists of one element or several.
 template <class T, class V>
 pybind11::array_t<T> arrayOf(std::vector<V>&& values, const std::vector<pybind11::ssize_t>& shape) {
   static_assert(sizeof(V) % sizeof(T) == 0);
@@ -49,7 +49,7 @@ pybind11::array_t<T> arrayOf(std::vector<V>&& values, const std::vector<pybind11
   return pybind11::array_t<T>(shape, data, owner);
 }
 
-// Type of an array's elements: int32 for uint16, int64 for uint32 and uint64, which PyTorch may lack, otherwise T.
+// Type of an array's elements: int32 for uint16, and int64 for uint32 and uint64 (PyTorch may lack these); else T.
 template <class T>
 using ArrayType = std::conditional_t<
     std::is_same_v<T, std::uint16_t>, std::int32_t,

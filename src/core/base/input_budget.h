@@ -39,7 +39,7 @@ class [[nodiscard]] InputBudget {
 // Counts a file that is opened, at most 100,000. The size of each file, counted once however often it is opened, raises
 // the limits of bytes and pixels. readFile() calls it.
 void chargeFile(const std::filesystem::path& file);
-// Counts placed meshes, nodes, tiles, models and the like, at most ten million. Each takes `each` bytes of memory.
+// Counts placed meshes, nodes, tiles, models and the like: at most ten million. Also charges `each` bytes per copy.
 void chargeCopies(std::uint64_t copies, const Location& where, double each = 1024);
 // Counts bytes that are decompressed, or copied from data already counted: at most 2 GiB plus 64 times the size of the
 // files. Also throws if these bytes alone are more than memoryLimitBytes().

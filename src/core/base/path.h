@@ -10,8 +10,8 @@
 namespace scanmill {
 
 // A path is either a centripetal Catmull-Rom spline, or straight lines from point to point with rounded corners. The
-// spline passes every point and never has a loop or cusp between two points. Its heading is continuous, since the
-// tangent at a point bisects the directions before and after it. Yuksel, Schaefer, Keyser, "Parameterization and
+// spline passes through every point and never has a loop or cusp between two points. Its heading is continuous, since
+// the tangent at a point bisects the directions before and after it. Yuksel, Schaefer, Keyser, "Parameterization and
 // applications of Catmull-Rom curves", Computer-Aided Design 43(7), 2011.
 class Path {
  public:
@@ -20,7 +20,7 @@ class Path {
   explicit Path(const std::vector<Vec3d>& points);
   // Creates the straight lines through at least two points (m). A parabola rounds each corner: it begins and ends
   // `rounding` metres (above 0) from the corner, or half the distance to the nearer of the two neighbouring points if
-  // that is less. It passes a right angle at a distance of 0.35 times this length.
+  // that is less. A right-angled corner is missed by 0.35 times this length.
   static Path lines(const std::vector<Vec3d>& points, double rounding);
 
   double length() const { return distances_.back(); }  // length of the path (m)
@@ -40,7 +40,7 @@ class Path {
     Vec3d a, b, c, d;
     Vec3d position(double u) const { return a + (b + (c + d * u) * u) * u; }
     Vec3d derivative(double u) const { return b + (c * 2 + d * (3 * u)) * u; }
-    // Returns the length of the curve (m) from u = from to u = to.
+    // Returns the length (m) of the curve between two values of u.
     double lengthOf(double from, double to) const;
   };
   static constexpr std::size_t kParts = 16;  // number of parts of a segment, of equal steps of u

@@ -17,7 +17,7 @@ namespace scanmill {
 // Returns the name of this host, or "this host" if it has none.
 std::string hostName();
 
-// Returns the executable file that a shell would start by this name, which is looked for in PATH if it has no slash.
+// Returns the executable file that a shell would start for `name`: a name without a slash is looked for in PATH.
 // Returns an empty path if there is no such file.
 std::filesystem::path findProgram(const std::string& name);
 

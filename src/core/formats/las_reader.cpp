@@ -23,7 +23,7 @@ constexpr std::size_t kEncoding = 6, kMinor = 25, kHeaderSize = 94, kPointsAt = 
 // Types of extra bytes, which the specification numbers from 1: kind (unsigned, signed, float) and size (bytes).
 constexpr std::string_view kExtraKinds = "UIUIUIUIFF";
 constexpr std::array<std::uint64_t, 10> kExtraBytes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-constexpr std::uint16_t kWktBit = 1 << 4;  // of the global encoding: the coordinate system is well-known text
+constexpr std::uint16_t kWktBit = 1 << 4;  // bit of the global encoding: well-known text states the coordinate system
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 constexpr std::size_t kLeastHeader = 227;  // size of the header of versions 1.0 to 1.2 (bytes)
 constexpr std::array<std::size_t, 11> kLeastRecord{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};

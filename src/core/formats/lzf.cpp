@@ -70,7 +70,7 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
     out = putMatch(back, length, out);
     p += length;
     literals = p;
-    // Only the last two of the positions after the start of a match are entered into the table.
+    // Besides the first position of a match, only its last two positions are entered into the table.
     for (const unsigned char* q = p - 2; q < p && end - q >= kLeastMatch; ++q) {
       latest[hashAt(q)] = static_cast<std::uint32_t>(q - begin + 1);
     }

@@ -1,5 +1,5 @@
-// A file of NumPy's format NPY 1.0 is a magic number, the length of a header, the header as the text of a Python
-// dictionary, padded so that the elements begin at a multiple of 64 bytes, and the elements.
+// A file in NumPy's format NPY 1.0 has a magic number, the length of the header, the header (text of a Python
+// dictionary) and the elements. The header is padded so that the elements begin at a multiple of 64 bytes.
 
 #include "formats/npy.h"
 

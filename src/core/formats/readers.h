@@ -37,7 +37,7 @@ const FormatSupport& plyCloudFormat();
 const FormatSupport& pointRecordsFormat();
 
 // The readers below find columns by the names in cloudColumns(); other columns become foreign. All throw an InputError
-// that begins with `what`, the name of the bytes, and in text files with the line.
+// that begins with `what`, the name of the bytes, and names the line of a text.
 //
 // `exact`: positions are read in double precision and made relative to cloudOrigin() of the first finite point
 // (cloud_file.h); false: positions are the file's numbers in float32, and the origin is zero.

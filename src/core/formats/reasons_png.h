@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// The ending of the names of images of reasons in shards; scans have the suffix of their format instead.
+// Suffix of the images of reasons in shards; the scans there have the suffix of their format.
 inline constexpr std::string_view kReasonsSuffix = "reasons.png";
 
 // Encodes the image. Throws Error if there are not rings * columns values.

@@ -41,11 +41,11 @@ struct Echo {
 constexpr std::uint32_t kMostReturns = 16;
 
 // Returns the echoes of all beams, ordered by beam and then by range. Rays without a hit give none. Neighbouring rays
-// of a beam, sorted by range, belong to the same echo if their ranges differ by at most `pulseLength` (m); with 0 each
-// ray is an echo. The range of an echo is the mean of its rays' ranges, weighted by power. If an echo is longer than
-// the pulse, the mean is only over the interval of one pulse length that contains most power, because a receiver finds
-// the peak. `power`: power of each ray, in any unit; if it is empty, the rays' weights are used. Classes are read only
-// if the hits have the channel Semantic.
+// of a beam, sorted by range, belong to the same echo if their ranges differ by at most `pulseLength` (m); if it is 0,
+// each ray is an echo. The range of an echo is the mean of its rays' ranges, weighted by power. If an echo is longer
+// than the pulse, the mean is only over the interval of one pulse length that contains most power, because a receiver
+// finds the peak. `power`: power of each ray, in any unit; if it is empty, the rays' weights are used. Classes are read
+// only if the hits have the channel Semantic.
 std::vector<Echo> findEchoes(const Hits& hits, std::span<const float> power, double pulseLength);
 
 // Value of Returns::hit() for a row that an effect has added and that has no hit.

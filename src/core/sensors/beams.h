@@ -70,7 +70,7 @@ struct BeamTable {
   // Compact description of the beams, which the manifest stores; fillBeams() computes the three tables above from it.
   // Rings on cones about the z axis are described by the members below. In the other patterns, `field` is a full
   // circle. Listed beams also use `elevation` and `topDown`, and a rosette uses `firingOffset`; the other members for
-  // cones are unused. A rosette is traced by each ring; its columns fire evenly over the period.
+  // cones are unused. Each ring of a rosette sensor traces the rosette; its columns fire evenly over the period.
   struct RingsOnCones {};
   std::variant<RingsOnCones, std::shared_ptr<const ListedBeams>, Rosette> pattern;
   double sweep = 0;                   // s, time from the first to the last column of a partial field; 0: the time is

@@ -85,7 +85,7 @@ std::vector<double> readAzimuthOffsets(const Value* value, std::uint32_t rings) 
 }
 
 // Returns the firing time of each ring (us after the start of its column), from a list, a table in a file or a constant
-// step; zeros if `value` is null. The table must have its rings, columns, period, field and sweep. Throws InputError if
+// step; zeros if `value` is null. Rings, columns, period, field and sweep of `table` must be set. Throws InputError if
 // a ring would fire after the start of the next column.
 std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) {
   if (value == nullptr) return std::vector<double>(table.rings, 0.0);

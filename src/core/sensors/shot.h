@@ -52,8 +52,9 @@ struct Shot {
   // report points. True: all points in the sensor's frame at the start of the revolution.
   bool deskew = false;
 
-  // Distance (m) along each ray of `beams` beyond which its hits do not matter, for example because the ego vehicle
-  // blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore it. The array must outlive the shot.
+  // Distance (m) along each ray of `beams` beyond which the ray's hits do not matter, for example because the ego
+  // vehicle blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore it. The array must outlive the
+  // shot.
   std::span<const float> blockedBeyond;
 
   // Poses of objects in this shot that replace the poses of the scene; null: all objects have the scene's poses. The

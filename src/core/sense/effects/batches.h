@@ -1,7 +1,7 @@
 #pragma once
 
-// Functions for batches of neighbouring rows of the table of returns: they compute the rows' random numbers, with the
-// results of randomBlock() for each row, and look up the values of the rows' beams and hits.
+// Functions for batches of neighbouring rows of the table of returns: they compute the random numbers of the rows,
+// equal to those of randomBlock(), and look up the values of the rows' beams and hits.
 
 #include <algorithm>
 #include <array>

@@ -21,8 +21,8 @@ struct Positions {
   void set(std::size_t row, const Vec3d& p) { x[row] = p.x, y[row] = p.y, z[row] = p.z; }
 };
 
-// Computes the positions of rows' hits from the exact ranges along the beams, without the errors of effects. A mirror
-// image is placed where the sensor assumes it, not at the surface.
+// Computes the positions of the rows' hits from the exact ranges along the beams, without the errors of effects. A
+// mirror image is placed where the sensor assumes it, not at the surface.
 class PositionsOfHits {
  public:
   PositionsOfHits(const Hits& hits, const Shot& shot, const Returns& returns);

@@ -14,12 +14,12 @@
 //
 //   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = p_least A(r) w(r)^2 exp(2 extinction r) / dropEcho
 //
-// from the sensor to the surface, with w(r) = max(r, near_range_m) / reference_range_m, by the options of the effect
-// intensity, or 1 if it has `falloff: none`. A(r) is the area that the beam illuminates (beamArea() in
-// sensors/footprint.h), N the number of drops per volume, p_least the received power below which drops are ignored, and
-// dropEcho D^2 / A(r) the echo of a drop of diameter D (sense/weather.h). Ranges are sampled from the integrand, and
-// diameters from the size distribution above D_least: the result has exactly the distribution that sampling all drops
-// in the beam would give. The area is treated as evenly lit, and each drop as completely inside or outside.
+// from the sensor to the surface, with w(r) = max(r, near_range_m) / reference_range_m from the options of the effect
+// `intensity` (1 for `falloff: none`). A(r) is the area that the beam illuminates (beamArea() in sensors/footprint.h).
+// N is the number of drops per volume. Drops of received power below p_least are ignored. A drop of diameter D has the
+// echo dropEcho D^2 / A(r). Ranges are sampled from the integrand, and diameters from the size distribution above
+// D_least: the result has exactly the distribution that sampling all drops in the beam would give. The area is treated
+// as evenly lit, and each drop as completely inside or outside.
 //
 // Fog and dust are dense. A beam is divided into intervals of a pulse length. The echo of an interval is pi backscatter
 // length exp(-2 extinction r), in units of a white target at the same range. If its received power is at least p_least,
