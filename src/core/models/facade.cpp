@@ -14,7 +14,7 @@ class FacadeMaker {
   FacadeMaker(Shape& shape, const FacadeLook& look) : s_(shape), look_(look) {}
 
   // Divides the wall into rectangles along the edges of all openings. Adds the rectangles that are in no opening, then
-  // the openings. Coordinates (m): u along the wall, v upwards, and the third outwards.
+  // the openings. Coordinates (m): u along the wall, v upwards, w outwards.
   void make(double width, const std::vector<Opening>& openings) {
     std::vector<double> us{0, width};
     std::vector<double> vs{look_.foundation, look_.top};

@@ -85,7 +85,7 @@ void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center
   }
 }
 
-// The irregularity of a crown. Its random numbers have their own stream and so do not change regular crowns.
+// The irregularity of a crown. It has a separate random stream, so that regular crowns do not depend on it.
 class Raggedness {
  public:
   // `irregularity`: from 0 to 1, see makeTree().
@@ -115,7 +115,7 @@ class Raggedness {
 struct TrunkAxis {
   std::vector<Vec3d> points;
 
-  // Returns the axis's point at the height `z`; above and below the axis, its upper or lower end.
+  // Returns the axis's point at the height `z` (m). Above or below the axis, returns the axis's upper or lower end.
   Vec3d at(double z) const {
     const std::size_t segments = points.size() - 1;
     const double t = std::clamp((z - points.front().z) / (points.back().z - points.front().z), 0.0, 1.0) *

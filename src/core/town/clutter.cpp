@@ -130,7 +130,7 @@ void placeCrossing(Placer& placer, const Model& light) {
   putLights(placer, light, road, *start - 1, *start + kLength + 1, true, "crossing's light");
 }
 
-// Places traffic lights at some of the junctions of a side road with the main road.
+// Places traffic lights at some of the junctions between the main road and side roads.
 void placeSignals(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   for (const Road& side : l.roads()) {

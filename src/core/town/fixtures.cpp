@@ -273,7 +273,7 @@ void placeWires(Placer& placer) {
   const Layout& l = placer.layout;
   Draw draw(l.seed, Kind::Wire);
   const Character& c = l.character;
-  // Terraced districts and motorways have no poles: wires are underground, or there is no space beside the road.
+  // Terraced districts, motorways and plain towns have no poles: wires are underground, or there is no space.
   const double probability = c.farmland ? 0.7 : c.terraced || c.country || c.plain ? 0 : 0.4;
   if (!draw.chance(probability)) return;
   const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed);

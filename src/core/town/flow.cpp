@@ -54,7 +54,7 @@ class Flow {
     return std::min(d.speed, limit[static_cast<std::size_t>(cell)]);
   }
 
-  // Returns a vehicle's first speed (m/s): at most the limit, and low enough to stop at stop lines without a light.
+  // Returns a vehicle's initial speed (m/s): at most the limit, and low enough to stop at stop lines without a light.
   double firstSpeed(const Driver& d) const {
     double speed = limitAt(d, d.at);
     for (const StopLine& stop : routes_[d.route].stops) {

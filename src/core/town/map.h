@@ -59,7 +59,7 @@ struct MapBuilding {
   bool riseMapped = false;  // true: the map gives the height of the roof; false: `rise` is a usual height
   bool shop = false;
   bool shed = false;  // true: a garage, shed or similar building without windows
-  // If not empty, these parts are built instead of the outline.
+  // If there are parts, only the parts are built, not the outline.
   std::vector<MapBuilding> parts;
   std::int64_t relation = 0;  // see OsmArea::building
   std::string difference;     // how the roof of the town differs from the map's; empty: no difference

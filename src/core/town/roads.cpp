@@ -169,7 +169,7 @@ Beside RoadNetwork::at(const Point2& p) const {
       beside.lateral = lateral;
     }
   }
-  // A roundabout's island, at the left of the ring's line, has no pavements: no mixture with the joining roads.
+  // A roundabout's island, at the left of the ring's line, has no pavements: it keeps the ring's cross section.
   if (beside.nearRoad && roads_[beside.road].ring && beside.lateral > 0) beside.section = roads_[beside.road].section;
   return beside;
 }
