@@ -80,7 +80,7 @@ BodyForm carForm(CarForm kind, Draw& draw) {
 }
 
 // Returns the material of a random car paint. The shares of black (29.5 %), grey or silver (29.4 %) and white (15.7 %)
-// are valid for new cars in Germany in 2012 (Kraftfahrt-Bundesamt). The shares of blue (also for green and brown) and
+// apply to new cars in Germany in 2012 (Kraftfahrt-Bundesamt). The shares of blue (also for green and brown) and
 // red, and equal shares of grey and silver, are estimates.
 const char* paintOf(std::uint64_t seed, int number) {
   constexpr std::array<std::pair<double, const char*>, 6> kPaints{{{0.147, "car_paint_grey"},

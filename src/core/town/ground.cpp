@@ -134,7 +134,7 @@ class GroundMaker {
     return layout_.kindAt(middle, p);
   }
 
-  // Returns the index of a point's vertex. Low kinds (road, parking) share a vertex, and so do all other kinds.
+  // Returns the index of a point's vertex: low kinds (road, parking) share one vertex, all other kinds share another.
   std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
     std::uint32_t& indexPlusOne = (isLow(kind) ? low_ : high_)[point];
     if (indexPlusOne == 0) {

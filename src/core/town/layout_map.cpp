@@ -26,7 +26,7 @@ Parameters inDistrict(Parameters parameters, const std::string& district) {
   return parameters;
 }
 
-// Returns the cross section of a road on the map. A width that the map does not give is usual for the road's class or,
+// Returns the cross section of a road on the map. If the map gives no width, it is usual for the road's class or,
 // for residential roads, random. Service roads, tracks and roundabouts have neither sidewalks nor parking lanes.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};  // m, by RoadClass, estimates; 0: not used

@@ -200,7 +200,7 @@ bool differsFromTownRoads(const OsmTags& tags) {
   const bool parkingAtOneSide = !hasAny({"parking:both", "parking:lane:both"}, kParked) &&
                                 (onlyOneHas("parking:left", "parking:right", kParked) ||
                                  onlyOneHas("parking:lane:left", "parking:lane:right", kParked));
-  // True for kinds of parking that towns do not have: all kinds but parking lanes along the road.
+  // True if the tags give a kind of parking that towns do not have: any kind but parking lanes along the road.
   const bool otherParking = std::ranges::any_of(tags.pairs, [](const auto& tag) {
     const auto& [key, value] = tag;
     return (key.starts_with("parking:") && isOneOf(value, {"perpendicular", "diagonal"})) ||

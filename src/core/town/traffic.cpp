@@ -62,7 +62,8 @@ VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, d
   return {std::move(path), std::move(lane)};
 }
 
-// Places the traffic of a town: adds routes (first the route through the town) and vehicles, and simulates them.
+// Places the traffic of a town: adds routes (first the route through the town) and vehicles, and simulates all
+// vehicles.
 class Traffic {
  public:
   explicit Traffic(Placer& placer) : placer_(placer), l_(placer.layout), main_(road(0)), fastest_(l_.character.speed) {}
