@@ -62,8 +62,7 @@ VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, d
   return {std::move(path), std::move(lane)};
 }
 
-// Places the traffic of a town: adds routes (first the route through the town) and vehicles, and simulates all
-// vehicles.
+// Places the traffic of a town: adds routes (first the route through the town), adds vehicles and simulates them.
 class Traffic {
  public:
   explicit Traffic(Placer& placer) : placer_(placer), l_(placer.layout), main_(road(0)), fastest_(l_.character.speed) {}
