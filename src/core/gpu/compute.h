@@ -42,7 +42,7 @@ class ComputeDevice {
  public:
   // Opens the device that namedDevice() names (gpu/device.h). Throws Error if there is no such device, if the machine
   // has no OpenGL 4.3 with ARB_buffer_storage by EGL, or if the plug-in cannot be loaded. `extraLimits`: limits that
-  // apply besides the device's.
+  // apply in addition to the device's limits.
   explicit ComputeDevice(ComputeErrorWords words, const ComputeLimits& extraLimits = {});
 
   const std::string& name() const;  // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"

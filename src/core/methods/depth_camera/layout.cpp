@@ -235,7 +235,7 @@ Candidate cheapestCandidate(const Spread& spread, double focal) {
   const double pitchToMiddle = -(std::atan(spread.lowest) + std::atan(spread.highest)) / 2;
   std::optional<Candidate> best;
   double bestCost = INFINITY;
-  // Beams with a larger absolute elevation (deg) belong to the cameras that look up or down; 90: no such cameras.
+  // Beams with a larger absolute elevation (deg) belong to the cameras that look up or down; 90: only side cameras.
   for (const double steepElevation : {90.0, 35.0, 45.0, 55.0, 65.0}) {
     const bool hasSidesOnly = steepElevation == 90;
     const double steep = hasSidesOnly ? 2 * kSteepest : std::tan(radians(steepElevation));

@@ -72,7 +72,7 @@ struct BlockPixels {
   std::size_t first;         // index in `planes` of the block's first pixel
 };
 
-constexpr double kEdge = 1e-6;       // px; margin, so that a beam along the border of two images is in at least one
+constexpr double kEdge = 1e-6;       // px; margin, so that a beam along the border of two images is in one of them
 constexpr double kInFront = 1e-9;    // smallest depth in front of a camera: m for points, without unit for directions
 constexpr double kNoViewYet = 1000;  // stands for kNoView while views' indices are doubles, so that g++ can vectorise
 

@@ -73,7 +73,7 @@ class BrickMaker {
   std::array<std::uint32_t, kBrickStride> list_{};
   std::array<float, kBlock> blockDistance_{};  // voxels, lower bound of each block centre's distance to triangles
 
-  // The triangles that are compared with the corners of the current block, ordered as in lists.
+  // The triangles that are compared with the corners of the current block, in the order of DistanceField::lists.
   std::vector<Facet<float>> candidates_;
   std::vector<std::uint32_t> candidateTriangles_;
   std::vector<std::array<std::uint32_t, kLanes>> listedBy_;  // bit i of [c][lane] is set if the lane's corner lists

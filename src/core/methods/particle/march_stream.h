@@ -89,7 +89,7 @@ class ListIntersector {
 
   ListIntersector(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
 
-  // The caller sets these for each line that it adds. Of a list, only a triangle nearer by `tie` (m) replaces a hit.
+  // The caller sets these for each added line. A later triangle replaces a hit only if it is nearer by `tie` (m).
   HWY_ALIGN_MAX LineStart start[kLines] = {};
   HWY_ALIGN_MAX LineCourse course[kLines] = {};
   HWY_ALIGN_MAX float tie[kLines] = {};

@@ -156,7 +156,7 @@ class ParticleMethod : public Method {
       return tileAt(ray / hits.columns, column, hits.columns);
     };
     const auto firstRayOf = [&](const Tile& tile) { return tile.ring * hits.columns + tile.column; };
-    std::vector<Tile> cpuTiles;  // in ascending order, since the rays are
+    std::vector<Tile> cpuTiles;  // in ascending order, because the rays are in ascending order
     for (const UnresolvedRay& ray : unresolved) {
       if (ray.reason != UnresolvedReason::Rounding) continue;
       const Tile tile = tileOf(ray.ray);

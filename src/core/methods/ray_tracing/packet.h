@@ -28,7 +28,7 @@ float searchDistance(const BeamTable& beams);
 // Returns a distance (m) from the shot's first position within which all rays of the shot end. Rays that start more
 // than 1 m from the sensor's origin, since they continue other rays, count only as far as Shot::blockedBeyond.
 double farthestEnd(const Shot& shot);
-// Does the same for all rays that start at most `farthestOrigin` (m) from the sensor's origin.
+// Returns a distance like farthestEnd(shot), but for any rays that start within `farthestOrigin` (m) of the sensor.
 double farthestEnd(const Shot& shot, double farthestOrigin);
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits);

@@ -37,7 +37,7 @@ namespace {
 constexpr std::int64_t kMostAcross = 65536;                    // px, largest width and height of an image
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;  // 268 million
 constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
-// Upper bound of OpenEXR's lossless compression ratio: deflate encodes at most 258 bytes by one match of 2 bits.
+// Upper bound of OpenEXR's lossless compression ratio: deflate's matches of 2 bits or more encode up to 258 bytes.
 constexpr std::uint64_t kMostGain = 1100;
 constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // size of a band of rows; 32 rows or a tile may exceed it
 
@@ -206,8 +206,8 @@ bool isPlain(const Imf::Header& header) {
   return std::endian::native == std::endian::little;
 }
 
-// Does the same as readRows() for a part for which isPlain() is true. OpenEXR decodes pixel by pixel, which would take
-// a third of the time of making scans from stored hits.
+// Reads the same rows as readRows(), but faster, from a part for which isPlain() is true. OpenEXR decodes pixel by
+// pixel, which would take a third of the time of making scans from stored hits.
 void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
               std::size_t end) {
   const Imf::Header& header = file.header(part);

@@ -1,4 +1,4 @@
-// Creates the particles of MarchJob. Does the same as launch() (methods/particle/launch.cpp), in the same
+// Creates the particles of a MarchJob by the same operations as launch() (methods/particle/launch.cpp), in the same
 // order, in double. Storage buffers: 0 to 3 those of rays.glsl, 4 particles (float columns, in the order of Particles).
 
 #include "particles.glsl"
