@@ -22,7 +22,7 @@
 
 namespace scanmill {
 
-// Applies --threads, --memory-limit and --input-limit, as far as they are given, for the lifetime of the object.
+// Applies those of --threads, --memory-limit and --input-limit that are given, for the lifetime of the object.
 class ResourceLimits {
  public:
   explicit ResourceLimits(const cxxopts::ParseResult& options);
@@ -54,7 +54,7 @@ struct Arguments {
   // of this name in the first of the program's `folders` that has such a file. If no folder has one, returns the
   // argument itself, or throws InputError if a folder has a file with a similar name.
   std::filesystem::path fileOrName(const std::string& what, std::initializer_list<std::string_view> folders) const;
-  // Returns the file of the pipeline that the only positional argument names: a path, or a pipeline of the program.
+  // Returns the pipeline file that the only positional argument gives: a path, or the name of an included pipeline.
   std::filesystem::path pipeline() const;
 };
 

@@ -20,13 +20,13 @@ struct Command {
 
 std::span<const Command> commands();
 
-// Thrown when a command has printed its help, which main() ends with exit code 0.
+// Thrown when a command has printed its help; main() then returns exit code 0.
 struct HelpPrinted {};
 
 // Installs handlers of SIGINT, SIGTERM and SIGHUP, and returns the flag that they set to end work at the next frame. A
 // second signal of the same kind ends the program at once. Signals ignored at the start, as by nohup, stay ignored.
 const std::atomic<bool>& stopSignal();
-// Returns the number of the signal that has set the flag; 0: none.
+// Returns the number of the signal that has set the flag of stopSignal(); 0: none.
 int stoppedBy();
 
 int runGenerate(const std::vector<std::string>& arguments);

@@ -34,7 +34,7 @@ int runFitSensor(const std::vector<std::string>& arguments) {
             fit.field > 2 * kPi - 1e-9 ? std::string("a full turn") : fmt::format("{:.2f} deg", degrees(fit.field)));
   printText("half of the points lie within {:.4f} deg of their ring's elevation and {:.4f} deg of its azimuth\n",
             degrees(fit.elevationSpread), degrees(fit.azimuthSpread));
-  constexpr double kOff = 0.1;  // largest spread (degrees) that errors of a sensor explain
+  constexpr double kOff = 0.1;  // degrees, largest spread that can come from a sensor's errors
   if (degrees(std::max(fit.elevationSpread, fit.azimuthSpread)) > kOff) {
     warn(
         "this is more than the errors of a sensor: the points must be in the sensor's frame, not the vehicle's, and "

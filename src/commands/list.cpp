@@ -98,7 +98,7 @@ void printCapabilities() {
   }
 }
 
-// Formats whose readers say what they read and what they leave out.
+// Returns the formats whose readers list what they read and what they leave out.
 std::vector<FormatSupport> inputFormats() {
   return {gltf::gltfFormat(), blenderFormat(), objFormat(),      plyMeshFormat(),      stlFormat(),
           colladaFormat(),    ac3dFormat(),    imageFormat(),    sdfFormat(),          urdfFormat(),
@@ -115,7 +115,7 @@ Rows inputRows() {
   return rows;
 }
 
-// Prints what the reader of each format reads and leaves out, in Markdown: docs/inputs.md holds this text.
+// Prints what the reader of each format reads and leaves out, in Markdown: docs/inputs.md contains this text.
 void printElements() {
   const auto append = [](std::string_view addition, const char* separator, std::string& text) {
     if (!addition.empty()) text += fmt::format("{}{}", text.empty() ? "" : separator, addition);

@@ -36,8 +36,8 @@ struct FoundResponse {
   std::string yaml;  // the effect `intensity`, an item of the key `effects`
 };
 // Finds the response of the sensor that recorded the scans, by comparing them with the dataset of the option
-// `simulated` (study/noise/response.h), and prints the misfit of the two. Returns nothing if the option is not given.
-// Throws InputError.
+// `simulated` (study/noise/response.h), and prints the misfit of the simulated scans. Returns nothing if the option is
+// not given. Throws InputError.
 std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const Arguments& parsed);
 
 }  // namespace scanmill

@@ -30,7 +30,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"};
-constexpr int kTickMs = 15;              // between two events CanvasEvent::Kind::Tick of the window
+constexpr int kTickMs = 15;              // ms between two Tick events of the window (CanvasEvent)
 constexpr double kMostCoordinate = 1e5;  // largest coordinate (sensor's frame) and largest radius of a close-up (m)
 
 // Reads kCount numbers with a separator between them, such as "8,-3.5,-1". Returns nothing for any other text.
@@ -48,14 +48,14 @@ std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char sep
   return values;
 }
 
-// The size of --size WxH (pixels).
+// The value of --size: width and height (pixels) of the window or picture.
 struct PictureSize {
   int width = 0;
   int height = 0;
 };
 
-// Reads the value of --color: one of colorNames(), or the name of a column of a recorded file that the table of columns
-// lacks. Throws InputError for a word that is empty or seems to be a misspelt entry of colorNames().
+// Reads the value of --color: one of colorNames(), or the name of a further column, which a recorded file may have.
+// Throws InputError for a word that is empty or seems to be a misspelt entry of colorNames().
 ColorBy readColor(const std::string& word) {
   for (const Column& column : kColumns) {
     if (column.name == word) return ColorBy(column);  // a column's name always means this column

@@ -20,7 +20,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns a text for a cell of a Markdown table: markup is escaped, line breaks are blanks.
+// Returns the text for a cell of a Markdown table, with markup escaped and line breaks replaced by spaces.
 std::string cell(std::string_view text) {
   std::string escaped;
   for (const char c : text) {
@@ -99,7 +99,7 @@ std::string columnTable(const Manifest& manifest) {
   return text;
 }
 
-// Returns what the scans model, and what was left out, as two lists. Items on how the program computes are omitted.
+// Returns lists of the modelled and of the omitted features, without features that only concern the computation.
 std::string modelText(const std::vector<ModelledItem>& items) {
   constexpr std::array<std::string_view, 3> kComputingTopics{"channels", "properties of hits that nothing reads",
                                                              "instancing"};
@@ -141,7 +141,7 @@ bool hasMembers(const Manifest& manifest, std::string_view suffix) {
   });
 }
 
-// Returns what a sample consists of.
+// Returns a text that lists the members of a sample.
 std::string membersText(const Manifest& manifest) {
   return fmt::format(
       "The shards are tar files. A sample consists of the members whose names begin with its key: a scan for each "
@@ -150,7 +150,7 @@ std::string membersText(const Manifest& manifest) {
       hasMembers(manifest, kObjectsSuffix) ? fmt::format(", and `.{}` with the boxes of objects", kObjectsSuffix) : "");
 }
 
-// Returns a Markdown fence for the text: at least three '`', and more than any run of '`' in the text has.
+// Returns a Markdown fence for the text: three backticks, or one more than the longest run of backticks in the text.
 std::string fenceFor(const std::string& text) {
   std::size_t longest = 2, run = 0;
   for (const char c : text) {
@@ -172,7 +172,7 @@ OrderedJson sampleField(const char* name, const char* description, const char* s
   return field;
 }
 
-// The meanings of the keys, as Croissant 1.0 states them.
+// The JSON-LD context of Croissant 1.0, which maps each key to its meaning.
 constexpr const char* kCroissantContext = R"({
   "@language": "en", "@vocab": "https://schema.org/", "citeAs": "cr:citeAs", "conformsTo": "dct:conformsTo",
   "cr": "http://mlcommons.org/croissant/", "data": {"@id": "cr:data", "@type": "@json"},
@@ -220,13 +220,13 @@ OrderedJson croissantFiles(const Manifest& manifest) {
                      {"containedIn", shards},
                      {"encodingFormat", set.mediaType},
                      {"includes", "*." + set.suffix}});
-    // Excludes further members that end in .json, such as the lists of objects.
+    // Excludes other members whose names end in .json, such as lists of objects.
     if (set.id == "samples-json") files.back()["excludes"] = "*.*.json";
   }
   return files;
 }
 
-// Returns the tables that can be read from the files: classes and samples.
+// Returns the record sets of Croissant: a table of the classes and a table of the samples.
 OrderedJson croissantRecords(const Manifest& manifest) {
   OrderedJson classes = OrderedJson::array();
   for (const SemanticClass& c : manifest.ontology.classes) {

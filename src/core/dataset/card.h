@@ -1,6 +1,6 @@
 #pragma once
 
-// The descriptions of a dataset that are written beside its manifest, for people and for search engines of datasets.
+// The files beside a manifest that describe the dataset: the data card for people, and metadata for search engines.
 
 #include <array>
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace scanmill {
 
-// Returns the data card in Markdown: what the dataset contains, how it was made, what it is for and not for, as asked
-// by Gebru et al., "Datasheets for Datasets" (Communications of the ACM 64, 2021).
+// Returns the data card in Markdown: the dataset's contents, how it was made, and its suitable and unsuitable uses, as
+// proposed by Gebru et al., "Datasheets for Datasets" (Communications of the ACM 64, 2021).
 std::string cardText(const Manifest& manifest);
 
 // Counts over all scans of a dataset.

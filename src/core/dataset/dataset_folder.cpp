@@ -28,8 +28,8 @@ namespace {
 constexpr const char* kLockName = "lock";
 constexpr const char* kClaimSuffix = ".lock";     // appended to a shard's name to get the name of its lock file
 constexpr const char* kStartName = "begin.lock";  // lock of the process that starts a dataset in a shared folder
-// Longest waits for another process to start or complete a dataset, and for a folder to become usable; and the pause
-// between two attempts.
+// Longest time to wait for another process that starts or completes a dataset (kProcessWait), and for a folder to
+// become usable (kFolderWait). kPause: time between two attempts.
 constexpr std::chrono::seconds kProcessWait(60);
 constexpr std::chrono::seconds kFolderWait(2);
 constexpr std::chrono::milliseconds kPause(50);
@@ -255,10 +255,10 @@ std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
   }
 }
 
-// Writes the plan, or checks that the plan of the dataset to continue is the same. Deletes only this program's files,
-// because checkContents() has refused folders with other files.
+// Writes the plan. If an unfinished dataset is continued, checks instead that it has the same plan. Deletes only this
+// program's files, because checkContents() has refused folders with other files.
 void DatasetFolder::writeOrMatchPlan(FolderUse use) {
-  // Without locks (keepsOthersOut() is false), the lock file of a killed process on another host would bar the folder.
+  // On a file system without locks, the lock file of a process killed on another host would block the folder.
   const std::unique_ptr<FolderLock> lock = shared_ && lock_->keepsOthersOut() ? lockStart() : nullptr;
   const fs::path planFile = staging_ / kPlanName;
   if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {

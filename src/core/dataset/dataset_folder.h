@@ -33,15 +33,14 @@ class DatasetFolder {
  public:
   // Creates the folder. Throws InputError, and changes nothing, if the folder contains something that `use` does not
   // allow: a dataset, files of other programs, files with the names of shards, or an unfinished dataset of another
-  // plan. Also throws InputError if another process is writing into it, unless both use Share.
+  // plan. Also throws InputError if another process is writing into the folder, unless both processes use Share.
   DatasetFolder(std::filesystem::path folder, FolderUse use, DatasetPlan plan);
   // Releases the lock. An unfinished dataset stays on the disk, so that it can be resumed, if it has a complete shard
   // or if other processes are working on it.
   ~DatasetFolder();
   DatasetFolder& operator=(DatasetFolder&&) = delete;  // neither copied nor moved
 
-  // Throws the errors of the constructor about the contents of the folder and about other processes, except the error
-  // about another plan. Changes no dataset.
+  // Makes the checks of the constructor and throws the same errors, but does not compare plans. Changes no dataset.
   static void check(const std::filesystem::path& folder, FolderUse use);
 
   // Removes the hidden folder if it is left over from a process that was killed after it had written the manifest.
@@ -57,7 +56,7 @@ class DatasetFolder {
   // Returns the folder into which shards are written.
   const std::filesystem::path& staging() const { return staging_; }
 
-  // Claims a shard for this process as long as the returned lock lives; null if another process has claimed it.
+  // Claims a shard for this process while the returned lock exists. Returns null if another process has claimed it.
   [[nodiscard]] std::unique_ptr<FolderLock> claim(const std::string& name);
   // Stores the record of a shard that is complete in staging().
   void storeRecord(const DatasetPart& part);
@@ -69,8 +68,8 @@ class DatasetFolder {
   // plan.
   std::optional<DatasetPart> findRecord(const std::string& name, Check check) const;
 
-  // Changes the lock so that only this process may write the folder. Returns false, and leaves a shared folder to the
-  // others, if other processes work on it. Must be called before publish().
+  // Takes exclusive ownership of the folder. Returns false and gives up the lock if other processes that share the
+  // folder are still writing into it. Must be called before publish().
   [[nodiscard]] bool makeAlone();
   // Moves the shards of the manifest, all of which must have records, to their final paths, replaces the shards of an
   // earlier dataset, and finally writes the manifest. If the descriptions of all samples take more than
@@ -100,11 +99,11 @@ class DatasetFolder {
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
-  Identity identity_;  // of the folder
+  Identity identity_;  // identity of the folder when this object was created
   DatasetPlan plan_;
   std::unique_ptr<FolderLock> lock_;
   bool shared_ = false;
-  bool complete_ = false;  // true if other processes had completed the dataset before
+  bool complete_ = false;  // true if other processes had already completed the dataset
   bool created_ = false;   // true if this object has created the folder
   bool published_ = false;
 };

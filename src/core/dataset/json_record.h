@@ -8,7 +8,7 @@
 //     keys("with_points", count.withPoints, wholeNumber(0, count.objects));
 //   }
 //
-// Limits are functions of a JsonNode. They are called after the value has been read, and fail if it is not allowed.
+// A limit is a function of a JsonNode. It throws if the value, which has already been read, is not allowed.
 
 #include <cstdint>
 #include <limits>
@@ -51,29 +51,29 @@ class RecordKeys {
   // Constructs an object that reads `node`. JsonNode::keys() must have checked the node, which must outlive the object.
   RecordKeys(const JsonNode& node, const RecordContext& records) : context(records), mode_(Mode::Read), node_(&node) {}
 
-  // A key that every record has.
+  // Describes a key that every record has.
   template <class T, class... Limits>
   void operator()(const char* key, T& value, const Limits&... limits) {
     custom(key, writing(key, value), reading(value, limits...));
   }
-  // A key that is always written, but may be missing where another version or another program wrote the record.
+  // Describes a key that is always written, but may be missing in records of other versions or programs.
   template <class T, class... Limits>
   void mayBeMissing(const char* key, T& value, const Limits&... limits) {
     optionalIf(true, key, value, limits...);
   }
-  // A key that is left out if the value equals T{}: 0, an empty text, an empty list, ...
+  // Describes a key that is left out if the value equals T{}: 0, an empty text, an empty list, ...
   template <class T, class... Limits>
   void optional(const char* key, T& value, const Limits&... limits) {
     optionalIf(value != T{}, key, value, limits...);
   }
-  // A key that is left out unless `written` is true.
+  // Describes a key that is left out unless `written` is true.
   template <class T, class... Limits>
   void optionalIf(bool written, const char* key, T& value, const Limits&... limits) {
     const auto write = writing(key, value);
     customOptional(
         key, [&] { return written ? write() : kAbsent; }, reading(value, limits...));
   }
-  // A key with a fixed text. A record with another text is refused.
+  // Describes a key whose value is always `text`. A record with another text is refused.
   void fixed(const char* key, std::string_view text) {
     custom(
         key, [&] { return OrderedJson(text); },
@@ -81,12 +81,12 @@ class RecordKeys {
           if (node.text() != text) node.fail("is not '{}'", text);
         });
   }
-  // A key of earlier versions: it is accepted, but neither written nor read.
+  // Describes a key of earlier versions: a record may have it, but it is neither written nor read.
   void former(const char* key) {
     customOptional(
         key, [] { return kAbsent; }, [](const JsonNode&) {});
   }
-  // A key that a record must have to be read. write() returns its JSON (kAbsent: not written), read(node) reads it.
+  // Describes a required key. write() returns the value as JSON (kAbsent: not written), read(node) reads the value.
   template <class Write, class Read>
   void custom(const char* key, const Write& write, const Read& read) {
     if (mode_ == Mode::Collect) requiredKeys.emplace_back(key);
@@ -100,7 +100,7 @@ class RecordKeys {
     if (mode_ == Mode::Write) put(key, write());
     if (mode_ == Mode::Read && node_->has(key)) read((*node_)[key]);
   }
-  // A nested map, whose keys describeMap(keys) describes.
+  // Describes a nested map. describeMap(keys) describes the keys of this map.
   template <class Describe>
   void map(const char* key, const Describe& describeMap) {
     const auto write = [&] {
@@ -224,7 +224,7 @@ void readJson(const JsonNode& node, T& value, const RecordContext& context) {
   }
 }
 
-// Limits for numbers, for whole numbers, for the length of a list of numbers, and for the digits of hashes.
+// Limits for the range of a number or a whole number, the length of a list of numbers, and the digits of a hash.
 inline auto within(double low, double high = std::numeric_limits<double>::max()) {
   return [=](const JsonNode& node) { node.number(low, high); };
 }
@@ -236,7 +236,7 @@ inline auto numberCount(std::size_t numbers) {
 }
 inline constexpr auto kSha256Digits = [](const JsonNode& node) { node.sha256(); };
 inline constexpr auto kXxh3Digits = [](const JsonNode& node) { node.xxh3(); };
-// A limit of a list of records: no two records may have the same value of the key.
+// Returns a limit for a list of records: no two records may have the same value of the key `key`.
 inline auto distinct(const char* key) {
   return [=](const JsonNode& list) {
     std::set<std::string> values;
@@ -257,9 +257,9 @@ void describe(RecordKeys& keys, SensorRecord& sensor);
 void describe(RecordKeys& keys, ScanRecord& scan);
 void describe(RecordKeys& keys, SampleRecord& sample);
 
-// Describes a key with the name of the class `id` in the context's ontology. Not written without an ontology.
+// Describes a key with the name of the class `id` in the context's ontology; left out if there is no ontology.
 void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id);
-// Reads the modelled features. If `mayBeLines` is true, accepts lines of text, too, which earlier versions wrote.
+// Reads the list of modelled features. If `mayBeLines` is true, items may also be texts, as earlier versions wrote.
 void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items);
 // Returns the JSON of the random values of a sample; kAbsent if it has none.
 OrderedJson drawsJson(const SampleRecord& sample);

@@ -183,9 +183,9 @@ Manifest parseManifest(const std::string& text, const std::string& file);
 // Reads manifest.json in a dataset's folder, and also the files beside the shards if they describe the samples. Throws
 // InputError.
 Manifest readManifest(const std::filesystem::path& folder);
-// Reads manifest.json like the function above, but accepts missing or damaged files beside the shards: for each,
-// `undescribed` receives a message that begins with the file's path, by the index of its shard. The samples of these
-// shards have empty keys.
+// Reads manifest.json like the function above, but accepts missing or damaged files beside the shards: for each such
+// file, stores a message that begins with the file's path in `undescribed`, under the index of the shard. The samples
+// of this shard have empty keys.
 Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_t, std::string>& undescribed);
 
 }  // namespace scanmill

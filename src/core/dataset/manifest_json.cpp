@@ -62,8 +62,8 @@ OrderedJson framesJson(const Manifest& manifest) {
 }
 
 // Returns the text of a file that describes the samples of a shard. Throws InputError if the file is unreadable or its
-// SHA-256 is not the stated one. Does not read files that are too large to be genuine: each description is in the shard
-// too, so that the file takes at most about four times the shard's bytes.
+// SHA-256 is not the stated one. Does not read files that are too large to be genuine: a shard contains the
+// descriptions, too, so that the file has at most about four times the bytes of the shard.
 std::string readSamplesText(const std::filesystem::path& file, const ShardRecord& shard) {
   constexpr std::uint64_t kAlwaysRead = 1 << 20;  // bytes added to the shard's, so that files of small shards are read
   std::error_code unreadable;                     // readFile() reports the reason
@@ -83,7 +83,7 @@ void parseSamples(const std::string& text, const std::filesystem::path& folder, 
   const Json json = parseJson(text, file);
   const JsonNode root(json, "", file);
   root.keys({"shard", "numbers", "samples"});
-  std::vector<std::uint64_t> indices;  // of the text's samples among all samples
+  std::vector<std::uint64_t> indices;  // indices of the text's samples among all samples
   root["numbers"].forEach([&](const JsonNode& item) {
     indices.push_back(item.integer<std::uint64_t>());
     if (indices.back() >= samples.size()) item.fail("is not below {}, the number of samples", samples.size());
@@ -174,8 +174,8 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
 
 }  // namespace
 
-// Describes the manifest. A writer leaves the samples out. The order matters to a reader: `modelled` needs the version,
-// `samples` the ontology, the sensors and the shards.
+// Describes the manifest; the samples are not written. The order of the keys matters for reading: `modelled` needs the
+// version; `samples` needs the ontology, the sensors and the shards.
 static void describe(RecordKeys& keys, Manifest& m) {
   int version = Manifest::kSchemaVersion;
   keys("schema_version", version);

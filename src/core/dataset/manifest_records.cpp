@@ -48,8 +48,8 @@ void describe(RecordKeys& keys, ModelledItem& item) {
 
 namespace {
 
-// Returns the item of a line that an earlier version wrote, see lineOf(): "TOPIC: left out, TEXT" or "TOPIC: left out
-// TEXT" states what is left out, any other line what is modelled.
+// Parses a line that an earlier version wrote: "TOPIC: left out, TEXT" or "TOPIC: left out TEXT" states what is left
+// out, any other line what is modelled.
 ModelledItem itemOfLine(const std::string& line) {
   constexpr std::string_view kLeftOut = ": left out";
   const std::size_t colon = line.find(kLeftOut);
@@ -210,7 +210,7 @@ void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& i
       });
 }
 
-// The number of points that a scan has of one class.
+// Number of a scan's points that have the class `id`.
 struct ClassPoints {
   std::uint16_t id = 0;
   std::uint64_t points = 0;
@@ -222,7 +222,7 @@ static void describe(RecordKeys& keys, ClassPoints& entry) {
   keys("points", entry.points);
 }
 
-// The numbers of objects that a sample has of one class.
+// Numbers of a sample's objects that have the class `id`.
 struct ClassObjects {
   std::uint16_t id = 0;
   ObjectCount count;

@@ -32,7 +32,7 @@ struct ObjectView {
   std::uint32_t beams = 0;       // number of beams whose axis hits the object first, within the sensor's range
   std::uint32_t beamsAlone = 0;  // number of beams whose axis would hit the object if nothing occluded it
   double truncation = 0;         // fraction of the box, as seen from the sensor, outside the sensor's view or range
-  std::optional<double> nearestRange{};  // m, least range without noise among `beams`; none if these are 0
+  std::optional<double> nearestRange{};  // m, least noise-free range of these beams; none if `beams` is 0
 
   // Returns `beams` / `beamsAlone`, limited to 1: the fraction of the beams at the object that are not occluded.
   // Returns nothing if both counts are 0.

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kIndexName = "recording.json";
-constexpr const char* kWhat = "scanmill recording";  // the index's value of the key `what`
+constexpr const char* kWhat = "scanmill recording";  // value of the key `what` in the index
 
 std::string shotName(std::string_view sample, std::string_view sensor) {
   return fmt::format("{}.{}", sample, sensor);

@@ -115,7 +115,7 @@ class ScanCheck {
     // Distance (m) between the first and the last pose: deskewed points are in the frame of the first pose.
     const double motion =
         length(record_.worldFromSensor.back().translation - record_.worldFromSensor.front().translation);
-    // m: from the origin of the sensor's frame, so that the offsets of the beams' origins are added to the range.
+    // Largest valid distance (m) from the origin of the sensor's frame. Beams may start away from this origin.
     const double reach = kNoiseReach * beams_->maxRange + std::hypot(beams_->originOffset, beams_->originHeight) +
                          std::hypot(largest(beams_->originLeft), largest(beams_->originUp)) + motion + maxError_;
     Rule finiteRule("not finite");
@@ -133,7 +133,7 @@ class ScanCheck {
     if (points != record_.points) problem("{} points, but the manifest says {}", points, record_.points);
   }
 
-  // Checks each column by the validity that the table of columns states.
+  // Checks the values of each column against the validity in the table of columns.
   void checkTable() {
     visitTable(scan_, [&](auto key, const auto& values) {
       if (!values.empty()) checkColumn(key.row, values);

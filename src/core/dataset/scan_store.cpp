@@ -30,8 +30,8 @@ namespace {
 // which takes 40 bytes.
 constexpr std::size_t kMostFilledBeams = std::size_t{1} << 23;
 
-// Returns the manifest that lists the shard, from the shard's folder or the folder above it, and its folder; null if
-// neither folder has such a manifest.
+// Searches the shard's folder and the folder above it for the manifest that lists the shard. Returns the manifest and
+// its folder; null if neither folder has such a manifest.
 std::pair<std::shared_ptr<const Manifest>, fs::path> manifestOf(const fs::path& shard) {
   const fs::path file = fs::absolute(shard).lexically_normal();
   for (const fs::path& folder : {file.parent_path(), file.parent_path().parent_path()}) {
@@ -48,7 +48,7 @@ std::pair<std::shared_ptr<const Manifest>, fs::path> manifestOf(const fs::path& 
   return {};
 }
 
-// Returns true if a member with this name contains the scan, a ScanRecord or a StoredScan.
+// Returns true if a member with this name contains the scan. `scan`: a ScanRecord or a StoredScan.
 bool isIn(const auto& scan, const MemberName& name) {
   return lowerCase(scan.sensor) == lowerCase(name.sensor) && scan.revolution == name.revolution &&
          lowerCase(scan.method) == lowerCase(name.method);
@@ -61,8 +61,8 @@ const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
   return record == sample->scans.end() ? nullptr : &*record;
 }
 
-// Returns the scan. Throws an InputError that begins with `what` if the scan has more beams (rings * columns) than both
-// limits allow: callers allocate images with a pixel for each beam, and a damaged file may claim any number of beams.
+// Returns the scan. Throws an InputError that begins with `what` if the scan has more beams (rings * columns) than
+// either limit allows: callers allocate a pixel for each beam, and a damaged file may claim any number.
 Scan requirePlausibleBeams(Scan scan, const std::string& what) {
   constexpr std::uint64_t kAlwaysAllowed = 1 << 22;  // beams
   constexpr std::uint64_t kMostBeamsPerPoint = 256;

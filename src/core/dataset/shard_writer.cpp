@@ -21,7 +21,7 @@ namespace {
 
 // Number of bytes that are hashed and then written at a time, while they are still in the cache.
 constexpr std::size_t kPieceBytes = 1 << 17;
-// Size up to which headers, padding and short members are collected before they are written.
+// Number of bytes up to which headers, padding and short members are collected before they are written.
 constexpr std::size_t kShortBytes = 1 << 14;
 constexpr std::uint64_t kTarBlockBytes = 512;
 constexpr std::size_t kMostUstarNameBytes = 100;
@@ -86,7 +86,7 @@ struct ShardFile::State {
   }
   State& operator=(State&&) = delete;  // neither copied nor moved
 
-  // Writes bytes when libarchive calls it, and returns `size`. `self`: the State.
+  // Callback of libarchive that writes bytes and returns `size`. `self`: the State.
   static la_ssize_t writeBytes(archive*, void* self, const void* data, std::size_t size) {
     State& state = *static_cast<State*>(self);
     if (state.discard) return static_cast<la_ssize_t>(size);
@@ -191,7 +191,7 @@ void ShardWriter::add(const Sample& sample) {
   }
   SampleRecord record = sample;
   const std::string json = sampleJson(record);
-  std::vector<std::string_view> contents{json};  // of the members, in their order
+  std::vector<std::string_view> contents{json};  // contents of the members, in order
   record.members.push_back(fmt::format("{}.{}", sample.key, kJsonSuffix));
   for (const Member& file : sample.files) {
     record.members.push_back(fmt::format("{}.{}", sample.key, file.suffix));

@@ -67,8 +67,8 @@ std::array<std::size_t, kSplits.size()> apportion(const std::array<double, kSpli
   return counts;
 }
 
-// Assigns the groups by {train: 0.8, val: 0.2}. Throws InputError if the shares do not sum to 1, or a share above 0
-// gets no group.
+// Assigns the groups to splits by shares such as {train: 0.8, val: 0.2}. Throws InputError if the shares do not sum to
+// 1, or a share above 0 gets no group.
 SplitOfGroup byShares(Fields& fields, const std::set<std::string>& groups, const std::string& by, std::uint64_t seed) {
   std::array<double, kSplits.size()> shares{};
   for (std::size_t i = 0; i < kSplits.size(); ++i) shares[i] = fields.number(kSplits[i], {0, 1}, 0);
@@ -91,7 +91,7 @@ SplitOfGroup byShares(Fields& fields, const std::set<std::string>& groups, const
   return splits;
 }
 
-// Returns the names of the groups in the list of a split, and their places in the file.
+// Returns the names of the groups in the list of a split, each with its place in the pipeline file.
 std::vector<std::pair<std::string, Location>> listedGroups(const Value& list, const std::string& by) {
   std::vector<std::pair<std::string, Location>> groups;
   if (by == "seed") {
@@ -104,7 +104,8 @@ std::vector<std::pair<std::string, Location>> listedGroups(const Value& list, co
   return groups;
 }
 
-// Assigns the groups by {train: [a, b], val: [c]}. Throws InputError unless each group is in exactly one list.
+// Assigns groups by lists such as {train: [a, b], val: [c]}. Throws InputError unless each group is in exactly one
+// list.
 SplitOfGroup byLists(Fields& fields, const std::set<std::string>& groups, const std::string& by) {
   SplitOfGroup splits;
   for (const char* split : kSplits) {
@@ -126,7 +127,7 @@ SplitOfGroup byLists(Fields& fields, const std::set<std::string>& groups, const 
   return splits;
 }
 
-// Returns true if the splits are lists, false if they are shares. Throws InputError for a mixture, and without splits.
+// Returns true if the splits are lists, false if they are shares. Throws InputError for a mixture or no splits.
 bool usesLists(Fields& fields) {
   std::optional<bool> areLists;
   for (const char* split : kSplits) {

@@ -23,7 +23,7 @@ namespace {
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::uint64_t kEndBytes = 2 * kTarBlock;
 constexpr std::size_t kMostNameBytes = 4096;  // largest name of a member (bytes), the usual limit of paths
-// Bytes to read at a time if members are read, and if only headers are read (a header and a preceding pax header).
+// Bytes read at a time if members are read (kBlockBytes), and if only headers and pax headers are read (kHeaderBytes).
 constexpr std::size_t kBlockBytes = 1 << 20;
 constexpr std::size_t kHeaderBytes = 2048;
 
@@ -106,7 +106,7 @@ class TarReader {
   std::filesystem::path file_;
   std::unique_ptr<archive, Free> tar_;
   std::uint64_t size_ = 0;  // size of the file
-  // Of the current member: offset of its first byte, offset of the end of its padding, and size without padding.
+  // The current member: offset of its first byte, offset of the end of its padding, and its size without padding.
   std::uint64_t memberBegin_ = 0;
   std::uint64_t memberEnd_ = 0;
   std::uint64_t memberBytes_ = 0;

@@ -97,7 +97,7 @@ class ShardCheck {
   }
 
   void checkMembers() {
-    std::vector<std::string> names;  // of the members of the file, in its order
+    std::vector<std::string> names;  // names of the file's members, in order
     try {
       readTar(file_, [&](const std::string& name, std::string_view bytes) {
         names.push_back(name);
@@ -223,7 +223,7 @@ class ShardCheck {
     problem("{}: the numbers of its pixels differ from the reasons in the manifest", name);
   }
 
-  // Checks that the shard has exactly the members that the manifest lists, in their order. `names`: its members.
+  // Checks that the shard's members are exactly those of the manifest, in the same order. `names`: the members' names.
   void checkNames(const std::vector<std::string>& names) {
     if (names == expectedNames_) return;
     const std::size_t problemsBefore = result_.problems.size();
@@ -245,7 +245,7 @@ class ShardCheck {
   const ShardRecord& record_;
   fs::path file_;
   bool described_;
-  std::vector<std::string> expectedNames_;                     // of the members, in the order of the manifest
+  std::vector<std::string> expectedNames_;                     // names of the members, in the order of the manifest
   std::map<std::string, const SampleRecord*> sampleOfMember_;  // by name of the member
   std::unique_ptr<const SampleObjects> objects_;               // latest list of objects; null: it is damaged
   std::set<std::string> countedSensors_;                       // sensors whose points were compared with objects_

@@ -25,7 +25,7 @@ class VoxelArrays {
  public:
   VoxelArrays(std::string_view bytes, const std::string& what) : what_(what), arrays_(readNpzArrays(bytes, what)) {}
 
-  // Returns the array with this name, NumPy type (such as "<u2") and number of dimensions.
+  // Returns the array with this name. `type`, `dimensions`: its required NumPy type, such as "<u2", and dimensions.
   const NpyArray& array(std::string_view name, std::string_view type, std::size_t dimensions) const {
     const auto array = std::ranges::find(arrays_, name, &NpyArray::name);
     if (array == arrays_.end()) fail("has no array `{}`", name);
@@ -36,7 +36,7 @@ class VoxelArrays {
     return *array;
   }
 
-  // Returns the numbers of a float64 array, which must be `count` finite numbers.
+  // Returns the elements of a float64 array, which must consist of `count` finite numbers.
   std::vector<double> numbers(std::string_view name, std::size_t dimensions, std::size_t count) const {
     const std::string_view bytes = array(name, kFloat64, dimensions).bytes;
     std::vector<double> values(bytes.size() / sizeof(double));
@@ -124,7 +124,7 @@ std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
   const VoxelGrid& grid = voxels.grid;
   const Vec3d sensor = grid.inVoxels({});
   const auto isInside = [](double coordinate, std::uint32_t count) { return coordinate >= 0 && coordinate < count; };
-  // `center`: centre of the voxel (in voxels). Each step towards the sensor is one voxel along the line's longest axis,
+  // `center`: centre of the voxel (in voxels). Goes to the sensor in steps of one voxel along the line's longest axis
   // and a fraction of a voxel along the other axes.
   const auto isOccluded = [&](const Vec3d& center) {
     const Vec3d toSensor = sensor - center;

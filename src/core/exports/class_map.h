@@ -17,8 +17,8 @@ class ClassMap {
  public:
   ClassMap() = default;
   // Maps a class of `from` to its counterpart: the class of `to` with the same name or, if there is none, with one of
-  // the aliases of the class as its name. A class for moving objects without a counterpart is mapped like the class for
-  // objects of its kind that stand still. All other classes without a counterpart are mapped to 0 (unlabeled).
+  // the aliases of the class as its name. If a class for moving objects has no counterpart, it is mapped like the class
+  // for the same objects at rest. All other classes without a counterpart are mapped to 0 (unlabeled).
   ClassMap(const Ontology& from, Ontology to) : target_(std::move(to)) {
     std::uint16_t largestId = 0;
     for (const SemanticClass& c : from.classes) largestId = std::max(largestId, c.id);
@@ -55,7 +55,7 @@ class ClassMap {
   }
 
   Ontology target_;
-  std::vector<std::uint16_t> targetIds_;  // by class id of `from`
+  std::vector<std::uint16_t> targetIds_;  // ids of the target's classes, by class id of `from`
 };
 
 }  // namespace scanmill

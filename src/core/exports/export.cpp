@@ -34,7 +34,7 @@ constexpr const char* kRecord = "scanmill_export.json";       // description of 
 constexpr const char* kUnfinished = ".scanmill_export.json";  // description of an unfinished export
 constexpr const char* kLock = ".scanmill_export.lock";
 
-// A unit of work: the frames [firstFrame, firstFrame + frames) of a sequence; a single frame or all of them.
+// A unit of work: the frames [firstFrame, firstFrame + frames) of a sequence, which are one frame or all frames.
 struct Unit {
   std::size_t sequence = 0;
   std::size_t firstFrame = 0;
@@ -112,7 +112,7 @@ class Export {
         for (const auto& [id, points] : scan.pointsPerClass) usedIds.insert(id);
       }
     }
-    std::vector<std::string> unmapped;  // names
+    std::vector<std::string> unmapped;  // names of classes
     for (const std::uint16_t id : usedIds) {
       const SemanticClass& c = *source.find(id);
       if (id != 0 && plan_.classes.targetId(id) == 0 && (c.thing || !options_.layout->boxesAlone))
@@ -219,7 +219,7 @@ class Export {
     const bool complete = pathExists(folder / kRecord);
     const bool unfinished = pathExists(folder / kUnfinished);
     if (unfinished) {
-      const FolderLock free(folder, folder_.prepareFile(kLock));  // names the process that writes, if there is one
+      const FolderLock free(folder, folder_.prepareFile(kLock));  // throws if another process writes
     }
     if (complete || unfinished) {
       if (options_.overwrite) return;
@@ -238,8 +238,8 @@ class Export {
     return name == kLock || finalName(name) == kUnfinished;
   }
 
-  // Locks the folder and removes an earlier export: its record first, so that the folder does not pass for a complete
-  // export if the program is stopped.
+  // Locks the folder and removes an earlier export. Removes the record of this export first, so that the folder does
+  // not seem to be a complete export if the program is stopped.
   void startFolder() {
     lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.prepareFile(kLock));
     folder_.write(kUnfinished, description());
@@ -253,7 +253,7 @@ class Export {
     for (const fs::path& path : obsolete) fs::remove_all(path);
   }
 
-  // Reads the scans of the chosen sensors in a frame, and what else the layout needs.
+  // Reads the scans of the chosen sensors in a frame, the objects and, if the layout needs them, the voxels.
   ExportSample read(std::size_t sequence, std::size_t frame) const {
     const std::size_t index = plan_.sequences[sequence].samples[frame];
     ExportSample sample{.record = &plan_.manifest.samples[index],

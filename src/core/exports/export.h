@@ -19,7 +19,7 @@ struct ExportOptions {
   std::filesystem::path classes;       // file of an ontology that replaces the layout's; empty: the layout's ontology
   std::vector<std::string> sensors{};  // names; empty: all, or only the first if the layout allows only one
   std::vector<std::string> splits{};   // names; empty: all
-  bool overwrite = false;              // empties a folder that has an export, complete or not
+  bool overwrite = false;              // true: replaces an export in the folder, complete or not
   const std::atomic<bool>* stop = nullptr;
   // Called from any thread after a frame has been read, either to be checked or to be written. `all`: number of frames.
   std::function<void(const char* stage, std::uint64_t done, std::uint64_t all)> progress{};

@@ -39,7 +39,7 @@ constexpr double kCenterX = 609.5593;
 constexpr double kCenterY = 172.854;
 constexpr double kNear = 0.1;  // m, distance of the near clipping plane in front of the camera
 
-// A region of one pixel in which detections do not count.
+// The label of a region of one pixel in which the benchmark ignores detections.
 constexpr const char* kNoObject = "DontCare -1 -1 -10 0.00 0.00 1.00 1.00 -1 -1 -1 -1000 -1000 -1000 -10\n";
 
 constexpr std::size_t kMostFrames = 1'000'000;  // largest number of frames, because their numbers have six digits
@@ -121,7 +121,7 @@ std::string labelOf(const std::string& type, const ObjectRecord& object, const O
       object.size.z, object.size.y, object.size.x, bottom.x, bottom.y, bottom.z, rotation);
 }
 
-// Returns the calibration, which is the same for all frames: the axes of the camera at the sensor's origin.
+// Returns the calibration file. It is the same for all frames, as the camera is fixed at the sensor's origin.
 std::string calibration() {
   std::string text;
   for (int camera = 0; camera < 4; ++camera) {
@@ -134,8 +134,8 @@ std::string calibration() {
          "Tr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
 }
 
-// Returns the file with the plane of the road, a x + b y + c z + d = 0 in the camera's frame; empty if the height of
-// the sensor above the road is unknown.
+// Returns the file with the plane of the road, a x + b y + c z + d = 0 in the camera's frame; empty if the sensor is
+// mounted so low that its height above the road is uncertain.
 std::string planeText(const ExportPlan& plan, const SampleRecord& sample) {
   constexpr double kLowestMount = 0.1;  // m: a lower sensor is probably not mounted on a vehicle
   const Pose& mount = mountOf(*plan.sensors[0], scanOf(plan, sample, 0));
@@ -181,7 +181,7 @@ class Kitti : public ExportLayout {
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
                                   const ExportFolder& folder) const override {
     std::map<std::string, std::string> frameLists{{"train", ""}, {"val", ""}, {"test", ""}};  // by split
-    std::size_t boxes = 0;                                                                    // of objects with points
+    std::size_t boxes = 0;                                                                    // objects with points
     std::size_t shownBoxes = 0;
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       for (std::size_t f = 0; f < plan.sequences[s].samples.size(); ++f) {

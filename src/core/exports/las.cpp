@@ -163,8 +163,8 @@ constexpr std::uint8_t kSynthetic = 1;  // the bit "synthetic" of the classifica
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 
-// Computes return numbers. If the scan lacks the column `return` or `returns`, but knows the beams, the points of each
-// beam are counted; they are in the order of their returns.
+// Computes return numbers. If the scan lacks the column `return` or `returns`, but knows the beam of each point, counts
+// the points of each beam, which are in the order of their returns.
 class ReturnNumbers {
  public:
   explicit ReturnNumbers(const Scan& scan)

@@ -94,7 +94,7 @@ std::vector<const ScanRecord*> revolutionsOf(const ExportPlan& plan, const Sampl
 const ScanRecord& scanOf(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor = 0);
 
 // Throws InputError if nameOf() returns the same name for two exported sensors (indices in ExportPlan::sensors).
-// `what`: what has the name in the layout, such as "folder", for the message.
+// `what`: for the message, the kind of thing that has the name in the layout, such as "folder".
 void requireDistinct(const ExportPlan& plan, std::string_view what,
                      const std::function<std::string(std::size_t)>& nameOf);
 
@@ -150,7 +150,7 @@ class ExportLayout {
 // "train/street-s1-lane-000000.top.1.las" for a sensor's second revolution in the sample.
 class ScanFiles : public ExportLayout {
  public:
-  // Returns the bytes of the file of one of the sample's scans.
+  // A function that returns the bytes of the file for one scan of the sample.
   using BytesOf = std::string (*)(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan);
 
   // `suffix`: suffix of the files, without a dot.

@@ -18,8 +18,8 @@
 // visualization_msgs/msg/MarkerArray (github.com/ros2/common_interfaces, rcl_interfaces and geometry2, branch humble).
 //
 // Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without comments; the
-// definition of Marker lacks the constants that no message here has. Each definition is followed by the definitions of
-// all types that it uses, each after a line of 80 '=' and a line with the type's name.
+// definition of Marker omits the constants that this file does not use. Each definition is followed by the definitions
+// of all types that it uses, each after a line of 80 '=' and a line with the type's name.
 //
 // Messages are serialised as in DDS: CDR, version 1, little-endian (OMG, "DDS for Extremely Large Scale and
 // Interoperability Protocol (DDSI-RTPS)", section 10; "Extensible and Dynamic Topic Types for DDS", section 7.4.1). A

@@ -56,8 +56,8 @@ constexpr std::size_t kMostInstances = 999;  // largest number of instances of a
 constexpr std::size_t kMostClasses = 65;     // largest number of classes: the label 64 * 1000 + 999 fits 16 bits
 constexpr float kFullIntensity = 255;
 
-// Instance::group is a class of the target. The class is needed beside the id, because the parts of an object may have
-// different classes.
+// The group of an instance is its class id in the exported ontology. The instance id alone does not suffice, because
+// the parts of an object may have different classes.
 using Instance = InstanceNumbers::Instance;
 
 // Returns the class of a point and, if it is a thing class, the instance id of the point; otherwise id 0.
@@ -74,7 +74,7 @@ std::set<Instance> instancesOf(const ExportPlan& plan, const Scan& scan) {
   return instances;
 }
 
-// Returns the numbers of the rings when counted from the lowest; the rings' own numbers if they are not cones.
+// Returns each ring's number, counted from the lowest ring; the original numbers if the rings are not cones.
 std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   std::vector<std::uint16_t> order(beams.rings);
   std::iota(order.begin(), order.end(), std::uint16_t{0});

@@ -1,5 +1,5 @@
-// Writes the tables of nuScenes: lists of rows that refer to each other by tokens; sample_annotation has the boxes of
-// objects, and instance the objects that the boxes of a scene belong to. docs/schema_nuscenes.md in
+// Writes the tables of nuScenes: lists of rows that refer to each other by tokens; sample_annotation has a row for each
+// box, and instance a row for each object of a scene that has boxes. docs/schema_nuscenes.md in
 // github.com/nutonomy/nuscenes-devkit describes their fields.
 
 #include <fmt/core.h>
@@ -29,8 +29,8 @@ namespace {
 // z up): -90 degrees about z.
 constexpr Quat kSensorFromLidarTop{0.70710678118654752440, 0, 0, -0.70710678118654752440};
 
-// The numbers of the scenes of nuScenes' splits, first and last of each run (nuscenes-devkit,
-// python-sdk/nuscenes/utils/splits.py), by which training programs tell the splits apart.
+// The numbers of the scenes in nuScenes' splits, as ranges from first to last (nuscenes-devkit,
+// python-sdk/nuscenes/utils/splits.py). Training programs recognise the splits by these numbers.
 using SceneRun = std::pair<std::size_t, std::size_t>;
 constexpr SceneRun kTrainScenes[] = {
     {1, 2},     {4, 11},    {19, 34},   {41, 76},    {120, 135},   {138, 139},   {149, 152},  {154, 155}, {157, 168},
@@ -125,7 +125,7 @@ class NuScenesRows {
   struct Table {
     explicit Table(const std::filesystem::path& path) : file(path) {}
     AtomicFile file;
-    std::string pendingText;  // of the rows since the last flush()
+    std::string pendingText;  // text of the rows since the last flush()
     std::size_t rows = 0;
   };
 
@@ -202,7 +202,7 @@ class Annotations {
   struct Sighting {
     std::uint64_t points = 0;               // sum over all sensors
     std::optional<double> visibility;       // highest among the sensors with points
-    const ObjectView* firstView = nullptr;  // view of the first sensor with points on the object; null: no sensor has
+    const ObjectView* firstView = nullptr;  // view of the first sensor with points on the object; null: none
     std::size_t sensor = 0;                 // index of the sensor of firstView
   };
 
@@ -254,8 +254,8 @@ class Annotations {
   }
 
   // Returns a row of sample_annotation. The box has the pose relative to the first sensor with points on the object, at
-  // the time when its beams hit the object. The sensor's pose at the start of the revolution places this box in the
-  // world, so that it fits the points of this sensor.
+  // the time when beams of this sensor hit the object. It is placed in the world by the sensor's pose at the start of
+  // the revolution, so that it fits the points of this sensor.
   OrderedJson annotation(std::size_t frame, const ObjectRecord& object, const Sighting& sighting, const Track& track,
                          const std::string& category) const {
     const SampleRecord& sample = plan_.manifest.samples[sequence_.samples[frame]];
@@ -362,7 +362,7 @@ class Tables {
 
   // Adds a category for each class of the target. The devkit requires the order of the class ids.
   void addCategories() {
-    std::map<std::uint16_t, std::string> sourceNames;  // of the dataset's classes, by target class
+    std::map<std::uint16_t, std::string> sourceNames;  // names of the dataset's classes, by target class
     for (const SemanticClass& c : plan_.manifest.ontology.classes) {
       std::string& names = sourceNames[plan_.classes.targetId(c.id)];
       names += (names.empty() ? "" : ", ") + c.name;
@@ -519,7 +519,7 @@ class Tables {
                           {"prev", tokenBefore(s, f, sensor, r)},
                           {"next", tokenAfter(s, f, sensor, r)}});
     }
-    // The devkit finds the labels of the first scan by the token of this scan, so the row of the labels has the token.
+    // The devkit finds the labels of the first scan by the scan's token, so the row of the labels has the same token.
     const std::string keyFrame = scanToken("sample_data", sample, sensor, 0);
     const auto addLabels = [&](const char* table, NuScenesLabels kind) {
       if (!rows_.has(table)) return;

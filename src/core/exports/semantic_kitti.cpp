@@ -14,7 +14,7 @@
 //   sequences/00/calib.txt, times.txt
 //   semantickitti_infos_train.json, ...    the frames of each split, for mmdetection3d's `ann_file`
 //
-// Sequences that SemanticKITTI has in a split, and the dataset has not, are empty folders, since Pointcept lists them.
+// If SemanticKITTI has a sequence that the dataset lacks, its folder is created empty, since Pointcept lists it.
 //
 // There is no real camera: camera 0 is placed at the sensor's origin and looks along the sensor's x axis. numbersOf()
 // numbers the sequences. If the dataset lists objects, moving objects have the classes 252 to 259.
@@ -211,7 +211,7 @@ class SemanticKitti : public ExportLayout {
     }
   }
 
-  // Writes the lists of frames, and creates the folders of sequences that the dataset has not.
+  // Writes the lists of frames, and creates the empty folders of sequences that the dataset lacks.
   static void writeInfos(const ExportPlan& plan, const ExportFolder& folder) {
     const std::vector<std::size_t> numbers = numbersOf(plan);
     std::map<std::string, OrderedJson> frames;
