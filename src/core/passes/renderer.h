@@ -1,6 +1,6 @@
 #pragma once
 
-// A renderer renders passes of a scene.
+// The interface of renderers, which render the passes (depth, normals, ids ...) of a scene for pinhole cameras.
 
 #include <limits>
 #include <memory>

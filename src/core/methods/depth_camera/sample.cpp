@@ -22,7 +22,7 @@ constexpr double kSameOrigin = 1e-6;    // m; a beam whose origin is this near t
 constexpr double kFirstGuess = 20;      // m along a beam that does not start in the camera: first guess of its hit
 constexpr double kFarAway = 1e6;        // m along the beam: second guess, if the first pixel shows no surface
 constexpr double kLeastRange = 1e-30;   // m; excludes a range of 0 if the sensor has no minimum range
-constexpr double kLimitSlack = 1.2e-7;  // a range may be beyond a limit by this fraction: float32 rounding
+constexpr double kLimitSlack = 1.2e-7;  // a range may be beyond a limit by this fraction, because of float32 rounding
 
 // Returns the nearest half-precision number, ties to even. Finite values beyond kLargest are clamped to kLargest.
 double asHalf(double value) {

@@ -175,8 +175,8 @@ class Builder {
     return nearestFacet(world_, frame, {}, {distance2, guess}, facets);
   }
 
-  // Fills the table entries of a row of bricks along x. Copies a brick's entry from an earlier field if one has the
-  // brick. Otherwise the entry is the distance of an empty brick, or kNewBrick for a full brick.
+  // Fills the table entries of a row of bricks along x. Copies the entry of a brick that an earlier field has.
+  // Otherwise the entry is the distance of an empty brick, or kNewBrick for a full brick.
   void fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
     const LevelBox& box = field_->shape.levels[level];
     const auto first = static_cast<std::uint32_t>(field_->levels[level].firstEntry + row * box.bricks[0]);

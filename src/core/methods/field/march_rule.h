@@ -42,9 +42,9 @@ constexpr float kExitPlane = 0.5f + kFaceOvershoot;
 constexpr float kHoleSkip = 2e-3f;
 constexpr float kHoleSkipShare = 1e-5f;
 
-// Thin layers, such as markings on a road, are found by a lookup on the beam's side of the surface: the corner nearest
-// to a point kLayerLookupOffset in front of a surface that is parallel to an axis plane is at least kLayerThickness in
-// front of the surface, and so beyond the layer. In "street" 0.6 % of beams need this lookup, in "truck_town" 0.03 %.
+// Thin layers, such as markings on a road, are found by a lookup kLayerLookupOffset in front of the surface, on the
+// beam's side. If the surface is parallel to an axis plane, the corner nearest to this point is at least
+// kLayerThickness away, and so beyond the layer. 0.6 % of beams need this lookup in "street", 0.03 % in "truck_town".
 constexpr double kLayerThickness = 0.1;  // voxels, largest thickness of a layer
 constexpr double kLayerLookupOffset = 0.5 + kLayerThickness;
 constexpr double kLayerMinCosine = 0.9;  // least cosine of the angle between a layer and the surface below the layer

@@ -119,7 +119,7 @@ void DeviceMarch::ensureUploaded(const std::shared_ptr<const DistanceField>& fie
 
 void DeviceMarch::reserve(bool lists, std::size_t particles) {
   particles_.reserve((lists ? kMostColumns : kFewestColumns) * particles * sizeof(float));
-  constexpr std::size_t kRecordColumns = 5;  // see march.glsl
+  constexpr std::size_t kRecordColumns = 5;  // number of columns of hit records: see march.glsl
   records_.reserve(kRecordColumns * particles * sizeof(std::uint32_t));
 }
 

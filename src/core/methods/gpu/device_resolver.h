@@ -22,8 +22,8 @@ namespace scanmill {
 using DeviceWord = std::array<std::uint32_t, 4>;
 
 // Two words for the plane (the normal's x, y, z and the offset, in double) and one for the labels: the instance id,
-// class | material << 16, the triangle's index in its mesh, and 1 + its index in LabelTables::textured, or 0 if it is
-// not textured.
+// class | material << 16, the triangle's index in its mesh, and the number 1 + index in LabelTables::textured; 0 if the
+// triangle is not textured.
 struct TriangleRecord {
   DeviceWord normalXY, normalZOffset, label;
 };

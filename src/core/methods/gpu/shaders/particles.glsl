@@ -31,7 +31,7 @@ bool particleRay(uint i, out uint ray, out dvec3 o, out dvec3 d) {
   uint shot = (first + i) / shotParticles;
   uint particle = (first + i) % shotParticles;
   uint tile = particle / kGroupColumns;
-  uint groupColumn = tile / rings * kGroupColumns + particle % kGroupColumns;  // beyond the columns: surplus
+  uint groupColumn = tile / rings * kGroupColumns + particle % kGroupColumns;  // beyond the columns: a surplus particle
   uint column = min(groupColumn, columns - 1u);
   uint rayOfShot = tile % rings * columns + column;
   ray = shot * shotRays + rayOfShot;
