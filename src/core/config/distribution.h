@@ -37,7 +37,7 @@ struct DrawnValue {
   bool operator==(const DrawnValue&) const = default;
 };
 
-// Positions of a sequence and of a frame in their split, for `stratify: split`.
+// The position of a sequence in its split and of a frame in its split, for `stratify: split`.
 struct PlaceInSplit {
   std::string split;
   std::uint64_t sequence = 0, sequences = 1;  // index of the sequence in its split; number of the split's sequences

@@ -108,7 +108,7 @@ class Fields {
   // Marks keys as known, since they are read later or by other code. If also() and finish() are called before any key
   // is read, an unknown key is reported before a missing key.
   Fields& also(std::initializer_list<std::string_view> keys);
-  // Marks the keys in a description as known, such as step_m and gain in "step_m: 1 m, what it is\ngain: 2, ...".
+  // Marks as known the keys in a description: step_m and gain in "step_m: 1 m, what it is\ngain: 2, ...".
   Fields& alsoDescribed(std::string_view keys);
 
   // Throws an InputError for the first of the keys that the map has. `why` follows the key in the message, such as "is

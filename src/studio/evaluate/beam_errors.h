@@ -57,7 +57,7 @@ struct SizeRecall {
   std::string name;
   double low = 0, high = 0;          // ends of the size range (m); the upper end is excluded
   std::uint64_t instances = 0;       // number of instances of this size
-  std::uint64_t instancesFound = 0;  // number of these instances with at least one of the beams counted in `beamsFound`
+  std::uint64_t instancesFound = 0;  // number of these instances that have beams counted in `beamsFound`
   std::uint64_t beams = 0;           // number of beams whose true hit is on an instance of this size
   std::uint64_t beamsFound = 0;      // number of beams counted in `beams` whose tested hit is on the same instance
 };

@@ -50,8 +50,8 @@ std::vector<float> byBeam(const Hits& hits, const std::vector<float>& pointValue
   return beamValues;
 }
 
-// Traces a shot repeatedly into `hits`, appends the duration of each scan to `seconds`, and returns the sum of the
-// scans' accounts.
+// Traces a shot repeatedly into `hits` and appends the duration of each scan to `seconds`. Returns the sum of the
+// accounts that Method::trace() returned.
 TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOptions& options, Hits& hits,
                        std::vector<double>& seconds) {
   constexpr int kMostRepeats = 30;

@@ -65,7 +65,7 @@ std::string joined(const data* list) {
   return text;
 }
 
-// The values of a template. Extends the names of the library by formats ("name:format") and ratios ("name/name").
+// The values of a template, by "name", by "name:format" (formatted) or by "name/name" (the ratio of two values).
 class FormatContext : public kainjow::mustache::context<std::string> {
  public:
   explicit FormatContext(const data* values) { context::push(values); }

@@ -26,7 +26,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kGrid = 1024;            // spacing of possible world origins (m), on a grid around the scene's centre
-constexpr std::size_t kCachedWorlds = 2;  // two, for a path midway between two origins
+constexpr std::size_t kCachedWorlds = 2;  // number of cached worlds; 2 for a path midway between two origins
 constexpr double kRounding = 0x1p-24;     // relative rounding error of a float32
 constexpr double kAlongAnAxis = 1e-12;    // smaller direction components become zero for Embree, see embreeComponent()
 
@@ -218,7 +218,7 @@ double embreeComponent(double component) {
   return std::abs(component) < kAlongAnAxis ? 0.0 : component;
 }
 
-// Fills ExactContext::found with the hits of a beam. `context`: its other members must be set.
+// Appends the hits of a beam to ExactContext::found. All members of `context` must be set.
 void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& context) {
   const Vec3d rayDirection{embreeComponent(direction.x), embreeComponent(direction.y), embreeComponent(direction.z)};
   RTCRayHit ray = newRay(origin, rayDirection, 0, roundUp(context.far));

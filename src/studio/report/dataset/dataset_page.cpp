@@ -194,7 +194,7 @@ class DatasetPage {
     page_["objects"] = {{{"by", "class"}, {"rows", classRows}}, {{"by", "distance"}, {"rows", distanceRows}}};
   }
 
-  // Adds a row for each reason that some beam has, with the beams of each sensor that records reasons.
+  // Adds a row for each reason that occurs, with the number of beams of each sensor that records reasons.
   void reasons() {
     for (const SensorSummary& s : summary_.sensors) {
       if (!s.beamsPerReason.empty()) page_["reason_sensors"].push_back({{"name", s.name}});

@@ -32,10 +32,10 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
   // Neighbouring points mostly have the same class and instance, so the counts of the previous point are looked up only
   // if they differ.
   std::uint16_t previousClass = 0;
-  std::vector<std::uint64_t>* ranges = nullptr;                   // counts of previousClass
+  std::vector<std::uint64_t>* ranges = nullptr;                   // points of previousClass per bin of range
   std::unordered_map<std::uint64_t, std::uint64_t> pointsOfPair;  // key: instance id << 16 | class
   std::uint64_t previousPair = 0;
-  std::uint64_t* pairPoints = nullptr;  // count of previousPair
+  std::uint64_t* pairPoints = nullptr;  // points of previousPair
   std::vector<std::uint64_t> intensities(scan[kIntensity].empty() ? 0 : std::size_t{1} << 16, 0);  // by intensityKey()
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3f& p = scan.position[i];

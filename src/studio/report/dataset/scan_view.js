@@ -158,7 +158,7 @@
 
   var clouds = data.scans.map(function () { return null; });
   var cloud = null, points = null, asked = false;
-  var hidden = {}, classIds = {};  // by class id; the choice applies to all scans
+  var hidden = {}, classIds = {};  // keys: class ids; `hidden` applies to all scans
   data.scans.forEach(function (scan) {
     (scan.classes || []).forEach(function (entry) { classIds[entry.id] = true; });
   });

@@ -190,7 +190,7 @@ std::string shellWord(const std::string& word, bool quote) {
 }
 
 // Replaces "<" by an escape sequence, and invisible control characters by U+FFFD, as escapeXml() does. In JSON, both
-// occur only in strings, where the escape sequence has the same meaning; ASCII's controls are escaped there.
+// occur only in strings, where the escape sequence means the same. ASCII control characters are escaped already.
 std::string scriptJson(const std::string& json) {
   std::string safe;
   safe.reserve(json.size());

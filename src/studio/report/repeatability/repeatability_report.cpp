@@ -146,7 +146,7 @@ Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
   const std::size_t step = (poses.size() + kMostPoses - 1) / kMostPoses;
   for (std::size_t p = 0; p < poses.size(); p += step) {
     ChartSeries others = line(distanceText(*poses[p]), p / step);
-    ChartSeries reference = line("", p / step);  // the target has the reference level too
+    ChartSeries reference = line("", p / step);  // for targets with the reference level
     reference.mark = ChartMark::Dots;
     for (std::size_t level = 0; level < result.levels.size(); ++level) {
       addFitness(level == result.reference ? reference : others, static_cast<double>(level),

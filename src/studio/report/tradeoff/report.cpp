@@ -17,7 +17,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostColumns = 6;  // settings beside each other in the table of classes
+constexpr std::size_t kMostColumns = 6;  // maximum number of settings in the table of classes
 
 // Returns the JSON of the errors in tradeoff.json with derived figures and without empty spreads.
 Json errorsJson(Json json, const GroupErrors& errors) {

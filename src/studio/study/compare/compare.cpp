@@ -61,8 +61,8 @@ Strata strataOf(const Patches& patches, const Groups& groups, std::size_t featur
   return strata;
 }
 
-// The separations of a feature in several strata, and the feature's values in these strata. Each stratum has the number
-// of patches in the smaller set as weight.
+// The separations of a feature in several strata, and the feature's values in these strata. The weight of a stratum is
+// its number of values in the set that has fewer of them.
 struct SeparationSum {
   double weight = 0;
   double strength = 0, area = 0;  // sums of |ROC area - 0.5| and of ROC area - 0.5, both times the weight
@@ -98,7 +98,7 @@ struct SeparationSums {
   SeparationSum all;  // sum over the strata of all groups
 };
 
-// Compares the strata that both sets have, if both have enough patches in them.
+// Compares each stratum in which both sets have enough patches.
 SeparationSums separate(const Strata& real, const Strata& simulated) {
   SeparationSums sums;
   for (const auto& [stratum, realValues] : real) {

@@ -23,7 +23,7 @@ struct KeyInfluence {
   std::string_view figure;  // name of an entry in kPatchFeatures, kSetFigures or both
   double leastFigure = 1;   // if both sets' figures (as shown to users) are below, they may differ by chance
   std::string_view effect, key;
-  double power = 1;                // the figure is proportional to the key's value to the power 1 / power
+  double power = 1;                // the key's value is proportional to the figure to this power
   double lowest = 0, highest = 0;  // bounds of the key's value
   bool isInteger = false;          // true: the key only takes integers
 };

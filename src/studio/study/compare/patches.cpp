@@ -189,7 +189,7 @@ class PatchMeter {
       const double residual = rangeAt(k) - range_ - mean - slope * k - curvature * (k * k - 4);
       squares += residual * residual;
     }
-    set(Feature::RangeScatter, std::sqrt(squares / 4), out);  // 7 ranges less 3 coefficients
+    set(Feature::RangeScatter, std::sqrt(squares / 4), out);  // 4 degrees of freedom: 7 ranges, 3 coefficients
   }
 
   // Measures how far the middle ring's points are from the plane of the rings above and below: along the plane's

@@ -55,7 +55,7 @@ struct ComparedFigure {
   double factor;
   std::string_view meaning;   // explanation, as a phrase
   std::string_view keys;      // what influences the figure: keys of a pipeline, properties of the scene
-  bool isMostlyZero = false;  // true: means of a feature of patches are shown; false: medians
+  bool isMostlyZero = false;  // true: users see the feature's mean over patches; false: its median
 };
 
 enum class Feature : std::size_t {

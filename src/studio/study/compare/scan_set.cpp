@@ -222,14 +222,14 @@ ScanMeasures measureScan(const Scan& scan, std::uint32_t scanIndex, const ScanSe
   return counts;
 }
 
-// Returns the standard deviation of a patch value over the rows of the grid: the deviation of the rows' medians over
-// flat patches, less the part that the medians' standard errors explain; NaN if too few rows have enough patches.
-// Computes deviations as median absolute deviations, since a few rows are far off where the ground ends at a wall.
+// Returns how much a patch value differs between the rows of the grid: the standard deviation of the rows' medians on
+// flat patches, without the part that the medians' standard errors explain; NaN if too few rows have enough patches.
+// Deviations are computed as median absolute deviations, since a few rows are far off where the ground ends at a wall.
 // `values`: one per patch, NaN if not measured.
 double spreadOverRows(const Patches& patches, const std::vector<float>& values) {
   constexpr std::size_t kFewestInRow = 30, kFewestRows = 4;
-  // For normal distributions: standard deviation / median absolute deviation, and variance of the median / variance of
-  // the mean.
+  // Ratios for normal distributions: standard deviation / median absolute deviation, and variance of the median /
+  // variance of the mean.
   constexpr double kDeviationPerMad = 1.4826, kMedianVariance = kPi / 2;
   std::map<std::uint16_t, std::vector<float>> rows;
   for (std::size_t i = 0; i < patches.size(); ++i) {

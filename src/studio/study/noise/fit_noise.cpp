@@ -169,7 +169,7 @@ LinearFit fitTerms(const std::vector<const PatchGroup*>& used, FreeTerms free) {
 
 // Sets the standard errors of both coefficients, from the inverse of the normal matrix.
 void addStandardErrors(const std::vector<const PatchGroup*>& used, FreeTerms free, NoiseFit& fit) {
-  double s = 0, sr = 0, srr = 0;  // sums of the squared weights, times the range, times the squared range
+  double s = 0, sr = 0, srr = 0;  // sums of w, w * range and w * range^2; w: the squared weight
   for (const PatchGroup* band : used) {
     const double weight = std::pow(weightOf(*band), 2);
     s += weight;
@@ -255,8 +255,8 @@ std::string linesOf(const std::vector<std::string>& lines, LineSpan span) {
   return text;
 }
 
-// Returns the lines of the effects in a file that are not replaced, with the comments above each effect. `list`: the
-// file's effects. `key`: the lines of the key `effects` and its value. `newEffects`: see withEffects().
+// Returns the lines of those effects in a file that `newEffects` does not replace (see withEffects()), with the
+// comments above each effect. `list`: the file's effects. `key`: the lines of the key `effects` and its value.
 std::string keptEffects(const Value& list, const std::vector<std::string>& lines, LineSpan key,
                         const std::string& newEffects) {
   std::vector<std::string> replaced;
@@ -264,7 +264,7 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
   for (const Value& item : fitted.find("effects")->items) replaced.push_back(readNamed(item, "an effect").name);
   const auto isReplaced = [&](std::string_view name) { return std::ranges::find(replaced, name) != replaced.end(); };
   if (isReplaced("range_noise")) replaced.insert(replaced.end(), {"dropout", "shell", "quantize"});
-  // The noise of a fitted response includes speckle.
+  // A fitted effect `intensity` replaces speckle too, since its noise includes speckle.
   if (isReplaced("intensity")) replaced.emplace_back("speckle");
   std::string kept;
   LineSpan item{key.first + 1, 0};  // an item with the comments above it

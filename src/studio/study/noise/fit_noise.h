@@ -32,10 +32,10 @@ struct RingErrors {
   RingSpread gain;   // errors of the gain (natural logarithm); empty if scans have no intensities
 };
 
-// Fits all patches together by least squares. The model of the range differences is a plane per patch plus an offset
-// per ring. The model of the intensities' logarithms is a constant and a slope over the rings per patch plus a gain per
-// ring. If offsets are much larger than the noise, they are underestimated: only patches with small offsets then count
-// as flat.
+// Returns the rings' errors, from a least-squares fit to all patches together. The model of the range differences is a
+// plane per patch plus an offset per ring. The model of the intensities' logarithms is, per patch, a constant and a
+// slope over the rings, plus a gain per ring. If offsets are much larger than the noise, they are underestimated: only
+// patches with small offsets then count as flat.
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                          const std::vector<FlatPatch>& patches);
 

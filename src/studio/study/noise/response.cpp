@@ -152,7 +152,7 @@ double valueOf(const SurfaceReturn& s, double floor, ResponseModel model) {
   return model == ResponseModel::Power ? power : power * (s.range / kReference) * (s.range / kReference);
 }
 
-// An intensity is 0 if the power is not above `floor`, or if the value, without the floor, is not above `dark`.
+// An intensity is 0 if the power is at most `floor`, or if valueOf() with this floor is at most `dark`.
 struct Darkness {
   double floor = 0, dark = 0;
 };
@@ -192,7 +192,7 @@ std::vector<double> zeroAndGeometric(double first, double factor, int count) {
 // surfaces, which may be near. Prefers small numbers among nearly equally good pairs. Both are 0 if the recording has
 // hardly any zeros.
 Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, ResponseModel model) {
-  constexpr double kBetter = 0.98;  // larger numbers must reduce the sum of squares by this factor
+  constexpr double kBetter = 0.98;  // a larger floor or dark value must reduce the sum of squares by this factor
   constexpr double kLeastZeroShare = 0.002;
   const std::vector<KindReturns> kinds = commonKinds(recorded, simulated);
   double zeros = 0, returns = 0;
@@ -301,10 +301,10 @@ Eigen::ArrayXd rising(const Eigen::ArrayXd& values) {
 
 // Changes the intensities of a table as little as possible such that they grow at most in proportion to the value, as
 // in real receivers. Otherwise, larger differences of reflectance in the recorded than in the simulated scans would
-// make the response too steep. In logarithms, neither intensities nor value minus intensity may decrease. Alternates
-// between both conditions (Dykstra, "An algorithm for restricted least squares regression", 1983).
+// make the response too steep. The conditions are that log(intensity) and log(value) - log(intensity) do not decrease;
+// both are satisfied alternately (Dykstra, "An algorithm for restricted least squares regression", 1983).
 void limitSlope(ResponseTable& table) {
-  constexpr int kRounds = 500;  // chosen by eye
+  constexpr int kRounds = 500;  // number of alternations; chosen by eye
   const auto first = std::ranges::find_if(table, [](const auto& row) { return row.second > 0; });
   Eigen::ArrayXd values(table.end() - first), intensities(table.end() - first);  // logarithms
   std::transform(first, table.end(), values.begin(), [](const auto& row) { return std::log(row.first); });

@@ -18,7 +18,7 @@ constexpr std::size_t kFewestInRing = 20;  // least number of points in a ring t
 // All columns together span a full revolution if their angle differs from it by at most this fraction.
 constexpr double kTurnTolerance = 0.015;
 constexpr double kLeastSpread = 1;     // least deviation (m) of axis distances in a ring that determines the origin
-constexpr double kSignificant = 3;     // number of standard errors from which an offset counts as not zero
+constexpr double kSignificant = 3;     // an offset of fewer standard errors counts as zero
 constexpr double kLeastOffset = 2e-3;  // smaller offsets (m) count as zero
 
 struct Point {
