@@ -25,8 +25,8 @@ class ForeignFile : public InputError {
 // Throws an Error "PATH: WHAT: REASON". The reason is why the latest system call failed, as errno states it.
 [[noreturn]] void failBySystem(const std::filesystem::path& path, std::string_view what);
 
-// True if `path` is `folder` or lies in it, also through links. Neither path needs to exist. Throws Error if links
-// cannot be followed, such as links in a circle.
+// True if `path`, after links are followed, is `folder` or lies in it. Neither path needs to exist. Throws Error if
+// links cannot be followed, such as links in a circle.
 bool isWithin(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 // Opens the folder that contains `file` with O_PATH, for openat() and similar calls. `what` is the middle part of the

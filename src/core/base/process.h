@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs other programs as child processes; the name of this host.
+// Runs other programs as child processes, and returns the name of this host.
 
 #include <filesystem>
 #include <map>
@@ -59,7 +59,7 @@ class Process {
   std::string name_;
   int pid_ = -1;  // -1: waitpid() has returned the child's status
   int status_ = 0;
-  Descriptor socket_;   // to the child's standard input and output
+  Descriptor socket_;   // connected to the child's standard input and output
   Descriptor errors_;   // file with the child's standard error
   std::string output_;  // output that was received but not yet returned by readLine()
 };

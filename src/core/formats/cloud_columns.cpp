@@ -73,7 +73,7 @@ const FormatSupport& cloudColumns() {
 }
 
 std::string columnMeant(std::string_view name) {
-  constexpr std::string_view kPrefix = "scalar_";  // of CloudCompare
+  constexpr std::string_view kPrefix = "scalar_";  // before names of columns in files of CloudCompare
   std::string plainName = lowerCase(name);
   if (plainName.starts_with(kPrefix)) plainName.erase(0, kPrefix.size());
   const FormatElements* const row = cloudColumns().find(plainName);

@@ -178,12 +178,12 @@ class CsvReader {
       {{"x", &Vec3d::x}, {"y", &Vec3d::y}, {"z", &Vec3d::z}}};
   static constexpr std::array<float Vec3f::*, 3> kFloatAxes{&Vec3f::x, &Vec3f::y, &Vec3f::z};
 
-  std::string_view rest_;  // of the file, behind line_
+  std::string_view rest_;  // the file's bytes behind line_
   std::string_view line_;  // the current line
-  Location where_;         // of the current line
+  Location where_;         // location of the current line
   bool exact_;             // see readers.h
   char separator_ = ',';
-  std::vector<std::string_view> cells_;  // of the current line
+  std::vector<std::string_view> cells_;  // cells of the current line
   std::vector<ReadCell> columns_;        // by cell
   std::vector<Vec3d> exactPositions_;    // m, positions before the origin is subtracted; empty unless exact_
   Cloud cloud_;

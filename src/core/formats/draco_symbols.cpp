@@ -167,7 +167,7 @@ void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, st
   thread_local RawVector<char> scratch;
   scratch.resize(3 * h.total + 8);
   char* const begin = scratch.data();
-  char* end = begin;   // of the code so far
+  char* end = begin;   // end of the code so far
   if (h.unique > 1) {  // a single symbol has probability 1 and takes no bits
     const std::vector<SymbolStep> steps = symbolSteps(probability, precisionBits);
     for (std::size_t i = h.total; i-- > 0;) {

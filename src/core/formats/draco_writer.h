@@ -73,7 +73,7 @@ class DracoWriter {
   [[nodiscard]] std::string finish() const;
 
  private:
-  // Adds the metadata, the descriptor and the encoder of an attribute. Its values must follow.
+  // Adds the metadata, the descriptor and the encoder of an attribute. The values of the attribute must follow.
   void describe(std::string_view name, int dataType, std::size_t components, int encoder);
   template <class T>
   void addNarrowed(std::string_view name, std::span<const T> values);

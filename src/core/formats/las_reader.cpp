@@ -151,14 +151,15 @@ class LasReader {
     }
   }
 
-  // Returns the text of a field of `length` bytes, which ends at its first zero.
+  // Returns a field of `length` bytes as text, up to its first zero byte.
   static std::string_view textAt(std::string_view data, std::size_t begin, std::size_t length) {
     const std::string_view field = data.substr(begin, length);
     return field.substr(0, field.find('\0'));
   }
 
   // Returns the coordinate system at a point, from the well-known text or the keys of GeoTIFF. Sets `description`, for
-  // messages, to its source. If it cannot be read, returns an empty system, and the reason in `description`.
+  // messages, to where the system comes from. If the system cannot be read, returns an empty one and the reason in
+  // `description`.
   CoordinateSystem readSystem(bool byWkt, const Vec3d& point, std::string& description) const {
     try {
       description = byWkt ? quotedForMessage(textAt(wkt_, 0, 60)) : "keys of GeoTIFF";

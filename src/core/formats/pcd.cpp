@@ -3,9 +3,9 @@
 //   format: pcd
 //   encoding: binary_compressed   # columns compressed by LZF; or binary: uncompressed rows; or ascii
 //
-// Fields: x y z F 4, then the scan's columns in the types of the table of columns (scan/columns.h), except the label,
-// which is U 4 as in PCL's PointXYZL. An organised scan keeps WIDTH and HEIGHT, and its misses are NaN. A comment in
-// the header states the sensor's rings and columns.
+// Fields: x, y and z as float32, then the scan's columns in the types of the table of columns (scan/columns.h), except
+// the label, which is uint32 as in PCL's PointXYZL. An organised scan keeps WIDTH and HEIGHT, and its misses are NaN. A
+// comment in the header states the sensor's rings and columns.
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ namespace scanmill {
 namespace {
 
 enum class Encoding { Compressed, Binary, Ascii };
-const std::vector<std::string> kEncodingNames{"binary_compressed", "binary", "ascii"};  // in the same order
+const std::vector<std::string> kEncodingNames{"binary_compressed", "binary", "ascii"};  // in the order of Encoding
 
 constexpr double kMostLzfGrowth = 33.0 / 32;  // LZF adds one byte to every 32 bytes that it cannot shrink
 

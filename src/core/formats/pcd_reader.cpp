@@ -124,7 +124,7 @@ class HeaderReader {
   }
 
   // Sets worldFromFile from the translation and the quaternion (w first) of a line VIEWPOINT tx ty tz qw qx qy qz.
-  // Seven zeros state no pose.
+  // Seven zeros leave the identity.
   void readViewpoint(const Words& words) {
     std::array<double, 7> numbers{};
     if (words.size() != 8) throw InputError(where_, "VIEWPOINT must have seven values: tx ty tz qw qx qy qz");
@@ -187,7 +187,7 @@ class HeaderReader {
   std::string_view rest_;
   Location where_;
   PcdHeader header_;
-  std::optional<std::uint64_t> points_;  // as the header states them
+  std::optional<std::uint64_t> points_;  // number of points that the header states
 };
 
 class BodyReader {
@@ -293,7 +293,7 @@ class BodyReader {
   }
 
   Scan readCompressed() {
-    constexpr std::size_t kSizesBytes = 8;  // of the block's two sizes, with and without compression
+    constexpr std::size_t kSizesBytes = 8;  // bytes of the block's two sizes, compressed and not
     if (header_.body.size() < kSizesBytes) {
       if (header_.points == 0) return newScan();
       throw InputError(where_, "truncated: the compressed sizes are missing");

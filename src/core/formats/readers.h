@@ -21,7 +21,7 @@ namespace scanmill {
 // rings and columns, and whether the scan is organised or dense. Other readers ignore it.
 constexpr std::string_view kPcdSensorComment = "# scanmill sensor:";
 
-// The name of the extra bytes of LAS in which this program exports the complete intensities.
+// Name of the extra bytes of LAS in which this program exports exact intensities.
 constexpr std::string_view kLasExactIntensity = "intensity_f";
 
 std::unique_ptr<Format> makePcd(Fields& options);

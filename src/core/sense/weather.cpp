@@ -51,8 +51,8 @@ Weather rainOf(double rate) {
   rain.extinction = kLargeDrops * kPi / 4 * rain.drops.squares() * kSquareMillimetre;
   const double reflectedOnce = fresnel(1, kWaterIndex);
   const double focus = kWaterIndex / (2 - kWaterIndex);
-  // The bracket of the header's formula: reflection of the front face, plus that of the back face, focused by the
-  // front.
+  // The bracket of the header's formula: reflection of the front face, plus reflection of the back face, which the
+  // front face focuses.
   const double gain = reflectedOnce + (1 - reflectedOnce) * (1 - reflectedOnce) * reflectedOnce * focus * focus;
   // The echo is pi times the backscatter per steradian, gain a^2 / 4 with the radius a = D / 2, for D = 1 mm.
   rain.dropEcho = kPi * gain / 16 * kSquareMillimetre;

@@ -36,8 +36,7 @@ std::uint32_t toIndex(double number, const Location& where) {
   return static_cast<std::uint32_t>(number);
 }
 
-// Returns a row of the table. Without a column `ring`, row number k is column k of the only ring. A missing column is
-// 0.
+// Returns a row of the table. Without a column `ring`, row k is column k of the only ring. Missing columns are 0.
 BeamRow readRow(const TextTable& table, std::size_t row) {
   const auto number = [&](const char* name, Range range) { return table.number(row, name, range); };
   const auto origin = [&](const char* name) { return static_cast<float>(number(name, {-10, 10})); };

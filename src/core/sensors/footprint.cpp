@@ -30,7 +30,7 @@ std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
   // applied. Thus more rays sample a wider part of the beam.
   const double spacing = 2.0 / (rings + 1);
   std::vector<GridPoint> points;
-  double sum = 0;     // of the weights
+  double sum = 0;     // sum of the weights
   double moment = 0;  // sum of the weights times r^2
   // q and r count the steps along two axes of the grid, which are 60 degrees apart.
   for (int q = -rings; q <= rings; ++q) {

@@ -19,7 +19,7 @@ constexpr std::uint32_t kFootprintRays[] = {1, 7, 19, 37, 61, 91, 127};
 // The speed of light (m/s).
 constexpr double kLightSpeed = 299792458.0;
 
-// Returns the distance (m) along a beam of two surfaces whose echoes are `width` (s) apart in time: c * width / 2.
+// Returns the distance (m) along a beam between two surfaces whose echoes are `width` (s) apart: c * width / 2.
 constexpr double pulseLength(double width) {
   return kLightSpeed * width / 2;
 }

@@ -307,7 +307,7 @@ void makeFlash(Fields& fields, BeamTable& table) {
 
 struct RingCount {
   double rings = 0;  // not yet checked against kMaxRings
-  Location where;    // of the value that gives the number
+  Location where;    // location of the value that gives the number
 };
 
 // Returns the number of rings of a sensor whose beams are not listed: from `elevation_deg` or, in its absence, the

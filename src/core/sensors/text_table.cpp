@@ -76,7 +76,7 @@ TextTable::TextTable(const std::filesystem::path& file) : bytes_(readFile(file))
     splitCells(line.text, semicolons ? ';' : line.text.find(',') != line.text.npos ? ',' : ' ', cells);
     if (names_.empty()) {
       for (const std::string_view cell : cells) names_.push_back(columnName(cell));
-      while (!names_.empty() && names_.back().empty()) names_.pop_back();  // from separators at the line's end
+      while (!names_.empty() && names_.back().empty()) names_.pop_back();  // come from separators at the line's end
       continue;
     }
     if (&line == &lines.back() && isChecksum(cells.front())) continue;

@@ -146,8 +146,8 @@ class Trajectory {
     double length;  // m along the path
   };
   static std::vector<LaneChange> readLaneChanges(const Value& value, double length);
-  // Each of these reads one kind of trajectory. `period`: s, default of the time between frames. `limit`: the largest
-  // number of frames, or infinity. readTrajectory() has set name_, lastTurn_ and ground_ before.
+  // Each of these functions reads one kind of trajectory. `period`: default time between frames (s). `limit`: the
+  // largest number of frames, or infinity. readTrajectory() has set name_, lastTurn_ and ground_ before.
   void readPoses(Fields& fields, double period, double limit);
   void readRecorded(Fields& fields, double period, double limit);
   void readDrive(Fields& fields, double period, double limit, std::uint64_t seed, const SceneLanes* lanes);
@@ -187,10 +187,10 @@ class Trajectory {
 // Throws InputError.
 std::uint32_t countDrives(const Value& value);
 
-// Reads a trajectory. `period`: duration of the longest revolution of a sensor (s), which is the time between frames if
-// the YAML gives none, and for which the vehicle must continue after the last frame has started. `lanes`: the town's
-// lanes that `along` refers to; null if the caller has no lanes. `seed`: seed of the vehicle's sway. `drive`: index of
-// one of several random drives; the trajectory's name ends with it. Throws InputError.
+// Reads a trajectory. `period`: longest duration of a sensor's revolution (s). This is the default time between frames,
+// and the vehicle must continue for this time after the start of the last frame. `lanes`: the town's lanes that `along`
+// refers to; null if the caller has no lanes. `seed`: seed of the vehicle's sway. `drive`: index of one of several
+// random drives; the trajectory's name ends with it. Throws InputError.
 Trajectory readTrajectory(const Value& value, const std::string& name, double period, const SceneLanes* lanes = nullptr,
                           std::uint64_t seed = 0, std::uint32_t drive = 0);
 

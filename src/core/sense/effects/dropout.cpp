@@ -23,7 +23,7 @@ namespace {
 
 struct DropOutOptions {
   float threshold;     // least power that is reported; 0: any
-  double probability;  // of losing a return at random
+  double probability;  // probability of losing a return at random
   bool instancesOnly;  // true: only returns of object instances are lost at random
   double rings;        // fraction of the rings that report nothing
 };
@@ -70,7 +70,7 @@ class DropOut : public Effect {
     }
   }
 
-  // Removes all returns of the rings with the smallest random numbers: of the fraction o_.rings of all rings.
+  // Removes all returns of the fraction o_.rings of the rings, namely of the rings with the smallest random numbers.
   void loseRings(const Shot& shot, Returns& returns) const {
     const std::uint32_t rings = shot.beams->rings;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> lostRings;  // random number, ring

@@ -62,7 +62,7 @@ struct IntensityOptions {
   std::vector<std::pair<double, double>> table;  // natural logarithm of the value, intensity; empty: no table
   float floor = 0;                               // received power that the sensor does not measure
   double noise = 0;                              // standard deviation, as a fraction of the full scale
-  double step = 0;                               // as a fraction of the full scale; 0: no rounding
+  double step = 0;                               // rounding step, as a fraction of the full scale; 0: none
 };
 
 // How a material reflects light back along the beam: the diffuse reflectance is matt * reflectance, and F0 (reflectance
@@ -312,7 +312,7 @@ class Intensity : public Effect {
     }
   }
 
-  // Sets `result` to `value` times the fraction of the received power that exceeds the floor. Both may be one array.
+  // Sets `result` to `value` times the fraction of the received power that exceeds the floor. `result` may be `value`.
   void subtractFloor(const float* value, const float* power, std::size_t count, float* result) const {
     for (std::size_t i = 0; i < count; ++i) {
       result[i] = value[i] * (1 - o_.floor / (power[i] > o_.floor ? power[i] : o_.floor));

@@ -48,7 +48,7 @@ class ReflectanceVariation : public Effect {
     Batch<double> area, size, contrast, exponent;
     for (std::size_t first = 0; first < returns.size(); first += kBatch) {
       const std::size_t count = std::min(kBatch, returns.size() - first);
-      std::size_t mostVariations = 0;  // of any row of the batch
+      std::size_t mostVariations = 0;  // largest number of variations of a row
       for (std::size_t i = 0; i < kBatch; ++i) {
         variations[i] = &none;
         area[i] = 0;

@@ -24,8 +24,8 @@ constexpr double kNearestRange = 0.001;  // m, least range that is reported
 // One kind of error: either a list with a value per ring, or the standard deviation for sampling values.
 struct PerRing {
   double sigma = 0;          // standard deviation; used if `list` is empty
-  std::vector<double> list;  // by ring
-  Location where;            // of the list
+  std::vector<double> list;  // error of each ring
+  Location where;            // location of the list
 
   bool zero() const { return sigma == 0 && list.empty(); }
   // Returns the error of a ring. `normal`: a standard normal random number.

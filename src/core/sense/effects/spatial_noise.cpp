@@ -21,9 +21,9 @@ struct LatticePosition {
 // vectorised: the sum with 1.5 * 2^52 has the integer nearest to the coordinate in its last bits.
 LatticePosition latticePosition(double coordinate) {
   const double shifted = coordinate + 0x1.8p52;
-  const double offset = coordinate - (shifted - 0x1.8p52);  // from the nearest integer, -0.5 to 0.5
+  const double offset = coordinate - (shifted - 0x1.8p52);  // distance from the nearest integer, -0.5 to 0.5
   const bool roundedUp = offset < 0;
-  const double t = roundedUp ? offset + 1 : offset;  // from the lower corner, 0 to 1
+  const double t = roundedUp ? offset + 1 : offset;  // distance from the lower corner, 0 to 1
   const double upper = t * t * t * (t * (t * 6 - 15) + 10);
   const auto nearest = static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(shifted));
   return {.corner = nearest - (roundedUp ? 1u : 0u), .lowerWeight = 1 - upper, .upperWeight = upper};

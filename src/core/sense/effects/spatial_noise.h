@@ -35,7 +35,7 @@ class PositionsOfHits {
   const Shot& shot_;
   const Returns& returns_;
   std::vector<Mat3> rotation_;       // from sensor to world axes, for each step of the revolution
-  std::vector<std::size_t> stepOf_;  // by column
+  std::vector<std::size_t> stepOf_;  // step of each column
 };
 
 // A nearly Gaussian field with mean 0 and variance 1 at every point. It is lattice noise: each corner of a lattice of
@@ -47,7 +47,7 @@ class PositionsOfHits {
 // Neighbouring points are often in the same cube: the numbers of recent cubes are kept in a table.
 class SpatialField {
  public:
-  // `number`: number of the field, below 4096.
+  // `number`: distinguishes fields of the same purpose; below 4096.
   SpatialField(std::uint64_t seed, Purpose purpose, std::uint32_t number);
   // Adds factor[i] * field(positions[i] * cubesPerMetre[i]) to values[i]. `cubesPerMetre[i]`: number of the lattice's
   // cubes per metre for row i of the batch.

@@ -67,7 +67,7 @@ double litArea(const BeamTable& beams, double range) {
 struct WeatherOptions {
   Weather weather;
   double least = 0;         // power below which particles are ignored; 0: kUsualLeastPower, or less for receivers that
-                            // detect less
+                            // detect fainter echoes
   double wet = 0;           // fraction of upward surfaces under standing water
   std::uint16_t label = 0;  // class of the particles' returns
 };
@@ -180,8 +180,7 @@ class WeatherEffect : public Effect {
     if (o_.wet > 0) wetGround(hits, shot, returns);
     const Falloff& falloff = returns.falloff;
     // Converts the least power from the unit of `least`, a white target at kUnitRange, to the unit of the effect
-    // `intensity`, a white target at falloff.reference. In noise, echoes of half the threshold are still detected at
-    // times.
+    // `intensity`, a white target at falloff.reference. In noise, some echoes of half the threshold are detected.
     const double rangeRatio = falloff.inverseSquare ? falloff.reference / kUnitRange : 1;
     Reception reception{.falloff = falloff,
                         .least = (o_.least > 0 ? o_.least : kUsualLeastPower) * rangeRatio * rangeRatio};
@@ -246,9 +245,9 @@ class WeatherEffect : public Effect {
       const double expected = table.expectedDrops(double{open[beam]});
       if (expected <= 0) continue;
       // The number of drops has Poisson's distribution, which is inverted by subtracting the probabilities of 0, 1, 2
-      // ... drops from a uniform number. This number is from the block after the drops' blocks.
+      // ... drops from a uniform number. The uniform number comes from the random block after the drops' blocks.
       double remainder = uniform(drawBlock(shot, Purpose::Weather, beam, kMostDrops)[0]);
-      double probability = exponential(-expected);  // of n drops
+      double probability = exponential(-expected);  // probability of n drops
       drops.clear();
       for (std::uint32_t n = 0; remainder > probability && n < kMostDrops; ++n) {
         remainder -= probability;
