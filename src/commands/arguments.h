@@ -95,8 +95,8 @@ std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
 // Returns the value of an option. Throws InputError if it is not a whole number of at least 0.
 std::uint64_t countOption(const Arguments& arguments, const char* name);
 
-// Makes the folder of a file that is to be written. Throws InputError if that fails, if the file is a folder, or if it
-// exists and --overwrite is not given.
+// Creates the folder for an output file. Throws InputError if the folder cannot be created, if `file` is a folder, or
+// if the file exists and --overwrite is not given.
 void prepareOutputFile(const std::filesystem::path& file, const Arguments& arguments);
 
 // Returns the folder that an option names; empty if the option is not given. Throws InputError for an empty name.

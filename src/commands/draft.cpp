@@ -21,7 +21,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the files of the paths. A folder stands for the 3D files in it, sorted by path, which are also added to
+// Returns the files that `paths` name. A folder names all 3D files in it, sorted by path; these files are also added to
 // `filesInFolders`.
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& paths,
                                            std::set<std::filesystem::path>& filesInFolders) {

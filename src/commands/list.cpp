@@ -61,7 +61,7 @@ Rows columnRows() {
   return rows;
 }
 
-// Prints the keys of an effect, format or method that a pipeline can set, one per line. `entry.keys`: a line each.
+// Prints the keys of an effect, format or method that a pipeline can set, one per line. `entry.keys`: one line per key.
 template <class Entry>
 void printKeysOf(const Entry& entry) {
   printText("  {}{}\n", entry.name, entry.keys.empty() ? ": none" : "");

@@ -244,8 +244,8 @@ void writePicture(const std::filesystem::path& file, const Image& image, const s
   printText("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
 }
 
-// Throws InputError if the user has given an option that is not allowed. `subject`: what does not take the option, such
-// as "an EXR image".
+// Throws InputError if the user has given an option that is not allowed. `subject`: the thing that does not accept the
+// option, such as "an EXR image".
 void requireOnly(const std::filesystem::path& file, const Arguments& parsed, const std::string& subject,
                  std::initializer_list<std::string_view> allowed) {
   for (const cxxopts::KeyValue& option : parsed.options.arguments()) {

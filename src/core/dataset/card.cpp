@@ -160,8 +160,8 @@ std::string fenceFor(const std::string& text) {
   return std::string(longest + 1, '`');
 }
 
-// Returns a field of the record set `samples`. `source`: the set of files that contain the field's text. `extract`: how
-// to get the text of a file. `pattern`: regular expression whose first group is the value; null: the complete text.
+// Returns a field of the record set `samples`. `source`: id of the set of files to read. `extract`: reads the name or
+// the content of a file. `pattern`: regular expression whose first group is the value; null: none.
 OrderedJson sampleField(const char* name, const char* description, const char* source, OrderedJson extract,
                         const char* pattern) {
   OrderedJson field{

@@ -24,7 +24,7 @@ struct ScanTotals {
   std::uint64_t beams = 0;
   std::uint64_t unresolved = 0;                          // beams that the method could not trace
   std::map<std::uint16_t, std::uint64_t> perClass;       // points
-  std::map<std::string, std::set<std::string>> methods;  // names, by sensor
+  std::map<std::string, std::set<std::string>> methods;  // names of methods, by sensor
 };
 ScanTotals totalsOf(const Manifest& manifest);
 

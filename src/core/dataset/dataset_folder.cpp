@@ -42,8 +42,8 @@ bool surelyExists(const fs::path& path) {
   throw Error("{}: {}", path.string(), failure.message());
 }
 
-// Returns the nearest ancestor of the folder with a complete or unfinished dataset. Returns an empty path if there is
-// none, or if the folder is in a dataset's hidden folder, where regenerate() makes shards again.
+// Returns the nearest folder above `folder` that has a complete or unfinished dataset. Returns an empty path if there
+// is none, or if the folder is in a dataset's hidden folder, where regenerate() makes shards again.
 fs::path datasetAbove(const fs::path& folder) {
   fs::path ancestor = fs::absolute(folder).lexically_normal();
   if (!ancestor.has_filename()) ancestor = ancestor.parent_path();  // the path ends in a slash

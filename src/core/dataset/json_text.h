@@ -35,7 +35,7 @@ std::string layOut(const OrderedJson& value, std::size_t indent = 0);
 // Returns the text of a list. `items`: the texts of the items, laid out with `indent` + 1.
 std::string layOutList(const std::vector<std::string>& items, std::size_t indent);
 
-// Return the given values. Infinities and NaN, which JSON does not have, cause an Error that names `what`.
+// Return the argument. Throw an Error that names `what` for infinities and NaN, which JSON does not have.
 double finite(double value, std::string_view what);
 OrderedJson finiteList(const std::vector<double>& values, std::string_view what);
 
@@ -123,7 +123,7 @@ class JsonNode {
     if (number < low || number > high) fail("{} is not within {} to {}", number, low, high);
     return static_cast<Integer>(number);
   }
-  // Returns the text of a finite number, from which the same number is read again.
+  // Returns a finite number as text. Reading this text gives the same number.
   std::string numberText() const {
     number();
     return value_.dump();

@@ -132,7 +132,7 @@ struct Manifest {
   static constexpr int kSchemaVersion = 3;
   std::string programVersion;
   std::string name;
-  std::map<std::string, std::string> about;  // what the pipeline says of the dataset under `about`, by key
+  std::map<std::string, std::string> about;  // texts of the pipeline's key `about`, by their keys
   std::string pipelineText;                  // text of the pipeline, with the overrides of --set appended as comments
   std::string pipelineSha256;
   std::string planSha256;  // see datasetPlan(); empty in manifests of earlier versions
@@ -155,8 +155,8 @@ struct Manifest {
   const SequenceRecord* sequenceOf(const std::string& key) const;
 };
 
-// Returns the name of the file that describes the samples of a shard in a large dataset; it is beside the shard:
-// train/train-000000.json.
+// Returns the name of the file beside a shard that describes the shard's samples in a large dataset, such as
+// "train/train-000000.json".
 std::string samplesFileOf(const std::string& shardFile);
 // Returns the text of the file that samplesFileOf() names. `numbers`: the indices of the shard's samples in the
 // manifest, in order.
@@ -176,7 +176,7 @@ std::string toJson(const Manifest& manifest);
 // Returns the problem with the digest in a manifest's text: the digest is missing or does not match. Empty if it
 // matches.
 [[nodiscard]] std::string digestProblem(std::string text);
-// Throws InputError if the text of the manifest `file` states a digest that differs from the text's own.
+// Throws InputError if the text of the manifest `file` states a digest that does not match the text.
 void requireStatedDigest(const std::filesystem::path& file, const std::string& text);
 // Parses a manifest. Throws an InputError that names `file`, the place in the text, and the problem.
 Manifest parseManifest(const std::string& text, const std::string& file);

@@ -70,7 +70,7 @@ OrderedJson reasonsJson(const ScanRecord& scan) {
   return json;
 }
 
-// Reads the counts that reasonsJson() writes. Throws InputError unless their sum is `beams`, the scan's beams.
+// Reads the counts that reasonsJson() writes. Throws InputError unless their sum is `beams` (number of beams).
 ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
   ReasonCounts counts;
   std::uint64_t sum = 0;

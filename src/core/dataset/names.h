@@ -27,8 +27,8 @@ bool isSplitName(std::string_view split);
 std::string shardName(const std::string& split, std::uint64_t number);
 // Returns true if shardName() can return `name`, which is relative to the dataset's folder.
 bool isShardName(std::string_view name);
-// Returns true if `name` is a temporary name, which a killed run has left behind, of a shard, of a file that describes
-// a shard's samples, or of a manifest.
+// Returns true if `name` is the temporary name of a shard, of a file that describes a shard's samples, or of a
+// manifest. Killed runs leave such files behind.
 bool isLeftover(std::string_view name);
 // Returns the final name of a file that has the temporary name `name` (AtomicFile in base/file.h); nothing if `name` is
 // not a temporary name.

@@ -88,8 +88,8 @@ class ScanCheck {
     if (scan_.size() > 0) checkColumns();  // an empty scan of an earlier version has no columns
   }
 
-  // Compares the columns with those of the manifest. A format may leave out `time`, because it follows from ring,
-  // column and the beam table.
+  // Compares the columns with the columns in the manifest. A format may leave out `time`, because it can be computed
+  // from ring, column and beam table.
   void checkColumns() {
     const std::vector<std::string> scanColumns = columnNames(scan_);
     const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
@@ -183,7 +183,7 @@ class ScanCheck {
     }
   }
 
-  // Compares the numbers of points of each class with those of the manifest.
+  // Compares the number of points of each class with the manifest.
   void checkClasses() {
     if (scan_[kLabel].empty()) return;
     std::map<std::uint16_t, std::uint64_t> counts;
@@ -206,7 +206,7 @@ class ScanCheck {
     }
   }
 
-  // Compares the number of distinct instances with that of the manifest.
+  // Compares the number of distinct instances with the manifest.
   void checkInstances() {
     if (scan_[kInstance].empty()) return;
     std::unordered_set<std::uint32_t> instances;

@@ -45,7 +45,7 @@ class ShardCheck {
     }
   }
 
-  // Returns the shard's numbers of samples, scans and points, and the problems; the other members are 0.
+  // Returns the shard's numbers of samples, scans and points, and the problems; other fields of the result are 0.
   Verification run() {
     if (result_.samples != record_.samples) {
       problem("its entry states {} samples, but the manifest lists {}", record_.samples, result_.samples);
@@ -78,7 +78,7 @@ class ShardCheck {
     return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
   }
 
-  // Compares the file's size and hash with those of the manifest.
+  // Compares the file's size and hash with the manifest.
   void checkBytes() {
     Sha256 hash;
     std::uint64_t bytes = 0;

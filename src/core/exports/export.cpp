@@ -125,7 +125,7 @@ class Export {
         options_.layout->boxesAlone ? "boxes are left out" : "points become unlabeled"));
   }
 
-  // Sets plan_.sensors to the sensors that the user has named or, by default, to all that the layout can store.
+  // Sets plan_.sensors to the sensors that the user has named; by default all, or the first if the layout has only one.
   void chooseSensors() {
     const auto names = plan_.manifest.sensors | std::views::transform(&SensorRecord::name);
     for (const std::string& name : options_.sensors) {
@@ -283,8 +283,7 @@ class Export {
     return sample;
   }
 
-  // Calls work(unit, readSample) for all units, on several threads. A frame counts for the progress when it has been
-  // read.
+  // Calls work(unit, readSample) for all units on several threads. The progress counts the frames that have been read.
   template <class Work>
   void forUnits(const char* stage, const std::vector<Unit>& units, const Work& work) {
     std::uint64_t allFrames = 0;

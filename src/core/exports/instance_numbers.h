@@ -30,7 +30,7 @@ class InstanceNumbers {
     auto operator<=>(const Instance&) const = default;
   };
   using Numbers = std::map<Instance, std::uint16_t>;
-  // Returns the instances that a scan of a sample has.
+  // A function that returns the instances in a scan.
   using InstancesOf = std::function<std::set<Instance>(const ExportPlan& plan, const Scan& scan)>;
 
   // `most`: the largest number. `groupName`: what a group is called in messages, such as "instances of car".

@@ -73,7 +73,7 @@ template <class... Values>
 
 // Returns true if the dataset lists the objects of every exported sample.
 bool listsObjects(const ExportPlan& plan);
-// Returns true if the dataset's scans have a column.
+// Returns true if the dataset's scans have the column `column`.
 bool hasColumn(const ExportPlan& plan, std::string_view column);
 // Returns the indices of the scan's points, without misses, in the order of KITTI's files, from which some loaders
 // derive the rings: the rings from top to bottom, and each ring counter-clockwise, starting straight ahead. If the scan
@@ -126,7 +126,7 @@ class ExportLayout {
   // Throws InputError if the dataset's manifest shows that the layout cannot store the dataset. Called before
   // anything is written.
   virtual void check(const ExportPlan&) const {}
-  // Returns true if the samples must be checked, too: checkSample() is then called for all of them before one is
+  // Returns true if the samples must be checked, too: checkSample() is then called for all samples before any sample is
   // written.
   virtual bool checksSamples(const ExportPlan&) const { return false; }
   virtual void checkSample(const ExportPlan&, const ExportSample&) const {}
