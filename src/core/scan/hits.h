@@ -69,8 +69,7 @@ struct Hits {
   std::size_t rays() const { return range.size(); }
   bool hit(std::size_t ray) const { return range[ray] < kMiss; }
 
-  // Sets the size of `range` and of the arrays whose channels are in `asked` to one ray per beam; their values are
-  // undefined. Empties all other arrays.
+  // Gives `range` and the arrays whose channels are in `asked` one undefined value per beam. Empties all other arrays.
   void reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels asked);
 };
 

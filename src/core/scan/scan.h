@@ -35,8 +35,8 @@ struct ForeignColumn {
 // of each beam. Its misses have NaN as position and Column::none in each column.
 //
 // A point is identified by its beam, ring * columns + column, and the number of its return. This key joins a noisy scan
-// to its noise-free reference. If a beam has lost or gained returns, its keys no longer match, since returns are
-// numbered by their range in each scan. Columns that were not asked for are empty.
+// to its noise-free reference. If a beam has lost or gained returns, its keys no longer match, since each scan numbers
+// the returns by range. Columns that were not asked for are empty.
 class Scan {
  public:
   std::uint32_t rings = 0;    // number of the sensor's rings

@@ -15,7 +15,7 @@ from .mix import Mix
 from .ontology import LABELS, Ontology
 from .words import names_in
 
-MIXING = 2**32 - 1  # index of the mix for its random numbers; transforms of Compose have indices from 0
+MIXING = 2**32 - 1  # `position` of the mix in generator(); Compose numbers its transforms from 0
 
 
 class SampleReader:

@@ -288,7 +288,7 @@ class Intensity : public Effect {
     for (; i < count; ++i) power[i] = reflected(lobesOfRow(i), incidence[i], reflectance[i]);
   }
 
-  // Reverses applyRangeLoss(): divides `power` by the loss, into `reflectivity`. If the loss is 0, copies the power.
+  // Reverses applyRangeLoss(): sets `reflectivity` to `power` divided by the loss or, if the loss is 0, to `power`.
   void removeRangeLoss(const float* range, std::size_t count, const float* power, float* reflectivity) const {
     Batch<float> loss;
     loss.fill(1);

@@ -37,7 +37,7 @@ struct RoughHit {
   std::size_t row = 0;
   Vec3d point;      // m, world: hit on the mesh
   Vec3d direction;  // unit vector, world axes: of the beam
-  // Standard deviation of the height after averaging over the beam's footprint (m), for each entry of the relief.
+  // Standard deviation of the height (m) after averaging over the beam's footprint, for each entry of the relief.
   std::array<double, kMostReliefs> height{};
   std::array<double, kMostReliefs> cubesPerMetre{};  // cubes per metre, by entry of the relief
   double cosine = 1;                                 // cosine of the angle of incidence
