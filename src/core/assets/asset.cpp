@@ -44,8 +44,8 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Reads the glTF file `glb`, whose unit is the metre and which messages call `name`. `up`: the file's up axis, unless
-// the options state an axis.
+// Reads the glTF file `glb`, in metres. Messages call the file `name`. `up`: the up axis of the file; the options can
+// override it.
 Asset readGltf(const std::filesystem::path& glb, const std::filesystem::path& name, char up,
                const AssetOptions& options) {
   up = options.up.value_or(up);
@@ -69,7 +69,7 @@ Asset readByBlender(const std::filesystem::path& file, const std::string& kind, 
   return asset;
 }
 
-// Warns if the greatest coordinate of an asset exceeds both the asset's extent and kFar, from which on float32 is
+// Warns if the greatest coordinate of an asset exceeds both the asset's extent and kFar, beyond which float32 is
 // coarse.
 void warnOfCoarseCoordinates(const Asset& asset, const std::filesystem::path& file) {
   constexpr double kFar = 16384;  // m; from here on, steps of float32 are about 2 mm or more

@@ -133,7 +133,7 @@ std::string whyNoReader(const fs::path& file) {
 
 std::string otherContent(const fs::path& file) {
   const std::string ending = lowerExtension(file);
-  constexpr std::size_t kExaminedBytes = 4096;  // the root element of an XML file is searched for in these bytes
+  constexpr std::size_t kExaminedBytes = 4096;  // bytes in which XML root elements are searched for
   const std::string bytes = lowerCase(firstBytes(file, kExaminedBytes));
   const std::string_view text = trimmed(textOfFile(bytes));
   const bool isXml = text.starts_with("<?xml");

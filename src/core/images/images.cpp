@@ -253,7 +253,7 @@ DecodedImage decode(ImageReader& image, const std::string& kindOfBytes, std::uin
   const std::string kind = !kindOfBytes.empty() || ending.empty() ? kindOfBytes : ending.substr(1);
   const ImageHeader header = image.header();
   checkSize(header, kind, fileBytes, name);
-  const int factor = (std::max(header.width, header.height) + kMostSide - 1) / kMostSide;  // of the reduction
+  const int factor = (std::max(header.width, header.height) + kMostSide - 1) / kMostSide;  // factor of the reduction
   const auto width = static_cast<std::size_t>(header.width);
   const std::size_t rowBytes = width * static_cast<std::size_t>(header.channels);
   DecodedImage decoded;

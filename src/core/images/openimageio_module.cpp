@@ -76,7 +76,7 @@ class OpenImageIoReader final : public ImageReader {
   void describe() {
     const OIIO::ImageSpec spec = input_->spec();
     const std::string_view format = input_->format_name();
-    // WebP's reader multiplies by alpha in linear light. Linear colours are not marked, since encode() divides them.
+    // WebP is multiplied by alpha in linear light, hence 2.2. encode() divides linear colours by alpha.
     const double gamma = !isMultiplied() || isLinear() ? 0.0 : format == "webp" ? 2.2 : 1.0;
     const bool isExr = format == "openexr";
     if (isExr && spec.roi() != spec.roi_full()) {

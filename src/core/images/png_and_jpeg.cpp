@@ -132,8 +132,8 @@ class PngReader final : public ImageReader {
   int nextRow_ = 0;
 };
 
-// Maximum number of scans of a progressive JPEG, which limitScans() names too: encoders write about ten, but a small
-// hostile file may contain very many, each of which is decoded over the complete image.
+// Maximum number of scans of a progressive JPEG, also in the message of limitScans(). Encoders write about ten, but a
+// small hostile file may contain very many, each of which is decoded over the complete image.
 constexpr int kMostScans = 500;
 
 class JpegReader final : public ImageReader {

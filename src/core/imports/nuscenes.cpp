@@ -26,7 +26,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::string_view kScanTable = "sample_data.json";  // and of images
+constexpr std::string_view kScanTable = "sample_data.json";  // table of scans and images
 
 // Calls readRow(row) for each row of a table. Each row is freed after the call, because a table of the complete dataset
 // has millions of rows.
@@ -68,7 +68,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   if (tablesAsGiven.empty()) return {};
   const fs::path tables = fs::absolute(tablesAsGiven).lexically_normal();
   const fs::path root = (tables.has_filename() ? tables : tables.parent_path()).parent_path();
-  // Returns a table's column `value` as a map whose keys are its column `key`; empty if an optional table is missing.
+  // Returns a map from a table's column `key` to its column `value`; empty if an optional table is missing.
   enum class Table { Required, Optional };
   using Texts = std::map<std::string, std::string>;
   const auto columnOf = [&](const char* table, const char* value, const char* key, Table need) {

@@ -85,10 +85,10 @@ bool convertPoints(const OGRSpatialReference& source, const OGRSpatialReference&
   return isConverted && std::ranges::all_of(x, isFinite) && std::ranges::all_of(y, isFinite);
 }
 
-// Sets the unit of a system of longitudes and latitudes, and in `foreign` why its degrees cannot be used, if so.
+// Sets the unit of a system in degrees. If the degrees cannot be used, says in `foreign` what they are.
 void describeDegrees(const OGRSpatialReference& reference, CoordinateSystem& system) {
-  constexpr double kRounding = 1e-9;       // of degrees in definitions
-  constexpr double kLargestMisfit = 0.01;  // of the earth's ellipsoids; the radii of other bodies differ more
+  constexpr double kRounding = 1e-9;       // rounding of degrees in definitions
+  constexpr double kLargestMisfit = 0.01;  // largest relative deviation of an earth ellipsoid's radius
   system.perUnit = degrees(reference.GetAngularUnits());
   if (std::fabs(system.perUnit - 1) < kRounding) system.perUnit = 1;
   if (reference.IsDerivedGeographic() != 0) system.foreign = "degrees of a sphere with another pole";
@@ -97,7 +97,7 @@ void describeDegrees(const OGRSpatialReference& reference, CoordinateSystem& sys
   }
 }
 
-// Sets the unit of a system whose x and y are lengths, and in `foreign` why they cannot be used, if so.
+// Sets the unit of a system whose x and y are lengths. If they cannot be used, says in `foreign` what they are.
 void describeLengths(const OGRSpatialReference& reference, CoordinateSystem& system) {
   const char* unitName = nullptr;
   system.perUnit = reference.GetLinearUnits(&unitName);
@@ -193,8 +193,8 @@ class GdalReader final : public RasterReader {
       if (isAlpha(GDALGetRasterBand(dataset_, i))) dropWhereZero(GDALGetRasterBand(dataset_, i), xywh, values);
     }
     const double marker = markerOf(band);
-    // Samples equal the no-data value within these relative tolerances: files state it in float32 (24 bits), or as a
-    // text, which has six digits if the value is as far from 0 as -3.40282e+38.
+    // Relative tolerances within which a sample counts as the no-data value. Files state this value in float32 (24
+    // bits), or as a text, which has six digits for huge values such as -3.40282e+38.
     constexpr double kFloatRounding = 1e-7, kTextRounding = 1e-5, kLeastAsText = 1e6;
     const double tolerance = std::fabs(marker) * (std::fabs(marker) > kLeastAsText ? kTextRounding : kFloatRounding);
     const double scale = GDALGetRasterScale(band, nullptr);
@@ -258,7 +258,7 @@ class GdalReader final : public RasterReader {
 
   static bool isAlpha(GDALRasterBandH band) { return GDALGetRasterColorInterpretation(band) == GCI_AlphaBand; }
 
-  // Returns the value that marks missing samples of a band; NaN if there is none.
+  // Returns the no-data value of a band; NaN if there is none.
   double markerOf(GDALRasterBandH band) const {
     int isStated = 0;
     const double marker = GDALGetRasterNoDataValue(band, &isStated);
@@ -299,7 +299,7 @@ std::string tiffOf(const GeoKeys& keys) {
   struct Tag {
     std::uint16_t number;
     Type type;
-    std::uint32_t count, value;  // value: the values' offset, or a value that fits in
+    std::uint32_t count, value;  // value: the offset of the values, or a value that fits in
   };
   // ImageWidth, ImageLength, BitsPerSample, Compression (none), PhotometricInterpretation (0 is black), StripOffsets,
   // SamplesPerPixel, RowsPerStrip, StripByteCounts.
@@ -332,7 +332,7 @@ void setHeightUnit(const GeoKeys& keys, CoordinateSystem& system) {
   // Metres, feet and US survey feet, by EPSG's codes.
   static const std::map<std::uint16_t, double> kMetres{{9001, 1}, {9002, 0.3048}, {9003, 1200.0 / 3937}};
   struct Entry {
-    std::uint16_t key, valueTag, count, value;  // valueTag 0: the value stands here
+    std::uint16_t key, valueTag, count, value;  // valueTag 0: `value` is the value itself
   } entry{};
   for (std::size_t at = 0; at + sizeof(entry) <= keys.directory.size(); at += sizeof(entry)) {
     std::memcpy(&entry, keys.directory.data() + at, sizeof(entry));

@@ -195,12 +195,12 @@ void warnOfDoubtfulHeights(const std::filesystem::path& file, const CoordinateSy
 
 // A rectangle of the file's samples.
 struct Window {
-  int column = 0, row = 0;  // of its first sample
+  int column = 0, row = 0;  // column and row of the first sample
   int width = 0, height = 0;
 };
 
-// Returns the window of the samples in the bounds, cut off at the raster's edges. Heights are in the bounds if the
-// centres of their samples are, classes and colours if their samples overlap the bounds.
+// Returns the window of the samples in the bounds, cut off at the raster's edges. A sample of heights is in the bounds
+// if its centre is; a sample of classes or colours is if it overlaps the bounds.
 Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, RasterUse use) {
   const auto [x0, y0, x1, y1] = bounds;
   const std::array corners{grid.columnAndRow(x0, y0), grid.columnAndRow(x0, y1), grid.columnAndRow(x1, y0),
@@ -271,9 +271,9 @@ bool readMeans(RasterReader& reader, int band, double marker, const Window& wind
   std::vector<double> block;
   struct Square {
     double sum = 0;
-    std::uint32_t count = 0;  // of the samples with a value
+    std::uint32_t count = 0;  // number of samples with a value
   };
-  std::vector<Square> squares(static_cast<std::size_t>(raster.width));  // of one row
+  std::vector<Square> squares(static_cast<std::size_t>(raster.width));  // squares of one row
   double least = marker, greatest = marker;
   bool hasMarker = false;
   for (int row = 0; row < window.height; ++row) {

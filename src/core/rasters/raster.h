@@ -26,13 +26,13 @@ struct CoordinateSystem {
   std::string heightUnit = "";      // name of that unit
   std::string foreign = "";         // says what the coordinates are if they cannot be used, in the plural; else empty
   double stretch = 1;               // ratio of lengths in a projected system to those on the ground
-  int utm = 0;                      // EPSG's code of the UTM zone of the place; 0 if the ratio is not known
+  int utm = 0;                      // EPSG's code of the UTM zone in which `stretch` was measured; 0: not known
 
   // True if lengths differ from those on the ground by more than 1 %; in UTM and national systems they do not.
   bool isStretched() const { return std::fabs(stretch - 1) > 0.01; }
 };
 
-// Reads a definition, such as OGC's or Esri's well-known text. The stretch is that at (x, y) in its coordinates.
+// Reads a definition, such as OGC's or Esri's well-known text. The stretch is the one at (x, y) in its coordinates.
 CoordinateSystem coordinateSystem(std::string_view definition, double x, double y);
 
 // The keys of a GeoTIFF ("OGC GeoTIFF Standard", OGC 19-008r4, 7), which LAS files have too: a directory of uint16, and
@@ -55,7 +55,7 @@ struct RasterGrid {
   // GDAL's geotransform: x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; (c, r) = (0, 0) is the outer corner of the first
   // sample.
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};
-  CoordinateSystem system;  // with the stretch at the middle of the file's raster
+  CoordinateSystem system;  // its stretch is that at the middle of the complete raster
 
   // Returns x and y of a position in columns and rows, with fractions; (0, 0) is the raster's outer corner.
   std::array<double, 2> pointAt(double column, double row) const {
@@ -83,15 +83,15 @@ struct RasterRequest {
   RasterUse use = RasterUse::Heights;
   int band = 1;
   int every = 1;  // a square of `every` x `every` samples becomes one sample: the mean of those that have a value
-  std::optional<RasterBounds> within = std::nullopt;  // none: the whole raster
-  bool georeferenced = true;  // false: also reads images without a geotransform, of RGB images the red band
+  std::optional<RasterBounds> within = std::nullopt;  // bounds of the samples to read; none: all are read
+  bool georeferenced = true;  // false: also reads images without a geotransform (the red band of RGB images)
 };
 
-// Reads a band of a raster; heights become metres, upwards. Samples without a value are those that the file marks by a
-// value (NaN too), a mask or an alpha band, or that no raster of a mosaic covers. Warns of what is left out. Throws an
-// InputError that names the file and says what is wrong: it is absent, damaged or no raster, has no geotransform
-// though RasterRequest::georeferenced asks for it, lacks the requested band, has too many samples, has
-// no samples within the bounds, or holds no heights but colours, or heights in an unknown unit.
+// Reads a band of a raster. Heights are converted to metres, positive upwards. A sample has no value if the file marks
+// it by a value (NaN too), a mask or an alpha band, or if no raster of a mosaic covers it. Warns of what is left out.
+// Throws an InputError that names the file and says what is wrong: it is absent, damaged or no raster, has no
+// geotransform though RasterRequest::georeferenced asks for it, lacks the requested band, has too many samples, has no
+// samples within the bounds, or holds colours instead of heights, or heights in an unknown unit.
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request);
 
 // True if the rasters have the same coordinate system, or if the system of one is unknown.
@@ -101,8 +101,8 @@ bool sameReference(const Raster& a, const Raster& b);
 // (CoordinateSystem::definition); 0 if it is not known, or if GDAL cannot be loaded.
 double shiftBetween(const std::string& reference, const std::string& other, double x, double y);
 
-// Returns the numbers of the bands that hold red, green and blue: those that the file names so, else the first three,
-// or the first one three times if there are fewer than three. Throws as readRaster() does.
+// Returns the numbers of the bands for red, green and blue. If the file does not name such bands, they are the first
+// three, or the first one three times if there are fewer than three. Throws as readRaster() does.
 std::array<int, 3> colorBands(const std::filesystem::path& file);
 
 }  // namespace scanmill

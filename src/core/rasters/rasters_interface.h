@@ -15,8 +15,8 @@ namespace scanmill {
 struct RasterBand {
   std::string type;       // GDAL's name of the type of the samples: "Byte", "Float32", "CFloat32"
   std::string means;      // GDAL's name of what the band holds: "Gray", "Palette", "Red", "Alpha", "Undefined"
-  std::string unit;       // of the values; empty: not stated
-  double marker = 0;      // -9999, the usual marker of missing samples, times the band's scale plus its offset
+  std::string unit;       // unit of the values; empty: not stated
+  double marker = 0;      // -9999, the usual no-data value, times the band's scale plus its offset
   bool scaled = false;    // true: the band states a scale or an offset
   bool inverted = false;  // true: 0 is white
 };

@@ -38,10 +38,9 @@ struct AssetPart : Look {
 enum class AlphaUse {
   // Beams pass where the file declares transparency. glTF: where alpha is below alphaCutoff (alphaMode MASK) or 0.5
   // (BLEND). Other kinds: where alpha is below 0.5, if the material has an opacity map or an opacity between 0 and 1
-  // (MTL map_d, d and Tr; COLLADA transparent; AC3D trans). Many of these other files declare
-  // nothing, and their alpha can mean cut-outs (leaves) or, for example, which parts of a car are painted. Beams then
-  // pass where alpha is below 0.5 if alpha is distributed like cut-outs: see isCutOut() in
-  // assets/meshes/base_color.cpp.
+  // (MTL map_d, d and Tr; COLLADA transparent; AC3D trans). Many files of these other kinds declare nothing, and their
+  // alpha can mean cut-outs (leaves) or, for example, the painted parts of a car. Beams then pass where alpha is below
+  // 0.5 if the alpha looks like that of cut-outs: see isCutOut() in assets/meshes/base_color.cpp.
   Auto,
   Ignore,  // beams never pass, whatever the alpha
   Test,    // beams pass where alpha is below 0.5, or below the cutoff in the file
@@ -57,7 +56,7 @@ struct ClipTime {
 // How the points of a cloud are turned into discs: see assets/surveys/surveys.h.
 struct SurfelOptions {
   int neighbors = 12;  // number of neighbours from which normal and radius are estimated, 3 to 100
-  double cover = 1.5;  // ratio of a disc's radius to the radius that covers the point's share of the surface
+  double cover = 1.5;  // factor on the radius of a disc with the area that the point represents
   std::array<double, 2> radius{0.005, 0.2};  // m, least and greatest radius
   bool operator==(const SurfelOptions&) const = default;
 };
@@ -121,9 +120,9 @@ struct Asset {
   std::vector<AssetPart> parts;
   Vec3d origin;  // m, asset frame; `parts` are relative to it; zero unless coordinates are too large for float32
   std::vector<InstancedParts> instanced;
-  std::string system;      // coordinate system of a survey, whose x and y (m) are those of the parts; empty: not stated
-  bool ownMiddle = false;  // true: the file is in degrees or earth-centred; x and y are relative to its middle, which
-                           // `system` names
+  std::string system;      // coordinate system of x and y in `parts`, if this is a survey (in m); empty: not stated
+  bool ownMiddle = false;  // true: the file is in degrees or earth-centred; x and y are relative to its middle, whose
+                           // coordinates `system` states
   Dropped dropped;         // triangles with indices out of range; clean() drops other broken triangles
 };
 

@@ -21,7 +21,7 @@ Mat3 assetFromFile(char up, double metresPerUnit) {
 }
 
 Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position) {
-  constexpr std::size_t kFewestSamples = 1000;  // least number of samples if `count` is not smaller
+  constexpr std::size_t kFewestSamples = 1000;  // least number of samples, unless `count` is smaller
   const std::size_t step = std::max<std::size_t>(count / kFewestSamples, 1);
   std::vector<Vec3d> samples;
   for (std::size_t i = 0; i < count; i += step) samples.push_back(position(i));
@@ -119,7 +119,7 @@ void move(AssetPart& part, const Affine& transform) {
 void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut) {
   Material& material = part.fileMaterial;
   if (part.texture.empty() && material.texture == nullptr) return;
-  constexpr float kTolerance = 1e-3f;  // of the image's size, for rounding by exporters
+  constexpr float kTolerance = 1e-3f;  // ratio to the image's size; allows for rounding by exporters
   const auto isInside = [](float u) { return u > -kTolerance && u < 1 + kTolerance; };
   if (part.uvs.empty()) {
     leftOut.add("textures of parts without texture coordinates");
@@ -148,7 +148,7 @@ Box boundsOf(const Asset& asset) {
 }
 
 void flatten(Asset& asset) {
-  std::uint32_t nodes = 0;  // number of node indices that are taken
+  std::uint32_t nodes = 0;  // number of node indices used so far
   for (const AssetPart& part : asset.parts) nodes = std::max(nodes, part.nodeIndex + 1);
   for (const InstancedParts& instanced : asset.instanced) {
     for (const Affine& assetFromPart : instanced.assetFromParts) {

@@ -25,9 +25,9 @@ Mat3 zUpFrom(char up);
 // Returns the transform from the coordinates of a file to the asset's frame: metres, z up.
 Mat3 assetFromFile(char up, double metresPerUnit);
 
-// Returns an origin near most of `count` positions (m), which position(i) returns: along each axis the median of at
-// most 2000 of them, in whole metres, or 0 if the median is small. The median ignores outliers. Positions that are not
-// finite are ignored.
+// Returns an origin (m) near most of the `count` positions that position(i) returns. Along each axis the origin is the
+// median of at most 2000 of the positions, in whole metres; 0 if the median is small. Outliers hardly move the median.
+// Positions that are not finite are ignored.
 Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position);
 
 // Removes vertices that no triangle of the part uses, and merges bit-identical ones, since some kinds of files have
@@ -59,8 +59,8 @@ void finishNode(std::string_view name, std::uint32_t nodeIndex, std::size_t firs
 void move(AssetPart& part, const Affine& transform);
 
 // Removes the texture of a part without texture coordinates, since a single texel would colour the complete part, and
-// counts the part in `leftOut`. The mean colour of the image remains. Scenes repeat all images: also counts a part with
-// texture coordinates outside of 0 to 1 if the file clamps or mirrors its image (`repeats` is false).
+// counts the part in `leftOut`. The mean colour of the image remains. Also counts a part whose texture coordinates
+// leave 0 to 1 if the file clamps or mirrors its image (`repeats` is false), since scenes repeat every image.
 void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut);
 
 // Returns the bounds of all finite vertices in the asset's frame (m), including those of Asset::instanced.

@@ -23,7 +23,7 @@ constexpr int kPointRows = 8;  // rows of sample points in a triangle; row i has
 constexpr int kPoints = kPointRows * (kPointRows + 1) / 2;
 constexpr std::uint64_t kMostSampledTriangles = 1 << 14;
 
-// Sums over the triangles of a material: twice a triangle's area, times its number of sample points of a kind.
+// Numbers of sample points of a material by kind, each point weighted by twice the area of its triangle.
 struct AlphaAreas {
   double all = 0;
   double low = 0;     // points with alpha below 0.5
@@ -82,7 +82,7 @@ bool isCutOut(const ImportedFile& imported, std::uint32_t material, const Textur
          areas.gone <= kMostGone * areas.all;
 }
 
-// Loads the images of a file's material, which has this index, and decides whether their alpha is tested.
+// Loads the images of a file's material, and decides whether their alpha is tested. `index`: the material's index.
 BaseColor colorOf(const ImportedFile& imported, const ImportedMaterial& material, std::uint32_t index,
                   const AssetOptions& options, ColorImages& images, LeftOut& leftOut) {
   using enum BaseColor::Source;

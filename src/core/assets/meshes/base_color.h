@@ -27,13 +27,13 @@ struct BaseColor {
   };
   Source source = Source::Factor;
   std::array<float, 3> factor{1, 1, 1};      // red, green, blue; linear. Multiplies the image, if it is loaded
-  std::shared_ptr<const Texture> image{};    // of Source::Image; null: not loaded
+  std::shared_ptr<const Texture> image{};    // image of Source::Image; null: not loaded
   std::shared_ptr<const Texture> opacity{};  // tested for alpha if `image` is null; its colours do not count
   // Beams pass where alpha is below this value (0 to 1); nullopt: they never pass.
   std::optional<float> alphaCutoff = std::nullopt;
 };
 
-constexpr float kUsualAlphaCutoff = 0.5f;  // of glTF's alphaMode MASK by default; other files do not state it
+constexpr float kUsualAlphaCutoff = 0.5f;  // glTF's default; also used if the file states no cutoff
 
 // The images that the materials of an asset name. Each image is searched for, decoded and measured only once, however
 // many materials use it.
@@ -74,9 +74,8 @@ class ColorImages {
   std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;
 };
 
-// Sets reflectance and texture of a material of the asset `file`. A material without a colour gets the default
-// reflectance, and so does one whose image is not loaded and whose factor is white, since white then only means
-// "unchanged image".
+// Sets reflectance and texture of a material of the asset `file`. The reflectance is the default if the material has no
+// colour, or if its image is not loaded and its factor is white, since white then only means "unchanged image".
 void setColor(Material& material, const BaseColor& color, const std::filesystem::path& file,
               const AssetOptions& options, ColorImages& images);
 

@@ -28,7 +28,7 @@ double patience() {
       fmt::format("SCANMILL_BLENDER_SECONDS is '{}', but must be a number of seconds above 0 and at most 1e6", text));
 }
 
-// Returns the command line that runs Blender with a job of the script. `arguments`: the job's arguments.
+// Returns the command line that runs a job of blender_passes.py in Blender. `arguments`: the arguments of the job.
 std::vector<std::string> commandLine(const std::string& job, const std::filesystem::path& folder,
                                      const std::vector<std::string>& arguments) {
   const std::filesystem::path script = resourceFolder() / "scripts" / "blender_passes.py";

@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kPipeBytes = 1 << 18;
 
-// Lowers a limit of this process (RLIMIT_...), as far as the system lets it.
+// Sets a limit (RLIMIT_...) of this process to `value`, or to the hard limit if this is lower.
 void setLimit(int resource, std::uint64_t value) {
   rlimit limits{};
   if (::getrlimit(static_cast<__rlimit_resource>(resource), &limits) != 0) return;

@@ -222,8 +222,8 @@ class PlyMeshReader {
     return imported_.parts[index->second];
   }
 
-  // Gives the parts their vertices. Before this call, triangles have the file's indices of vertices, and the texture
-  // coordinates of a part, if it has any, are those of its triangles' corners.
+  // Gives the parts their vertices. Before this call, triangles have the file's indices of vertices, and a part with
+  // texture coordinates has one pair for each corner of its triangles.
   void addVerticesToParts() {
     imported_.up = options_.up.value_or('z');
     const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
@@ -267,7 +267,7 @@ class PlyMeshReader {
   std::array<std::vector<double>, kRoles> lists_{};  // the latest list of each role
   std::vector<Vec3d> vertices_;                      // in the file's units and axes, until addVerticesToParts()
   bool hasUvs_ = false;                              // true: vertices have texture coordinates
-  std::vector<Vec2f> uvs_;                           // of the vertices
+  std::vector<Vec2f> uvs_;                           // texture coordinates of the vertices
   std::vector<std::string> images_;                  // names of images
   std::vector<bool> isImageUsed_;                    // by image: true: a face shows it
   // Indices of the parts, by image (kNone: none) and by whether corners have texture coordinates of their own.

@@ -78,8 +78,8 @@ class EarCutter {
     return areaOf(points_[before(at)], points_[uncut_[at]], points_[behind(at)]) == 0;
   }
 
-  // True if the corner is in the same place as the corner before it or behind it, or if these two are in one place, so
-  // that an edge leads to the corner and back.
+  // True if two of these corners are in the same place: the corner `at`, the corner before it and the corner behind it.
+  // If the latter two are, an edge leads to the corner `at` and back.
   bool isDouble(std::size_t at) const {
     const Point &a = points_[before(at)], &b = points_[uncut_[at]], &c = points_[behind(at)];
     return a == b || b == c || a == c;

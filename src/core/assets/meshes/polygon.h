@@ -14,10 +14,10 @@
 
 namespace scanmill {
 
-// Divides the polygons of one file, within limits of the number of triangles and of the time that it takes. Polygons
-// may be concave and only about planar: ears are cut off one by one (G. H. Meisters, "Polygons have ears", 1975) in the
-// plane of the polygon's area vector. If no ear is left, since the polygon intersects itself or has no area, the rest
-// is divided as a fan. The time grows with the square of the number of corners, for spirals with its cube.
+// Divides the polygons of one file, within limits on the number of triangles and on the time. Polygons may be concave
+// and only about planar: ears are cut off one by one (G. H. Meisters, "Polygons have ears", 1975) in the plane of the
+// polygon's area vector. If no ear is left, since the polygon intersects itself or has no area, the rest is divided as
+// a fan. The time grows with the square of the number of corners, for spirals with its cube.
 class Triangulator {
  public:
   // `where`: the polygons' file, for messages. `mostTests`: how many times a corner may be compared with an ear; the
@@ -36,7 +36,7 @@ class Triangulator {
   std::uint64_t allTriangles_ = 0;                       // number of triangles of all polygons so far
   double tests_ = 0;                                     // comparisons so far
   std::vector<Vec3d> polygon_;                           // the corners of the latest polygon
-  std::vector<std::array<std::uint32_t, 3>> triangles_;  // of the latest polygon
+  std::vector<std::array<std::uint32_t, 3>> triangles_;  // triangles of the latest polygon
 };
 
 }  // namespace scanmill

@@ -97,7 +97,7 @@ std::string modelFolderVariables() {
 
 fs::path findTexture(const fs::path& asset, const std::string& name, bool allowOutside,
                      const std::vector<fs::path>& folders) {
-  std::string uri = name;  // with slashes and without a scheme, but with the escapes of a URI
+  std::string uri = name;  // no backslashes and no scheme; escapes are not decoded
   std::ranges::replace(uri, '\\', '/');
   if (uri.starts_with("file://")) uri = uri.substr(7);
   if (uri.starts_with("model://")) {  // Gazebo: model://MODEL/...; all models are in one folder

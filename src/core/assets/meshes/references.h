@@ -20,8 +20,8 @@ std::string refusalOf(const std::string& name);
 // Decodes the escapes of a URI: "%2F" becomes "/". All other text is unchanged.
 std::string decodeUri(std::string_view uri);
 
-// Finds the models of Gazebo and the packages of ROS that files name by model:// and package://: returns the file or
-// folder `name` in the first folder that has it; nullopt if none has. Searched are the folder of
+// Finds the models of Gazebo and the packages of ROS that files name by model:// and package://. Returns the file or
+// folder `name` in the first searched folder that has it; nullopt if none has it. The search covers the folder of
 // `file`, up to 7 folders above it, the folder "models" in each of these, and the folders in the environment variables
 // SDF_PATH, GZ_SIM_RESOURCE_PATH, IGN_GAZEBO_RESOURCE_PATH, GAZEBO_MODEL_PATH and ROS_PACKAGE_PATH.
 std::optional<std::filesystem::path> findInModelFolders(const std::filesystem::path& file, const std::string& name);

@@ -1,6 +1,6 @@
 // STL, in text and in binary form ("StereoLithography Interface Specification", 3D Systems, 1989). The keywords of the
 // text may be in upper case. Each `solid` is a node; a binary file is one node without a name. A file is binary if its
-// size is that of the number of triangles in its header, or if it does not begin with `solid`.
+// size fits the number of triangles in its header, or if it does not begin with `solid`.
 
 #include <fmt/format.h>
 

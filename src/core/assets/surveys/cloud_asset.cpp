@@ -64,7 +64,7 @@ class CloudAsset {
  private:
   [[noreturn]] void fail(const std::string& problem) const { throw InputError({file_.string()}, problem); }
 
-  // If several points are at exactly [0, 0, 0] in the file, sets them to NaN: organised scans store misses there.
+  // If several points are at exactly [0, 0, 0] in the file, sets them to NaN: organised scans store misses this way.
   void dropMisses() {
     std::vector<Vec3f*> misses;
     for (Vec3f& p : cloud_.scan.position) {
@@ -249,7 +249,7 @@ class CloudAsset {
     return false;
   }
 
-  // Fills the texture with the intensities of the points as greys. Returns false if none is above 0.
+  // Fills the texture with the intensities of the points as greys. Returns false if no intensity is above 0.
   bool fillWithIntensities(Texture& image) {
     const auto& intensity = scan_[kIntensity];
     if (intensity.empty()) return false;
@@ -277,7 +277,7 @@ class CloudAsset {
   static std::optional<std::uint32_t> packedColor(T value) {
     constexpr std::uint32_t kNan = 0x7FC00000;  // other NaNs are colours with an alpha of 255
     if constexpr (std::is_floating_point_v<T>) {
-      // The bits of a colour, read as a float, have a magnitude below 1 or beyond these integers.
+      // The bits of a colour, read as a float, give a magnitude below 1 or a value outside of these limits.
       constexpr double kGreatest = std::numeric_limits<std::uint32_t>::max();
       constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
       const bool isInteger = std::fabs(value) >= 1 && double{value} <= kGreatest && double{value} >= kLeast;
@@ -441,7 +441,7 @@ class CloudAsset {
   ColorImages images_{file_, true};
   std::vector<std::size_t> chosen_;  // indices of the chosen points in scan_
   std::vector<Vec3f> positions_;     // m; positions of the chosen points in the asset's axes, relative to its origin
-  std::vector<Vec3f> normals_;       // of the chosen points, zero if unknown; empty: the file has none
+  std::vector<Vec3f> normals_;       // normals of the chosen points, zero if unknown; empty: the file has none
   std::shared_ptr<const Texture> image_;          // a texel per chosen point; null: the points have no reflectances
   bool showsIntensities_ = false;                 // true: image_ shows intensities; false: colours
   std::map<std::uint32_t, std::uint32_t> nodes_;  // index of the node, by instance

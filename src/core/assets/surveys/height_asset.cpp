@@ -90,7 +90,7 @@ class HeightAsset {
 
   // Throws InputError if heights are higher or deeper than any on the earth.
   void checkHeights() const {
-    constexpr double kHighest = 30e3;  // m; above heights and depths on the earth, below markers other than -9999
+    constexpr double kHighest = 30e3;  // m; above heights and depths on the earth, below usual no-data values but -9999
     const auto [low, high] = heights_.range();
     const double farthest = -low > high ? low : high;
     if (std::isfinite(farthest) && std::fabs(farthest) * options_.metresPerUnit > kHighest) {
@@ -334,11 +334,11 @@ class HeightAsset {
   std::optional<Raster> classes_;
   RasterGrid imageGrid_;                   // georeference of the image
   std::size_t outsideImage_ = 0;           // number of vertices that the image does not cover
-  std::size_t cells_ = 0, unclassed_ = 0;  // numbers of cells, and of those without a class
+  std::size_t cells_ = 0, unclassed_ = 0;  // numbers of all cells and of cells without a class
   std::shared_ptr<const Texture> image_;
   ColorImages images_{file_, true};
   Affine localFromEarth_;
-  std::array<std::vector<Vec3d>, 2> positions_;  // of row r in the element r % 2 (m)
+  std::array<std::vector<Vec3d>, 2> positions_;  // m; element r % 2 has the positions of row r
   std::map<std::int64_t, ClassMesh> meshes_;     // by class; -1: no class
   Asset asset_;
 };

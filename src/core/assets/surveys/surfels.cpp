@@ -69,7 +69,7 @@ bool fitPlane(const std::vector<Vec3f>& positions, const std::vector<std::uint32
   return solver.eigenvalues()[1] > kLineSpread * kLineSpread * solver.eigenvalues()[2];
 }
 
-// Returns the surfel of point i; if the cloud has no other point, one that faces up and has the greatest radius.
+// Returns the surfel of point i. If the cloud has only this point, its surfel faces up and has the greatest radius.
 // `normal`: the point's normal, zero if unknown. `near`: storage for searches.
 Surfel surfelOf(const Tree& tree, const std::vector<Vec3f>& positions, std::size_t i, const Vec3d& normal,
                 const SurfelOptions& options, Neighborhood& near) {

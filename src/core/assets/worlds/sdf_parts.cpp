@@ -9,7 +9,7 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kLongestChain = 1000;  // of frames, each relative to the next
+constexpr std::size_t kLongestChain = 1000;  // largest number of frames, each relative to the next
 
 // Returns the number in an element, clamped to 0 to 1.
 float fractionIn(const XmlNode& node) {

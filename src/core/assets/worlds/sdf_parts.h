@@ -17,7 +17,7 @@ namespace scanmill {
 
 struct SdfPose {
   Pose pose;
-  std::string relativeTo;  // name of the frame that `pose` refers to; empty: that of the world, model or link around it
+  std::string relativeTo;  // frame of `pose`; empty: the frame of the world, model or link around it
 };
 
 // Returns the <pose> of an element; the identity if it has none.
@@ -45,7 +45,7 @@ class SdfFrames {
   Pose resolve(const std::string& name, const XmlNode& from) const;
 
  private:
-  // `visited`: the frames that were resolved on the way to this one.
+  // `visited`: the frames whose poses are being resolved because they depend on this frame.
   Pose resolve(const std::string& name, const XmlNode& from,
                std::set<std::pair<const SdfFrames*, std::string>>& visited) const;
 };

@@ -24,9 +24,9 @@ Mesh extrudedPolylines(const XmlNode& geometry);
 
 // Returns the surface of a <heightmap> as Gazebo builds it: centred at <pos>, with the first row of samples at the
 // greatest y. In a PNG, a JPEG or another raster without georeference, the value 0 of the first band is at z = 0, and
-// the greatest value at the z of <size>. The heights of a raster with georeference count from their least value;
-// without <size> the raster has its own size. Samples without a value leave holes. Throws InputError that names `shape`
-// or the file.
+// the greatest value at the z of <size>. The heights of a raster with georeference count from their least value; its
+// own extent replaces an absent <size>. Samples without a value leave holes. Throws an InputError that names `shape` or
+// the file.
 Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file);
 
 // Returns three sizes above 0 (m) from an element or attribute of a shape. Throws InputError for other values.

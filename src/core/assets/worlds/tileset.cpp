@@ -54,7 +54,7 @@ class TilesetReader {
   }
 
   // Adds the tiles of a tileset.json. `folder`: see Tileset. `earthFromParent`: the transform of the tile that names
-  // it. `inherited`: how tiles are refined unless they state it. `depth`: the number of tiles around the tileset.
+  // the tileset. `inherited`: the refinement of tiles that state none. `depth`: the number of tiles around the tileset.
   void readTileset(const std::filesystem::path& file, const std::filesystem::path& folder,
                    const Affine& earthFromParent, Refine inherited, int depth) {
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(file);
@@ -120,8 +120,8 @@ class TilesetReader {
     return earthFromTile * Vec3d{x, y, z};
   }
 
-  // Adds the content of a tile, if the tile has no children or they refine it by ADD, and then all tiles below it. The
-  // first tile on the earth sets assetFromEarth_. Parameters: see readTileset().
+  // Adds a tile: its meshes if it has no children or is refined by ADD, its nested tilesets, and all tiles below it.
+  // The first tile on the earth sets assetFromEarth_. Parameters: see readTileset().
   void readTile(const Json& tile, const Tileset& tileset, const Affine& earthFromParent, Refine inherited, int depth) {
     if (depth > kDeepestTile)
       fail(tileset.file, fmt::format("has tiles that are nested more than {} levels deep", kDeepestTile));
@@ -216,15 +216,15 @@ class TilesetReader {
 
   const AssetOptions& options_;
   Affine metresFromUnits_;
-  // The transform to east, north, up at the middle of the first tile on the earth: the root, unless its volume is the
-  // globe. It is metresFromUnits_ if a mesh comes before such a tile.
+  // The transform from the earth frame to east, north, up at the middle of the first tile on the earth, which is the
+  // root unless its volume is the globe. It is metresFromUnits_ if a mesh comes before such a tile.
   std::optional<Affine> assetFromEarth_;
   Asset asset_;
   std::set<std::filesystem::path> openTilesets_;  // the tileset that is being read, and all tilesets around it
   LeftOut leftOut_;
-  LeftOut leftOutOfTiles_;  // of the tiles' contents
+  LeftOut leftOutOfTiles_;  // what is left out of the tiles' contents
   std::vector<MissingFileError> missing_;
-  std::uint32_t nodes_ = 0;  // number of node indices that are taken
+  std::uint32_t nodes_ = 0;  // number of node indices used so far
 };
 
 }  // namespace

@@ -86,7 +86,7 @@ struct WorldThing {
 struct WorldFile {
   std::vector<WorldThing> things;
   LeftOut leftOut;
-  std::vector<MissingFileError> missing;  // models, meshes and heightmaps; the things lack them
+  std::vector<MissingFileError> missing;  // missing models, meshes and heightmaps
 };
 
 // Returns what the reader of SDF reads and leaves out.

@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// Reads a file. `kind` is its extension in lower case: ".dae", or one of AC3D. Throws an Error that states the problem,
-// but not the file's name.
+// Reads a file. `kind` is the file's extension in lower case: ".dae" or an extension of AC3D files. Throws an Error
+// that states the problem, but not the file's name.
 ImportedFile readByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
 
 // Returns advice for messages about a file of this kind that cannot be read.
@@ -35,22 +35,22 @@ struct ColladaMaterial {
   bool colored = false;                // true: `diffuse` is a colour or an image
   bool clamps = false;                 // true: a sampler clamps or mirrors its image
   bool inverted = false;               // true: beams pass where the image of `transparent` is bright or opaque
-  std::optional<double> transparency;  // the number of `transparency`, if `transparent` is an image
+  std::optional<double> transparency;  // value of <transparency>, if `transparent` is an image
 };
 
 // Facts of a COLLADA file (.dae; COLLADA 1.4.1 and 1.5) that assimp does not report.
 struct ColladaFacts {
   char up = 'y';                           // axis of `up_axis`
   double unit = 0;                         // metres per unit; 0: not stated
-  std::vector<ColladaMaterial> materials;  // materials of `text` with an effect, sorted by id, as by assimp
+  std::vector<ColladaMaterial> materials;  // materials with an effect, sorted by id, as assimp sorts them
   LeftOut leftOut;
   // The file for assimp, in UTF-8: nodes without a name have their id as one, hidden nodes show nothing, and surfaces
   // without a material have kDefaultMaterial.
   std::string text;
 };
 
-// Throws an Error that states the problem and the line if the file is not XML, has elements that assimp reads wrong, or
-// copies a node into itself.
+// Reads the facts of a COLLADA file. Throws an Error with the problem and its line if the file is not XML, has elements
+// that assimp reads wrong, or copies a node into itself.
 ColladaFacts colladaFacts(const std::filesystem::path& file);
 
 }  // namespace scanmill

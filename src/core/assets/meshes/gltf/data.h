@@ -15,7 +15,7 @@
 namespace scanmill::gltf {
 
 // Reads accessors. Buffers are loaded, and compressed views decoded, when they are first needed. If that fails, throws
-// an InputError that names the file. `what` says in the message to which part of the file the numbers belong.
+// an InputError that names the file. `what`: the part of the file to which the numbers belong, for messages.
 class Data {
  public:
   explicit Data(const Model& model);  // stores a reference to the model

@@ -11,9 +11,9 @@
 namespace scanmill::gltf {
 namespace {
 
-// Returns an animated property at a time (s), as `width` numbers; a rotation as a unit quaternion (x, y, z, w).
-// `times`: the times of the key frames (s), at least one, ascending. `values`: the values of all key frames, each with
-// an in-tangent before it and an out-tangent after it if splines are cubic (appendix C.5).
+// Returns the value of an animated property at a time (s), as `width` numbers; rotations are unit quaternions (x, y, z,
+// w). `times`: the times of the key frames (s), at least one, ascending. `values`: the values of all key frames; for
+// cubic splines each value stands between its in-tangent and its out-tangent (appendix C.5).
 std::vector<double> propertyAt(double time, const std::vector<float>& times, const std::vector<float>& values,
                                std::size_t width, Animation::Interpolation interpolation, Animation::Path path) {
   using Interpolation = Animation::Interpolation;
@@ -24,7 +24,7 @@ std::vector<double> propertyAt(double time, const std::vector<float>& times, con
   };
   const auto later =
       static_cast<std::size_t>(std::ranges::upper_bound(times, static_cast<float>(time)) - times.begin());
-  // The key frames before and after the time: twice the first one if the time is earlier, twice the last one if later.
+  // The key frames before and after the time; both are the first or the last one if the time is outside.
   const std::size_t before = later == 0 ? 0 : later - 1, after = std::min(later, times.size() - 1);
   const double span = static_cast<double>(times[after]) - static_cast<double>(times[before]);
   const double t = span > 0 ? std::clamp((time - static_cast<double>(times[before])) / span, 0.0, 1.0) : 0;

@@ -429,7 +429,7 @@ class Reader {
   std::vector<std::size_t> uses_;  // number of times that a mesh is placed, by mesh
   std::map<const Primitive*, std::shared_ptr<const Geometry>> sharedGeometry_;
   Asset asset_;
-  std::uint64_t triangles_ = 0;  // number so far, with all copies
+  std::uint64_t triangles_ = 0;  // number of triangles so far, with all copies
 };
 
 }  // namespace

@@ -18,12 +18,12 @@ constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;  // sizes (bytes)
 constexpr std::uint32_t kTileMagic = 0x6D643362;          // "b3dm"
 constexpr std::size_t kTileHeader = 28;                   // size of a tile's header (bytes)
 constexpr std::uint64_t kMostStride = 252;                // largest stride in a view (bytes; glTF 2.0, 5.11.4)
-// Offsets (bytes) in a tile's header, at which it states the sizes of the tile's tables (bytes).
+// Offsets (bytes) of the fields in a tile's header that state the sizes of the tile's tables (bytes).
 constexpr std::size_t kFeaturesAt = 12, kBinaryFeaturesAt = 16, kBatchesAt = 20, kBinaryBatchesAt = 24;
 
 // Returns the glTF in a tile of 3D Tiles 1.0. A tile consists of a header, a feature table (JSON, then binary), a batch
-// table (JSON, then binary) and the glTF. Sets `center` of the container if the feature table has RTC_CENTER, as a list
-// or as an offset into the table's binary part, and `batchTable`. Throws Error if the tile is damaged.
+// table (JSON, then binary) and the glTF. Sets the container's `batchTable` and, if the feature table has RTC_CENTER (a
+// list, or an offset into the table's binary part), its `center`. Throws Error if the tile is damaged.
 std::string glbOfTile(const std::string& tile, Container& container) {
   if (tile.size() < kTileHeader) throw Error("is truncated within the header of the tile");
   std::size_t begin = kTileHeader;
@@ -118,7 +118,7 @@ void requireInside(const JsonObject& object, Index view, std::uint64_t offset, s
   }
 }
 
-// Reads the indices of the elements that an accessor replaces, and the location of their values.
+// Returns where the file stores the elements that a sparse accessor replaces: their indices and their new values.
 Accessor::Sparse readSparse(const JsonObject& object, const Accessor& accessor) {
   const JsonObject indices{object.model, object.json.at("indices"), object.pathOf("indices")};
   const JsonObject values{object.model, object.json.at("values"), object.pathOf("values")};

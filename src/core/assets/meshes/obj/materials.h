@@ -24,8 +24,8 @@
 
 namespace scanmill::obj {
 
-// Reads the statements of an OBJ file or a material library, one after the other. A statement is a keyword and the rest
-// of its line; after a backslash at its end it continues in the next line. Lines that begin with # are comments.
+// Reads the statements of an OBJ file or a material library, one after the other. A statement is a line: a keyword and
+// its values. A line that ends with a backslash continues in the next line. Lines that begin with # are comments.
 class Statements {
  public:
   // `text` must outlive the object.

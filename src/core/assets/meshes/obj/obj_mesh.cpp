@@ -111,14 +111,14 @@ class ObjReader {
 
   void readVertex() {
     const auto& words = statements_.words();
-    const std::size_t count = words.size();  // position; weight; colour without and with alpha
+    const std::size_t count = words.size();  // 3 of a position, 1 of a weight, 3 or 4 of a colour
     if (count != 3 && count != 4 && count != 6 && count != 7 && count != 8) {
       statements_.fail(
           fmt::format("has {} numbers: give x y z, and then a weight, a colour or both if you like", count));
     }
     for (const std::string_view word : words) statements_.number(word);
     vertices_.push_back({statements_.number(words[0]), statements_.number(words[1]), statements_.number(words[2])});
-    if (count > 4) ++coloredVertices_;  // a colour alone, or behind the weight
+    if (count > 4) ++coloredVertices_;  // a colour follows the position or the weight
   }
 
   void readUv() {
