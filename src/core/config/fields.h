@@ -159,7 +159,7 @@ enum class Climbs { Yes, No };
 // not climb, all points get the height of the first point.
 std::vector<Vec3d> readWaypoints(const Value& value, Climbs climbs = Climbs::Yes);
 
-// Returns the position (m). Throws InputError if a coordinate is so large that doubles are no longer exact enough.
+// Returns `position` (m). Throws InputError if a coordinate is so large that doubles are not exact enough.
 Vec3d checkedPosition(const Vec3d& position, const Location& where);
 
 }  // namespace scanmill

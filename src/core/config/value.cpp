@@ -66,8 +66,8 @@ void setFolder(Value& value, const std::string& folder) {
   for (Value::Entry& entry : value.entries) setFolder(entry.value, folder);
 }
 
-// True if a YAML scalar needs no quotes: neither within {...} and [...], nor after the "=" of --set, nor in a word that
-// is quoted for a shell.
+// True if a YAML scalar never needs quotes: not within {...} or [...], not after the "=" of --set, and not in a word
+// that is quoted for a shell.
 bool staysPlain(const std::string& text) {
   const auto isWord = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; };
   const auto isAllowed = [&](char c) {

@@ -48,7 +48,7 @@ Vec3f meanPoint(std::span<const Vec3f> points) {
   return count == 0 ? Vec3f{} : static_cast<Vec3f>(sum * (1.0 / static_cast<double>(count)));
 }
 
-// The functions that nanoflann calls to read a cloud.
+// A cloud with the functions that nanoflann calls to read it.
 struct PclPoints {
   const PclCloud& cloud;
 

@@ -24,9 +24,9 @@ struct Registered {
   // False if ICP cannot find a motion: a cloud has fewer than three points, or fewer than three points can be matched.
   bool moved = false;
   // Fitness: the mean of the squared distances (m^2) from each point of the source to the nearest point of the target.
-  // Distances above a bound and points that are not finite are ignored; there is no fitness if no distance remains. The
-  // mean is one-sided. Two equal errors of opposite sign do not cancel, and one large error counts more than many small
-  // ones. PCL differs: it compares its max_range with a squared distance, and returns DBL_MAX if no distance remains.
+  // Distances above IcpOptions::fitnessWithin and points that are not finite are ignored; without distances there is no
+  // fitness. The mean is one-sided. Two equal errors of opposite sign do not cancel; one large error counts more than
+  // many small ones. PCL compares its max_range with a squared distance, and returns DBL_MAX without distances.
   std::optional<double> unmoved{};  // fitness of the source at its given position
   std::optional<double> fitness{};  // fitness after the motion; without a motion the same as `unmoved`
 };

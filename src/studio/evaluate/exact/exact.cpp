@@ -64,7 +64,7 @@ class ShearedBeam {
     scale_ = 1 / along;
   }
 
-  // Returns where the beam hits the triangle with these corners.
+  // Returns where the beam hits the triangle with these corners; the range 0 if it misses the triangle.
   TriangleHit intersect(const Vec3d& a, const Vec3d& b, const Vec3d& c) const {
     const Vec3d p = sheared(a);
     const Vec3d q = sheared(b);

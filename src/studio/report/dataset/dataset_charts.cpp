@@ -42,8 +42,8 @@ struct DistanceRing {
   std::size_t first = 0, last = 0;  // indices of steps; `last` is excluded
 };
 
-// Returns few enough rings for a bar chart; together they reach to the last step with points. Rings are narrower near
-// the sensor, where most points are. The last step of DatasetSummary::steps, which has all larger distances, is a
+// Returns at most eleven rings for a bar chart. Together they reach to the last step with points. Rings are narrower
+// near the sensor, where most points are. The last step of DatasetSummary::steps, which has all larger distances, is a
 // separate ring.
 std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
   const std::size_t count = summary.steps.count;

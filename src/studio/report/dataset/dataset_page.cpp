@@ -243,7 +243,7 @@ class DatasetPage {
     addRows("sequences", summary_.sequences);
   }
 
-  // Adds the first kMostRows rows as `name`, and the number of the others as `more_name`.
+  // Adds the first kMostRows of the rows as `name`, and the number of the remaining rows as `more_name`.
   void addRows(const char* name, const auto& rows) {
     page_[name] = Json::array();
     for (std::size_t i = 0; i < std::min(rows.size(), kMostRows); ++i) page_[name].push_back(rows[i]);

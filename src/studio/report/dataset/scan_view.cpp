@@ -86,7 +86,7 @@ class ViewData {
     json_["position"] = column<std::uint16_t>(numbers);
   }
 
-  // Returns for each shown point the index of its value among the keys of `entries`, which has all shown values.
+  // Returns, for each shown point, the index of its value among the keys of `entries`. All shown values must be keys.
   std::vector<std::uint32_t> indicesIn(const auto& entries, const auto& values) const {
     std::map<std::uint32_t, std::uint32_t> indexOf;
     for (const auto& [value, count] : entries) indexOf.emplace(value, static_cast<std::uint32_t>(indexOf.size()));
@@ -95,7 +95,7 @@ class ViewData {
     return indices;
   }
 
-  // Adds the classes of all points of the scan, and the shown points' indices in this list.
+  // Adds the list of the classes in the complete scan, and for each shown point the index of its class in this list.
   void classes() {
     if (scan_[kLabel].empty()) return;
     std::map<std::uint16_t, std::uint64_t> pointsOfClass;
@@ -110,7 +110,7 @@ class ViewData {
     json_["class"] = narrowColumn(indicesIn(pointsOfClass, scan_[kLabel]));
   }
 
-  // Adds the instances of the shown points, and the points' indices in this list.
+  // Adds the list of the instances with shown points, and for each shown point the index of its instance in this list.
   void instances() {
     if (scan_[kInstance].empty()) return;
     std::map<std::uint32_t, std::uint64_t> pointsOfInstance;

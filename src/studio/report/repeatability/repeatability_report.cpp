@@ -94,7 +94,7 @@ void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view
   chart.series.push_back(std::move(series));
 }
 
-// Returns a chart of the fitness of scans with the reference noise against their distance, a line for each view.
+// Returns a chart with a line for each view: the fitness of scans with the reference noise against their distance.
 Chart fitnessChart(const Repeatability& result, std::size_t method, FitnessKind kind, const char* name,
                    const char* title) {
   Chart chart = fitnessAxes(name, title,
@@ -108,7 +108,7 @@ Chart fitnessChart(const Repeatability& result, std::size_t method, FitnessKind 
   return chart;
 }
 
-// Returns a chart of the number of points with the reference noise against the distance, a line for each view.
+// Returns a chart with a line for each view: the number of points with the reference noise against the distance.
 Chart pointsChart(const Repeatability& result, std::size_t method) {
   Chart chart{.name = "points",
               .title = "Points against distance",
@@ -129,8 +129,8 @@ Chart pointsChart(const Repeatability& result, std::size_t method) {
   return chart;
 }
 
-// Returns a chart of the fitness of scans with the reference noise after ICP onto scans with each noise level: a line
-// for each pose.
+// Returns a chart with a line for each pose: the fitness of scans with the reference noise after ICP onto scans with
+// each noise level.
 Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
   Chart chart{.name = "noise_levels"};
   chart.title = fmt::format("{}: {} against other noise", view.name, result.levels[result.reference]);
@@ -216,7 +216,7 @@ std::string repeatabilityReport(const Repeatability& result, const std::string& 
     }
     if (view.method == 0) page["method_charts"].push_back(chartValues(methodsChart(result, view.name)));
   }
-  // A single noise level cannot be compared with others.
+  // With one noise level, the page has no comparison of levels by view.
   if (result.levels.size() < 2) page["views"] = Json::array();
   return fillPage(kRepeatabilityTemplate, std::move(page));
 }

@@ -161,8 +161,8 @@ class PatchMeter {
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
   }
 
-  // If the middle lies within a range step, sets its distance from the nearer end as a fraction of the step. Sets
-  // nothing unless both sides of the step are continuous surfaces, so that gaps between leaves or twigs do not count.
+  // If the middle's range lies between the two sides of a range step, sets its distance from the side that is less far
+  // away, as a fraction of the step. Does so only if both sides are smooth, not gaps between leaves or twigs.
   void addMixed(Patches& out) const {
     const double edge = std::fabs(rangeAt(1) - rangeAt(-1));
     if (!(edge >= kEdge) || !isSmooth(-2, -1) || !isSmooth(1, 2)) return;
@@ -192,8 +192,8 @@ class PatchMeter {
     set(Feature::RangeScatter, std::sqrt(squares / 4), out);  // 4 degrees of freedom: 7 ranges, 3 coefficients
   }
 
-  // Measures how far the middle ring's points are from the plane of the rings above and below: along the plane's
-  // normal, positive if they are farther from the sensor.
+  // Measures the distance of the middle ring's points from the plane of the rings above and below, along the plane's
+  // normal; positive if the points are farther from the sensor than the plane.
   void addRingOffset(const Vec3d& middle, Patches& out) {
     if (!grid_.knowsRings) return;
     constexpr int kReach = 2;  // columns on each side of the middle whose points are measured

@@ -414,7 +414,7 @@ std::string withEffects(const std::string& text, const std::string& file, const 
   std::vector<std::string> lines;
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  // The lines of the key `effects` and its value, which end at the next key; at the file's end if the key is absent.
+  // The lines of the key `effects` and its value, up to the next key. If the key is absent: none, at the file's end.
   LineSpan key{lines.size(), lines.size()};
   for (const Value::Entry& entry : root.entries) {
     const auto line = static_cast<std::size_t>(entry.value.keyLine - 1);

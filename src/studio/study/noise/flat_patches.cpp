@@ -26,8 +26,8 @@ constexpr double kPlaneTolerance = 3;
 constexpr double kOnPlane = 4;
 constexpr std::size_t kTelling = 100;     // least number of windows in a group for a meaningful quantile
 constexpr double kTenth = -1.2815515655;  // 10 % quantile of the standard normal distribution
-// 99 % quantile of the standard normal distribution. A patch is not used if its noise exceeds this quantile of the
-// usual noise.
+// 99 % quantile of the standard normal distribution. A patch is not used if its noise exceeds the 99 % quantile that
+// follows from the group's usual noise.
 constexpr double kMostNoise = 2.3263478740;
 
 // One beam of a patch's window, with its position in the window and its measured range.

@@ -145,7 +145,7 @@ double stepOf(std::vector<double> values) {
   return static_cast<double>(multiples) >= kLeastShare * static_cast<double>(values.size()) ? step : 0;
 }
 
-// Returns the value of a simulated return from which a sensor with this model computes the intensity: the power above
+// Returns the value from which a sensor with this model computes the intensity of a simulated return: the power above
 // `floor`, corrected for the range if the model is Reflectivity.
 double valueOf(const SurfaceReturn& s, double floor, ResponseModel model) {
   const double power = std::max(0.0, s.measured - floor);

@@ -40,7 +40,7 @@ struct RingValue {
   std::uint32_t ring;
   double value;
   // The derivatives of the value with respect to what is fitted to each patch separately: a plane for ranges; a
-  // constant and a slope over the rows for intensities (the third is 0).
+  // constant and a slope over the rows for intensities (the third derivative is then 0).
   Vec3d design;
 };
 

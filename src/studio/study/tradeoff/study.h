@@ -181,7 +181,7 @@ struct StudyOptions {
   double budgetSeconds = 0;  // approximate duration of the study (s); 0: the pipeline's budget, or 300 s
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;  // if it becomes true, runStudy() throws Error; may be null
-  // Draws which beams of a setting are wrong, and returns the contents of a PNG file. If empty, no pictures are drawn.
+  // Draws which beams of a setting are wrong, and returns the contents of a PNG file. If null, no pictures are drawn.
   std::function<std::string(const TrueShot& truth, const Hits& tested)> drawErrors{};
 };
 
