@@ -134,7 +134,7 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
   }
   if (parsed.has("help")) {
     std::string help = options.help({""});
-    constexpr std::string_view kNoDefault = "(=)]";  // in the help of options that need no value
+    constexpr std::string_view kNoDefault = "(=)]";  // part of the help of options that need no value
     if (const std::size_t position = help.find(kNoDefault); position != std::string::npos)
       help.replace(position, kNoDefault.size(), "]   ");
     printText("{}\n\nExamples:\n{}", help, examples);

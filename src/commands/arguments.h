@@ -22,7 +22,7 @@
 
 namespace scanmill {
 
-// Applies those of --threads, --memory-limit and --input-limit that are given, for the lifetime of the object.
+// Applies the options --threads, --memory-limit and --input-limit, if they are given, for the lifetime of the object.
 class ResourceLimits {
  public:
   explicit ResourceLimits(const cxxopts::ParseResult& options);

@@ -57,7 +57,7 @@ int runExport(const std::vector<std::string>& arguments) {
   exportOptions.splits = parsed.list("split");
   exportOptions.overwrite = parsed.has("overwrite");
   exportOptions.stop = &stopSignal();
-  std::optional<Progress> progress;  // of the current stage
+  std::optional<Progress> progress;  // progress bar of the current stage
   std::string currentStage;
   std::uint64_t shownFrames = 0;
   const bool quiet = parsed.has("quiet");

@@ -56,7 +56,7 @@ void printFrame(const RecordedScan& scan) {
       scan.name, degrees(angle), pose.translation.x, pose.translation.y, pose.translation.z);
 }
 
-// Measures the noise of the scans and prints it. `checkStop` throws an Error if the user has stopped the program.
+// Measures, prints and returns the noise of the scans. `checkStop` throws an Error if the user has stopped the program.
 NoiseFit measureNoise(const BeamTable& beams, const std::vector<Scan>& scans, const std::vector<std::string>& names,
                       const std::function<void()>& checkStop) {
   std::vector<RecordedScan> recorded;

@@ -60,7 +60,7 @@ void printPointsPerClass(const GenerateSummary& s) {
 
 // Prints the speed of the run, the forecast (if there is one) beside the actual time and size, and each stage's time.
 void printCosts(const GenerateSummary& s, const std::optional<Forecast>& predicted) {
-  // Other processes may have made some of the counted samples; the speed is that of this process.
+  // Other processes may have made some of the counted samples; the speed counts only this process.
   const double shareMadeHere =
       static_cast<double>(s.samplesMade) / static_cast<double>(std::max<std::size_t>(s.samples, 1));
   printText("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes per point\n", grouped(s.beams), grouped(s.points),
@@ -142,8 +142,8 @@ GenerateOptions folderOptions(const Arguments& parsed, const std::filesystem::pa
   return options;
 }
 
-// Measures what samples cost, and prints the time and size that the dataset will take. Returns nothing if they cannot
-// be measured.
+// Measures the cost of samples, then prints and returns a forecast of the dataset's time and size. Returns nothing if
+// the cost cannot be measured.
 std::optional<Forecast> printForecastOf(const Arguments& parsed, const Plan& plan) {
   std::optional<SampleCosts> costs;
   try {

@@ -218,7 +218,7 @@ void printSensor(const Value& sensor) {
   printText("directions differ from beam to beam in a field of {:.3g} x {:.3g} deg\n", field[0], field[1]);
 }
 
-// Returns true if the suffix and contents of a file are those of Ouster's metadata or a table of a sensor's lasers.
+// Returns true if, by its suffix and contents, a file is Ouster's metadata or a table of a sensor's lasers.
 bool isCalibration(const std::filesystem::path& file) {
   const std::string kind = lowerExtension(file);
   if (kind != ".json" && kind != ".csv") return false;

@@ -120,7 +120,7 @@ void printColors(const Asset& asset) {
 // A row of the table of a 3D file's parts: the names by which rules can match the part, and its size.
 struct ListedPart {
   std::string node, material, texture;
-  std::uint64_t triangles = 0;  // as the file has them
+  std::uint64_t triangles = 0;  // triangles in the file, without copies
   std::uint64_t placed = 0;     // number of copies that the file places
   Box box;                      // m, of all copies
 };
@@ -138,11 +138,11 @@ void printLargest(Rows rows) {
 // printed.
 void printParts(std::vector<ListedPart> parts, bool hasCopies) {
   struct Sum {
-    std::uint64_t triangles = 0;  // of all copies
+    std::uint64_t triangles = 0;  // triangles of all copies
     std::uint64_t parts = 0;
   };
   std::ranges::stable_sort(parts, std::greater<>(), &ListedPart::triangles);
-  std::map<std::pair<std::string, std::string>, Sum> sums;  // by material and texture
+  std::map<std::pair<std::string, std::string>, Sum> sums;  // sums by material and texture
   Rows rows{{"node", "material", "texture", "size x, y, z", "lowest z (m)", "triangles", "placed"}};
   for (const ListedPart& p : parts) {
     rows.push_back({p.node, p.material, p.texture, extentText(p.box),
@@ -223,7 +223,7 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
 void printAsset(const std::filesystem::path& file, const AssetOptions& options) {
   const Asset asset = readAsset(file, options);
   std::vector<ListedPart> parts;
-  std::uint64_t triangles = 0;  // of all copies
+  std::uint64_t triangles = 0;  // triangles of all copies
   std::uint64_t nonFinite = 0;  // triangles with a corner that is NaN or infinite, each part counted once
   Box bounds;
   const auto addPart = [&](const AssetPart& part, const std::vector<Affine>& copies) {

@@ -32,7 +32,7 @@ void printSettings(const Study& study) {
       continue;
     }
     const Cost& cost = s.measured.cost;
-    const GroupErrors& e = s.measured.errors.all;                            // of all beams
+    const GroupErrors& e = s.measured.errors.all;                            // errors of all beams
     const GroupErrors* const awayErrors = awayFromEdges(s.measured.errors);  // null: no beam is away from edges
     const auto beams = static_cast<double>(e.beams);
     rows.push_back({s.setting.name, secondsText(cost.setupSeconds), secondsText(cost.scanSeconds),

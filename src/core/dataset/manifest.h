@@ -163,8 +163,8 @@ std::string samplesFileOf(const std::string& shardFile);
 std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std::vector<std::uint64_t>& numbers);
 
 // Returns the text of the member `<key>.json`, which is the first member of each sample in a shard: key, sequence,
-// frame, split, time of the frame (s), the poses and counts of the scans, and the random values. Class ids are those of
-// the manifest's ontology. The record's shard, members and counts of objects are left out.
+// frame, split, time of the frame (s), the poses and counts of the scans, and the random values. Class ids refer to the
+// manifest's ontology. The record's shard, members and counts of objects are left out.
 std::string sampleJson(const SampleRecord& sample);
 // Returns the first difference between a member's text and the record ("/scans/0/points is 11, not 12"), or a message
 // that the text is not JSON. Empty if text and record agree.

@@ -62,7 +62,7 @@ OrderedJson framesJson(const Manifest& manifest) {
 }
 
 // Returns the text of a file that describes the samples of a shard. Throws InputError if the file is unreadable or its
-// SHA-256 is not the stated one. Does not read files that are too large to be genuine: a shard contains the
+// SHA-256 does not match `shard`. Does not read files that are too large to be genuine: a shard contains the
 // descriptions, too, so that the file has at most about four times the bytes of the shard.
 std::string readSamplesText(const std::filesystem::path& file, const ShardRecord& shard) {
   constexpr std::uint64_t kAlwaysRead = 1 << 20;  // bytes added to the shard's, so that files of small shards are read

@@ -71,7 +71,7 @@ DatasetPart parsePart(const std::string& text, const std::string& file) {
 }
 
 // Moves the samples of a part to their indices in joined.samples, a list of empty records at first. The last shard in
-// `joined` must be that of the part. Throws Error if an index is out of range or already has a sample.
+// `joined` must be the part's shard. Throws Error if an index is out of range or already has a sample.
 static void moveSamples(DatasetPart& part, Manifest& joined) {
   const auto shardIndex = static_cast<std::uint32_t>(joined.shards.size() - 1);
   const std::string& shardFile = joined.shards[shardIndex].file;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads the shards of a dataset back.
+// Reads the shards of a dataset, which are tar files.
 //
 //   readTar("out/quickstart/train/train-000000.tar", [](const std::string& name, std::string_view bytes) {
 //     if (name.ends_with(".drc")) std::printf("%s: %zu points\n", name.c_str(), decodeMember(name, bytes).size());

@@ -104,12 +104,12 @@ class ScanStore {
   Digests digests_;
   std::filesystem::path path_;
   std::filesystem::path folder_;              // folder of the manifest; empty: there is no manifest
-  std::shared_ptr<const Manifest> manifest_;  // only of datasets and shards
-  std::optional<Scan> single_;                // only of the file of one scan, which then has no shards
-  std::optional<ScanFolder> recorded_;        // only of a folder of recorded scans, which then has no shards
+  std::shared_ptr<const Manifest> manifest_;  // of a dataset or a shard; null: there is no manifest
+  std::optional<Scan> single_;                // set only if the file of one scan is read
+  std::optional<ScanFolder> recorded_;        // set only if a folder of recorded scans is read
   std::optional<Ontology> ontology_;          // classes of scans that were recorded or are single files
   std::vector<std::string> keys_;
-  std::vector<Sample> samples_;  // in the order of keys_
+  std::vector<Sample> samples_;  // one per key, in the order of keys_
   std::unordered_map<std::string, std::size_t> byKey_;
   mutable std::mutex mutex_;  // guards shards_ and beams_, whose items are created on first use
   mutable std::vector<Shard> shards_;

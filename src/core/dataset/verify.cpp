@@ -197,7 +197,7 @@ class ShardCheck {
   // Compares the scan's numbers of points of each object with objects_. Reports the first difference.
   void checkObjectPoints(const std::string& name, const Scan& scan, const std::string& sensor) {
     if (scan[kInstance].empty()) return;
-    std::map<std::uint32_t, std::uint64_t> pointsOfObject;  // by instance id
+    std::map<std::uint32_t, std::uint64_t> pointsOfObject;  // numbers of points, by instance id
     for (std::size_t i = 0; i < scan.size(); ++i) {
       if (scan[kInstance][i] != 0 && isFinite(scan.position[i])) ++pointsOfObject[scan[kInstance][i]];
     }
@@ -246,7 +246,7 @@ class ShardCheck {
   fs::path file_;
   bool described_;
   std::vector<std::string> expectedNames_;                     // names of the members, in the order of the manifest
-  std::map<std::string, const SampleRecord*> sampleOfMember_;  // by name of the member
+  std::map<std::string, const SampleRecord*> sampleOfMember_;  // records by name of the member
   std::unique_ptr<const SampleObjects> objects_;               // latest list of objects; null: it is damaged
   std::set<std::string> countedSensors_;                       // sensors whose points were compared with objects_
   Verification result_;

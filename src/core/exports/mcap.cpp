@@ -152,7 +152,7 @@ bool mesh_use_embedded_materials
 constexpr Definition kTransforms{"tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"};
 constexpr Definition kMarkers{"visualization_msgs/MarkerArray", "visualization_msgs/Marker[] markers\n"};
 
-// Returns the definition of a message's type, followed by those of the types that it uses.
+// Returns the definition of a message's type, followed by the definitions of the types that it uses.
 std::string definitionText(const Definition& message, std::initializer_list<Definition> usedTypes) {
   std::string text(message.fields);
   for (const Definition& used : usedTypes) text += fmt::format("{:=<80}\nMSG: {}\n{}", "", used.type, used.fields);

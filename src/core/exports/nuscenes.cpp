@@ -1,6 +1,6 @@
 // The layout of nuScenes (Caesar et al., "nuScenes: A multimodal dataset for autonomous driving", CVPR 2020) with the
-// labels of Panoptic nuScenes (Fong et al., RA-L 2022), which the devkit opens as version v1.0-trainval. Its schema and
-// the contents of the files are described in docs/ and python-sdk/nuscenes/eval/ of
+// labels of Panoptic nuScenes (Fong et al., RA-L 2022), which the devkit opens as version v1.0-trainval. The schema of
+// nuScenes and the contents of the files are described in docs/ and python-sdk/nuscenes/eval/ of
 // github.com/nutonomy/nuscenes-devkit:
 //
 //   v1.0-trainval/*.json                               the tables, and splits.json

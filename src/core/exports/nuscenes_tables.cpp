@@ -130,7 +130,7 @@ class NuScenesRows {
   };
 
   const ExportFolder& folder_;
-  std::map<std::string, Table> tables_;  // by name
+  std::map<std::string, Table> tables_;  // tables by name
 };
 
 // Return the numbers as a JSON list. Throw an Error that begins with `what` for numbers that are not finite.
@@ -144,7 +144,7 @@ OrderedJson listOf(const Quat& q, const std::string& what) {
 constexpr double kLeastMovingSpeed = 0.2;  // m/s, chosen by eye: slower objects count as standing
 
 // Returns the token of one of nuScenes' four levels of visibility, "1" to "4". nuScenes has no level for an unknown
-// visibility; such an object, which only edges of beams hit, gets the lowest one.
+// visibility: an object that only edges of beams hit gets the lowest level.
 std::string visibilityToken(const std::optional<double>& visibility) {
   const double fraction = visibility.value_or(0);
   return fraction < 0.4 ? "1" : fraction < 0.6 ? "2" : fraction < 0.8 ? "3" : "4";  // the levels of schema_nuscenes.md
@@ -173,7 +173,7 @@ class Annotations {
   // later frames.
   std::size_t add() {
     std::size_t annotations = 0;
-    std::map<std::uint32_t, Track> tracks;  // by the dataset's instance ids
+    std::map<std::uint32_t, Track> tracks;  // tracks by the dataset's instance ids
     forAnnotated([&](std::size_t frame, const ObjectRecord& object, const Sighting&, const SemanticClass& category) {
       Track& track = tracks[object.id];
       if (track.frames.empty()) track.category = category.id;
