@@ -120,7 +120,7 @@ std::vector<double> readWeights(Fields& fields) {
 std::size_t sampleIndex(const std::vector<double>& weights, std::size_t items, double random) {
   if (weights.empty()) return std::min(static_cast<std::size_t>(random * static_cast<double>(items)), items - 1);
   double remaining = random * std::accumulate(weights.begin(), weights.end(), 0.0);
-  std::size_t selected = 0;  // after rounding errors, the last item with a positive weight
+  std::size_t selected = 0;  // if rounding errors leave a remainder, the last item with a positive weight
   for (std::size_t i = 0; i < items; ++i) {
     if (weights[i] <= 0) continue;
     selected = i;

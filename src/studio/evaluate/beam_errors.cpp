@@ -78,7 +78,7 @@ struct GroupSum {
   }
 };
 
-// Returns a group for each band up to the last band with beams. Does not set spreads. `sums`: one per band.
+// Returns a group, without spreads, for each band up to the last band with beams. `sums`: one per band.
 template <std::size_t N>
 std::vector<ErrorGroup> bands(const std::array<double, N>& edges, const char* unit,
                               const std::array<GroupSum, N - 1>& sums) {

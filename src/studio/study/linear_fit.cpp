@@ -24,7 +24,7 @@ void addMultiple(double factor, const std::vector<double>& added, std::vector<do
 LinearFit fitLinear(std::span<const double> design, std::size_t columns, std::span<const double> values) {
   constexpr double kDependent = 1e-9;  // a column is not used if a smaller fraction of it is independent
   const std::size_t rows = values.size();
-  std::vector<std::vector<double>> q(columns);    // the columns; empty for those that are skipped
+  std::vector<std::vector<double>> q(columns);    // orthonormal columns; empty for dependent columns
   std::vector<double> r(columns * columns, 0.0);  // row by row
   std::vector<double> projections(columns, 0.0);  // projections of the values onto the columns of q
   LinearFit fit;

@@ -96,7 +96,7 @@ class ShearedBeam {
   double shearX_, shearY_, scale_;
 };
 
-// User data of a placed mesh for Embree's callbacks.
+// User data of a placed mesh, which Embree passes to the callbacks.
 struct PlacedGeometry {
   const PlacedBlock* placed;
   double radius;  // radius of its world (m), see ExactWorld::radius
@@ -116,7 +116,7 @@ struct CandidateHit {
   std::uint32_t triangle;  // index in the block of `placed`
 };
 
-// The data of a ray for Embree's callbacks.
+// The data of a ray, which Embree passes to the callbacks.
 struct ExactContext {
   EmbreeContext embree = newEmbreeContext();
   const ExactWorld* world;

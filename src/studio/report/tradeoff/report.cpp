@@ -142,7 +142,7 @@ class StudyPage {
   // Adds a row for each class, those with the most beams first, with the errors of the shown settings.
   void classes() {
     const std::vector<std::size_t> shown = shownSettings(study_, kMostColumns);
-    std::vector<std::pair<std::string, std::uint64_t>> classes;  // class and its beams in the first setting that has it
+    std::vector<std::pair<std::string, std::uint64_t>> classes;  // class; its beams in the first setting that has any
     for (const std::size_t i : shown) {
       page_["shown"].push_back({{"name", nameOf(i)}});
       for (const ErrorGroup& g : errors(i).byClass) {

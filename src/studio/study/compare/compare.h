@@ -102,7 +102,7 @@ struct Separation {
   double strength = 0;
   // The mean area under the ROC curve, weighted as `strength`; above 0.5 if the simulated set has the greater values.
   double area = 0.5;
-  std::uint64_t real = 0, simulated = 0;  // numbers of patches that were compared
+  std::uint64_t real = 0, simulated = 0;  // numbers of the patches that were compared
   // The median of the feature over these patches; the mean for features that are mostly zero.
   double realValue = 0, simulatedValue = 0;
 };

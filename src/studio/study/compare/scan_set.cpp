@@ -140,8 +140,8 @@ GroundCells cellsOf(const std::vector<Vec3d>& points, double size) {
   return cells;
 }
 
-// Returns the ground's points below the sensor, by cell of kCell; leaves out cells with objects, and returns nothing if
-// too few points remain. Fits a plane to the lowest point in each cell of 4 m, then fits it three times anew to all
+// Returns the ground's points by cell of kCell, without the cells that contain objects; nothing if too few points
+// remain. The ground is found by a plane that is fitted to the lowest point in each cell of 4 m, then twice to all
 // points within 0.5 m of the previous plane. The limits were chosen by eye.
 GroundCells groundOf(const Scan& scan, const RangeGrid& grid) {
   constexpr double kLeastDepth = 0.3;    // m below the sensor

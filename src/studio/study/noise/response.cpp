@@ -51,7 +51,7 @@ std::optional<std::size_t> bandOf(double range) {
 // Returns the ground's z coordinate (m): the most frequent z coordinate of the returns near the sensor; 0 if no return
 // is near.
 double groundHeight(const Scan& scan) {
-  constexpr double kStep = 0.1, kNearest = 5, kFarthest = 15;  // m: bins of height, ranges that count
+  constexpr double kStep = 0.1, kNearest = 5, kFarthest = 15;  // m: step of heights; ranges of the counted returns
   std::map<long, std::size_t> counts;
   for (const Vec3f& p : scan.position) {
     const double range = length(Vec3d(p));

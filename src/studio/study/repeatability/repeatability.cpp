@@ -196,8 +196,8 @@ class RepeatabilityRun {
     }
   }
 
-  // Warns if all scans of a level are equal, since perfect agreement then says nothing. `effects: []` causes no
-  // warning, since equal scans are then intended.
+  // Warns if all scans of a level are equal: their agreement is then perfect but says nothing about the sensor. Does
+  // not warn for `effects: []`, with which equal scans are intended.
   void warnOfNoiseThatMovesNothing() {
     for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
       std::vector<std::string> effectNames;
@@ -307,7 +307,7 @@ class RepeatabilityRun {
   Repeatability result_;
 };
 
-// Returns the spread as JSON; null if there are no pairs, since zeros would look like perfect agreement.
+// Returns the spread as JSON; null if there are no pairs, since zeros would suggest perfect agreement.
 OrderedJson spreadJson(const FitnessSpread& spread) {
   if (spread.count == 0) return nullptr;
   return {{"pairs", spread.count},

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kFewestInRing = 20;  // least number of points in a ring that is used
 // All columns together span a full revolution if their angle differs from it by at most this fraction.
 constexpr double kTurnTolerance = 0.015;
-constexpr double kLeastSpread = 1;     // least deviation (m) of axis distances in a ring that determines the origin
+constexpr double kLeastSpread = 1;     // least standard deviation (m) of the axis distances in a fitted ring
 constexpr double kSignificant = 3;     // an offset of fewer standard errors counts as zero
 constexpr double kLeastOffset = 2e-3;  // smaller offsets (m) count as zero
 
@@ -313,7 +313,7 @@ class SensorFitter {
     fit_.period = timeStep * 2 * kPi / std::fabs(step_);
     fit_.firing.assign(fit_.rings, std::numeric_limits<double>::quiet_NaN());  // NaN: too few times
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
-      std::vector<double> times;  // time of column 0 according to each point
+      std::vector<double> times;  // time of column 0, extrapolated from each point
       for (const Point& p : rings_[ring]) {
         if (p.time) times.push_back(*p.time - timeStep * p.column);
       }
