@@ -169,8 +169,8 @@ class Reduction {
       ++sum.count;
     }
   }
-  // Writes one reduced row, (width + factor - 1) / factor pixels: the means of the rows added since the last call, of
-  // which there must be one at least.
+  // Writes one reduced row of (width + factor - 1) / factor pixels: the means of the rows that were added since the
+  // last call. At least one row must have been added.
   void take(std::uint8_t* rgba) {
     for (Sum& sum : sums_) {
       for (std::size_t c = 0; c < 3; ++c) *rgba++ = encoded(sum.light[c] / sum.weight);

@@ -225,7 +225,7 @@ class GdalReader final : public RasterReader {
                                .scaled = scale != 1 || offset != 0,
                                .inverted = zeroIsWhite != nullptr && EQUAL(zeroIsWhite, "YES")});
     }
-    // Each raster of a file has two entries here, a name and a description; a file with one raster has none.
+    // Each raster of a file has two entries in this list, a name and a description; a file with one raster has none.
     const int rasters = CSLCount(GDALGetMetadata(dataset_, "SUBDATASETS")) / 2;
     header_.others = header_.bands.empty() || rasters == 0 ? rasters : rasters - 1;
     header_.georeferenced = GDALGetGeoTransform(dataset_, header_.transform.data()) == CE_None;
@@ -329,7 +329,7 @@ std::string tiffOf(const GeoKeys& keys) {
 // unit: LAS files state EPSG:5703, a system in metres, for heights in feet. Depths remain depths.
 void setHeightUnit(const GeoKeys& keys, CoordinateSystem& system) {
   constexpr std::uint16_t kVerticalUnits = 4099;
-  // Metres, feet and US survey feet, by EPSG's codes.
+  // Metres per unit by EPSG's code, for metres, feet and US survey feet.
   static const std::map<std::uint16_t, double> kMetres{{9001, 1}, {9002, 0.3048}, {9003, 1200.0 / 3937}};
   struct Entry {
     std::uint16_t key, valueTag, count, value;  // valueTag 0: `value` is the value itself

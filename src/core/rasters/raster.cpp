@@ -105,7 +105,7 @@ void checkFiles(const std::filesystem::path& file, const RasterHeader& header) {
 
 // Returns the metres per unit of length, by the unit's name; nullopt for an unknown name.
 std::optional<double> metresOf(std::string_view unit) {
-  // Names of a unit, between bars, in lower case and without blanks and punctuation.
+  // Names of each unit, between bars, in lower case, without blanks and punctuation; and its length (m).
   static constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
       {{"|m|metre|metres|meter|meters|", 1},
        {"|cm|centimetre|centimeter|", 0.01},
@@ -119,8 +119,8 @@ std::optional<double> metresOf(std::string_view unit) {
   return std::nullopt;
 }
 
-// Returns the metres per unit of the heights, negative if they are depths: by the band's unit, else by that of the
-// vertical system, else metres. Throws InputError for an unknown unit.
+// Returns the metres per unit of the heights, negative if they are depths. The unit is that of the band, else of the
+// vertical system, else the metre. Throws InputError for an unknown unit.
 double metresPerHeight(const std::filesystem::path& file, const RasterHeader& header) {
   const std::string& unit = header.bands[0].unit;
   const CoordinateSystem& system = header.system;

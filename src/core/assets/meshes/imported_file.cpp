@@ -18,7 +18,7 @@
 namespace scanmill {
 namespace {
 
-// Writes values to bytes, or reads them back. Child and parent process, which have the same build, exchange them.
+// Writes values to bytes, or reads values from bytes that a process of the same build has written.
 class Archive {
  public:
   // An archive that writes.

@@ -221,8 +221,8 @@ class CloudAsset {
         file_.string(), full, grouped(above), grouped(chosen_.size()), greatest, grouped(below), grouped(missing));
   }
 
-  // Makes a texture with one texel per point, which shows the intensity as a grey, or else the colour. Makes none if
-  // the options or the file do not allow it.
+  // Makes a texture with one texel per point, which shows the intensity as a grey, or else the colour. Makes no texture
+  // if the options exclude both, or if the file has neither.
   void makeTexture() {
     auto image = std::make_shared<Texture>();
     image->file = file_.string();
@@ -272,7 +272,7 @@ class CloudAsset {
   }
 
   // Returns the packed red, green and blue of a value: the Point Cloud Library stores the bits of an integer as a
-  // float, other programs store the integer. Returns nullopt for a float that is NaN, as a text file states it.
+  // float, other programs store the integer. Returns nullopt for the NaN that text files state.
   template <class T>
   static std::optional<std::uint32_t> packedColor(T value) {
     constexpr std::uint32_t kNan = 0x7FC00000;  // other NaNs are colours with an alpha of 255
@@ -287,7 +287,7 @@ class CloudAsset {
     return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
   }
 
-  // Fills the texture with the colours of the points. Returns false if there are none.
+  // Fills the texture with the colours of the points. Returns false if no point has a colour.
   bool fillWithColors(Texture& image) {
     const ForeignColumn* const packed = foreign("rgb");
     const std::optional<std::size_t> colored =

@@ -38,7 +38,7 @@ struct Neighborhood {
   std::vector<float> squaredDistances;  // m^2
 };
 
-// Finds the `count` points nearest to a position; fewer in a smaller cloud.
+// Fills `near` with the `count` points nearest to a position, or with all points of a smaller cloud.
 void search(const Tree& tree, const Vec3f& position, std::size_t count, Neighborhood& near) {
   near.indices.resize(count);
   near.squaredDistances.resize(count);

@@ -106,7 +106,7 @@ void addCap(Mesh& mesh, const std::vector<Vec3d>& outline, const std::vector<std
   }
 }
 
-// True if a heightmap's heights are stated by its <size>, not by the raster.
+// True if the <size> of a heightmap, not its raster, states the range of its heights.
 bool isImage(const Raster& raster, const std::filesystem::path& file) {
   const std::string suffix = lowerExtension(file);
   return !raster.georeferenced || suffix == ".png" || suffix == ".jpg" || suffix == ".jpeg";

@@ -156,7 +156,7 @@ class WorldAsset {
     return submeshParts;
   }
 
-  // Returns a mesh file as parts in the file's frame. Reads each file only once.
+  // Returns the asset in a mesh file, in the frame of the file. Reads each file only once.
   const Asset& meshOf(const std::filesystem::path& path, const Location& where) {
     const auto cached = meshes_.find(path);
     if (cached != meshes_.end()) return cached->second;

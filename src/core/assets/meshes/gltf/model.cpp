@@ -192,7 +192,7 @@ class ModelReader {
     return mesh;
   }
 
-  // Reads all of a primitive but its mode; without positions, at most its material, attributes and indices.
+  // Reads a primitive without its mode. A primitive without positions is read only up to its indices.
   Primitive readPrimitive(const JsonObject& object) const {
     Primitive primitive;
     primitive.material = object.maybeIndex("material", model_.materials.size());
