@@ -230,7 +230,7 @@ bool isCalibration(const std::filesystem::path& file) {
   std::vector<std::string_view> names;
   splitCells(head, separator, names);
   const auto has = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
-  // Scans have x or easting; tables of single beams have azimuth_deg.
+  // Scans have the column x or easting; tables of single beams have the column azimuth_deg.
   return (has("elevation") || has("elevation_deg")) && !has("x") && !has("easting") && !has("azimuth_deg");
 }
 

@@ -210,7 +210,7 @@ Rows sceneRows() {
   return rows;
 }
 
-// Prints the devices that compute and draw by OpenGL; opens each for a moment to test it.
+// Prints the devices that can compute and draw with OpenGL. Opens each device for a moment to test it.
 void printDevices() {
   Rows rows;
   bool anyUsable = false;

@@ -179,8 +179,8 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   keys("azimuth_offset", b.azimuthOffset, numberCount(b.rings));
   keys("firing_offset", b.firingOffset, numberCount(b.rings));
   keys.optional("vehicle_from_sensor", sensor.vehicleFromSensor);
-  // The table has listed beams, a rosette or neither. BeamTable stores both in a variant, so copies are described here,
-  // and stored in the table if the record is read.
+  // The table has listed beams, a rosette or neither. BeamTable stores them in a variant, so that describe() needs
+  // copies, which are stored in the table if the record is read.
   std::shared_ptr<const ListedBeams> listed = b.listed();
   keys.optional("beams", listed, [&](const JsonNode& node) {
     for (const char* const key : {"azimuth", "elevation", "time"}) node[key].numbers(b.size());

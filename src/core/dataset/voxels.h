@@ -21,7 +21,7 @@
 
 namespace scanmill {
 
-// The end of the name of a shard's member with voxels, used like the suffix of a format.
+// The suffix of a shard's members with voxels, used like the suffix of a format.
 inline constexpr std::string_view kVoxelsSuffix = "voxels.npz";
 
 // The voxels of one scan. Each vector has one entry per voxel of the grid, which is in the frame of the scan's points.

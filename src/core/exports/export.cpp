@@ -211,7 +211,7 @@ class Export {
     return layOut(json) + "\n";
   }
 
-  // Throws InputError if the folder must not be written to.
+  // Throws InputError unless the output folder is new or empty, or contains an export that may be replaced.
   void checkFolder() const {
     const fs::path& folder = folder_.path();
     if (!pathExists(folder)) return;

@@ -121,7 +121,7 @@ std::string labelOf(const std::string& type, const ObjectRecord& object, const O
       object.size.z, object.size.y, object.size.x, bottom.x, bottom.y, bottom.z, rotation);
 }
 
-// Returns the calibration file. It is the same for all frames, as the camera is fixed at the sensor's origin.
+// Returns the calibration text. It is the same for all frames, as the camera is fixed at the sensor's origin.
 std::string calibration() {
   std::string text;
   for (int camera = 0; camera < 4; ++camera) {
@@ -134,7 +134,7 @@ std::string calibration() {
          "Tr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
 }
 
-// Returns the file with the plane of the road, a x + b y + c z + d = 0 in the camera's frame; empty if the sensor is
+// Returns the text on the plane of the road, a x + b y + c z + d = 0 in the camera's frame; empty if the sensor is
 // mounted so low that its height above the road is uncertain.
 std::string planeText(const ExportPlan& plan, const SampleRecord& sample) {
   constexpr double kLowestMount = 0.1;  // m: a lower sensor is probably not mounted on a vehicle

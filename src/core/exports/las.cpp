@@ -223,7 +223,7 @@ void putPosition(const ExportPlan& plan, const ExportSample& sample, const Expor
   }
 }
 
-// Returns the file of a scan.
+// Returns the contents of the file of a scan.
 std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan) {
   const Scan& scan = exportScan.scan;
   const WorldPositions positions(scan, *exportScan.record, exportScan.sensor->beams, plan.manifest.deskewed);
@@ -257,7 +257,7 @@ std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const E
   }
   std::vector<LasExtra> extra;
   visitTable(scan, [&]<class T>(auto key, const std::vector<T>&) {
-    // Numbers of float, unsigned char, unsigned short and unsigned long in table 24 of the specification.
+    // The type numbers of float, unsigned char, unsigned short and unsigned long in table 24 of the specification.
     constexpr std::uint8_t kType = std::is_floating_point_v<T> ? 9 : sizeof(T) == 1 ? 1 : sizeof(T) == 2 ? 3 : 5;
     if (!extraColumns.has(key)) return;
     const std::string_view name = key.index == kIntensity.index ? kLasExactIntensity : key.row.name;

@@ -20,8 +20,8 @@
 // - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
 //   because times must differ from scene to scene. Times and ego_pose are those at the start of a revolution.
 // - sample_annotation has the listed objects that have at least one point and whose class in labels/nuscenes.yaml is a
-//   thing class, because nuScenes has boxes only for these. A box has the pose of the object at the time when beams of
-//   the first lidar that sees the object hit it. All boxes of an instance have the size of the largest in the scene.
+//   thing class, because nuScenes has boxes only for these. A box has the object's pose at the time when the first
+//   lidar that sees the object hits it. All boxes of an instance have the size of the largest in the scene.
 //   num_lidar_pts counts the points of all lidars; visibility is the highest among the lidars.
 // - Instances are numbered from 1 to 999 within each class of a scene, in the order of the dataset's ids.
 // - splits.json lists the scenes of each split, for newer versions of the devkit. These versions reserve the names of

@@ -162,7 +162,7 @@ class SemanticKitti : public ExportLayout {
   }
 
  private:
-  // Returns the file of labels. `order`: indices of the points, in the order of the file.
+  // Returns the contents of a file of labels. `order`: indices of the points, in the order of the file.
   std::string labels(const ExportPlan& plan, const ExportSample& sample, const std::vector<std::size_t>& order) const {
     const Scan& scan = sample.scans.front().scan;
     if (scan[kLabel].empty()) return {};  // an empty scan may have no columns
