@@ -69,7 +69,7 @@ std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, doub
 // True if at least one beam of the shots has a true hit.
 bool anyHit(std::span<const TrueShot> shots);
 
-// Traces the exact hits of shots, finds the beams near edges and, if options.intensity is not null, the intensities.
+// Returns the shots with their exact hits, their beams near edges and, if options.intensity is not null, intensities.
 std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options);
 
 // Measures the method that `make` creates; its creation is timed as set-up. All shots must belong to `scene`.

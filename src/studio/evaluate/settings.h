@@ -5,7 +5,7 @@
 //   - ray_tracing
 //   - {depth_camera: {resolution: [512, 1024, 2048], sampling: [plane, nearest]}}
 //
-// If the value of an option is a list, there is one setting per item. Several lists are combined in all ways.
+// If the value of an option is a list, there is one setting per item; with several lists, one per combination of items.
 
 #include <string>
 #include <vector>

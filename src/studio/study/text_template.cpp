@@ -35,7 +35,7 @@ data dataOf(const Json& json) {
   return data(false);
 }
 
-// Returns the number that a value is; nothing if the value is absent (null) or not a finite number.
+// Returns a value as a number; nothing if the value is absent (null) or not a finite number.
 std::optional<double> numberOf(const data* value) {
   if (value == nullptr || !value->is_string()) return std::nullopt;
   const std::string& text = value->string_value();

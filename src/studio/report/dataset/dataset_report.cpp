@@ -105,7 +105,7 @@ class Examination {
     report_.summary = summarise(report_.manifest, countedScans, counts, steps);
   }
 
-  // Counts the objects of the samples with these scans, which are sorted by sample.
+  // Counts the objects of the samples with the scans `countedScans`, which must be sorted by sample.
   void countObjects(const std::vector<ScanIndex>& countedScans) {
     std::vector<std::size_t> samples;
     samples.reserve(countedScans.size());

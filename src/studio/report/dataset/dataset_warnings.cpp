@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kFewClassPoints = 1e-4;  // fraction of all points below which a class is reported
 
-// Collects the warnings; each private function adds those of one subject.
+// Collects the warnings; each private function adds the warnings about one subject.
 class Warnings {
  public:
   Warnings(const DatasetSummary& summary, const ReadingFaults& faults) : sum_(summary), faults_(faults) {}

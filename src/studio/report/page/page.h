@@ -31,7 +31,7 @@ struct PageExtras {
 //                                           emphasised; `failure` is the reason why it has no figures
 //   == title                                a heading above the columns that follow
 //   + path                                  repeats the columns up to the line "-" for each item of the list at this
-//                                           path; each row has such a list
+//                                           path; every row must have this list
 //   title | cell | hint | cell's hint       a column, given by four templates; "< title": left-aligned text
 //   {{/table}}
 std::string fillPage(std::string_view body, Json values, const PageExtras& extras = {});

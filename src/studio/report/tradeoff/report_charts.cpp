@@ -220,7 +220,7 @@ constexpr Rgb kFalsePositiveColor{255, 255, 255};
 constexpr Rgb kOtherLabelColor{255, 150, 220};
 
 Rgb errorColor(double error) {
-  // Fraction of the colour map, at its dark end, that is not used, since its colours can hardly be seen.
+  // Fraction of the colour map that is not used: its dark end, whose colours can hardly be seen.
   constexpr double kDarkest = 0.15;
   return viridis(kDarkest + (1 - kDarkest) * std::log10(std::max(error, kLeastError) / kLeastError) / kDecades);
 }

@@ -15,9 +15,9 @@
 
 namespace scanmill {
 
-// Rows are rings, or steps of elevation, from top to bottom; columns are successive azimuth steps. Rows are shifted
-// such that a column has the same azimuth in all rows, to within half a step; this matters for sensors with lasers side
-// by side, whose columns differ in azimuth. If a beam has several returns, the pixel has the nearest.
+// A scan as an image. Rows are rings, or steps of elevation, from top to bottom; columns are successive azimuth steps.
+// Rows are shifted such that a column has the same azimuth in all rows, to within half a step; this matters for lasers
+// side by side, whose columns differ in azimuth. If a beam has several returns, the pixel has the nearest.
 struct RangeGrid {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 

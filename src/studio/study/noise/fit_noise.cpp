@@ -333,7 +333,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   FlatPatches usedPatches;
   std::vector<FlatPatch> ringPatches;  // copies of usedPatches, for fitRingErrors()
   for (const FlatPatch* p : steep) {
-    // The mean range of a band lies in the band.
+    // The mean range of a band lies in the band and thus identifies it.
     const bool isUsed = std::ranges::any_of(
         used, [&](const PatchGroup* band) { return rangeBandOf(band->range) == rangeBandOf(p->range); });
     if (!isUsed) continue;

@@ -103,9 +103,9 @@ void addTo(RingSystem& system, const std::vector<RingValue>& values, Eigen::Inde
   }
 }
 
-// Returns the errors of the rings from the equations of all patches, and their spread and agreement from a comparison
-// of the odd with the even patches, which shows which part of the errors is noise. `halves`: the equations of the even
-// and of the odd patches.
+// Returns the errors of the rings, from the equations of all patches. Finds their spread and agreement by comparing the
+// odd with the even patches, which shows which part of the errors is noise. `halves`: the equations of the even and of
+// the odd patches.
 RingSpread ringSpreadOf(const std::array<RingSystem, 2>& halves) {
   RingSystem both = halves[0];
   both.a += halves[1].a;

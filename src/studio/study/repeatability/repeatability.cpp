@@ -317,7 +317,7 @@ OrderedJson spreadJson(const FitnessSpread& spread) {
           {"max", spread.high}};
 }
 
-// Returns a pose with the points at each noise level and the fitness between each two levels.
+// Returns the JSON of a pose, with the points at each noise level and the fitness for each pair of levels.
 OrderedJson poseJson(const Repeatability& result, const RepeatedPose& pose) {
   OrderedJson json{{"frame", pose.frame}, {"object", pose.object}, {"distance_m", pose.distance}};
   json["points"] = OrderedJson::array();
@@ -346,7 +346,7 @@ Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions&
   return RepeatabilityRun(plan, options).run();
 }
 
-// A limit that is infinite, which means no limit, is written as null.
+// An infinite limit, which means that there is no limit, is written as null.
 std::string repeatabilityJson(const Repeatability& result) {
   OrderedJson json{{"schema", Repeatability::kSchemaVersion},
                    {"program", result.programVersion},
