@@ -72,10 +72,10 @@ const AssetKind* kindOf(std::string_view ending) {
 struct Content {
   std::string_view firstBytes;  // in lower case
   std::string_view name;        // with advice, for messages
-  std::string_view endings;     // of files whose contents begin so, separated by blanks
+  std::string_view endings;     // endings of files with these contents, separated by blanks
 };
 
-// Contents by their first bytes. For a file that fits several rows, the first of them counts.
+// Contents by their first bytes. If a file fits several rows, the first row counts.
 constexpr std::array<Content, 27> kContents{{
     {"version https://git-lfs", "a pointer of Git LFS, not the file itself: fetch it by 'git lfs pull'", ""},
     {"\xff\xfe"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},

@@ -261,7 +261,7 @@ DecodedImage decode(ImageReader& image, const std::string& kindOfBytes, std::uin
   decoded.height = static_cast<std::uint32_t>((header.height + factor - 1) / factor);
   decoded.linear = header.linear;
   decoded.rgba.resize(std::size_t{decoded.width} * decoded.height * 4);
-  std::uint8_t* out = decoded.rgba.data();  // where the next rows go
+  std::uint8_t* out = decoded.rgba.data();  // start of the next rows
   RgbaConverter converter(header);
   Reduction reduction(header.width, factor);
   std::vector<std::uint8_t> rows(rowBytes * kRowsAtATime);

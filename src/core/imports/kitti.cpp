@@ -36,7 +36,7 @@ void addSequence(const fs::path& sequence, const std::string& name, std::vector<
 std::optional<ScanFolder> readKittiFolder(const fs::path& folder) {
   ScanFolder kitti{.layout = "kitti", .sensor = "velodyne"};
   const fs::path absolute = fs::absolute(folder).lexically_normal();
-  const fs::path root = absolute.has_filename() ? absolute : absolute.parent_path();  // without a slash at its end
+  const fs::path root = absolute.has_filename() ? absolute : absolute.parent_path();  // without a final slash
   // The folder may be a sequence or drive, its folder velodyne, or a folder of sequences or drives.
   addSequence(root, "", kitti.scans);
   if (kitti.scans.empty() && root.filename() == "velodyne") addSequence(root.parent_path(), "", kitti.scans);

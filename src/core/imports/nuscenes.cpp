@@ -79,7 +79,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
     return values;
   };
   Texts sceneNames = columnOf("scene.json", "name", "token", Table::Required);
-  Texts sceneTokens = columnOf("sample.json", "scene_token", "token", Table::Required);  // by token of a sample
+  Texts sceneTokens = columnOf("sample.json", "scene_token", "token", Table::Required);  // tokens of scenes, by sample
   // Files of labels, by token of sample_data.
   Texts lidarseg = columnOf("lidarseg.json", "filename", "sample_data_token", Table::Optional);
   Texts panoptic = columnOf("panoptic.json", "filename", "sample_data_token", Table::Optional);

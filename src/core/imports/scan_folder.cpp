@@ -27,7 +27,7 @@ std::vector<fs::path> entriesIn(const fs::path& folder, const Accepts& accepts) 
   return entries;
 }
 
-// True if this is the first call for a file of the same folder.
+// True if no earlier call was for a file in the same folder.
 bool isFirstOfItsFolder(const fs::path& file) {
   static std::mutex mutex;
   static std::set<fs::path> folders;

@@ -114,8 +114,8 @@ void describeLengths(const OGRSpatialReference& reference, CoordinateSystem& sys
 }
 
 // Sets stretch and utm of a projected system at the point (x, y): converts two steps, along x and along y, to
-// longitudes and latitudes, and compares their lengths with those on the ellipsoid. The stretch is that of the step
-// with the greater distortion.
+// longitudes and latitudes, and compares their lengths with the lengths on the ellipsoid. The step with the greater
+// distortion gives the stretch.
 void measureStretch(const OGRSpatialReference& reference, double x, double y, CoordinateSystem& system) {
   constexpr double kStep = 100;  // m
   std::array<double, 3> longitude{x, x + kStep / system.perUnit, x};

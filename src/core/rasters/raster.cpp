@@ -75,7 +75,7 @@ void checkTextGrid(const std::filesystem::path& file, const RasterHeader& header
   }
 }
 
-// Throws InputError for files that GDAL is known to misread, or warns of them.
+// Throws InputError for some files that GDAL is known to misread, and warns of others.
 void checkFiles(const std::filesystem::path& file, const RasterHeader& header) {
   if (header.driver == "AAIGrid") checkTextGrid(file, header);
   if (header.driver == "GRASSASCIIGrid") fail(file, "is a text grid of GRASS: write a GeoTIFF by r.out.gdal");
@@ -221,7 +221,7 @@ Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, RasterUse us
 // x `every` samples; a window that is narrower or lower than a square is one square. Throws InputError if there are no
 // samples or too many squares.
 Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const RasterRequest& request) {
-  constexpr std::size_t kMostSamples = 64'000'000;  // in the result
+  constexpr std::size_t kMostSamples = 64'000'000;  // largest number of samples in the result
   const auto& t = grid.transform;
   const double determinant = t[1] * t[5] - t[2] * t[4];
   if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(t[0] + t[3])) {

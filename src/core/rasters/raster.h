@@ -55,7 +55,7 @@ struct RasterGrid {
   // GDAL's geotransform: x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; (c, r) = (0, 0) is the outer corner of the first
   // sample.
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};
-  CoordinateSystem system;  // its stretch is that at the middle of the complete raster
+  CoordinateSystem system;  // its stretch is measured at the middle of the complete raster
 
   // Returns x and y of a position in columns and rows, with fractions; (0, 0) is the raster's outer corner.
   std::array<double, 2> pointAt(double column, double row) const {
@@ -94,11 +94,11 @@ struct RasterRequest {
 // samples within the bounds, or holds colours instead of heights, or heights in an unknown unit.
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request);
 
-// True if the rasters have the same coordinate system, or if the system of one is unknown.
+// True if the rasters have the same coordinate system, or if the coordinate system of either raster is unknown.
 bool sameReference(const Raster& a, const Raster& b);
 
-// Returns the distance (m) between the points that have the same coordinates x and y (m) in two projected systems
-// (CoordinateSystem::definition); 0 if it is not known, or if GDAL cannot be loaded.
+// Returns the distance (m) between two points whose coordinates x and y (m) are the same numbers in two projected
+// systems (CoordinateSystem::definition); 0 if the distance is not known, or if GDAL cannot be loaded.
 double shiftBetween(const std::string& reference, const std::string& other, double x, double y);
 
 // Returns the numbers of the bands for red, green and blue. If the file does not name such bands, they are the first

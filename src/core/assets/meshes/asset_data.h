@@ -106,9 +106,10 @@ struct AssetOptions {
   bool operator==(const AssetOptions&) const = default;
 };
 
-// Parts that the file places several times: by EXT_mesh_gpu_instancing of glTF, or as models of a world.
+// Parts that the file places several times, by each transform of `assetFromParts`: by EXT_mesh_gpu_instancing of glTF,
+// or as models of a world.
 struct InstancedParts {
-  std::vector<AssetPart> parts;  // in a frame of their own; assetFromParts places copies of them
+  std::vector<AssetPart> parts;  // in their own frame; see assetFromParts
   std::vector<Affine> assetFromParts;
 };
 

@@ -105,8 +105,8 @@ BaseColor colorOf(const ImportedFile& imported, const ImportedMaterial& material
   if (color.image) color.factor = {1, 1, 1};
   if (!testsAlpha) return color;
   color.alphaCutoff = kUsualAlphaCutoff;
-  // If the opacity map is the same file as the base colour, it means that file's alpha, which the image already has,
-  // unless it is inverted.
+  // If the opacity map and the base colour name the same file, the opacity is the alpha of this file. The image already
+  // has this alpha, unless the map is inverted.
   if (!map.name.empty() && (map.name != name || map.inverted)) {
     if (const auto mask = images.load(map.name, map.name, Need::AnyImage)) {
       (color.image ? color.image : color.opacity) = withOpacity(color.image.get(), *mask, map.inverted);
@@ -166,7 +166,7 @@ std::shared_ptr<const Texture> ColorImages::tinted(const std::shared_ptr<const T
   if (cached != nullptr) return cached;
   auto texture = std::make_shared<Texture>(*image);
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    std::array<std::uint8_t, 256> tintedBytes{};  // by byte of the image
+    std::array<std::uint8_t, 256> tintedBytes{};  // results, by byte of the image
     for (std::size_t i = 0; i < tintedBytes.size(); ++i) {
       const double light = double{linearOfBytes()[i] * factor[channel]};
       tintedBytes[i] = static_cast<std::uint8_t>(std::lround(255 * srgbOf(light)));

@@ -69,7 +69,7 @@ class ColorImages {
   bool allowOutside_;
   std::vector<std::filesystem::path> folders_;
   std::set<std::string> missing_;                                                  // names of missing images
-  std::map<std::pair<std::string, Need>, std::shared_ptr<const Texture>> images_;  // by key
+  std::map<std::pair<std::string, Need>, std::shared_ptr<const Texture>> images_;  // images so far, by key
   std::map<std::pair<std::shared_ptr<const Texture>, std::array<float, 3>>, std::shared_ptr<const Texture>> tinted_;
   std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;
 };

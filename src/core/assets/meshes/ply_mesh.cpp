@@ -269,7 +269,7 @@ class PlyMeshReader {
   bool hasUvs_ = false;                              // true: vertices have texture coordinates
   std::vector<Vec2f> uvs_;                           // texture coordinates of the vertices
   std::vector<std::string> images_;                  // names of images
-  std::vector<bool> isImageUsed_;                    // by image: true: a face shows it
+  std::vector<bool> isImageUsed_;                    // by image; true: a face shows the image
   // Indices of the parts, by image (kNone: none) and by whether corners have texture coordinates of their own.
   std::map<std::pair<std::uint32_t, bool>, std::size_t> parts_;
   Triangulator polygons_;

@@ -175,7 +175,7 @@ class StlReader {
   const std::filesystem::path& file_;
   const AssetOptions& options_;
   std::string text_;                // bytes of the file, text or binary
-  std::string_view unread_{text_};  // what nextWord() has not read yet
+  std::string_view unread_{text_};  // text that nextWord() has not read yet
   int line_ = 0;                    // line of the latest word, counted from 1; 0: the file is binary
   std::vector<Solid> solids_;
   std::vector<Vec3d> corners_;  // three per triangle, in the file's units and axes

@@ -36,8 +36,8 @@ struct Model {
   SdfPose pose;                     // pose of the placement frame, as the file states it
   Pose placement;                   // pose of the placement frame in the model's frame
   std::optional<Pose> poseByState;  // pose in the parent's frame, if the world's state gives one
-  bool merged = false;              // true: its links and models become those of the model that includes it
-  bool missing = false;             // its file is missing
+  bool merged = false;              // true: the model that includes this one gets its links and models
+  bool missing = false;             // true: the file of the model is missing
 };
 
 // The part of a world's state that describes the models in a world or in a model.
@@ -196,7 +196,7 @@ class SdfReader {
     return {&node, pose, nullptr};
   }
 
-  // Adds a model's frame to those of the world or model around it; if the model is merged, also the frames in it.
+  // Adds the frame of a model to `around`; if the model is merged, also the frames in the model.
   static void addFramesOf(const Model& model, SdfFrames& around) {
     // The frame of a merged model has the name that libsdformat gives it, which no link of the model has.
     const std::string name = model.merged ? "_merged__" + model.name + "__model__" : model.name;

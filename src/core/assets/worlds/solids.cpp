@@ -179,7 +179,7 @@ Mesh extrudedPolylines(const XmlNode& geometry) {
     corners += static_cast<double>(outline.size());
     gtl::operators::operator^=(covered, outline);
   }
-  constexpr double kMostCorners = 20'000;  // as many take some seconds
+  constexpr double kMostCorners = 20'000;  // this many take some seconds to process
   if (corners > kMostCorners)
     first.fail(fmt::format("and those beside it have {} points: give them as a mesh", corners));
   Mesh mesh;

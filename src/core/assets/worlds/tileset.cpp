@@ -90,7 +90,7 @@ class TilesetReader {
     for (const auto& [name, value] : extensions->items()) leftOut_.addKeyword(tilesetFormat(), name);
   }
 
-  // Returns the transform from a tile's frame to that of its parent; the identity if none is stated.
+  // Returns the transform from a tile's frame to its parent's frame; the identity if none is stated.
   static Affine transformOf(const Json& tile) {
     const auto transform = tile.find("transform");
     if (transform == tile.end()) return {};

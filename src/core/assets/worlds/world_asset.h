@@ -43,7 +43,7 @@ class MissingFileError : public InputError {
   MissingFileError(const Location& at, const std::string& uri, const std::string& message)
       : InputError(at, message), name(uri), where(at) {}
 
-  std::string name;  // as the other file names it
+  std::string name;  // name of the file, as the other file states it
   Location where;
 };
 
@@ -71,7 +71,7 @@ struct WorldPart {
   std::string material;                // name of the material of a solid, or of a mesh whose file names no material
   std::optional<std::array<float, 3>> color;
   std::filesystem::path texture;             // replaces the mesh's texture; empty: the mesh keeps its texture
-  std::optional<float> roughness, metallic;  // replace those of the mesh's materials
+  std::optional<float> roughness, metallic;  // replace the values of the mesh's materials
   Location where;
 };
 

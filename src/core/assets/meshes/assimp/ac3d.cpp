@@ -55,7 +55,7 @@ std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut) {
   const std::string text = readFile(file);
   std::string output;
   output.reserve(text.size());
-  std::optional<ObjectTexture> texture;  // of the current object, not written yet
+  std::optional<ObjectTexture> texture;  // texture of the current object, not written yet
   std::string transform;                 // lines `rot` and `loc` of the current object
   std::size_t objectStart = 0;           // index in `output` of the current object
   std::uint64_t objects = 0, kids = 0, surfaces = 0, statedSurfaces = 0;

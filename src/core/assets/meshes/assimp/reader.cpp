@@ -68,7 +68,7 @@ std::vector<ImportedMaterial> materialsOf(const aiScene& scene, LeftOut& leftOut
   for (const aiMaterial* const read : std::span(scene.mMaterials, scene.mNumMaterials)) {
     ImportedMaterial& material = materials.emplace_back();
     material.name = textOf(*read, AI_MATKEY_NAME);
-    aiColor4D color(1, 1, 1, 1);  // also of assimp's default material, whose own colour no file states
+    aiColor4D color(1, 1, 1, 1);  // white if the file states no colour, even if assimp's default material has one
     material.stated =
         material.name != kDefaultMaterial && read->Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS;
     if (material.name == kDefaultMaterial) material.name.clear();

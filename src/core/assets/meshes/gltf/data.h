@@ -55,7 +55,7 @@ struct DracoMesh {
     std::vector<float> numbers;  // vertex by vertex
   };
   std::map<std::string, Values> attributes;  // by name, see decodeDraco()
-  std::vector<std::uint32_t> indices;        // three per triangle
+  std::vector<std::uint32_t> indices;        // vertex indices, three per triangle
 };
 
 // Decodes the attributes with these ids; `ids` maps each attribute's name to its id. Throws Error if the bytes are
@@ -65,7 +65,7 @@ DracoMesh decodeDraco(std::string_view bytes, const std::map<std::string, std::u
 
 struct ReadMaterial : Look {
   std::optional<TextureUse> placed;  // how the base colour uses its texture
-  LeftOut leftOut;                   // what the material has and is not modelled
+  LeftOut leftOut;                   // properties of the material that are not modelled
 };
 
 // Returns the materials in the file's order, and after them the default material of primitives without a material.

@@ -107,7 +107,7 @@ class ModelReader {
 
   // False if the sampler of a texture clamps or mirrors it.
   bool repeats(const JsonObject& texture) const {
-    constexpr int kRepeat = 10497;  // of OpenGL, as in glTF
+    constexpr int kRepeat = 10497;  // glTF's code for repeating, which is OpenGL's
     const Json& samplers = file_.list("samplers");
     const MaybeIndex sampler = texture.maybeIndex("sampler", samplers.size());
     return !sampler || (samplers[*sampler].value("wrapS", kRepeat) == kRepeat &&

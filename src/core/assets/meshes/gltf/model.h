@@ -143,7 +143,7 @@ struct Material {
   double metallic = 1, roughness = 1;
   Alpha alpha = Alpha::Opaque;
   double cutoff = 0.5;
-  LeftOut leftOut = {};  // what the material has and is not read
+  LeftOut leftOut = {};  // properties of the material that are not read
 };
 
 struct Model {

@@ -101,7 +101,7 @@ void apply(const ClipTime& clip, const Data& data, Model& model) {
     const std::vector<float> times = data.fractions(sampler.input, what);
     const std::vector<float> values = data.fractions(sampler.output, what);
     const bool isCubic = sampler.interpolation == Animation::Interpolation::CubicSpline;
-    const std::size_t valueCount = times.size() * (isCubic ? 3 : 1);  // with tangents
+    const std::size_t valueCount = times.size() * (isCubic ? 3 : 1);  // cubic splines: with tangents
     const std::size_t width = valueCount == 0 ? 0 : values.size() / valueCount;
     const std::size_t widthOfPath = channel.path == Path::Rotation ? 4 : channel.path == Path::Weights ? width : 3;
     if (times.empty() || width == 0 || width != widthOfPath || width * valueCount != values.size() ||

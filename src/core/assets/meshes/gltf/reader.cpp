@@ -180,7 +180,7 @@ class Reader {
 
   // Throws InputError if the file would take too much memory: a small file may place its meshes any number of times.
   void checkCosts() const {
-    double triangles = 0, storedTriangles = 0;                   // with all copies, and as the file stores them
+    double triangles = 0, storedTriangles = 0;                   // triangles: all copies; the stored ones
     std::set<std::pair<Index, std::optional<Index>>> accessors;  // accessors of positions and indices so far
     for (const PlacedNode& placed : placedNodes_) {
       const Node& node = model_.nodes[placed.node];
