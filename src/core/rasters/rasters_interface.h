@@ -33,9 +33,9 @@ class RasterReader {
  public:
   virtual ~RasterReader() = default;
   virtual const RasterHeader& header() const = 0;
-  // Reads all samples in a window of a band. Bands are counted from 1; `xywh` is the window's first column and row,
-  // width and height. A sample is NaN if the file says in any way that it has no value. Scale and offset of the band
-  // are applied. Throws std::runtime_error with GDAL's message.
+  // Reads all samples in a window of a band into `values`, row by row. Bands are counted from 1. `xywh`: the window's
+  // first column and row, width and height. A sample is NaN if the file says in any way that it has no value. Applies
+  // the band's scale and offset. Throws std::runtime_error with GDAL's message.
   virtual void read(int bandNumber, const std::array<int, 4>& xywh, double* values) = 0;
 };
 

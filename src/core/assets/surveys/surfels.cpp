@@ -125,7 +125,7 @@ std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spa
   std::ranges::sort(points, [](const Point& a, const Point& b) {
     return a.cube != b.cube ? a.cube < b.cube : std::tie(a.distance, a.index) < std::tie(b.distance, b.index);
   });
-  const auto duplicates = std::ranges::unique(points, {}, &Point::cube);  // all but the first of each cube
+  const auto duplicates = std::ranges::unique(points, {}, &Point::cube);  // all points of each cube but the first
   points.erase(duplicates.begin(), duplicates.end());
   std::vector<std::size_t> indices;
   for (const Point& point : points) indices.push_back(point.index);

@@ -334,7 +334,7 @@ class SdfReader {
     root.fail(fmt::format("has no model, but {} includes it", include.where.text()));
   }
 
-  // Returns the name of the file with the highest version in a folder's model.config; model.sdf if there is none.
+  // Returns the file name that model.config in a folder states for the highest version; model.sdf if it states none.
   static std::string newestSdf(const std::filesystem::path& folder) {
     std::string newest = "model.sdf", highestVersion;
     std::error_code ignored;

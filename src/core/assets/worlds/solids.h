@@ -32,7 +32,7 @@ Mesh heightmapOf(const XmlNode& shape, const std::filesystem::path& file);
 // Returns three sizes above 0 (m) from an element or attribute of a shape. Throws InputError for other values.
 Vec3d sizesOf(const XmlNode& shape, std::string_view key);
 
-// Returns the quaternion, scaled to length 1. Throws InputError if it is zero.
+// Returns the quaternion `q`, scaled to length 1. Throws InputError at `node` if `q` is zero.
 Quat rotationOf(const XmlNode& node, const Quat& q);
 
 // Returns red, green, blue and alpha from a text of four numbers, or of three if alpha is 1. Numbers are clamped to 0

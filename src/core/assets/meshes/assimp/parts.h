@@ -40,7 +40,7 @@ struct ColladaMaterial {
 
 // Facts of a COLLADA file (.dae; COLLADA 1.4.1 and 1.5) that assimp does not report.
 struct ColladaFacts {
-  char up = 'y';                           // axis of `up_axis`
+  char up = 'y';                           // up axis, from <up_axis>
   double unit = 0;                         // metres per unit; 0: not stated
   std::vector<ColladaMaterial> materials;  // materials with an effect, sorted by id, as assimp sorts them
   LeftOut leftOut;
