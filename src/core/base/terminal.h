@@ -28,8 +28,8 @@ struct Utf8Character {
 
 [[nodiscard]] bool isUtf8(std::string_view text);
 
-// True for characters that nobody sees, but that act on a terminal, a page or the text around them: control characters
-// (C0, DEL and C1), Unicode's controls of the writing direction, its separators of lines, and the byte order mark.
+// True for invisible characters that change how a terminal or a page shows the text: the control characters C0, DEL and
+// C1, Unicode's bidirectional controls, its line and paragraph separators, and the byte order mark.
 [[nodiscard]] bool isUnseenControl(char32_t c);
 
 // Returns the text with escapes: \x1b for control characters and bytes that are not UTF-8, \u202e for other characters

@@ -72,8 +72,9 @@ void checkPath(const fs::path& folder) {
   }
   if (!fs::exists(folder)) return;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const bool isHiddenFolder = entry.path().filename() == kHiddenName;
-    if (entry.is_symlink() ? isHiddenFolder || entry.is_directory() : isHiddenFolder && !entry.is_directory()) {
+    const bool hasHiddenName = entry.path().filename() == kHiddenName;
+    const bool isLinkToFolder = entry.is_symlink() && (entry.is_directory() || hasHiddenName);
+    if (isLinkToFolder || (hasHiddenName && !entry.is_directory())) {
       throw ForeignFile({entry.path().string()}, "is a link or a file, where this program has a folder: remove it");
     }
   }

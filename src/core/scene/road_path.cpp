@@ -172,7 +172,8 @@ class CellSearch {
   // Returns the horizontal distance to the goal (m), a lower bound of the length of any path to the goal.
   double goalDistance(const Vec3d& p) const { return std::hypot(p.x - goal_.x, p.y - goal_.y); }
 
-  // Looks for road at a node's neighbour (dx, dy), and opens the neighbour if this path is its cheapest so far.
+  // Looks for road at the neighbour of a node, dx and dy cells away, and opens the neighbour if the path through the
+  // node is its cheapest so far.
   void visit(const Cell& cell, const Node& node, int dx, int dy) {
     const double x = start_.x + static_cast<double>(cell[0] + dx) * kCell;
     const double y = start_.y + static_cast<double>(cell[1] + dy) * kCell;

@@ -336,7 +336,7 @@ bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labell
       if (!rule.colors.empty()) return true;
       if (rule.materialName.empty()) continue;
       const bool textured = builder.library().require(rule.materialName, rule.where).textured;
-      if (textured || !rule.byTriangle()) return textured;
+      if (textured || !rule.byTriangle()) return textured;  // other rules decide for some triangles only
     }
     return true;
   };

@@ -88,9 +88,10 @@ struct Motion {
 // deskew: true}. A null pointer means `none`. Throws InputError for anything else.
 Motion readMotion(const Value* value);
 
-// Returns a shot with its poses, time, beams (of `table` at that time: see beamsAt()), frame and deskew; the caller
-// sets the names and the other parts of the address of the random numbers. `begin`: time (s) from the frame's start to
-// the revolution's start; may be negative. Throws InputError if the motion has more steps than the sensor has columns.
+// Returns the shot of a revolution: its poses, velocity, times, deskew and frame, and the beams of `table` at its time
+// (see beamsAt()). The caller sets the names and the other parts of the address of the random numbers. `begin`: time
+// (s) from the frame's start to the revolution's start; may be negative. Throws InputError if the motion has more steps
+// than the sensor has columns.
 Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
               const Pose& vehicleFromSensor, const Motion& motion, double begin = 0);
 

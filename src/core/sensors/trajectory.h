@@ -118,7 +118,7 @@ class Trajectory {
   bool still() const { return !poses_.empty(); }  // true if the vehicle stands still in each frame
   double pathLength() const;                      // m; 0 for listed or recorded poses, or if the path is not known yet
   const std::string& name() const { return name_; }
-  // Returns the number of turns of a drive with `along: turns`, through a town; nothing for any other drive.
+  // Returns how often a drive with `along: turns` turns off at a junction of its town; nullopt for other drives.
   std::optional<int> turns() const { return turns_; }
   // Returns a description of a recorded or random path for messages; empty for others.
   std::string about() const;

@@ -238,10 +238,10 @@ Layout::Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& m
   for (const MapArea& area : map.areas) {
     areas.add(area);
     if (area.land != Land::Wood) continue;
-    const auto isFar = [&](const Point2& p) {
+    const auto isFarFromRoads = [&](const Point2& p) {
       return std::max(std::abs(p.x), std::abs(p.y)) <= halfSide && !besideAt(p).nearRoad;
     };
-    if (std::ranges::any_of(pointsAlong(area.outline, 10), isFar)) {
+    if (std::ranges::any_of(pointsAlong(area.outline, 10), isFarFromRoads)) {
       warn("{}: woods farther than {} m from every road have no trees", parameters.map.string(), RoadNetwork::kReach);
     }
   }

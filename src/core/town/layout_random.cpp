@@ -128,7 +128,9 @@ bool Layout::isClear(const Point2& p, double reach, std::uint32_t exceptRoad) co
 
 // In some towns, adds a roundabout at the end of a random side road: a ring, and up to three roads that leave the ring.
 void Layout::drawRoundabout() {
-  constexpr double kRingFromEdge = 70, kRoadFromEdge = 30;  // m, least distances from the edge of the ground
+  constexpr double kRingFromEdge = 70, kRoadFromEdge = 30;   // m, least distances from the edge of the ground
+  constexpr double kRingClearance = 12, kExitClearance = 9;  // m, least distances from other roads
+  constexpr double kExitBegin = 25;  // m along an exit, from where on other roads count; the ring is nearer
   Draw draw(seed, Kind::Roundabout);
   if (character.country || roads().size() < 2 || !draw.chance(0.35)) return;
   const auto sideRoadNumber = static_cast<std::uint32_t>(1 + draw.below(static_cast<int>(roads().size()) - 1));
@@ -140,7 +142,7 @@ void Layout::drawRoundabout() {
   const auto isInside = [&](const Point2& p, double fromEdge) {
     return std::max(std::abs(p.x), std::abs(p.y)) <= halfSide - fromEdge;
   };
-  if (!isInside(center, kRingFromEdge) || !isClear(center, radius + 12, sideRoadNumber)) return;
+  if (!isInside(center, kRingFromEdge) || !isClear(center, radius + kRingClearance, sideRoadNumber)) return;
   network_.add(ringRoad(center, radius, std::atan2(end.y - center.y, end.x - center.x), sideRoad.section));
   network_.addJoint(end);
   for (const double deflection : {draw.in(-2, -0.8), draw.in(-0.4, 0.4), draw.in(0.8, 2)}) {  // rad
@@ -148,8 +150,8 @@ void Layout::drawRoundabout() {
     const double length = draw.in(35, 80);
     const Point2 begin = polar(center, radius, angle);
     if (draw.chance(0.3) || !isInside(polar(begin, length, angle), kRoadFromEdge)) continue;
-    const auto isClearAt = [&](double d) { return isClear(polar(begin, d, angle), 9, sideRoadNumber); };
-    if (!std::ranges::all_of(models::steps(25, length, 5), isClearAt)) continue;
+    const auto isClearAt = [&](double d) { return isClear(polar(begin, d, angle), kExitClearance, sideRoadNumber); };
+    if (!std::ranges::all_of(models::steps(kExitBegin, length, 5), isClearAt)) continue;
     Road exit{.section = sideRoad.section};
     for (const double d : models::steps(0, length, kRoadStep)) exit.line.push_back(polar(begin, d, angle));
     network_.add(std::move(exit));

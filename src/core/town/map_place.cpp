@@ -75,9 +75,10 @@ std::string districtAbout(const MapPlace& place) {
     groundArea += area;
     floorArea += area * b.usualFloors().value_or(2);
   }
-  const double share = groundArea / (2 * kBeside * (place.mainTo - place.mainFrom));
-  if (share < 0.03) return "rural";
-  return share > 0.3 || (share > 0.2 && floorArea > 2.6 * groundArea) ? "dense" : "suburban";
+  const double builtShare = groundArea / (2 * kBeside * (place.mainTo - place.mainFrom));
+  if (builtShare < 0.03) return "rural";  // this and the next limits were chosen by eye
+  const double meanFloors = floorArea / groundArea;
+  return builtShare > 0.3 || (builtShare > 0.2 && meanFloors > 2.6) ? "dense" : "suburban";
 }
 
 // Cuts a town's square out of a map. Points of map_ are in the map's frame, points of place_ are relative to origin_.

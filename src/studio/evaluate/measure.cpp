@@ -125,7 +125,7 @@ std::vector<float> distancesByPoint(std::span<const Vec3f> from, std::span<const
 
 }  // namespace
 
-std::function<std::vector<float>(const Shot&, const Hits&)> noiseFreeIntensity(const Pipeline& pipeline,
+std::function<std::vector<float>(const Shot&, const Hits&)> intensityOfEffects(const Pipeline& pipeline,
                                                                                const Scene& scene) {
   if (!setsIntensity(pipeline)) return {};
   return [&pipeline, &scene](const Shot& shot, const Hits& hits) {

@@ -45,16 +45,17 @@ struct MeasureOptions {
   double leastSeconds = 0;
   // The channels that are traced while time is measured. For the errors, kErrorChannels are traced in addition.
   Channels channels{};
-  // Returns the noise-free intensity of each beam from a method's hits. If null, intensities are not compared.
+  // Returns the intensity of each beam from a method's hits. If null, intensities are not compared.
   std::function<std::vector<float>(const Shot&, const Hits&)> intensity{};
   // Called between scans. If it returns true, measure() throws Error.
   std::function<bool()> stop{};
 };
 
-// Returns a function for MeasureOptions::intensity that applies a pipeline's effects without noise; the hits must have
-// the channels that the effects read. The function is null if no effect of the pipeline sets the intensity. `pipeline`
-// and `scene` must outlive the function.
-std::function<std::vector<float>(const Shot&, const Hits&)> noiseFreeIntensity(const Pipeline& pipeline,
+// Returns a function for MeasureOptions::intensity that applies only those effects of a pipeline that set the
+// intensity; their own `noise` remains, which is the same for all methods. The hits must have the channels that the
+// effects read. The function is null if no effect of the pipeline sets the intensity. `pipeline` and `scene` must
+// outlive the function.
+std::function<std::vector<float>(const Shot&, const Hits&)> intensityOfEffects(const Pipeline& pipeline,
                                                                                const Scene& scene);
 
 // Throws Error if beams fire several rays, since methods are compared beam by beam.

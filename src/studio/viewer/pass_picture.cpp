@@ -77,7 +77,7 @@ ScaleRange percentilesOf(const std::vector<float>& values) {
   return {percentile(0.01), percentile(0.99)};
 }
 
-// Creates the planes of an image.
+// Makes coloured pictures with legends of the channels of an EXR image: depth or range, normals, ids, reflectance.
 class PlaneMaker {
  public:
   PlaneMaker(const ExrImage& image, const ExrSource& source) : image_(image), source_(source) {}

@@ -85,7 +85,8 @@ void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay
   DeviceResolver::copyHits(columns, {submitted.batch->rays, submitted.firstRay, work.rays()}, hits, unresolved);
 }
 
-// Submits the works of a batch, all in the same field, and starts the copy of their hits: see ShotQueue::Dispatch.
+// Submits the works of a batch, and starts the copy of their hits: see ShotQueue::Dispatch. All works have equal beams,
+// fields and channels, so that the first stands for each; ShotQueue keeps their sum within the device's limit.
 void GlMarcher::dispatch(const std::vector<const ShotWork*>& together, Queue::Batch& batch) {
   const ShotWork& work = *together.front();
   const WallTimer timer;

@@ -74,8 +74,9 @@ void passHoles(const MarchJob& job, std::span<const Tile> tiles, Particles& part
   }
 }
 
-// Appends the beams of a tile that are neither hits nor misses to `unresolved`, and counts them. `firstRecord`: index
-// of the record of the tile's first beam.
+// Appends the beams of a tile that are neither hits nor misses to `unresolved`, and counts them. A particle that missed
+// has left the field: its beam is a miss only if the field covers the scene or the beam's path. `firstRecord`: index of
+// the record of the tile's first beam.
 void addUnresolved(const MarchJob& job, const Tile& tile, const Rays& rays, const HitRecords& records,
                    std::size_t firstRecord, UnreliableBeams& counts, std::vector<std::uint32_t>& unresolved) {
   std::optional<Sections> inside;  // computed when a beam of the tile needs it

@@ -176,8 +176,8 @@ class PathCheck {
     }
   }
 
-  // Warns if all surfaces beside and above a sensor, within its range, have the same class: the sensor is then probably
-  // inside of an object, or of a building whose walls and roof are separate objects.
+  // Warns if a sensor is enclosed: in all directions beside and above it a surface is within its range, all of one
+  // class and none of a moving object. The sensor is then probably inside of an object or of a building.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = upwardDirections();
     for (const std::uint32_t frame : sequence_.spreadFrames(kInsideFrames)) {

@@ -90,8 +90,8 @@ std::vector<double> beamLengths(const Shot& shot, std::uint32_t raysPerBeam, con
       lengths[beam] = shot.beams->maxRange;
     }
   }
-  // Only the axes of beams with a single ray are extended: if a beam has several rays, a hit behind glass cannot be
-  // assigned to the axis.
+  // The rays from hits.size() on continue behind glass or off mirrors; all of them have hits. Only the axes of beams
+  // with a single ray are extended: if a beam has several rays, a hit behind glass cannot be assigned to the axis.
   const std::size_t end = raysPerBeam == 1 ? hits.rays() : 0;
   for (std::size_t ray = hits.size(); ray < end; ++ray) {
     if (hits.pathOfRay[ray] != RayPath::ThroughGlass) continue;

@@ -270,7 +270,8 @@ Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions 
                       : makeShot(plan_.sensors[s].beams, *path, number, frame.settings->sensors[s].vehicleFromSensor,
                                  pipeline_.motion, starts[revolution]);
       if (revolution + 1 < starts.size() || drive.turnsWithoutBreak(pipeline_.periods)) shot.untilNext = period;
-      if (revolution > 0) shot.untilNext = std::max(shot.untilNext, period);  // if no frame follows this one
+      // makeShot() subtracts the revolution's start from the time to the next frame, which the last frame lacks.
+      if (revolution > 0) shot.untilNext = std::max(shot.untilNext, period);
       shot.sample = sample;
       shot.seed = pipeline_.seed;
       shot.scene = static_cast<std::uint32_t>(sequence);

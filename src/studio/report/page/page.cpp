@@ -39,8 +39,8 @@ std::string titleAttribute(const std::string& text) {
   return text.empty() ? "" : fmt::format(" title=\"{}\"", text);
 }
 
-// Returns the HTML attribute with the value by which a table cell is sorted: the unformatted value of the first figure
-// in the cell's template. Returns an empty text if the template has no figure.
+// Returns the template of the HTML attribute by which the page's script sorts a table: the first number of the cell's
+// template, with nine significant digits. Returns an empty text if the cell's template has no number.
 std::string sortAttribute(const std::string& cell) {
   static const std::regex figure(R"(\{\{([^{}#^/:!>&]+(/[^{}:]+)?):[^{}]*\}\})");
   std::smatch found;

@@ -244,7 +244,8 @@ void addGroups(SetComparison& result, const Groups& real, const Groups& simulate
                            [](const GroupComparison& g) { return std::max(g.realShare, g.simulatedShare); });
 }
 
-// Returns the separations, one entry per feature, and sets `withinReal` of the result. Ignores patches without a class.
+// Returns for each feature how strongly it separates the real from the simulated patches, and sets `withinReal` of the
+// result. If the groups are classes, ignores patches without a class.
 std::vector<SeparationSums> separateFeatures(SetComparison& result, const Groups& realGroups,
                                              const Groups& simulatedGroups) {
   const Patches &real = result.real.patches, &simulated = result.simulated.patches;

@@ -130,7 +130,8 @@ struct Patches {
   std::array<std::vector<float>, kFeatureCount> value;
   std::vector<float> range;      // range of the middle point (m)
   std::vector<float> incidence;  // angle between beam and plane normal (rad); NaN if the patch has no plane
-  // Offset along the beam (m), positive if the ring is too far away; NaN if not measured, as at grazing incidence.
+  // Offset along the beam (m) of the middle ring's points from the plane of the rings above and below; positive if they
+  // are behind this plane; NaN if not measured, as at grazing incidence.
   std::vector<float> ringOffset;
   std::vector<float> ringGain;       // like Feature::RingGain, but with sign
   std::vector<std::uint16_t> row;    // row of the middle point in the grid

@@ -64,8 +64,8 @@ class GridMaker {
     grid_.range[pixel] = range;
   }
 
-  // Returns the row of each ring. Rows follow the ring numbers, but rings with points exchange their rows such that
-  // their median elevations decrease from top to bottom.
+  // Returns the row of each ring. Rows follow the ring numbers, downwards or upwards as the elevations do. The rings
+  // with points are then sorted, within their rows, by median elevation, the highest first.
   std::vector<std::uint32_t> rowsOfRings(const PointsOfRings& ofRing) const {
     const auto rings = static_cast<std::uint32_t>(ofRing.size());
     std::vector<double> elevation(rings);  // median of each ring with points (rad)

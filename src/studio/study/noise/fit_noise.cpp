@@ -151,7 +151,7 @@ double weightOf(const PatchGroup& band) {
   return 1 / std::max(band.error, kLeastError);
 }
 
-// True for each coefficient of the line that is fitted; the other coefficients are zero.
+// The coefficients of the line that are fitted (true); the others stay 0.
 struct FreeTerms {
   bool base = true, growth = true;
 };

@@ -61,7 +61,7 @@ class StudyRun {
     measureOptions_.repeats = choice_.repeats;
     measureOptions_.leastSeconds = 0.15;
     measureOptions_.channels = plan_.channels;
-    measureOptions_.intensity = noiseFreeIntensity(plan_.pipeline, scene_);
+    measureOptions_.intensity = intensityOfEffects(plan_.pipeline, scene_);
     measureOptions_.stop = [this] { return options_.stop != nullptr && *options_.stop; };
     traceTruth(choice_.shots);
     measureSettings();

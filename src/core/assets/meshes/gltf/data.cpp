@@ -117,18 +117,18 @@ void giveHueToImage(BaseColor& color, ColorImages& images) {
 // material of primitives without a material.
 ReadMaterial read(const Model& model, const Data& data, const Material& material, BaseColor::Source source,
                   const AssetOptions& options, ColorImages& images) {
-  ReadMaterial read;
-  read.leftOut = material.leftOut;
-  read.material = read.fileMaterial.name = material.name;
-  read.fileMaterial.source = "base colour of " + model.file.filename().string();
-  read.fileMaterial.roughness = static_cast<float>(fraction(material.roughness, 1.0));
-  read.fileMaterial.metallic = static_cast<float>(fraction(material.metallic, 0.0));
+  ReadMaterial result;
+  result.leftOut = material.leftOut;
+  result.material = result.fileMaterial.name = material.name;
+  result.fileMaterial.source = "base colour of " + model.file.filename().string();
+  result.fileMaterial.roughness = static_cast<float>(fraction(material.roughness, 1.0));
+  result.fileMaterial.metallic = static_cast<float>(fraction(material.metallic, 0.0));
   BaseColor color{.source = source, .alphaCutoff = alphaCutoffOf(material, options.alpha)};
   for (std::size_t c = 0; c < 3; ++c) color.factor[c] = static_cast<float>(fraction(material.color[c], 1.0));
-  read.color = color.factor;
+  result.color = color.factor;
   if (material.texture) {
-    read.placed = material.texture;
-    read.texture = labelOf(model, material.texture->image);
+    result.placed = material.texture;
+    result.texture = labelOf(model, material.texture->image);
     color.source = BaseColor::Source::Image;
     const auto need = options.textures ? ColorImages::Need::AnyImage : ColorImages::Need::ImageWithAlpha;
     if (options.textures || color.alphaCutoff) {
@@ -136,18 +136,19 @@ ReadMaterial read(const Model& model, const Data& data, const Material& material
     }
   }
   if (color.image) giveHueToImage(color, images);
-  if (color.image && options.textures) read.color = color.factor;
+  // giveHueToImage() has moved the hue from the factor to the image, which parts have only with textures.
+  if (color.image && options.textures) result.color = color.factor;
   const bool isBlended = material.alpha == Material::Alpha::Blend;
   if (isBlended && options.alpha == AlphaUse::Auto && color.image && color.image->hasAlpha && fades(*color.image)) {
-    read.leftOut.add("images that fade (beams pass where alpha is below 0.5)");
+    result.leftOut.add("images that fade (beams pass where alpha is below 0.5)");
   }
-  setColor(read.fileMaterial, color, model.file, options, images);
-  const bool isMaskedByFactor =
-      material.alpha == Material::Alpha::Mask && material.color[3] < material.cutoff && !read.fileMaterial.alphaTested;
+  setColor(result.fileMaterial, color, model.file, options, images);
+  const bool isMaskedByFactor = material.alpha == Material::Alpha::Mask && material.color[3] < material.cutoff &&
+                                !result.fileMaterial.alphaTested;
   if ((isMaskedByFactor || (isBlended && material.color[3] < 1)) && options.alpha != AlphaUse::Ignore) {
-    read.leftOut.add("opacities of materials (they are solid)");
+    result.leftOut.add("opacities of materials (they are solid)");
   }
-  return read;
+  return result;
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ Plane planeOf(uint triangle, dvec3 d) {
   return p;
 }
 
-// Returns the range from `o` to the plane along the ray of planeOf(). The CPU's range differs by at most `errorBound`.
+// Returns the range from `o` to the plane along the direction `d` with which planeOf() was called. The CPU's range
+// differs by at most `errorBound`.
 double distanceTo(Plane p, dvec3 o, out double errorBound) {
   precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;
