@@ -1,10 +1,9 @@
-#include "methods/field/distance_field.h"
-
 #include <bit>
 #include <functional>
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "methods/field/distance_field.h"
 #include "methods/particle/options.h"
 #include "tests/core/methods/field/triangle_soup.h"
 #include "tests/support/message_of.h"

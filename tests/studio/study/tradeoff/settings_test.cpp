@@ -1,8 +1,7 @@
-#include "study/tradeoff/study.h"
-
 #include <set>
 
 #include "config/value.h"
+#include "study/tradeoff/study.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
