@@ -50,9 +50,9 @@ struct Arguments {
   std::vector<std::string> inputs() const { return list("input"); }
   // Returns the only positional argument, which messages call `what`. Throws InputError for none or several.
   std::string positional(const std::string& what) const;
-  // Returns the only positional argument as a path: the argument itself if it is an existing path, otherwise the file
-  // of this name in the first of the program's `folders` that has such a file. If no folder has one, returns the
-  // argument itself, or throws InputError if a folder has a file with a similar name.
+  // Returns the only positional argument as a path: the argument itself if it is a folder, or exists and has a slash or
+  // suffix; otherwise the file of this name in the first of the program's `folders` that has such a file. If no folder
+  // has one, returns the argument itself, or throws InputError if a folder has a file with a similar name.
   std::filesystem::path fileOrName(const std::string& what, std::initializer_list<std::string_view> folders) const;
   // Returns the pipeline file that the only positional argument gives: a path, or the name of an included pipeline.
   std::filesystem::path pipeline() const;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The parts of `scanmill info`: each prints what the command shows of one kind of file.
+// Functions that print what `scanmill info` shows of one kind of file, and fieldOf() for tables of sensors.
 
 #include <array>
 #include <cstdint>

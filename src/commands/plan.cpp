@@ -110,7 +110,7 @@ class SceneCheck {
     printUnlabeled(unlabeled_);
   }
 
-  // Returns what is modelled or left out in all scenes and then, after run(), in the scenes that were loaded.
+  // Returns what is modelled or left out in all scenes; after run(), also what is so only in some of the loaded scenes.
   const std::vector<ModelledItem>& modelledItems() const { return modelled_; }
   // Returns the largest memory that the method takes for a scene; 0: it was not measured.
   std::uint64_t mostBytes() const { return mostBytes_; }

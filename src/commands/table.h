@@ -8,8 +8,8 @@ namespace scanmill {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-// Formats rows of cells in aligned columns; the first row is the heading. Columns whose cells all look like numbers are
-// right-aligned. All rows have as many cells as the first.
+// Formats rows of cells in aligned columns; the first row is the heading. Columns are right-aligned if all cells below
+// the heading look like numbers. All rows have as many cells as the first.
 std::string formatTable(const Rows& cells);
 
 // Returns `part` in per cent of `total`, such as "12.30 %".

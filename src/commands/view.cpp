@@ -54,7 +54,7 @@ struct PictureSize {
   int height = 0;
 };
 
-// Reads the value of --color: one of colorNames(), or the name of a further column, which a recorded file may have.
+// Reads the value of --color: one of colorNames(), or the name of a foreign column, which a recorded file may have.
 // Throws InputError for a word that is empty or seems to be a misspelt entry of colorNames().
 ColorBy readColor(const std::string& word) {
   for (const Column& column : kColumns) {

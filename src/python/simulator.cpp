@@ -81,8 +81,8 @@ class Simulator {
             bool placeable = false);
 
   // Returns one scan per sensor. If all objects are where the scene places them and stand still during the revolution,
-  // the scans are equal to those that `scanmill generate` makes with this pipeline for the frame number `frame`, but
-  // with the vehicle at these poses. Throws InputError for an unknown object.
+  // `scanmill generate` makes equal scans with this pipeline in the frame number `frame` if the vehicle has the same
+  // poses there. Throws InputError for an unknown object.
   std::vector<SimulatedScan> scan(const SimulatedShot& simulated) const;
 
   // Returns the objects of the scene, by their names, at a time (s since the drive began).

@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// Keywords of a file that have one meaning: statements, XML elements, properties, extensions or columns.
+// Keywords that a reader treats in the same way: statements, XML elements, properties, extensions or columns of a file.
 struct FormatElements {
   enum class Use {
     Read,

@@ -170,8 +170,8 @@ Value sample(Fields& fields, double random) {
   return scalar(fields.value(), fmt::format("{}", number));
 }
 
-// Returns the end (see countCases()) that a distribution has in the case `caseNumber`. If the end is an item of a
-// choice, also sets `caseNumber` to the number of the case for the distributions in this item.
+// Returns the end (see countCases()) by which the case `caseNumber` replaces a distribution. If the end is an item of a
+// choice, sets `caseNumber` to the case number to use for distributions within the item.
 Value endOf(const Value& value, std::size_t& caseNumber) {
   Fields fields = fieldsOf(value);
   const bool isLowEnd = caseNumber % 2 == 0;

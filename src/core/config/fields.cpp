@@ -396,7 +396,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     const std::size_t distance = editDistance(foldedWord, foldedName);
     const std::size_t longest = std::max(foldedWord.size(), foldedName.size());
     const bool hasPrefix = isPrefix(foldedWord, foldedName);
-    // A name is near if at most a third of its letters (or one of two) differ, or if one word is a prefix of the other.
+    // A name is near if the edit distance is at most a third of the longer word's length, or 1; or if one word is a
+    // prefix of the other. It is not near if all letters differ.
     if ((distance > std::max<std::size_t>(1, longest / 3) && !hasPrefix) || distance == longest) continue;
     // Of two names at the same edit distance, the one that is a prefix of the word, or starts with it, is nearer.
     const std::size_t cost = 2 * distance - (distance > 0 && hasPrefix ? 1 : 0);

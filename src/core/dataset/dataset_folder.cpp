@@ -259,7 +259,8 @@ std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
 // Writes the plan. If an unfinished dataset is continued, checks instead that it has the same plan. Deletes only this
 // program's files, because checkContents() has refused folders with other files.
 void DatasetFolder::writeOrMatchPlan(FolderUse use) {
-  // On a file system without locks, the lock file of a process killed on another host would block the folder.
+  // Takes no lock on a file system without locks: there the lock file of a process that was killed on another host
+  // would block the folder.
   const std::unique_ptr<FolderLock> lock = shared_ && lock_->keepsOthersOut() ? lockStart() : nullptr;
   const fs::path planFile = staging_ / kPlanName;
   if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {

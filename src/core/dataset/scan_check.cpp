@@ -39,7 +39,7 @@ class Rule {
   std::size_t firstPoint_ = 0;
 };
 
-// Checks one scan; beams_ is set, because the manifest lists the record's sensor.
+// Checks one scan. The manifest must list the record's sensor, whose beam table beams_ then points to.
 class ScanCheck {
  public:
   ScanCheck(const Scan& scan, const ScanRecord& record, const Manifest& manifest, double maxError)

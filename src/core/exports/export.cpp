@@ -238,8 +238,8 @@ class Export {
     return name == kLock || finalName(name) == kUnfinished;
   }
 
-  // Locks the folder and removes an earlier export. Removes the record of this export first, so that the folder does
-  // not seem to be a complete export if the program is stopped.
+  // Locks the folder and removes an earlier export, its record first: if the program is then stopped, the folder does
+  // not seem to be a complete export.
   void startFolder() {
     lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.prepareFile(kLock));
     folder_.write(kUnfinished, description());

@@ -82,8 +82,8 @@ auto withReason(const std::string& name, const char* verb, const Work& work) {
   }
 }
 
-// Opens the image in `bytes` or, if `bytes` is empty, the file whose path is `kind`. If the image is neither PNG nor
-// JPEG, the ending of `kind` states its format. `name` is the name of the image in messages.
+// Opens the image in `bytes` or, if `bytes` is empty, the file at the path `kind`. `kind` is a file name or path: its
+// ending tells OpenImageIO the format of an image that is not read here. `name`: the image's name in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   return withReason(name, "read", [&] {
     const std::string kindOfBytes = kindOf(bytes);

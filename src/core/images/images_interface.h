@@ -34,8 +34,7 @@ class ImageReader {
   virtual ~ImageReader() = default;
   virtual ImageHeader header() const = 0;
   // Reads the next `count` rows; the first call starts at the top row. Fills width * count * channels bytes: 8 bits per
-  // channel, interleaved; colours in sRGB.
-  // Throws std::runtime_error with the library's message.
+  // channel, interleaved; colours in sRGB. Throws std::runtime_error with the library's message.
   virtual void rows(int count, std::uint8_t* pixels) = 0;
 };
 

@@ -31,8 +31,8 @@ struct ScanFolder {
 // dataset, such as one sequence. Returns nothing if the folder contains no scans. Throws InputError.
 std::optional<ScanFolder> scanFolderIn(const std::filesystem::path& folder);
 
-// Reads a scan with its labels, in the coordinate frame of its file. Warns of what the reader leaves out of the first
-// file of each folder that is read. May be called from any thread. Throws InputError.
+// Reads a scan with its labels, in the coordinate frame of its file. Warns of what the reader leaves out, but only once
+// per folder. May be called from any thread. Throws InputError.
 Scan readFolderScan(const FolderScan& files);
 
 // Returns the classes of the labels that readCloud() finds beside a scan; nothing if there are no labels.

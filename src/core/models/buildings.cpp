@@ -151,7 +151,7 @@ class HouseMaker {
     }
   }
 
-  // Adds a plinth that protrudes 3 cm from the walls, with a gap at the door, unless the plinth would be too low.
+  // Adds a plinth that protrudes 3 cm from the walls, with a gap at the door. Adds nothing if it would be too low.
   void plinth() {
     const double z = (m_.base - 0.12 + look_.foundation) / 2;
     const double height = m_.base - 0.12 - look_.foundation;
@@ -187,8 +187,8 @@ class HouseMaker {
     s_.rod(look_.metal, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 10);
   }
 
-  // Adds a slab of a roof without a face at the ridge. Seen from outside the corners are counter-clockwise: `a`, `b` at
-  // the eaves, `c`, `d` at the ridge. `thickness`: m, vertical.
+  // Adds a slab of a roof; the slab has no face at the ridge. Corners, counter-clockwise as seen from outside: `a` and
+  // `b` at the eaves, `c` and `d` at the ridge. `thickness`: m, vertical.
   void slab(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double thickness) {
     const Vec3d down{0, 0, -thickness};
     s_.quad(look_.tile, a, b, c, d);

@@ -143,7 +143,7 @@ class Details {
   double windowMiddle(int column) const { return (column + 0.5) * pitch(); }
   double floorHeight(int floor) const { return m_.base + floor * m_.storey; }
 
-  // Adds the floors, and in each storey a wall parallel to the front, walls between some windows, and furniture.
+  // Adds floors, and in each storey a partition parallel to the front, partitions between windows, and furniture.
   void rooms() {
     const auto [inside, boards] = s_.surfaces("building", "plaster", "wood");
     const double x0 = kWall;

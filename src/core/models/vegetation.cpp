@@ -148,7 +148,7 @@ TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, dou
   return axis;
 }
 
-// Returns the clusters of a broadleaf's crown, in a spiral from the lower end to the top. `radius`: of the crown (m).
+// Returns the clusters of a broadleaf's crown, in a spiral from the lower end to the top. `radius`: crown radius (m).
 std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxis& trunk, double base, double crown,
                                   double radius, Raggedness ragged) {
   std::vector<Cluster> clusters;
@@ -166,7 +166,7 @@ std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxi
   return clusters;
 }
 
-// Appends a broadleaf: the trunk, and for each cluster a branch, twigs and leaves. `radius`: of the crown (m).
+// Appends a broadleaf: the trunk, and for each cluster a branch, twigs and leaves. `radius`: crown radius (m).
 void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,
                      const Raggedness& ragged) {
   const double base = habit.crownBase * height / habit.height;
@@ -220,7 +220,7 @@ std::vector<Bough> drawBoughs(Draw& draw, double base, double height, double rad
   return boughs;
 }
 
-// Appends a conifer: a trunk, and boughs with needles on both sides. `height`: of the tree; `radius`: of the crown (m).
+// Appends a conifer: a trunk, and boughs with needles on both sides. `height`: tree height; `radius`: crown radius (m).
 void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
   const SurfaceIndex bark = s.surface("trunk", "bark");
   const auto [branch, needles] = s.surfaces("tree", "bark", "leaf_conifer");

@@ -246,7 +246,7 @@ class GdalReader final : public RasterReader {
     CPLErrorReset();
   }
 
-  // Sets the value of samples that no raster of a mosaic covers to NaN, unless the mosaic states a value: GDAL would
+  // Makes samples that no raster of a mosaic covers NaN, unless the mosaic marks missing samples itself; GDAL would
   // return 0. The change is in memory only: GDAL does not write a mosaic without a name to its file.
   void markGapsOfMosaic() {
     GDALSetDescription(dataset_, "");
@@ -307,7 +307,7 @@ std::string tiffOf(const GeoKeys& keys) {
                         {259, Short, 1, 1}, {262, Short, 1, 1}, {273, Long, 1, kPixelAt},
                         {277, Short, 1, 1}, {278, Long, 1, 1},  {279, Long, 1, 1}};
   const auto add = [&](std::uint16_t number, Type type, std::string_view values, std::size_t bytesPerValue) {
-    // Skips values of at most four bytes, which a TIFF stores in the tag itself.
+    // Leaves out lists of at most four bytes, which a TIFF would have to store in the tag itself.
     if (values.size() <= 4) return;
     tags.push_back({number, type, static_cast<std::uint32_t>(values.size() / bytesPerValue),
                     static_cast<std::uint32_t>(bytes.size())});

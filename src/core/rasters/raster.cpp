@@ -199,8 +199,8 @@ struct Window {
   int width = 0, height = 0;
 };
 
-// Returns the window of the samples in the bounds, cut off at the raster's edges. A sample of heights is in the bounds
-// if its centre is; a sample of classes or colours is if it overlaps the bounds.
+// Returns the window of the samples in the bounds, cut off at the raster's edges: for heights, samples whose centres
+// are in the bounds; for classes and colours, all samples that overlap the bounds.
 Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, RasterUse use) {
   const auto [x0, y0, x1, y1] = bounds;
   const std::array corners{grid.columnAndRow(x0, y0), grid.columnAndRow(x0, y1), grid.columnAndRow(x1, y0),

@@ -32,7 +32,7 @@ struct CoordinateSystem {
   bool isStretched() const { return std::fabs(stretch - 1) > 0.01; }
 };
 
-// Reads a definition, such as OGC's or Esri's well-known text. The stretch is the one at (x, y) in its coordinates.
+// Reads a definition, such as OGC's or Esri's well-known text. The stretch is measured at (x, y) in this system.
 CoordinateSystem coordinateSystem(std::string_view definition, double x, double y);
 
 // The keys of a GeoTIFF ("OGC GeoTIFF Standard", OGC 19-008r4, 7), which LAS files have too: a directory of uint16, and

@@ -113,7 +113,7 @@ struct Instance {
   std::shared_ptr<const Movement> movement = nullptr;    // null: the instance does not move
   std::shared_ptr<const Animation> animation = nullptr;  // null: the instance always shows the same mesh
   // The direction in which the instance's things face (rad, from the mesh's x axis towards its y axis). If it is not
-  // set, the thing of a mesh with a single thing faces along x.
+  // set, a thing faces along the mesh's x axis if it is the mesh's only thing; otherwise its direction is unknown.
   std::optional<double> facing = {};
 
   bool moves() const { return movement != nullptr || animation != nullptr; }

@@ -172,8 +172,8 @@ std::uint64_t requestedCopies(const Arrangement::Scatter& scatter, double square
                    copies, squareMetres);
 }
 
-// Returns `position` moved vertically to the highest suitable surface or, without `within`, to a suitable surface at
-// this height; nothing if there is none. Covered surfaces are suitable only if `covered` is true.
+// Returns `position` moved vertically to the highest suitable surface; nothing if there is none. Without `within`, only
+// surfaces at the position's own height are suitable. Covered surfaces are suitable only if `covered` is true.
 std::optional<Vec3d> scatterPoint(const Arrangement::Scatter& scatter, const SurfaceHeights& heights,
                                   const Vec3d& position) {
   const std::vector<SurfaceHeights::Surface> surfaces = heights.at(position.x, position.y);  // the highest first

@@ -33,7 +33,8 @@ bool isPlural(std::string_view ending) {
   return std::ranges::find(kEndings, ending) != kEndings.end();
 }
 
-// End of the name's word in which the match is, and length of the concept's word; compared in this order.
+// The match of a concept's word in a name: where the word of the name ends, and the length of the concept's word.
+// Matches are compared in this order.
 using Match = std::pair<std::size_t, std::size_t>;
 
 // Returns the last match of a concept's word in a folded name; nothing if there is none. The word or its plural must be

@@ -46,8 +46,8 @@ class FileMeshes {
   // addAsset().
   const std::vector<PlacedMesh>& read(const LabelledFile& labelled, const Location& where);
 
-  // Warns if a survey does not fit together with an earlier survey at the same position: its coordinate system differs,
-  // or it has a middle of its own. Warns at most once for all files. read() must have read the file before.
+  // Warns if a survey does not fit an earlier survey at the same position: their coordinate systems differ, or one has
+  // coordinates relative to its own centre. Warns at most once for all files. read() must have read the file before.
   void compareSurveys(const LabelledFile& labelled, const Vec3d& position, const Location& where);
 
   // Returns a clip of a file as a looping animation that has one mesh per sampled moment.

@@ -51,9 +51,9 @@ std::vector<std::size_t> bracesAt(std::string_view glob, std::size_t open) {
   return {};
 }
 
-// Returns the regular expression that matches the same whole names as a glob. Braces around a text without commas may
-// also be ordinary characters of a name: "{a}" matches "a" and "{a}". Braces that are never closed are ordinary
-// characters. `depth`: number of braces around the glob.
+// Returns the regular expression that, applied to whole names, matches the same names as a glob. Braces around a text
+// without commas may also be ordinary characters of a name: "{a}" matches "a" and "{a}". Braces that are never closed
+// are ordinary characters. `depth`: number of braces around the glob.
 std::string regexOf(std::string_view glob, int depth, const Location& where) {
   constexpr int kDeepest = 8;
   if (depth > kDeepest) {

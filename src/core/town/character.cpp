@@ -120,7 +120,8 @@ CrossSection drawMainSection(const PropertyDraw& random) {
   return s;
 }
 
-// Returns a random cross section of side roads, narrower than `s`, the cross section of the main road.
+// Returns a random cross section of side roads: `s`, the main road's, with one lane in each direction, other parking
+// lanes, and narrower verges and sidewalks.
 CrossSection drawSideSection(const PropertyDraw& random, CrossSection s, bool country) {
   constexpr double kWidestLane = 3.6;  // m
   const bool hasBays = !country && random.interval(property::kBays).low > 0;

@@ -44,7 +44,7 @@ struct DistrictTraits {
   bool terraced = false;    // houses stand wall to wall at the pavement, with shops; the ground around them is paved
   bool cobbled = false;     // roads are paved with stones
   bool commercial = false;  // halls with flat roofs, large parking lots, fences of wire
-  // true: simple enough for every tracing method: a straight road, flat ground, mown grass, no wires, nothing moves.
+  // true: every tracing method can trace the town: straight road, flat ground, mown grass, no wires, nothing moves.
   bool plain = false;
 };
 

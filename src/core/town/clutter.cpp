@@ -145,7 +145,7 @@ void placeSignals(Placer& placer, const Model& light) {
   }
 }
 
-// Tries to place an object at a random position along a plot, `depth` m from the plot's front. True: placed.
+// Tries to place an object at a random position along a plot, `depth` m from its front. Returns true if it is placed.
 bool tryPutInPlot(Placer& placer, const Plot& plot, Draw& draw, Clutter clutter, double depth, int& attempts) {
   const Layout& l = placer.layout;
   Spot spot = l.inPlot(plot, draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2)), depth);

@@ -15,7 +15,7 @@ struct Leg {
   double shift = 0;
 };
 
-// The rules of stop lines: closed always, while a light is red, or while vehicles are on a lane with priority.
+// When a stop line is closed: always, while a light is red, or while vehicles are on a lane with priority.
 struct AlwaysClosed {};
 // The light is red during the first `red` seconds of each period of `period` seconds; a period begins at `offset` (s).
 struct TrafficLight {

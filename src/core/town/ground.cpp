@@ -43,7 +43,8 @@ class GroundMaker {
     set(GroundKind::Paved, "sidewalk", "paving");
   }
 
-  // Makes the tiling, cuts it along the roads' five borders and the edges of patches and hard areas. Adds triangles.
+  // Makes the tiling. Cuts it along the roads' five borders and the edges of patches, water, parking lots and squares.
+  // Adds the triangles.
   models::Model make() {
     tile();
     for (const Road& road : layout_.roads()) sections_.push_back(road.section);

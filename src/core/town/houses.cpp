@@ -141,7 +141,7 @@ void placeBoundaries(Placer& placer) {
     const auto point = [&](double along, double depth) {
       return besideRoad(road, along, plot.side * (road.section.half + road.section.fenced() + depth)).at;
     };
-    // Fences, walls and hedges are placed just beyond the edge of the sidewalk.
+    // Fences, walls and hedges are placed just beyond the sidewalk or a narrow apron: see CrossSection::fenced().
     const double front = (fenced ? boundaries.halfThickness(plot.fencing, form) : 0) + 0.06 + draw.in(0, 0.1);
     if (fenced) boundaries.placeRow(plot.fencing, form, point(plot.from, front), point(plot.to, front));
     if (plot.bare) continue;

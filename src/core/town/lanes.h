@@ -53,7 +53,7 @@ inline double turnStart(const Road& sideRoad) {
   return sideRoad.section.half + 6;
 }
 
-// The side roads, at the right of the main road, that the ego vehicle leaves and enters when it drives with turns.
+// The side roads at the right of the main road on which the ego vehicle's route with turns starts and ends.
 struct EgoRoads {
   const Road* from = nullptr;  // null: there is no such road
   const Road* into = nullptr;

@@ -57,7 +57,7 @@ struct TurnedRectangle : models::Footprint {
   const double cosine, sine;
 };
 
-// A rectangle whose ground differs from the ground around it: a driveway, a lot for parking, a path in a park.
+// A rectangle whose ground differs from the ground around it: a driveway, a forecourt, a path in a park.
 struct Patch {
   TurnedRectangle rectangle;
   GroundKind kind = GroundKind::Driveway;
@@ -167,7 +167,8 @@ class Layout {
   void addGroundInFront(const models::House& house, double yaw, double width, double outer, Draw& draw);
   bool addDriveway(const models::House& house, double yaw, double outer, Draw& draw);
   models::Fencing drawFencing(Draw& draw, double setback) const;
-  // Adds a strip of ground from `inner`, at a house, towards the road. `yaw`: of the house; `half`: half width (m).
+  // Adds a strip of ground from `inner`, on a plot or area whose -y axis points to the road, towards the road.
+  // `yaw`: yaw of the plot's house or of the area; `half`: half of the strip's width (m).
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
   // Sets the water level of each area that is water: the level is below the lowest point of the area's shore.
   void findWaterLevels();
@@ -178,7 +179,8 @@ class Layout {
   void cover(const MapBuilding& building, const models::Footprint& around);
   void arrangePlots();
   double addBarePlots(const Road& road, int side, double from, double to);
-  // True if all points of a grid in `f` are at least `gap` m from roads and sidewalks. `step`: spacing, in half sides.
+  // True if all points of a grid over `f` are at least `gap` m from roads and sidewalks. `step`: the grid's spacing as
+  // a fraction of half the rectangle's side.
   bool isOffRoads(const models::Footprint& f, double gap, double step = 1) const;
   const Patch* patchAt(const Point2& p) const;
   GroundKind landAt(const Point2& p) const;

@@ -102,7 +102,7 @@ Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
   return nearest;
 }
 
-// Returns the parts of a building, or the building if it has no parts. Leaves out parts high enough for a road below.
+// Returns the parts of a building, or the building if it has no parts. Leaves out parts under which a road can pass.
 std::vector<const MapBuilding*> lowPartsOf(const MapBuilding& b) {
   constexpr double kClear = 4;  // m, least height of a part above a road
   std::vector<const MapBuilding*> low;

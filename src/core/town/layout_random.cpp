@@ -356,7 +356,7 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   const Point2 left = inPlot(plot, plot.side > 0 ? plot.from : plot.to, plot.setback).at;
   const Point2 right = inPlot(plot, plot.side > 0 ? plot.to : plot.from, plot.setback).at;
   const double yaw = std::atan2(right.y - left.y, right.x - left.x);
-  // A driveway is at the right end of the plot: the house is then shifted towards the left end.
+  // If the plot has a driveway, which is at its right end, the house is shifted to the left.
   const Point2 center = Footprint{models::lerp(left, right, 0.5), 0, 0, yaw}.at(
       plotHouse.hasDriveway ? 0.2 - plotHouse.gap / 2 : 0, house.depth / 2);
   const Footprint body{center, house.width / 2, house.depth / 2, yaw};

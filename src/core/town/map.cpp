@@ -200,7 +200,7 @@ class MapMaker {
     return lines;
   }
 
-  // Adds a building, a building part or land. Counts areas left out: with a fault, off the ground or an open roof.
+  // Adds a building, a building part or land. Counts areas that are left out: damaged, off the ground, or open roofs.
   void addArea(const OsmArea& area) {
     const OsmTags& tags = area.tags;
     if (isAbsent(tags)) return;

@@ -337,7 +337,8 @@ void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> par
     building.parts.push_back(std::move(part));
   }
   buildings.insert(buildings.end(), std::make_move_iterator(unowned.begin()), std::make_move_iterator(unowned.end()));
-  // Sets a missing top of a building above the ground. Returns true if the height is zero; else counts b.difference.
+  // If the base is above the ground, sets a missing top. Returns true if the building then has no height; otherwise
+  // counts b.difference.
   const auto countAndTestHeight = [&](MapBuilding& b) {
     if (b.base > 0 && !b.top) b.top = b.base + kStorey;
     const bool flat = b.base > 0 && *b.top < b.base + 0.05;

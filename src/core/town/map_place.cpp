@@ -62,7 +62,7 @@ std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& dra
   return candidates.back();
 }
 
-// Returns the `district` that fits the built fraction of the land at the main road and the mean number of floors.
+// Returns the key `district` that fits the buildings at the main road: their density and mean number of floors.
 std::string districtAbout(const MapPlace& place) {
   constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
   const std::vector<Point2>& main = place.roads.front().line;

@@ -24,7 +24,7 @@ const std::initializer_list<std::string_view> kNotParked = {"no",          "none
 const std::initializer_list<std::string_view> kPaved = {"both", "left", "right", "yes", "separate"};
 const std::initializer_list<std::string_view> kNotPaved = {"no", "none"};
 
-// Tags of elements that do not exist yet or any more, are not on the ground, or have no shape.
+// Tags of elements that do not exist yet or no longer exist, are not on the ground, or have no shape.
 constexpr std::string_view kShapeless =
     "highway=proposed highway=planned highway=construction highway=razed highway=demolished highway=abandoned "
     "highway=disused highway=services highway=rest_area highway=crossing highway=turning_circle highway=turning_loop "
@@ -36,7 +36,7 @@ constexpr std::string_view kShapeless =
     "landuse=industrial landuse=education landuse=institutional landuse=religious leisure=nature_reserve "
     "natural=valley natural=cape natural=peninsula natural=strait natural=peak natural=saddle natural=spring "
     "man_made=survey_point";
-// Tags of objects with a shape whose keys are in kPlaceKeys.
+// Tags with keys in kPlaceKeys that stand for objects with a shape.
 constexpr std::string_view kObjects =
     "amenity=parking amenity=parking_space amenity=bench amenity=waste_basket amenity=recycling amenity=post_box "
     "amenity=fountain amenity=shelter amenity=telephone amenity=vending_machine amenity=bicycle_parking "
@@ -67,7 +67,7 @@ std::optional<bool> featureOf(const OsmTags& tags, std::initializer_list<std::st
   return feature;
 }
 
-// Returns the unsigned number at the front of a text, and removes it with the blanks around it; nullopt: none.
+// Removes the unsigned number at the start of a text, with the blanks around it, and returns it; nullopt: none.
 std::optional<double> takeNumber(std::string_view& text) {
   text = trimmed(text);
   if (text.empty() || std::string_view("0123456789.").find(text.front()) == text.npos) return std::nullopt;

@@ -16,8 +16,8 @@ constexpr double kMarkingHeight = 0.004;  // m, height of markings and manhole c
 constexpr double kEndOfRoad = 4;          // m, length without dashes, covers and repairs at each end of a road
 constexpr double kHalfLine = 0.06;        // m, half of the width of a dashed line
 
-// Paints a solid stop line or dashed give-way line, 0.1 m before vehicles that drive against the direction of the
-// road's line and stop at `along` (m along this line). Returns the number of pieces.
+// Paints a stop line (solid) or give-way line (dashed) for vehicles that drive against the direction of the road's
+// centre line and stop at `along` (m along the centre line), 0.1 m before the paint. Returns the number of pieces.
 std::uint32_t paintStopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
                             TrafficSign sign) {
   const bool solid = sign == TrafficSign::Stop;

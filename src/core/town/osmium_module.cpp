@@ -154,7 +154,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     }
     const bool road = way.tags().has_key("highway") && !way.tags().has_tag("area", "yes");
     if (!isMapped(way) || (area && !road && !way.tags().has_key("barrier"))) return;
-    // The way is a piece of a multipolygon's outline and repeats the tags of the multipolygon.
+    // Skips a way that is only a piece of a multipolygon's outline and repeats the multipolygon's tags.
     if (!area && isArea(way) && members_.contains(way.id()) && !hasAny(way, kLines)) return;
     addLine(way, area);
   }

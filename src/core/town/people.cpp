@@ -222,7 +222,7 @@ void placePeople(Placer& placer) {
   if (l.character.motorway) return;
   const double length = l.mainTo - l.mainFrom;
   Draw counts(l.seed, Kind::PeopleCounts);
-  // Returns the random number of people or vehicles of a kind: at least 1, or 0 if the parameter `people` is 0.
+  // Returns a random number of people or vehicles of a kind: at least 1, or 0 if the parameter `people` is 0.
   const auto drawCount = [&](double share) {
     const int count = static_cast<int>(share * l.character.people * length / 100 + counts.next());
     return l.parameters.people > 0 ? std::max(1, count) : 0;

@@ -45,7 +45,7 @@ class Placer {
     const std::string name = shape.mesh.name;
     builder.place(shape.finish().mesh, worldFromTown, name);
   }
-  // Calls tryPlace("PREFIX NUMBER") with the prefix's next number and returns the result. True: the number is used up.
+  // Calls tryPlace("PREFIX NUMBER") with the prefix's next number. Returns the result; if true, the number is used up.
   template <class TryPlace>
   bool tryNumbered(const std::string& prefix, const TryPlace& tryPlace) {
     int& number = numbers[prefix];

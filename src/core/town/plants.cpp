@@ -156,7 +156,7 @@ void plantGarden(Placer& placer, const Plot& plot) {
   }
 }
 
-// Builds a tuft of grass, 0.12 to 0.4 m high at most. The blades bend outwards.
+// Builds a tuft of grass. Its blades bend outwards; the highest are at most 0.12 to 0.4 m high, at random.
 Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
   Draw draw(seed, Kind::Tuft, form);
   models::Shape s(builder, "tuft of grass");

@@ -29,7 +29,7 @@ struct CrossSection {
 
   double outer() const { return curb + verge + sidewalk; }               // width from the road's edge to the plots
   double paved() const { return outer() + (sidewalk > 0 ? apron : 0); }  // width from the road's edge to unpaved ground
-  // Returns the width from the road's edge to fences, at the plots' edge or behind an apron of less than 3 m.
+  // Returns the width from the road's edge to fences: they are at the plots' edge, or behind an apron below 3 m.
   double fenced() const { return outer() + (apron < 3 ? apron : 0); }
   double laneWidth() const { return (half - parking - shoulder - median) / lanes; }
   bool operator==(const CrossSection&) const = default;

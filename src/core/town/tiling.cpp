@@ -126,7 +126,7 @@ Tiling makeTiling(double half, double smallest, const std::function<bool(double 
 
 void cutAlong(Tiling& tiling, std::vector<double> field) {
   using Corners = std::array<std::uint32_t, 3>;
-  // The side of the line on which a point is; 0: on the line. `kAbove | kBelow`: a triangle with corners on both sides.
+  // Bits for the side of the line on which a point is; 0: on the line. A triangle whose corners have both bits is cut.
   constexpr std::uint8_t kAbove = 1, kBelow = 2;
   std::vector<std::uint8_t> sides(field.size());  // by point
   for (std::size_t p = 0; p < field.size(); ++p) {

@@ -53,7 +53,8 @@ struct VehiclePath {
   }
 };
 
-// Returns the path of a vehicle along lanes; see lanePoints(). The vehicle stays kMiddle off a two-way road's centre.
+// Returns the path of a vehicle along lanes; see lanePoints(). On two-way roads the vehicle's left side is at least
+// kMiddle from the centre line.
 VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, double halfWidth,
                         const Affine& worldFromTown) {
   LanePoints lane = lanePoints(l, lanePath, out, halfWidth + kMiddle);
@@ -85,7 +86,7 @@ class Traffic {
   }
 
  private:
-  // The models and the name of the vehicle of the driver with the same index.
+  // The models and the name of a vehicle. Participants and drivers have the same indices.
   struct Participant {
     Model vehicle;
     std::optional<Model> rider;
@@ -94,7 +95,7 @@ class Traffic {
   };
 
   const Road& road(std::uint32_t r) const { return l_.roads()[r]; }
-  // The numbers of the lanes of side road `r` towards and away from the main road. Lane 0 is the main road's lane.
+  // Return the number of the lane of side road `r` towards or away from the main road. The main road's lane is 0.
   static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
   static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
 

@@ -165,8 +165,8 @@ class RingErrors:
 
 
 class HideIntensity:
-    """Sets the intensities of all points to `value`, with the given probability for each sample: always (1), so that a
-    network learns without intensity, or sometimes, so that it learns with and without."""
+    """Sets the intensities of all points of a sample to `value`, with the given probability. With probability 1 a
+    network learns to do without intensity, with a lower one it learns to do with and without."""
 
     def __init__(self, probability: float = 0.5, value: float = 0) -> None:
         self.probability, self.value = require_fraction("probability", probability), value

@@ -252,8 +252,8 @@ class Sample:
         return list(dict.fromkeys(sensor for sensor, _, _ in self.dataset.store.scans(self._number)))
 
     def has_scan(self, sensor: str | None = None) -> bool:
-        """Returns whether the sample has a scan of a sensor (None: the dataset's first sensor). It has none if the sensor
-        turns more slowly than frames follow each other. Raises InputError for an unknown sensor."""
+        """Returns whether the sample has a scan of a sensor (None: the dataset's first sensor). It may have none if a
+        revolution of the sensor takes longer than the time between frames. Raises InputError for an unknown sensor."""
         name = self._sensor_or_first(sensor).lower()
         if any(s.lower() in (name, "") for s in self.sensors):  # "": a file outside of datasets
             return True
@@ -262,8 +262,8 @@ class Sample:
         raise InputError(f"the sample '{self.key}' has no sensor '{name}'{advice(name, self.sensors)}")
 
     def revolutions(self, sensor: str | None = None) -> int:
-        """Returns how many revolutions of a sensor (None: the dataset's first sensor) the sample has: several if others
-        turn more slowly. Raises InputError if it has none."""
+        """Returns how many revolutions of a sensor (None: the dataset's first sensor) the sample has: several if the
+        sensor turns faster than others. Raises InputError if it has none."""
         name = self._required_sensor(sensor)
         return 1 + max(r for s, _, r in self.dataset.store.scans(self._number) if s.lower() == name.lower())
 
@@ -276,11 +276,11 @@ class Sample:
 
     def scan(self, sensor: str | None = None, columns: Sequence[str] | None = None, revolution: int = 0) -> Scan:
         """Reads the scan of a sensor (None: the dataset's first sensor or, without a manifest, the sample's). `columns`:
-        names of the columns to read; None: all columns. `revolution`: which one of a sensor that has several, see
-        revolutions().
+        names of the columns to read; None: all columns. `revolution`: index of the sensor's revolution in the sample,
+        from 0 to revolutions() - 1.
 
-        Raises InputError if there is no such scan, see has_scan(), or column, and if the scan's bytes are damaged: if they are
-        not those that the manifest states the digest of or, without a manifest, if they cannot be decoded.
+        Raises InputError if there is no such scan (see has_scan()) or no such column, and if the scan's bytes are
+        damaged: if they do not match the digest in the manifest or, without a manifest, cannot be decoded.
         """
         column_names = None if columns is None else names_in("columns", columns)
         if not isinstance(revolution, int) or not 0 <= revolution < 256:
@@ -320,11 +320,11 @@ class Sample:
         return Objects(objects, name, self.poses[name][0])
 
     def voxels(self, sensor: str | None = None) -> dict[str, NDArray[Any]] | None:
-        """Returns the labelled voxels around a sensor (None: the dataset's first sensor), in the frame of its points: `label`
-        int32 (X, Y, Z), 0 for empty voxels; `input`, `invalid` and `unseen`, bool (X, Y, Z); `low` float64 (3,), the
-        corner with the least coordinates (m); `size` float64 (), the edge of a voxel (m). Returns None if the dataset
-        has no voxels (`output.voxels`). Raises InputError if the sample has no scan of the sensor, and for damaged
-        voxels."""
+        """Returns the labelled voxels around a sensor (None: the dataset's first sensor), in the frame of its points:
+        `label` int32 (X, Y, Z), 0 for empty voxels; `input`, `invalid` and `unseen`, bool (X, Y, Z); `low` float64
+        (3,), the corner with the least coordinates (m); `size` float64 (), the edge of a voxel (m). Returns None if the
+        dataset has no voxels (`output.voxels`). Raises InputError if the sample has no scan of the sensor, and for
+        damaged voxels."""
         archive = self.dataset.store.voxels(self._number, self._required_sensor(sensor))
         if archive is None:
             return None

@@ -8,8 +8,8 @@ are those of scanmill.augment; both must have the same columns, of the same type
   to the sensor (or are rotated about it: PolarMix), so those of the other scan have another position in the world.
 - Instance ids of the other sample that the first one uses too are replaced by unused ones, in `instance` and
   `box_instance`, so that ids stay unique but no longer identify objects of the other scan in a sequence.
-- `box_points` is counted again if there are the columns `instance` and `box_instance`. `box_visibility` is that in the
-  scan that the box comes from.
+- `box_points` is counted again if there are the columns `instance` and `box_instance`. `box_visibility` keeps the value
+  that it has in the scan that the box comes from.
 - The columns ring, column, time and return describe the beam in the scan that the point comes from, so two points may
   share a beam. Only PasteInstances computes which points hide others.
 """
@@ -60,9 +60,9 @@ class Choice:
 
 
 class LaserMix:
-    """Takes the points of both scans in turn from areas of equal height in elevation.
+    """Divides the elevations into equal intervals (areas), and takes the points of every other area from each scan.
 
-    The number of areas is one of `areas`, at random, and so is the scan that the lowest area is taken from. Points
+    The number of areas is a random item of `areas`. The scan from which the lowest area is taken is random, too. Points
     beyond the limits of elevation belong to the nearest area, and boxes to the area of their centre.
 
     Source: Kong et al., LaserMix for Semi-Supervised LiDAR Semantic Segmentation, CVPR 2023, section 3 (partition and
@@ -87,12 +87,12 @@ class LaserMix:
 class PolarMix:
     """Exchanges a sector of azimuth, and pastes rotated copies of chosen classes of the other scan.
 
-    With the probability `swap` a sector of the width `sector` (rad), in a random direction, is that of the other scan;
+    With the probability `swap`, the other scan replaces a sector of the width `sector` (rad) in a random direction;
     boxes belong to the sector of their centre. Then, with the probability `paste`, all points and boxes of the
-    `classes` of the other scan are pasted `copies` times, rotated about the sensor's z axis: the circle has an equal
-    part for each copy, and the copy's angle is random in it. Copies have separate instance ids. Neither collisions nor
-    occlusion are tested. Copies keep ring and column of their original, which are not where they lie now: for range
-    images by ring and column, leave `classes` empty.
+    `classes` of the other scan are pasted `copies` times, rotated about the sensor's z axis. The full turn is divided
+    into equal intervals, one for each copy, and a copy's angle is random within its interval. Copies have separate
+    instance ids. Neither collisions nor occlusion are tested. Copies keep the ring and the column of their original,
+    which do not fit their new direction: for range images by ring and column, leave `classes` empty.
 
     Source: Xiao et al., PolarMix: A General Data Augmentation Technique for LiDAR Point Clouds, NeurIPS 2022, section 3
     (scene-level swapping, and instance-level rotation and paste).
@@ -132,14 +132,15 @@ class PolarMix:
 class PasteInstances:
     """Pastes instances of the other scan, with their boxes, where they are relative to the sensor.
 
-    Chosen at random are at most `most` instances of the `classes` with at least `min_points` points whose box, seen
-    from above, overlaps no box of the first sample; so read the boxes of all classes that are in the way. Points of the
-    first scan inside of pasted boxes are removed.
+    Chooses at random up to `most` instances of the `classes` that have at least `min_points` points, and whose box,
+    seen from above, overlaps no box of the first sample. The samples must therefore have the boxes of all classes with
+    which instances may collide. Points of the first scan inside of pasted boxes are removed.
 
-    If `hide` is true, and samples have ring and column and are of the same `sensor`, each beam keeps only what is
-    nearest: pasted points behind points of the first scan are removed, and so are points of the first scan behind
-    pasted ones. Instances of which fewer than `min_points` points are left are not pasted. Where something hid the
-    instance in its own scan, a gap remains. Set `hide` to false for sensors whose pattern changes between revolutions.
+    If `hide` is true, and the samples have ring and column and the same `sensor`, only the nearest of the two scans
+    remains in each beam: pasted points behind points of the first scan are removed, and so are points of the first scan
+    behind pasted ones. Instances of which fewer than `min_points` points are left are not pasted. Where an object hid
+    the instance in its own scan, a gap remains. Set `hide` to false for sensors whose pattern changes between
+    revolutions.
 
     Source: Yan, Mao and Li, SECOND: Sparsely Embedded Convolutional Detection, Sensors 18 (2018) 3337, section "Sample
     Ground Truths from the Database", which tests collisions, but not occlusion.
@@ -210,8 +211,8 @@ def _part(sample: Sample, points: Rows, boxes: Rows) -> Sample:
 
 
 def _exchanged(sample: Sample, other: Sample, in_other: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> Sample:
-    """Returns the points and boxes of the other sample at positions (n, 3) for which in_other() is true, and those of
-    the sample elsewhere."""
+    """Returns the points and boxes of the other sample for whose positions (n, 3) in_other() is true, and the points
+    and boxes of the sample for whose positions it is false."""
     _require_alike(sample, other)
     parts = []
     for source, is_other in ((sample, False), (other, True)):
@@ -270,8 +271,8 @@ def _visible(sample: Sample, hiding: Sample) -> NDArray[np.bool_]:
 
 
 def _overlap(boxes: NDArray[Any], others: NDArray[Any]) -> NDArray[np.bool_]:
-    """Returns which boxes (n, 7) overlap which others (m, 7) as seen from above, (n, m): two rectangles do not if they
-    are apart along one of their four axes."""
+    """Returns which boxes (n, 7) overlap which others (m, 7) as seen from above, (n, m). Two rectangles overlap unless
+    they are apart along one of their four axes (separating axis theorem)."""
     a, b = boxes[:, np.newaxis].astype(np.float64), others[np.newaxis].astype(np.float64)
     x, y = (b - a)[..., 0], (b - a)[..., 1]
     c, s = np.abs(np.cos(b[..., 6] - a[..., 6])), np.abs(np.sin(b[..., 6] - a[..., 6]))

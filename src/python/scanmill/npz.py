@@ -1,4 +1,4 @@
-"""Reads NumPy's archives (.npz) of strangers: what they state is checked before it costs memory."""
+"""Reads NumPy archives (.npz) from untrusted sources: checks the sizes that they state before it allocates memory."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.re
 def read_npz(archive: bytes, name: str) -> dict[str, NDArray[Any]]:
     """Returns the arrays of an archive. `name` is its name in messages.
 
-    Raises InputError for an archive that states more than 1 GiB and 64 times its own size, that is damaged, or that has
-    anything but arrays of numbers.
+    Raises InputError for an archive whose stated contents are larger than 1 GiB plus 64 times its own size, that is
+    damaged, or that has anything but arrays of numbers.
     """
     most = (1 << 30) + 64 * len(archive)
     try:

@@ -92,7 +92,7 @@ class Objects:
         return np.column_stack([self.centers, self.sizes, self.yaws]).astype(np.float32)
 
     def world_boxes(self) -> NDArray[np.float64]:
-        """Returns the boxes in this form in the world's frame at the sample's time, float64 (M, 7)."""
+        """Returns the boxes as boxes() does, but in the world's frame at the sample's time, and as float64 (M, 7)."""
         return np.column_stack([self.world_from_box[:, :3, 3], self.sizes, _yaws(self.world_from_box)])
 
     def select(self, which: ArrayLike) -> Objects:

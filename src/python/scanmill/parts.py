@@ -141,7 +141,7 @@ def _things(given: Any, count: int) -> NDArray[np.int64]:
 def _reflectances(
     values: dict[str, Any], colours: Optional[NDArray[Any]], triangles: NDArray[Any], vertices: int
 ) -> NDArray[np.int64]:
-    """Returns the reflectance of each triangle, in steps; -1: that of its material."""
+    """Returns the reflectance of each triangle times STEPS_OF_REFLECTANCE, rounded; -1: its material's reflectance."""
     count = len(triangles)
     given = values.get("reflectance")
     if given is not None and values.get("color") is not None:
@@ -161,8 +161,8 @@ def _reflectances(
 
 
 def _brightness(colour: NDArray[Any], triangles: NDArray[Any], vertices: int) -> NDArray[np.float64]:
-    """Returns the linear luminance of sRGB colours, for each triangle. Integers are from 0 to 255, others from 0 to 1.
-    Colours of vertices are averaged over a triangle's corners."""
+    """Returns the linear luminance of sRGB colours, for each triangle. Integers are from 0 to 255, floating-point
+    numbers from 0 to 1. The luminances of vertices are averaged over a triangle's corners."""
     if colour.shape[-1:] not in ((3,), (4,)) or colour.ndim > 2:
         raise InputError(f"color must have the shape (3,), (triangles, 3) or (vertices, 3), not {colour.shape}")
     if colour.dtype.kind in "iu" and colour.dtype != np.uint8 and 0 < colour.max() <= 1:

@@ -65,13 +65,14 @@ class PassWriter:
         """Adds a frame: for each camera of `depth` an image (n, n), row 0 at the top.
 
         `pose`: of the sensor in the world. `depth`: m along the camera's axis, or with `along_rays` from the camera to
-        the surface; infinite, NaN or 0 if the pixel shows nothing (such pixels have no return; at least one of a frame
-        must show something). `depth_unit`: metres per unit of `depth`; by default 0.001 for images of integers, else 1.
-        In images of integers the greatest value of their type, at which depths saturate, is nothing, too; so is 65535
-        if no value is greater, since a wider type may hold 16 bits. `semantic`: class ids; `instance`: ids of things, 0
-        for none; `reflectance`: 0 to 1 at the sensor's wavelength (0.3 if not given); `normal`: (n, n, 3) unit vectors
-        in world axes, by default those of the surface through the depths of neighbouring pixels. `time`: s since the
-        start of the drive, by default 0.1 s a frame. Raises InputError, which names the camera and the array.
+        the surface; infinite, NaN or 0 if the pixel shows no surface. Such pixels have no return; at least one pixel of
+        a frame must show a surface. `depth_unit`: metres per unit of `depth`; by default 0.001 for images of integers,
+        else 1. In images of integers, pixels with the greatest value of the type show no surface either, since depths
+        saturate at it; nor do pixels with 65535 if no value is greater, since a wider type may store a 16-bit image.
+        `semantic`: class ids; `instance`: ids of things, 0 for none; `reflectance`: 0 to 1 at the sensor's wavelength
+        (0.3 if not given); `normal`: (n, n, 3) unit vectors in world axes, by default the normals of the surface
+        through the depths of neighbouring pixels. `time`: s since the start of the drive, by default 0.1 s times the
+        frame's number. Raises InputError, which names the camera and the array.
         """
         world_from_sensor = pose_matrix(pose)
         for camera in depth:
@@ -108,7 +109,7 @@ class PassWriter:
         self._frames += 1
 
     def close(self) -> None:
-        """Ends the recording; without it the folder is not one."""
+        """Completes the recording. Until this call the folder is not a valid recording."""
         if self._frames == 0:
             raise InputError("a recording needs at least one frame: add() one")
         self._recorder.finish()
@@ -151,7 +152,8 @@ def _depths(values: ArrayLike, unit: float | None, what: str) -> NDArray[np.floa
 def _values(
     given: Mapping[str, ArrayLike] | None, camera: str, what: str, kind: Any, shape: tuple[int, ...], otherwise: float
 ) -> NDArray[Any]:
-    """Returns one camera's image of some values, as an array of a type; filled with `otherwise` if none is given."""
+    """Returns the camera's image in `given` as an array of the type `kind`, which must have this shape. If `given` is
+    None, returns an array filled with `otherwise`."""
     if given is None:
         return np.full(shape, otherwise, kind)
     if camera not in given:
@@ -167,8 +169,8 @@ def _values(
 
 def _normals(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Returns unit normals (n, n, 3) in camera axes, towards the camera, of the surface through the points of
-    neighbouring pixels. Of the two neighbours along an axis the one of more similar depth is taken, so that normals are
-    not those of steps between surfaces."""
+    neighbouring pixels. Uses the neighbour of more similar depth along each axis, so that steps between surfaces do not
+    affect the normals."""
 
     points = np.where(np.isfinite(points), points, 1e9)
 

@@ -1,13 +1,15 @@
 """Range images: points as images with the sensor's rings and columns, and back.
 
-The columns `ring` and `column` tell the beam of each point, whatever its noise and the offset of its origin. Each beam
+The columns `ring` and `column` state the beam of each point, whatever its noise and the offset of its origin. Each beam
 has a pixel of its own: unlike a projection by angles, this causes no holes and no collisions. Row r is ring r;
-`top_down` of the sensor in the manifest tells whether row 0 is the top one. Images are destaggered, so that each column
-looks in one direction: the lasers that fire as one column look in directions that differ by the azimuth offsets of
-their rings, hence each row is shifted by whole columns (Stagger); vendors of sensors call this destaggering. Column c
-of the image looks where column c of the sensor would without offsets; `clockwise` and `first_azimuth` in the manifest
-tell this direction. With `destagger=False` column c of the image is column c of the sensor. Points without ring and
-column, for instance from other programs, are projected by their angles.
+`top_down` of the sensor in the manifest states whether row 0 is the top one. Points without ring and column, for
+instance from other programs, are projected by their angles.
+
+The lasers that fire as one column of the sensor look in directions that differ by the azimuth offsets of their rings.
+Images are therefore destaggered: each row is shifted by whole columns (Stagger), so that each column of the image looks
+in one direction. This is the direction of a laser without azimuth offset in the sensor's column of the same number;
+`clockwise` and `first_azimuth` in the manifest determine it. With `destagger=False`, column c of the image is column c
+of the sensor.
 
 Functions take a Scan, or a dictionary of arrays such as a sample of ScanDataset.
 """

@@ -55,9 +55,9 @@ class SampleReader:
         transforms of scanmill.augment, which augment.Compose applies with the seed `seed`; or a function such as
         Compose: transform(sample, key, epoch) returns the changed sample.
 
-        `mix`: a function such as augment.mix.LaserMix(), or a list of them, applied in their order. mix(sample, other,
-        rng) returns the sample mixed with another one of the same Dataset, which is read too; the transform follows. The other sample and the random numbers
-        depend only on the Dataset, `seed` (0 or more), the key and the epoch.
+        `mix`: a function such as augment.mix.LaserMix(), or a list of such functions, which are applied in order before
+        the transform. mix(sample, other, rng) returns the sample mixed with another one of the same Dataset. The other
+        sample and the random numbers depend only on the Dataset, `seed` (0 or more), the key and the epoch.
         """
         self.sensor = sensor
         self.columns = None if columns is None else names_in("columns", columns)

@@ -193,9 +193,9 @@ class Scan:
         """Returns the points in the world's frame, float64 (..., 3) in m.
 
         If the sensor moves during the revolution and the dataset is not deskewed, each point is in the sensor's frame
-        at the time of its column. If only the first and the last pose are known, the motion between them is assumed to
-        be uniform. Raises InputError if the pose is not known, or if the scan has neither of the columns `column` and `time`, one of which
-        is then needed.
+        at the time of its column. The scan must then have the column `column` or `time`. If only the first and the last
+        pose are known, the motion between them is assumed to be uniform. Raises InputError if the pose is unknown, or
+        if a column that is needed is missing.
         """
         if self.poses is None:
             raise InputError("the pose of the sensor is unknown: a single file has no pose")

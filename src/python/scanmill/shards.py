@@ -19,7 +19,8 @@ Source = Union[Dataset, Path, Sequence[Path]]
 
 
 def share(sizes: Sequence[int], readers: int, reader: int) -> list[tuple[int, int, int]]:
-    """Returns the part of one reader, as a list of (list, first, last + 1). `sizes`: number of samples in each list.
+    """Returns the part of one reader as ranges (index of a list, first sample, last sample + 1). `sizes`: number of
+    samples in each list.
 
     All samples are divided as evenly as possible into consecutive parts, one for each reader. Each sample is in exactly
     one part. Raises InputError unless 0 <= reader < readers.

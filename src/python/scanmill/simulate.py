@@ -1,5 +1,5 @@
-"""Scans scenes without writing files: scenes of files and of arrays, from poses and with objects where the caller wants
-them."""
+"""Scans scenes without writing files. Scenes come from files or from arrays; the caller gives the poses of the vehicle
+and, if wanted, of objects."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def sensor(
 
 @dataclass
 class SceneObject:
-    """An object of a scene: all that is placed in it by one name."""
+    """An object of a scene: all instances that share a name."""
 
     pose: NDArray[np.float64]  # (4, 4), world from object, without scale
     instances: list[int]  # ids in the column `instance`; empty for a class without instances, such as a road
@@ -93,8 +93,8 @@ class Scene:
 
     @classmethod
     def from_arrays(cls, parts: Iterable[Part], labels: str | None = None) -> Scene:
-        """Returns a scene of arrays. Each part is a map with the arguments of add(), without which it is named "part
-        1", "part 2" and so on. `labels` replaces the ontology labels/scanmill.yaml (see load_scene())."""
+        """Returns a scene of arrays. Each part is as for add(); a part without a name gets the name "part 1", "part 2"
+        and so on. `labels` replaces the ontology labels/scanmill.yaml (see load_scene())."""
         if isinstance(parts, Mapping):
             raise InputError("from_arrays() needs a list of parts, not one part: [part]")
         scene = cls("empty", labels=labels)
@@ -117,13 +117,14 @@ class Scene:
         vertices     (n, 3), m, in the object's frame: x forward, y left, z up
         triangles    (m, 3), indices of vertices; or `faces`
         mesh         an object that has both
-        class        a name or alias of the ontology's; or (m,), one for each triangle
-        material     a name of labels/materials.yaml; or (m,). Default: "default"
-        instance     (m,) integers: triangles of one number are one thing, those of 0 are of none; the scene numbers the
-                     things anew. Default: the object is one thing if its class has instances
+        class        name or alias of a class of the ontology; or (m,) names, one for each triangle
+        material     name of a material in labels/materials.yaml; or (m,) names. Default: "default"
+        instance     (m,) integers: triangles with the same number are one thing, triangles with 0 belong to no thing;
+                     the scene numbers the things anew. Default: the object is one thing if its class has instances
         reflectance  at the sensor's wavelength, 0 to 1, in place of the material's; or (m,). Rounded to 0.001
         color        sRGB (3,), (m, 3) or (n, 3), from 0 to 255 if integers, else from 0 to 1: their luminance is taken
-                     as the reflectance, which is an estimate. Colours of a `mesh` count if it has no `material`
+                     as the reflectance, which is an estimate. Without `color`, `reflectance` and `material`, the
+                     colours of the `mesh` are used
         pose         of the object in the world, a matrix (4, 4) or map. Default: the origin
 
         The scene is set up again at the next scan, which raises InputError for an unknown class or material and for a
@@ -139,8 +140,8 @@ class Scene:
 
     def remove(self, name: str) -> None:
         """Takes the objects with a name out of the scene, or all triangles of a class. The scene is set up again at the
-        next scan, which raises InputError for an unknown name and then forgets it; `poses={name: None}` of scan()
-        leaves an object out of one scan."""
+        next scan, which raises InputError for an unknown name; scans after that ignore the name. To leave an object out
+        of one scan only, use `poses={name: None}` of scan()."""
         if not isinstance(name, str):
             raise InputError(f"remove() needs the name of an object or a class, not {name!r}")
         with self._lock:
@@ -183,13 +184,13 @@ class Scene:
         frame      selects the noise: the same scene, sensors, seed and frame give the same noise
         organised  True: an image of (planes * rings, columns) with NaN for beams without a return
         poses      where objects are in this scan: {name: matrix or map}, world from object; None leaves an object out.
-                   Objects that are not named are where the scene has them. The name of a row of copies moves them as
-                   one, by the pose of the first. Only for methods that trace moving objects
+                   Objects that are not named are where the scene places them. A name that several copies share moves
+                   all of them together; the pose is that of the first copy. Only for methods that trace moving objects
         velocities of objects in `poses` during the revolution: {name: (3,) or (6,)}: m/s and rad/s, world axes, about
-                   the object's origin. Without one an object in `poses` stands still, even if the scene moves it.
-                   Points of an object that turns by the angle a during the revolution are a * a / 8 times their
-                   distance from its origin off its arc, since the motion is interpolated linearly. With velocities
-                   or several poses of the vehicle, the scene's own objects move during the revolution too
+                   the object's origin. An object in `poses` without a velocity stands still, even if the scene moves
+                   it. The motion is interpolated linearly: if an object turns by the angle a (rad) during the
+                   revolution, a point at the distance d from its origin is off its arc by up to d * a * a / 8. With
+                   velocities or several poses of the vehicle, the scene's own objects move during the revolution too
         pose_times (n,) s after `time`, ascending, from 0 or less to the end of the revolution or more
 
         The first scan with a new combination of sensors, method, effects, columns, seed and layout loads the scene and
@@ -281,7 +282,7 @@ class Scene:
             raise InputError(f"a description may contain only texts, finite numbers, lists and maps: {e}") from None
 
     def _simulator(self, pipeline: str, placeable: bool = False) -> Simulator:
-        """Returns the simulator of a pipeline, which becomes the one that was used last; loads it if it is not cached."""
+        """Returns the simulator of a pipeline, which becomes the most recently used one; loads it if needed."""
         key = f"{pipeline} placeable" if placeable else pipeline
         # Other threads wait while a simulator is loaded, so that none is loaded twice.
         with self._lock:
@@ -301,8 +302,8 @@ class Scene:
             return self._simulators[key]
 
     def _forget(self, message: str) -> None:
-        """Takes back the change that the scene refuses with a message, and raises InputError if the message would speak
-        of what the caller did not write."""
+        """Undoes the add() or remove() that made the set-up of the scene fail with `message`. If the message is about
+        text that the caller did not write, raises an InputError with another message."""
         added, removed = self._checked
         part = re.match(r"part '(.*?)': ", message)
         if part is not None and part[1] not in added:

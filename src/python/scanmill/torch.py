@@ -54,8 +54,8 @@ class _Epoch:
 class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
     """A map-style dataset: one scan of each sample of a dataset, by index: the first revolution of the sensor.
 
-    Samples without a scan of the sensor, which turns more slowly than frames follow each other, are left out; a warning
-    tells their number.
+    Samples without a scan of the sensor are left out, and a warning states their number. There may be such samples if a
+    revolution of the sensor takes longer than the time between frames.
     """
 
     def __init__(self, source: Dataset | Path, split: str | None = None, **reading: Any) -> None:
@@ -88,9 +88,9 @@ class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
 
     Shards are divided among the ranks of torch.distributed and the workers of the loader. If there are fewer shards
     than readers, samples are divided instead. Each sample is read once per epoch by one of all ranks and workers. Ranks
-    may have different numbers of samples, so use torch.distributed.algorithms.join.Join to synchronise gradients. Of each
-    sample the first revolution of the sensor is read; samples without a scan of it are skipped, and each reader warns of
-    their number at the end of its epoch.
+    may have different numbers of samples, so use torch.distributed.algorithms.join.Join to synchronise gradients. The
+    sensor's first revolution in each sample is read; samples without a scan of the sensor are skipped, and each reader
+    warns of their number at the end of its epoch.
     """
 
     def __init__(
@@ -198,8 +198,8 @@ def collate_padded(samples: Sequence[dict[str, Any]], ignore: int = 255) -> Batc
 class CollateRangeImages:
     """Makes batches of B range images with rings x columns pixels, using the columns `ring` and `column`.
 
-    `rings` and `columns` are the sensor's numbers, and `destagger` is that of beam_projection(), which also tells for
-    which sensors the images have more columns. `image` float32 (B, k, rings, columns) has one channel for each of
+    `rings`, `columns` and `destagger` are as for beam_projection(), whose description also states for which sensors the
+    images have more columns. `image` float32 (B, k, rings, columns) has one channel for each of
     `channels`; pixels without a return are 0. `mask` bool (B, rings, columns) is True for pixels with a return.
     `target` int64 (B, rings, columns), if samples have it, is `ignore` for pixels without a return. `index` int64 (B,
     rings, columns) is the index of the pixel's point in its sample; -1 if there is none. Boxes, poses and texts are the

@@ -242,8 +242,8 @@ class SvgDrawing {
     barEnds.push_back(kLabelRoom * *std::ranges::max_element(barEnds));
   }
 
-  // Draws the axes and the series below the y `top`. Sets `area_`, `x_` and `y_`, which all functions below use: first
-  // the height of the plot, then the y axis, since its labels limit the width of the plot, then the x axis.
+  // Draws the axes and the series below the y `top`. Sets `area_`, `y_` and `x_`, which all functions below use. The y
+  // axis is set before the width of the plot and the x axis, since its labels limit the width.
   void drawPlot(double top) {
     std::vector<double> xs, ys;
     addCoordinates(xs, ys);

@@ -54,7 +54,7 @@ struct GuessedFile {
     if (fileConcept == nullptr || conceptByFolder) return 0;
     return trianglesOf([&](const GuessedPart& part) { return part.shows == fileConcept; });
   }
-  // Returns the number of triangles whose class only the name of the file's folder states.
+  // Returns the number of triangles whose concept only the name of the file's folder states.
   std::uint64_t byFolder() const { return trianglesOf(std::mem_fn(&GuessedPart::byFolder)); }
   // Returns the guesses that a person should check, in a few words each.
   std::vector<std::string> doubts() const;

@@ -138,8 +138,8 @@ std::string sizeWith(const SizedObject& object, double unit) {
                      object.longest, object.longest * unit, object.shown->size->low, object.shown->size->high);
 }
 
-// Sets the unit of a file: metres if its concept then has a usual size, otherwise the common unit that gives a usual
-// size nearest to the middle of the range. If no unit gives a usual size, keeps metres and marks the unit as doubtful.
+// Sets the unit of a file: metres if its object then has a usual size, otherwise the common unit that gives a size
+// nearest to the middle of the usual range. If no unit gives a usual size, keeps metres and marks the unit as doubtful.
 void guessUnit(FrameGuess& guess) {
   const SizedObject& object = guess.object;
   if (fits(object, 1)) return;
@@ -204,7 +204,7 @@ std::optional<SizedObject> objectNotInMetres(const Asset& asset, const std::vect
     if (auto fitting = fittingWith(unit); fitting.size() > mostFitting.size()) mostFitting = std::move(fitting);
   }
   if (mostFitting.size() <= 2 * fittingInMetres || 2 * mostFitting.size() <= objects.size()) return {};
-  // A node may hold many objects of one kind, such as all cars of a street, and is then larger than one of them.
+  // A node may hold many objects of one kind, such as all cars of a street; its size then says nothing about the unit.
   constexpr double kSeveral = 100;  // ratio of the longest edge to the usual size
   const bool oneKindOfMany = std::ranges::all_of(mostFitting, [&](const SizedObject& object) {
     return object.shown == mostFitting.front().shown && object.longest <= kSeveral * object.shown->size->high;
@@ -225,7 +225,7 @@ const Concept* ownerOf(const Concept* node, const Concept* file) {
 // Returns the concept of one part; see guessParts() for the rules.
 const Concept* guessPart(const Vocabulary& words, const AssetPart& part, const Concept* file) {
   const Concept* node = words.conceptOf(part.node);
-  // A concept of ground without classes, such as the concept of the name "World", says nothing about the part's class.
+  // A ground concept without classes, such as the one that "World" states, says nothing about the part's class.
   if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
   if (node != nullptr && node->kind == ConceptKind::Drop) return node;
   const Concept* const material = words.conceptOf(part.material);

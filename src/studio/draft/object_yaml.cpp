@@ -121,7 +121,7 @@ struct DraftedRules {
   bool complete = true;                        // false: no rule matches some of the parts
 };
 
-// Writes the classes of one file as keys of an object in YAML. Its functions append to their argument `yaml`.
+// Writes the classes of one file as keys of an object in YAML. All write functions append to their argument `yaml`.
 class ClassWriter {
  public:
   ClassWriter(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology)
@@ -234,8 +234,8 @@ class ClassWriter {
     if (!c.material.empty() && !model_.measured) yaml += fmt::format("    material: {}\n", nameValue(c.material));
   }
 
-  // Lists the parts whose names state no concept, with their numbers of triangles. If there are many, parts that differ
-  // only in the node's name share a line.
+  // Lists the parts whose own names state no concept, with their numbers of triangles. If there are many, parts that
+  // differ only in the node's name share a line.
   static void writeUnknown(std::map<PartNames, std::uint64_t> unknown, std::string& yaml) {
     constexpr std::size_t kMost = 20;
     if (unknown.empty()) return;

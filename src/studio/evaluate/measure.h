@@ -52,9 +52,9 @@ struct MeasureOptions {
 };
 
 // Returns a function for MeasureOptions::intensity that applies only those effects of a pipeline that set the
-// intensity; their own `noise` remains, which is the same for all methods. The hits must have the channels that the
-// effects read. The function is null if no effect of the pipeline sets the intensity. `pipeline` and `scene` must
-// outlive the function.
+// intensity. If such an effect adds noise (its key `noise`), the noise is equal for all methods. The hits must have the
+// channels that the effects read. The function is null if no effect of the pipeline sets the intensity. `pipeline` and
+// `scene` must outlive the function.
 std::function<std::vector<float>(const Shot&, const Hits&)> intensityOfEffects(const Pipeline& pipeline,
                                                                                const Scene& scene);
 

@@ -23,10 +23,10 @@ struct Registered {
   Affine targetFromSource{};  // a rigid motion; the identity if `moved` is false
   // False if ICP cannot find a motion: a cloud has fewer than three points, or fewer than three points can be matched.
   bool moved = false;
-  // Fitness: the mean of the squared distances (m^2) from each point of the source to the nearest point of the target.
-  // Distances above IcpOptions::fitnessWithin and points that are not finite are ignored; without distances there is no
-  // fitness. The mean is one-sided. Two equal errors of opposite sign do not cancel; one large error counts more than
-  // many small ones. PCL compares its max_range with a squared distance, and returns DBL_MAX without distances.
+  // Fitness: the mean of the squared distances (m^2) from each point of the source to the nearest point of the target,
+  // not from the target to the source. Distances above IcpOptions::fitnessWithin and points that are not finite are
+  // ignored; if no distance remains, there is no fitness. Equal errors of opposite sign do not cancel; one large error
+  // counts more than many small ones.
   std::optional<double> unmoved{};  // fitness of the source at its given position
   std::optional<double> fitness{};  // fitness after the motion; without a motion the same as `unmoved`
 };

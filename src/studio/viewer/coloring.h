@@ -96,8 +96,8 @@ struct ColorContext {
   std::optional<CloseUp> closeUp{};   // the legend counts only points in this ball; absent: it counts all points
 };
 
-// Colours the points of a scan by `colorBy`. If it is absent, colours by class, otherwise by intensity, otherwise by
-// range, depending on which columns the scan has. Throws InputError if the scan does not have the column.
+// Colours the points of a scan by `colorBy` or, if this is absent, by the first of class, intensity and range that the
+// scan has. Throws InputError if the scan does not have the column.
 //
 // A legend of classes lists those that occur in the scan, sorted by id. The table of columns states which values a
 // column's scale covers: minimum to maximum, 1st to 99th percentile (computed from every n-th point if there are

@@ -101,7 +101,7 @@ double stepOf(const Directions& directions, std::size_t columns) {
 // Returns the azimuths of the beams if the columns form a full turn and are evenly spaced, with a constant offset for
 // each ring; otherwise nothing. `step`: mean angle from column to column (rad).
 std::optional<BeamAzimuths> fullTurnOf(const Directions& directions, const GridSize& grid, double step) {
-  // Largest difference of a full turn's sweep from 2 pi, as a fraction of 2 pi, since the vehicle may turn meanwhile.
+  // Fraction by which the angle of a full turn may differ from 2 pi, since the vehicle may turn during the revolution.
   constexpr double kTurnSlack = 0.03;
   constexpr double kLeastAgreement = 0.8;  // least ratio of the lengths of `sums` to the number of unit vectors
   const double fullStep = std::copysign(2 * kPi / static_cast<double>(grid.columns), step);

@@ -31,7 +31,7 @@ Mat3 assetFromFile(char up, double metresPerUnit);
 Vec3d originNear(std::size_t count, const std::function<Vec3d(std::size_t)>& position);
 
 // Removes vertices that no triangle of the part uses, and merges bit-identical ones, since some kinds of files have
-// three separate vertices for every triangle.
+// three separate vertices for every triangle. Parts that share vertices already may stay as they are.
 void weld(AssetPart& part);
 
 // Makes a triangle of every three successive vertices of a part without triangles, and welds the part.
@@ -59,8 +59,8 @@ void finishNode(std::string_view name, std::uint32_t nodeIndex, std::size_t firs
 void move(AssetPart& part, const Affine& transform);
 
 // Removes the texture of a part without texture coordinates, since a single texel would colour the complete part, and
-// counts the part in `leftOut`. The mean colour of the image remains. Also counts a part whose texture coordinates
-// leave 0 to 1 if the file clamps or mirrors its image (`repeats` is false), since scenes repeat every image.
+// counts the part in `leftOut`. The mean colour of the image remains. Also counts a part with texture coordinates
+// outside of 0 to 1 if the file clamps or mirrors its image (`repeats` is false), since scenes repeat every image.
 void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut);
 
 // Returns the bounds of all finite vertices in the asset's frame (m), including those of Asset::instanced.

@@ -78,8 +78,8 @@ class EarCutter {
     return areaOf(points_[before(at)], points_[uncut_[at]], points_[behind(at)]) == 0;
   }
 
-  // True if two of these corners are in the same place: the corner `at`, the corner before it and the corner behind it.
-  // If the latter two are, an edge leads to the corner `at` and back.
+  // True if two of three corners coincide: the corner `at` and its two neighbours. If the neighbours coincide, the
+  // outline leads to the corner `at` and back on the same edge.
   bool isDouble(std::size_t at) const {
     const Point &a = points_[before(at)], &b = points_[uncut_[at]], &c = points_[behind(at)];
     return a == b || b == c || a == c;

@@ -25,8 +25,8 @@ class Triangulator {
   explicit Triangulator(Location where, double mostTests = 2e9) : where_(std::move(where)), mostTests_(mostTests) {}
 
   // Returns the n - 2 triangles of a polygon with n corners (at least 3), as indices of corners, with the polygon's
-  // orientation. They are valid until the next call. `corner` returns the position of a corner; it is called only if n
-  // > 3. Throws InputError if the polygons so far exceed a limit.
+  // orientation. They are valid until the next call. `corner` returns the position of a corner; it is not called if n
+  // is 3. Throws InputError if the polygons so far exceed a limit.
   const std::vector<std::array<std::uint32_t, 3>>& divide(std::size_t n,
                                                           const std::function<Vec3d(std::size_t)>& corner);
 

@@ -277,7 +277,7 @@ class CloudAsset {
   static std::optional<std::uint32_t> packedColor(T value) {
     constexpr std::uint32_t kNan = 0x7FC00000;  // other NaNs are colours with an alpha of 255
     if constexpr (std::is_floating_point_v<T>) {
-      // The bits of a colour, read as a float, give a magnitude below 1 or a value outside of these limits.
+      // The bits of a colour with alpha 0 or 255, read as a float, are below 1 in magnitude or outside of these limits.
       constexpr double kGreatest = std::numeric_limits<std::uint32_t>::max();
       constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
       const bool isInteger = std::fabs(value) >= 1 && double{value} <= kGreatest && double{value} >= kLeast;
@@ -345,8 +345,8 @@ class CloudAsset {
     return isStated;
   }
 
-  // Returns the value that means white: 1, 255 or 65535. Float columns whose values are at most 1 have the white 1,
-  // even if all are 0 or 1, since text files are read as floats. Rounding can lift fractions slightly above 1.
+  // Returns the value that means white: 1, 255 or 65535. In float columns with values of at most 1, white is 1, even if
+  // all values are 0 or 1 (text files are read as floats, too). Rounding can lift fractions slightly above 1.
   double whiteOf(double greatest, bool areIntegers) const {
     const bool areFloats =
         std::visit([]<class T>(const std::vector<T>&) { return std::is_floating_point_v<T>; }, foreign("red")->values);

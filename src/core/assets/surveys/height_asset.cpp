@@ -101,8 +101,8 @@ class HeightAsset {
     }
   }
 
-  // Throws InputError if latitudes cannot be on the earth, or if a raster without a coordinate system seems to be in
-  // degrees: if degrees were read as metres, hills would become needles. Only warns if the raster has a system.
+  // Throws InputError if latitudes cannot be on the earth. If a raster that declares no degrees seems to be in degrees
+  // (read as metres, they would make needles of hills), throws InputError or, if it has a coordinate system, warns.
   void checkCoordinates() const {
     constexpr double kPole = 90 + 1e-6;  // degrees, with rounding
     constexpr double kSteepest = 3;      // largest ratio of height range to horizontal extent of a raster in metres
@@ -293,7 +293,7 @@ class HeightAsset {
     part.material = !classes_ ? "heights" : number < 0 ? "no class" : fmt::format("{}", number);
     part.fileMaterial.name = part.material;
     const auto image = options_.textures ? image_ : nullptr;
-    // Callers that first read without textures know by this name that the part has a texture.
+    // Also set if textures are not loaded: the name tells callers that the part has a texture.
     if (image_ != nullptr) part.texture = imageFile_.filename().string();
     using enum BaseColor::Source;
     setColor(part.fileMaterial, {.source = image ? Image : None, .image = image}, file_, options_, images_);

@@ -74,8 +74,8 @@ class SdfReader {
   }
 
  private:
-  // Counts elements in `element` and below it that sdfFormat() leaves out or does not know, or that kPlaces does not
-  // allow where they stand. In a state, elements may stand anywhere.
+  // Counts elements in `element` and below it that sdfFormat() leaves out or does not know, or that stand where kPlaces
+  // does not allow them. In a state, elements may stand anywhere.
   void countUnread(const XmlNode& element, bool isInState = false) {
     static constexpr std::array<ElementPlace, 19> kPlaces{
         {{"model include", "sdf gazebo world model", true},

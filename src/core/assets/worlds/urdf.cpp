@@ -85,8 +85,8 @@ class UrdfReader {
     }
   }
 
-  // Counts elements in `element` and below it that urdfFormat() leaves out or does not know, or that kPlaces does not
-  // allow where they stand. Throws InputError for macros.
+  // Counts elements in `element` and below it that urdfFormat() leaves out or does not know, or that stand where
+  // kPlaces does not allow them. Throws InputError for macros.
   void countUnread(const XmlNode& element) {
     static constexpr std::array<ElementPlace, 9> kPlaces{{{"link joint", "robot", true},
                                                           {"visual", "link", true},
@@ -121,7 +121,8 @@ class UrdfReader {
     Location where;
   };
 
-  // Adds a joint to joints_. Counts a joint that cannot be at 0. Throws InputError if a link has two parents.
+  // Adds a joint to joints_. All joints are at position 0: counts a joint whose limits or <mimic> offset exclude 0.
+  // Throws InputError if a link has two parents.
   void readJoint(const XmlNode& joint) {
     const auto linkOf = [&](const char* role) {  // "parent" or "child"
       const XmlNode* const element = joint.child(role);

@@ -41,7 +41,7 @@ XmlNode readXml(const std::filesystem::path& file);
 std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::size_t count);
 Vec3d vectorIn(const XmlNode& node, std::string_view text);
 
-// The parents in which elements with some names may stand. Both lists have blanks between the names.
+// Names of elements, and names of the parents in which these elements may stand, each list separated by blanks.
 struct ElementPlace {
   std::string_view names;
   std::string_view parents;

@@ -60,7 +60,8 @@ std::string intervalWarning(const Pipeline& pipeline, const Sequence& sequence) 
       text, period);
 }
 
-// Warns of values that effects assume, and of the effect weather if the effect intensity has its default near range.
+// Warns of values that effects assume because the sensor's file lacks them, and of the effect weather if the effect
+// intensity has its default near range.
 std::vector<std::string> effectWarnings(const Effects& effects, const MountedSensor& sensor, const BeamTable& beams) {
   constexpr double kDefaultNearRange = 1;  // m, of the effect intensity
   std::vector<std::string> lines;

@@ -207,8 +207,8 @@ std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {
 }
 
 Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, const fs::path& pipeline) {
-  // A pipeline without the key `name` takes its name from its file's name, so the assumed file must have the dataset's
-  // name.
+  // A pipeline without the key `name` is named after its file. The path that readPipelineText() gets must therefore end
+  // in the dataset's name.
   const std::string name = manifest.name + ".yaml";
   const auto planAt = [&](const fs::path& folder) {
     return makePlan(readPipelineText(manifest.pipelineText, folder / name));

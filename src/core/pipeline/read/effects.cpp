@@ -321,7 +321,8 @@ Value withCorruption(const Value& effects, const Value& corruption) {
       continue;
     }
     const NamedOptions listed = readNamed(*effect, "an effect");
-    // `none`, random options and options with another `kind` of weather are replaced; other options are merged by key.
+    // Merges the options by key. If the listed effect is `none` or random, or the change names a `kind` of weather, the
+    // change replaces the effect instead.
     const bool isMerged = listed.options.kind != Value::Kind::Scalar && !isDistribution(listed.options) &&
                           change.options.find("kind") == nullptr;
     *effect = isMerged ? withKeysOf(listed, change) : item;

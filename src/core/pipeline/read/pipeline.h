@@ -55,8 +55,9 @@ struct Sequence {
   // Returns the start times of a sensor's revolutions that belong to a frame (s after the frame's start, may be
   // negative). `period`: duration of the sensor's revolution (s). If the sensors turn without a break, these are the
   // revolutions that end after the frame's start but not after the next frame's start: several of a fast sensor, at
-  // times none of a slow one. Otherwise every sensor starts a revolution at the frame's start. The frame has those that
-  // end during the slowest sensor's first revolution or, if the next frame starts during it, only the first one.
+  // times none of a slow one. Otherwise every sensor starts its first revolution at the frame's start, and the frame
+  // has the revolutions that end within the slowest sensor's period. If the next frame starts before that period has
+  // passed, the frame has only the first revolution.
   std::vector<double> revolutions(std::uint32_t frame, double period, const Periods& periods) const;
   double totalRevolutions(double period, const Periods& periods) const;        // total of all frames
   std::uint32_t mostRevolutions(double period, const Periods& periods) const;  // maximum per frame

@@ -30,10 +30,10 @@ constexpr double kLowMount = 0.5;      // m above the vehicle's origin; lower se
 constexpr double kMostBeams = 5e5;
 constexpr double kMostRays = 3e6;
 
-// Factors by which the costs of the small town are multiplied for a kind of scene, and spreads: the factors by which
-// measured values were above or below forecasts. All were fitted to the pipelines that come with the program (2 cores
-// of an AMD EPYC; tests/benchmarks/forecast.cpp). Set-up factors are small, since the small town is the first scene of
-// the process.
+// For a kind of scene: factors that multiply the costs of the small town, and spreads, by which measured values were
+// above or below forecasts. All were fitted to the pipelines that come with the program (2 cores of an AMD EPYC;
+// tests/benchmarks/forecast.cpp). Set-up factors are small, since the small town is the first scene of the process and
+// its set-up therefore includes one-time work.
 struct SceneFactors {
   double setup = 0;
   double frame = 0;
@@ -100,7 +100,8 @@ Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownC
   const MethodEntry* const method = pipeline.method.entry;
   const bool moving =
       (method == nullptr || method->can.moving) && std::ranges::any_of(pipeline.sequences, &Sequence::moving);
-  // If all mounts are on the ground, the poses of the pipeline's drives must contain the sensors' height.
+  // If all sensors are mounted near the vehicle's origin, the pipeline's trajectories probably run at the sensors'
+  // height, so the trajectory in the small town must, too.
   const bool lowMounts = std::ranges::all_of(
       pipeline.sensors, [](const MountedSensor& sensor) { return sensor.vehicleFromSensor.translation.z < kLowMount; });
   std::vector<std::string> overrides{
@@ -117,7 +118,7 @@ Pipeline smallTownPipeline(const Pipeline& pipeline, const Reread& reread, TownC
 
 // Makes samples of the plan's first sequence, one for each thread, and stores in `costs` the measured times and sizes
 // of the scene and of a frame. Makes the samples twice and measures the second time, since the first frames of a
-// program take longer: they allocate memory and complete the hierarchies.
+// program take longer: they allocate memory, and methods complete their ray-tracing hierarchies.
 void measure(const Plan& plan, SampleCosts& costs) {
   const std::size_t sampleCount = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
   ShotSource source(plan);

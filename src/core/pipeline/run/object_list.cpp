@@ -121,7 +121,7 @@ void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hi
     const Unobstructed::View unoccluded = objects_.unobstructed().viewOf(i, shot, *grid);
     ObjectView view;
     view.sensor = shot.sensorName;
-    // The view's time is when a beam fires: the middle one of those that would hit the thing without occlusion.
+    // The view's time is the firing time of the middle beam among those that would hit the thing without occlusion.
     const std::uint32_t column = unoccluded.middle % shot.beams->columns;
     view.time = shot.duration > 0 ? shot.time + shot.beams->columnTime(column) : shot.time;
     const OrientedBox box = objects_.boxes().at(i, view.time);

@@ -101,7 +101,7 @@ class ShardWorkers {
     return most == open_.end() || unstarted(*most) == 0 ? nullptr : *most;
   }
 
-  // Makes the next sample of a shard, and takes all samples that are then next in order.
+  // Makes the next sample of a shard, then calls takeMade() unless another thread is in it for this shard.
   void makeNext(SharedShard& shard, Lock& lock) {
     const std::size_t sample = shard.started++;
     ++inFlight_;
@@ -112,7 +112,7 @@ class ShardWorkers {
     if (!shard.beingTaken) takeMade(shard, lock);
   }
 
-  // Takes the made samples that are next in order, and closes the shard after its last sample.
+  // Calls take() for the made samples that are next in order, and close() after the shard's last sample.
   void takeMade(SharedShard& shard, Lock& lock) {
     shard.beingTaken = true;
     while (shard.made.erase(shard.taken) > 0) {

@@ -10,8 +10,9 @@ namespace {
 
 constexpr double kBehindHit = 1e-3;  // m, distance behind a hit at which the next ray starts
 constexpr std::size_t kMostHits = 100;
-// Distance (m) after which all() moves the anchor, the sensor position that the method sees. A method may build a
-// hierarchy for each anchor. Ray tracing's tie rule covers rounding up to 64 m (kCoplanarCorners).
+// Distance (m) along a ray after which all() moves the anchor, the point that the method takes for the sensor's
+// position. Rare moves save work, since a method may build a hierarchy for each anchor. Ray tracing orders coplanar
+// surfaces reliably up to 64 m from the anchor (kCoplanarCorners).
 constexpr double kAnchorDistance = 48;
 constexpr double kBoundsMargin = 1;        // m, around the scene's bounds
 constexpr double kNearGroundHeight = 1.5;  // m, largest height difference of the ground that near() finds

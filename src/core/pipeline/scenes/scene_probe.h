@@ -1,7 +1,7 @@
 #pragma once
 
-// Traces single rays in a scene before it is scanned, to find paths and for checks, and finds the ground on which
-// vehicles can stand and random paths that they can drive.
+// Traces single rays in a scene before it is scanned. Checks use these rays, and so do the functions here that find the
+// ground under vehicles and random paths on which vehicles can drive.
 
 #include <cstdint>
 #include <memory>

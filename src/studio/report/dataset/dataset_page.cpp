@@ -215,7 +215,7 @@ class DatasetPage {
     }
   }
 
-  // Adds a row for each sensor of the manifest. Angles are in degrees; mounts are spans over all samples.
+  // Adds a row for each sensor of the manifest: angles in degrees, and the span of each mount value over all samples.
   void sensors() {
     for (std::size_t i = 0; i < manifest_.sensors.size(); ++i) {
       const SensorRecord& sensor = manifest_.sensors[i];

@@ -29,8 +29,8 @@ float intensityOfKey(std::uint16_t key) {
 
 ScanCounts countScan(const Scan& scan, const RangeSteps& steps) {
   ScanCounts counts;
-  // Neighbouring points mostly have the same class and instance, so the counts of the previous point are looked up only
-  // if they differ.
+  // Neighbouring points mostly have the same class and instance, so counters are looked up only if a point's class or
+  // instance differs from the previous point's.
   std::uint16_t previousClass = 0;
   std::vector<std::uint64_t>* ranges = nullptr;                   // points of previousClass per bin of range
   std::unordered_map<std::uint64_t, std::uint64_t> pointsOfPair;  // key: instance id << 16 | class

@@ -30,7 +30,7 @@ struct ScanIndex {
   auto operator<=>(const ScanIndex&) const = default;
 };
 
-// Returns all scans; if there are more than `most`, returns `most` scans, evenly distributed over the dataset. Sorted.
+// Returns all scans or, if there are more than `most`, `most` scans evenly distributed over the dataset, sorted.
 std::vector<ScanIndex> spreadScans(const Manifest& manifest, std::size_t most);
 
 // Returns one scan from each of at most `count` random samples. Splits and sensors alternate, so that a few samples

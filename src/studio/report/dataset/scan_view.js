@@ -123,7 +123,7 @@
   controls.screenSpacePanning = true;
   controls.minDistance = 0.5;
   controls.maxDistance = 1500;
-  // A click on the picture must not scroll the page, and the page must scroll while the pointer is over the picture.
+  // A click must not scroll the page to the picture. The wheel zooms only after a click; before, it scrolls the page.
   canvas.focus = function () { HTMLElement.prototype.focus.call(canvas, {preventScroll: true}); };
   controls.enableZoom = false;
   canvas.addEventListener('focus', function () { controls.enableZoom = true; });

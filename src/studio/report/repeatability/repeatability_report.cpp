@@ -12,7 +12,7 @@ namespace scanmill {
 
 namespace {
 
-// Removes the deviation from a spread of two pairs, which consist of the same two scans in both directions.
+// Removes the deviation if there are only two pairs, which are the same two scans in both directions.
 void dropDeviationOfTwo(Json& spread) {
   if (!spread.is_null() && spread["pairs"] < 3) spread.erase("deviation");
 }

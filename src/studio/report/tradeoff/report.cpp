@@ -81,7 +81,7 @@ class StudyPage {
     }
     for (const std::string& assignment : overridesIn(study_.pipelineText)) {
       page_["overrides"].push_back({{"word", shellWord(assignment)}});
-      // The suggested command makes a dataset with a method that it sets itself: it omits `method` and `tradeoff`.
+      // The suggested command sets the method itself, so it omits the overrides of `method` and `tradeoff`.
       const bool isInSuggestion = !assignment.starts_with("method") && !assignment.starts_with("tradeoff");
       if (isInSuggestion) page_["kept_overrides"].push_back(page_["overrides"].back());
     }

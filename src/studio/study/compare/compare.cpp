@@ -98,7 +98,7 @@ struct SeparationSums {
   SeparationSum all;  // sum over the strata of all groups
 };
 
-// Compares each stratum in which both sets have enough patches.
+// Returns the separations of the strata in which both sets have enough patches, added up by group and in all.
 SeparationSums separate(const Strata& real, const Strata& simulated) {
   SeparationSums sums;
   for (const auto& [stratum, realValues] : real) {
@@ -128,9 +128,10 @@ void addRanges(SetComparison& result) {
   }
 }
 
+constexpr std::size_t kNoBand = std::numeric_limits<std::size_t>::max();  // the patch belongs to no band
+
 // Returns the median intensities of the patches in each of the named bands; bands in which neither set has enough
 // patches are left out. bandOf(patches, i) returns the band of patch i; kNoBand if it belongs to none.
-constexpr std::size_t kNoBand = std::numeric_limits<std::size_t>::max();
 std::vector<BandComparison> intensityBands(const SetComparison& result, const std::vector<std::string>& names,
                                            const auto& bandOf) {
   const auto medians = [&](const Patches& patches) {
@@ -195,8 +196,8 @@ ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
   return groups;
 }
 
-// Returns how well the class frequencies of the sets agree: 1 if each class is equally frequent in both sets, 0 if they
-// have no class in common.
+// Returns how well the class frequencies of the sets agree: 1 if each class is equally frequent in both sets and all
+// patches have a known class, 0 if the sets have no class in common.
 double overlapOf(const ClassGroups& groups) {
   std::map<std::uint16_t, std::pair<double, double>> shares;  // by group: share in owner's and in other set's patches
   for (const std::uint16_t g : groups.ofOwner) shares[g].first += 1.0 / static_cast<double>(groups.ofOwner.size());

@@ -152,9 +152,9 @@ struct SetComparison {
   bool sensorsDiffer() const { return real.knowsRings && simulated.knowsRings && real.rows != simulated.rows; }
 };
 
-// Compares two sets. The classes of one set are mapped to the other set's classes with the same name or alias; of the
-// two directions, the mapping with which the class frequencies agree better is used. It leads to the coarser classes.
-// If a set has no labels, patches are grouped by shape instead of class.
+// Compares two sets. Classes of one set are mapped to the other set's classes with the same name or alias, in the
+// direction after which the class frequencies agree better; this usually yields the coarser classes. If a set has no
+// labels, patches are grouped by shape instead of class.
 SetComparison compareSets(ScanSet real, ScanSet simulated);
 
 // Returns the comparison as JSON. `date`: date that the JSON states.

@@ -161,8 +161,8 @@ class PatchMeter {
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
   }
 
-  // If the middle's range lies between the two sides of a range step, sets its distance from the side that is less far
-  // away, as a fraction of the step. Does so only if both sides are smooth, not gaps between leaves or twigs.
+  // If the middle's range lies between the two sides of a range step, sets the smaller of its distances from the sides
+  // as a fraction of the step. Does so only if both sides are smooth, not gaps between leaves or twigs.
   void addMixed(Patches& out) const {
     const double edge = std::fabs(rangeAt(1) - rangeAt(-1));
     if (!(edge >= kEdge) || !isSmooth(-2, -1) || !isSmooth(1, 2)) return;

@@ -64,8 +64,8 @@ class GridMaker {
     grid_.range[pixel] = range;
   }
 
-  // Returns the row of each ring. Rows follow the ring numbers, downwards or upwards as the elevations do. The rings
-  // with points are then sorted, within their rows, by median elevation, the highest first.
+  // Returns the row of each ring. Rows are in the order of ring numbers, reversed if elevations rise with them. Rings
+  // with points then exchange rows among themselves, such that their median elevations decrease downwards.
   std::vector<std::uint32_t> rowsOfRings(const PointsOfRings& ofRing) const {
     const auto rings = static_cast<std::uint32_t>(ofRing.size());
     std::vector<double> elevation(rings);  // median of each ring with points (rad)

@@ -321,8 +321,8 @@ std::string sensorToMeasure(const ScanStore& store, const std::string& requested
   return store.manifest() != nullptr ? store.manifest()->sensors.front().name : store.scans(0).front().sensor;
 }
 
-// Returns the indices of the samples with a scan of the sensor; samples lack one if a revolution takes longer than a
-// frame. An empty name means any sensor. Throws InputError if no sample has such a scan.
+// Returns the indices of the samples with a scan of the sensor; some samples have none if a revolution takes longer
+// than a frame. An empty name means any sensor. Throws InputError if no sample has such a scan.
 std::vector<std::size_t> samplesWith(const ScanStore& store, const std::string& sensor) {
   std::vector<std::size_t> samples;
   const auto isOfSensor = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(sensor); };

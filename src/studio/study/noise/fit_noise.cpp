@@ -79,7 +79,7 @@ MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
   };
   MeasuredShare dropOut = count(patches);
   if (dropOut.beams == 0) return dropOut;
-  // If no return is lost, the bootstrap error is 0, which is too small. The error is then the share of one lost return.
+  // If no return is lost, the bootstrap error would be 0, which is too small: the share of one lost return is used.
   dropOut.error =
       dropOut.lost == 0
           ? 1 / static_cast<double>(dropOut.beams)
@@ -151,7 +151,7 @@ double weightOf(const PatchGroup& band) {
   return 1 / std::max(band.error, kLeastError);
 }
 
-// The coefficients of the line that are fitted (true); the others stay 0.
+// Which coefficients of the line are fitted; the others stay 0.
 struct FreeTerms {
   bool base = true, growth = true;
 };

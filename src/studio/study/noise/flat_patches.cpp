@@ -168,8 +168,8 @@ std::size_t groupOf(const FlatPatch& patch) {
 // not depend on the measured halves.
 std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   const std::size_t bands = rangeBandEdges().size();
-  // The noise's variances for which the windows' variances would be the 10 % quantile, since windows of the smoothest
-  // tenth are chosen. A group with fewer than kTelling windows does not bound other groups.
+  // For each window, the noise variance that follows if the window's variance is a 10 % quantile, as in the smoothest
+  // tenth, which is chosen. A group with fewer than kTelling windows does not bound other groups.
   std::vector<std::vector<double>> variances(groups());
   std::vector<std::vector<double>> ranges(groups());
   for (const FlatPatch& p : candidates) {

@@ -189,8 +189,8 @@ std::vector<double> zeroAndGeometric(double first, double factor, int count) {
 
 // Returns the floor and the dark value with which the share of zeros in each kind of simulated surface is nearest to
 // the recorded share, by least squares over all returns. The ranges distinguish faint echoes, which are far, from dark
-// surfaces, which may be near. Prefers small numbers among nearly equally good pairs. Both are 0 if the recording has
-// hardly any zeros.
+// surfaces, which may be near. Larger values are chosen only if they fit clearly better. Both are 0 if the recording
+// has hardly any zeros.
 Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, ResponseModel model) {
   constexpr double kBetter = 0.98;  // a larger floor or dark value must reduce the sum of squares by this factor
   constexpr double kLeastZeroShare = 0.002;
@@ -253,7 +253,7 @@ double respond(const ResponseTable& table, double value) {
   return table.back().second;
 }
 
-// Returns for each kind of surface the number of recorded surfaces per simulated surface, which is its weight.
+// Returns for each kind of surface the weight of a simulated surface: the number of recorded ones per simulated one.
 std::map<SurfaceKind, double> weightsOf(const Surfaces& recorded, const Surfaces& simulated) {
   std::map<SurfaceKind, double> recordedCells, simulatedCells;
   for (const SurfaceCell& c : recorded.cells) ++recordedCells[c.kind];
@@ -300,9 +300,9 @@ Eigen::ArrayXd rising(const Eigen::ArrayXd& values) {
 }
 
 // Changes the intensities of a table as little as possible such that they grow at most in proportion to the value, as
-// in real receivers. Otherwise, larger differences of reflectance in the recorded than in the simulated scans would
-// make the response too steep. The conditions are that log(intensity) and log(value) - log(intensity) do not decrease;
-// both are satisfied alternately (Dykstra, "An algorithm for restricted least squares regression", 1983).
+// in real receivers. Otherwise the response would be too steep if reflectances vary more in the recorded scans than in
+// the simulated ones. The conditions are that log(intensity) and log(value) - log(intensity) do not decrease; both are
+// satisfied alternately (Dykstra, "An algorithm for restricted least squares regression", 1983).
 void limitSlope(ResponseTable& table) {
   constexpr int kRounds = 500;  // number of alternations; chosen by eye
   const auto first = std::ranges::find_if(table, [](const auto& row) { return row.second > 0; });

@@ -15,7 +15,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kFewestInRing = 20;  // least number of points in a ring that is used
-// All columns together span a full revolution if their angle differs from it by at most this fraction.
+// Columns that together span 2 pi to within this fraction of 2 pi are taken as a full revolution.
 constexpr double kTurnTolerance = 0.015;
 constexpr double kLeastSpread = 1;     // least standard deviation (m) of the axis distances in a fitted ring
 constexpr double kSignificant = 3;     // an offset of fewer standard errors counts as zero

@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-// Relative difference below which times count as equal; repeated measurements differ by this much.
+// Relative difference up to which the advice treats times as equal, since repeated measurements may differ as much.
 constexpr double kSameTime = 0.10;
 constexpr double kAny = std::numeric_limits<double>::infinity();
 

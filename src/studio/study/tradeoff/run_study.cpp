@@ -197,7 +197,7 @@ class StudyRun {
     }
   }
 
-  // Measures the stages after tracing on one thread: effects, the pipeline's formats, and the encodings of the study.
+  // Measures, on one thread, the stages after tracing: effects, the pipeline's formats, and the encodings of the study.
   void measureEncodings() {
     constexpr std::size_t kEncodedScans = 4;
     const ThreadLimit oneThread(1);

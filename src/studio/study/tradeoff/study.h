@@ -48,11 +48,11 @@ constexpr std::uint32_t kTrueBounces = 2;
 constexpr std::uint32_t kTruePanes = 8;
 
 // Measures the variations by ray tracing. The first result is the truth, compared with itself: it has 127 rays per beam
-// if the pipeline has the effect footprint, passes 8 panes and 2 mirrors if the pipeline has light_paths, and has the
-// pipeline's weather. The other results simplify one or several of these; if the pipeline has footprint or light_paths,
-// the last result has the pipeline's settings. All omit the ego vehicle and the noise of ranges and angles, and use the
-// same random numbers. Returns nothing if the pipeline has none of these effects. `say`: called with a text about the
-// progress. `stop`: called between scans; if it returns true, throws Error.
+// if the pipeline has the effect footprint, up to 2 mirrors and 8 panes per ray if the pipeline has light_paths, and
+// the pipeline's weather. The other results simplify one or several of these; if the pipeline has footprint or
+// light_paths, the last result has the pipeline's settings. All omit the ego vehicle and the noise of ranges and
+// angles, and use the same random numbers. Returns nothing if the pipeline has none of these effects. `say`: called
+// with a text about the progress. `stop`: called between scans; if it returns true, throws Error.
 std::vector<SensingResult> measureSensing(const Plan& plan, const Scene& scene, std::span<const Shot> shots,
                                           const std::function<void(const std::string&)>& say,
                                           const std::function<bool()>& stop);

@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Factor below which times count as equal, since repeated measurements differ by this much.
+// Ratio up to which times on the front count as equal, since repeated measurements often differ by several per cent.
 constexpr double kFrontStep = 1.05;
 
 }  // namespace

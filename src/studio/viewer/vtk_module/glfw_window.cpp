@@ -50,7 +50,7 @@ void connectToDisplay() {
                   display, firstError(), kInstead));
 }
 
-// Creates an invisible window with the newest version of OpenGL that the display has, at least 3.2. Throws NoDevice.
+// Creates an invisible window with OpenGL 4.5, 4.3 or 3.2, the newest that the display has. Throws NoDevice.
 GLFWwindow* createWindow(const std::string& title, int width, int height) {
   constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 2}}};
   for (const auto& [major, minor] : kVersions) {

@@ -53,9 +53,9 @@ FilledSide fillPicture(OrbitCamera& camera, const std::vector<Vec3d>& points, co
                        int height) {
   constexpr double kFilled = 0.9;  // fraction of the picture's side
   const ViewCamera view = camera.camera(width, height);
-  // An axis of the picture. `slope`: slope of the lines of sight to both ends of the filled part (m per m of depth,
-  // with opposite signs; 0 if the camera is orthographic). Two planes along such lines touch the points; at depth 0
-  // they cross the axis at the coordinates `low` and `high` (m).
+  // An axis of the picture. `slope`: the distance (m) by which each end of the filled part moves outward per metre of
+  // depth; 0 if the camera is orthographic. Two planes with these slopes enclose the points closely; at depth 0 they
+  // cross the axis at the coordinates `low` and `high` (m).
   struct PictureAxis {
     Vec3d direction;
     int pixels;

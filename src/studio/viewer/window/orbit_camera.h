@@ -37,8 +37,8 @@ struct OrbitCamera {
   // (pixels). A camera of View::Chase also looks down more steeply, up to 45 degrees, at points that would leave much
   // of the picture's height empty. `middle`: the point at whose depth the target is.
   void fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height);
-  // Returns this camera, which must be the camera of `view`, or, if a picture of this size would show less than a fifth
-  // of the points, a moved camera that shows nearly all points. The camera of View::Driver is never moved.
+  // Returns this camera or, if a picture of this size would show less than a fifth of the points, a moved camera that
+  // shows nearly all of them. This camera must be that of `view`; the camera of View::Driver is never moved.
   [[nodiscard]] OrbitCamera seeing(const std::vector<Vec3d>& points, View view, int width, int height) const;
   // Transforms the camera to a new frame, so that the view stays the same. `newFromOld` may rotate only about z.
   void moveBy(const Affine& newFromOld);

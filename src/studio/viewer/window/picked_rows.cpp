@@ -33,7 +33,7 @@ void addColumns(NamedTexts& rows, const Scan& scan, std::size_t point) {
     rows.emplace_back(key.row.name, displayText(key.row, static_cast<double>(values[point])));
   });
   for (const ForeignColumn& column : scan.foreign) {
-    // A column of another program may have the same name as a column of the table.
+    // A foreign column may have the same name as a column of the table.
     const bool isUsed = std::ranges::count(rows, column.name, &NamedTexts::value_type::first) > 0;
     std::visit(
         [&](const auto& values) {

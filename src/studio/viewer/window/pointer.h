@@ -53,7 +53,7 @@ struct Pointer {
   std::optional<PickedElement> pickStrip(const PixelRect& rect, int px, int py) const;
   // Describes a point. `cloudIndex`: index of its cloud in ShownClouds::list.
   PickedElement pickedPoint(std::size_t cloudIndex, std::size_t point) const;
-  // Returns `picked`; if other scans are shown, with its scan's name and the same beam's points in the other scans.
+  // Returns `picked`; if other scans are shown, adds the name of its scan and the points of its beam in the others.
   PickedElement withOtherScans(PickedElement picked) const;
   // True if the point or triangle is not hidden and its scan is shown.
   bool isShown(const PickedElement& picked) const;

@@ -17,8 +17,8 @@ namespace scanmill {
 class ClassFilter {
  public:
   ClassFilter() = default;
-  // `names`: names, aliases or ids of classes. These classes are hidden; if `only` is true, all other classes are
-  // hidden instead. Throws InputError for a name that the ontology lacks; without an ontology only ids are accepted.
+  // `names`: names, aliases or ids of the classes to hide or, if `only` is true, to show alone; empty: all are shown.
+  // Throws InputError for a name that the ontology lacks; without an ontology only ids are accepted.
   ClassFilter(const std::vector<std::string>& names, bool only, const Ontology* ontology);
 
   bool shows(std::uint16_t id) const { return listed_.contains(id) == only_; }

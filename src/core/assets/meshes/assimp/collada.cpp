@@ -89,8 +89,8 @@ class Collada {
     return 1 + std::count(bytes_.begin(), end, '\n');
   }
 
-  // Reads the file's up axis (y if it is absent or invalid) and unit. Writes the axis back into the document, and
-  // counts the axes and units of parts of the file that differ from the file's.
+  // Reads the file's up axis (y if it is absent or invalid) and unit. Writes the axis back into the document. Counts
+  // axes and units that <asset> elements in libraries state and that differ from the file's.
   void readAxisAndUnit() {
     const auto axisOf = [](const pugi::xml_node& asset, char fallback) {
       const std::string_view text = trimmed(asset.child("up_axis").text().get());

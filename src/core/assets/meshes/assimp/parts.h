@@ -44,7 +44,7 @@ struct ColladaFacts {
   double unit = 0;                         // metres per unit; 0: not stated
   std::vector<ColladaMaterial> materials;  // materials with an effect, sorted by id, as assimp sorts them
   LeftOut leftOut;
-  // The file for assimp, in UTF-8: nodes without a name have their id as one, hidden nodes show nothing, and surfaces
+  // The file for assimp, in UTF-8: nodes without a name are named by their ids, hidden nodes are empty, and surfaces
   // without a material have kDefaultMaterial.
   std::string text;
 };

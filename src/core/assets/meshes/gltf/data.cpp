@@ -136,7 +136,7 @@ ReadMaterial read(const Model& model, const Data& data, const Material& material
     }
   }
   if (color.image) giveHueToImage(color, images);
-  // giveHueToImage() has moved the hue from the factor to the image, which parts have only with textures.
+  // Without textures, parts lack the image to which giveHueToImage() has moved the hue: they keep the original factor.
   if (color.image && options.textures) result.color = color.factor;
   const bool isBlended = material.alpha == Material::Alpha::Blend;
   if (isBlended && options.alpha == AlphaUse::Auto && color.image && color.image->hasAlpha && fades(*color.image)) {
@@ -199,7 +199,7 @@ std::vector<Number> Data::numbers(Index index, const std::string& what) const {
   if (!accessorView && count > kMostZeroes / width) {
     model_.fail(fmt::format("is damaged: {} has {} elements without data", what, count));
   }
-  // Get the bytes before the output is allocated, so that a bad view throws first.
+  // Gets the bytes before the output is allocated, so that a bad view throws first.
   const std::string_view bytes = accessorView ? view(*accessorView).substr(offset) : std::string_view();
   std::vector<Number> numbers(count * width, 0);
   const auto readElement = [&](const char* elementBytes, std::size_t element) {

@@ -192,7 +192,7 @@ class ModelReader {
     return mesh;
   }
 
-  // Reads a primitive without its mode. A primitive without positions is read only up to its indices.
+  // Reads a primitive, except its mode. Without positions, reads only the material, the attributes and the indices.
   Primitive readPrimitive(const JsonObject& object) const {
     Primitive primitive;
     primitive.material = object.maybeIndex("material", model_.materials.size());
