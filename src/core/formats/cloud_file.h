@@ -31,7 +31,8 @@ Vec3d cloudOrigin(const Vec3d& position);
 // .ptx). A .ply counts as a cloud only if it exists, is not empty and has no faces; an .asc only if it lists points.
 // Throws InputError for a .ply with a damaged header.
 bool isCloud(const std::filesystem::path& file);
-// True if a file can be a recorded scan: a cloud, .bin, or .npz (readCloud() refuses .npz). Throws as isCloud().
+// True if a file can be a recorded scan: .bin, .npz (which readCloud() refuses), or a cloud other than .e57, .pts and
+// .ptx. Throws as isCloud().
 bool isScan(const std::filesystem::path& file);
 // Returns all suffixes that readCloud() reads: ".pcd, .drc, ...".
 std::string scanSuffixes();

@@ -120,7 +120,7 @@ class LasReader {
     }
   }
 
-  // Returns the largest offset (bytes) at which the points may end: the records behind the points, or the file's end.
+  // Returns the offset (bytes) where the points end at the latest: where the next records begin, or the file's end.
   std::uint64_t endOfPoints(std::uint64_t first) const {
     const int minor = at<std::uint8_t>(kMinor);
     std::uint64_t end = bytes_.size();

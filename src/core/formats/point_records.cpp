@@ -39,7 +39,7 @@ std::vector<double> azimuthsOf(const std::vector<Vec3f>& points) {
   return azimuths;
 }
 
-// Returns the index of the first point of each ring, if each ring is one turn that starts straight ahead. A new ring
+// Returns the index of the first point of each ring. Assumes that each ring is a turn from straight ahead. A new ring
 // begins where the azimuth crosses straight ahead after at least half a turn, so that points slightly out of order near
 // this azimuth begin no further rings.
 std::vector<std::size_t> ringStarts(const std::vector<double>& azimuths) {

@@ -53,7 +53,7 @@ class MappedCopy {
   }
 
  private:
-  // Replaces the mapped memory by `bytes` bytes.
+  // Frees the mapped memory, and maps `bytes` bytes of new memory.
   void map(std::size_t bytes) {
     drop();
     constexpr GLbitfield kAccess = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;

@@ -356,7 +356,8 @@ class Gathering {
   }
 
   // Writes the velocity of the surface minus the velocity of the sensor, along the beam (m/s). The ego vehicle moves as
-  // the sensor does. Mirror images have no value, since the mirror's normal is not known here.
+  // the sensor does. The value is NaN for points without a hit and for mirror images, since the mirror's normal is not
+  // known here.
   void putRadialVelocities(std::vector<float>& values) {
     put(values, [&](std::size_t k) {
       const std::uint32_t hit = points_.hit[k];

@@ -84,8 +84,8 @@ void Returns::start(std::span<const Echo> echoes, bool powered) {
   }
 }
 
-// Prepares the table for rows without a hit: fills the columns that are empty while their values follow from the hits
-// (beams, hits, numbers, causes, classes and instances), and counts the rows of each beam.
+// Prepares the table for rows without a hit: fills the columns that may be empty as long as each row has a hit (beams,
+// hits, numbers, causes, classes and instances), and counts the rows of each beam.
 void Returns::startIndices(const Hits& hits) {
   if (onePerBeam_) {
     onePerBeam_ = false;

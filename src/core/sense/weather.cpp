@@ -20,7 +20,7 @@ double power(double base, double exponent) {
   return exponential(exponent * naturalLog(base));
 }
 
-// Returns air in which droplets or dust float. The visibility (m) is the distance at which 5 % of the contrast remains
+// Returns the properties of fog or dust. The visibility (m) is the distance at which 5 % of the contrast remains
 // (Koschmieder). `lidarRatio`: extinction over backscatter (sr).
 Weather hazeOf(double visibility, double lidarRatio) {
   const double extinction = -naturalLog(0.05) / visibility;
@@ -51,8 +51,8 @@ Weather rainOf(double rate) {
   rain.extinction = kLargeDrops * kPi / 4 * rain.drops.squares() * kSquareMillimetre;
   const double reflectedOnce = fresnel(1, kWaterIndex);
   const double focus = kWaterIndex / (2 - kWaterIndex);
-  // The bracket of the header's formula: reflection of the front face, plus reflection of the back face, which the
-  // front face focuses.
+  // `gain` is the bracket in the formula of weather.h: the reflection of the front face, plus the reflection of the
+  // back face, which the front face focuses.
   const double gain = reflectedOnce + (1 - reflectedOnce) * (1 - reflectedOnce) * reflectedOnce * focus * focus;
   // The echo is pi times the backscatter per steradian, gain a^2 / 4 with the radius a = D / 2, for D = 1 mm.
   rain.dropEcho = kPi * gain / 16 * kSquareMillimetre;

@@ -48,8 +48,8 @@ struct RasterScan {
 RasterScan readRasterScan(const Value& value);
 
 // Returns the beams of a raster with a ring for each zone. The columns are numbered in the order in which they fire:
-// all of the first line, from left to right, then those of the next line. `columns`: a multiple of the lines. `period`:
-// time in which all lines are scanned (s).
+// all of the first line, from left to right, then those of the next line (from right to left if lines alternate).
+// `columns`: a multiple of the lines. `period`: time in which all lines are scanned (s).
 ListedBeams rasterBeams(const RasterScan& raster, std::uint32_t columns, double period);
 
 }  // namespace scanmill

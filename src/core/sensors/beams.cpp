@@ -96,8 +96,8 @@ double BeamTable::azimuth(std::uint32_t columnOfRays) const {
   return firstAzimuth + (clockwise ? -field : field) * fieldFraction;
 }
 
-// Computes the beams of rings that lie on cones. With the head at encoder angle t, offset a and elevation e of the
-// ring, and distance n of the beam origin from the axis:
+// Computes the beams of any pattern. For rings on cones, with the head at encoder angle t, offset a and elevation e of
+// the ring, and distance n of the beam origin from the axis:
 //   direction = (cos(t + a) cos e, sin(t + a) cos e, sin e),  origin = (n cos t, n sin t, height),
 //   point = origin + direction * (range from the beam origin).
 // See Ouster, "Sensor Data: Lidar Range to XYZ" (there a is minus beam_azimuth_angles and n is

@@ -117,8 +117,8 @@ class Reader {
     m.columns = static_cast<std::uint32_t>(count);
   }
 
-  // Sets firstColumn and windowColumns. readMode() must have set the columns. The window may contain the last and the
-  // first column of the revolution.
+  // Sets firstColumn and windowColumns. readMode() must have set the columns. The window may continue from the last
+  // column of the revolution to the first.
   void readWindow(OusterMetadata& m) {
     m.windowColumns = m.columns;
     const Value* const window = format("column_window");

@@ -63,7 +63,8 @@ struct Shot {
 
   // Largest number of a sensor's revolutions in a sample: the address of random numbers has 8 bits for the index.
   static constexpr std::uint32_t kMostRevolutions = 256;
-  // Returns the frame in the address of the shot's random numbers. Trajectory::kMaxFrames leaves the upper bits free.
+  // Returns frame and revolution as one number, which is part of the address of the shot's random numbers. Frames are
+  // at most Trajectory::kMaxFrames and leave the upper 8 bits free.
   std::uint32_t randomFrame() const { return frame | revolution << 24; }
 
   std::size_t stepOf(std::uint32_t column) const {

@@ -108,7 +108,7 @@ class Trajectory {
   // Returns the time from frame to frame (s). If the frames of an accelerating drive are equally spaced along the path,
   // this is the shortest of these times.
   double interval() const { return interval_; }
-  // Returns true if the vehicle drives without a break and its frames are equally far apart in time.
+  // Returns true if the vehicle follows a path (false for listed poses) and its frames are equally far apart in time.
   bool regular() const { return !still() && everyMetres_ <= 0; }
 
   // Returns the pose `dt` seconds after the start of a frame. A vehicle with listed poses stands still in each frame; a

@@ -208,7 +208,7 @@ class Candidate {
     cameras_.back().worldFromCamera.rotation = facing(yaw, pitch);
   }
 
-  // Returns a square angle relative to origin_, from 0 to 4.
+  // Returns `square`, a result of squareAngle(), relative to origin_, from 0 to 4.
   double fromOrigin(double square) const { return square < origin_ ? square - origin_ + 4 : square - origin_; }
 
   // Returns the index of the camera that a direction belongs to.

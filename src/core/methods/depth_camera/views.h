@@ -186,7 +186,7 @@ inline void project(std::span<const CameraView> views, const double* x, const do
     bestView[i] = kNoViewYet;
   }
   for (std::size_t k = 0; k < views.size(); ++k) {
-    // Copies, so that g++ vectorises the loop over points.
+    // Local copies, because g++ does not vectorise the loop over points with references.
     const CameraView view = views[k];
     const auto index = static_cast<double>(k);
     const Vec3d origin = kind == Projected::Points ? view.position : Vec3d{};

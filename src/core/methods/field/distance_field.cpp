@@ -309,7 +309,7 @@ class Builder {
     });
   }
 
-  // Copies the lists of brick i to the pool, and adapts the indices of the brick's lists.
+  // Copies the lists of brick i to the pool, and shifts the starts of lists that the brick's corners store.
   void copyLists(std::size_t i) {
     const Brick& brick = bricks_[i];
     const std::size_t poolIndex = firstPoolIndex_ + i;

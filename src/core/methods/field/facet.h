@@ -11,8 +11,8 @@ namespace scanmill {
 
 // Affine functions of a point p, with unit gradients: the height of p over the triangle's plane and, for each edge, the
 // distances by which p is inside of the edge, before the edge's start and past the edge's end. Their constants are
-// computed in double. The constants that matter at p are about as large as p, however large the triangle is and however
-// far away its corners are, so that float32 suffices to evaluate the functions.
+// computed in double. If p is near the triangle, the constants of the functions that determine the distance are about
+// as large as |p|, even if corners are far away. Float32 therefore suffices to evaluate the functions.
 template <class T>
 struct Facet {
   Vec3<T> normal;
@@ -88,7 +88,8 @@ inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
 // 2001, "Fast 3D triangle-box overlap testing", separates the two. The constants are computed in double, as for a
 // facet. Float32 rounding may make the cube seem up to 1e-5 voxels larger or smaller than it is.
 struct CubeTest {
-  // The values of a linear function, at the cube's centre, for which the function does not separate cube and triangle.
+  // Range of a linear function. If its value at the cube's centre is in this range, the function does not separate the
+  // cube and the triangle.
   struct Range {
     float low, high;
 

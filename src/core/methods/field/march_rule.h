@@ -44,7 +44,8 @@ constexpr float kHoleSkipShare = 1e-5f;
 
 // Thin layers, such as markings on a road, are found by a lookup kLayerLookupOffset in front of the surface, on the
 // beam's side. If the surface is parallel to an axis plane, the corner nearest to this point is at least
-// kLayerThickness away, and so beyond the layer. 0.6 % of beams need this lookup in "street", 0.03 % in "truck_town".
+// kLayerThickness from the surface, and so outside of the layer. 0.6 % of beams need this lookup in "street", 0.03 % in
+// "truck_town".
 constexpr double kLayerThickness = 0.1;  // voxels, largest thickness of a layer
 constexpr double kLayerLookupOffset = 0.5 + kLayerThickness;
 constexpr double kLayerMinCosine = 0.9;  // least cosine of the angle between a layer and the surface below the layer

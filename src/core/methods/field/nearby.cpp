@@ -58,7 +58,8 @@ class Ball {
   float radius2_ = 0;
 };
 
-// Calls visit() for each triangle in the leaves of Embree's hierarchy that the ball touches; its userPtr is `search`.
+// Calls visit() for each triangle in the leaves of Embree's hierarchy that the ball touches. visit() gets `search` as
+// the userPtr of its arguments.
 void runQuery(const World& world, const Ball& ball, RTCPointQueryFunction visit, void* search) {
   RTCPointQuery query;
   query.x = ball.point()[0];

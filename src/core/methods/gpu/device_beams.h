@@ -66,7 +66,7 @@ class DeviceBeams {
     ComputeBuffer directions, origins, steps;
   };
 
-  // Uploads the rays of the shot's beam table, and the pose of each column.
+  // Uploads the rays of the shot's beam table, and for each column the index of its pose (Shot::stepOf()).
   static void upload(Table& table, const Shot& shot) {
     const BeamTable& beams = *shot.beams;
     table.beams.reset();  // until all buffers are filled, they belong to no beam table

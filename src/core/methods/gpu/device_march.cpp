@@ -29,7 +29,8 @@ struct MarchParameters {
 };
 static_assert(sizeof(MarchParameters) == 32);
 
-// A corner and the two edges from it (m, relative to the world's origin), with a fourth component that is not used.
+// A triangle: a corner and the two edges from this corner (m, relative to the world's origin). Fourth components are
+// not used.
 using DeviceTriangle = std::array<std::array<float, 4>, 3>;
 
 std::vector<DeviceTriangle> deviceTriangles(const TriangleBlock& block) {
@@ -154,7 +155,8 @@ std::uint64_t DeviceFields::UploadedPool::bytes() const {
 }
 
 // Moves the pool's entry of pools_ to the front. A pool without an entry takes over the entry of a pool that no longer
-// exists. If there is none, it gets a new entry if kMostBytes allows this, otherwise the least recently used entry.
+// exists. If all pools exist, a new entry is added if kMostBytes allows this; otherwise the pool takes over the least
+// recently used entry.
 void DeviceFields::bringToFront(const std::shared_ptr<const BrickPool>& pool) {
   auto entry = std::ranges::find_if(pools_, [&](const UploadedPool& p) { return p.pool.lock() == pool; });
   if (entry == pools_.end()) {

@@ -86,7 +86,7 @@ void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay
 }
 
 // Submits the works of a batch, and starts the copy of their hits: see ShotQueue::Dispatch. All works have equal beams,
-// fields and channels, so that the first stands for each; ShotQueue keeps their sum within the device's limit.
+// fields and channels, which are read from the first work. ShotQueue keeps the total size within the device's limit.
 void GlMarcher::dispatch(const std::vector<const ShotWork*>& together, Queue::Batch& batch) {
   const ShotWork& work = *together.front();
   const WallTimer timer;

@@ -71,7 +71,6 @@ SensorField FieldStore::around(const Vec3d& sensor, double range, StageClock& cl
 }
 
 // Returns the field with this shape. If it is not in the cache, this thread builds it, or helps another to build it.
-
 std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<const World>& world,
                                                          const FieldShape& shape, StageClock& clock) const {
   for (;;) {

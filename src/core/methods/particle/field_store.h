@@ -15,9 +15,9 @@ namespace scanmill {
 
 class FieldStore {
  public:
-  // Least number of fields for which the store needs memory at the same time, including the space for moving fields
-  // along with sensors: four pools of 1.5 fields on average. Each thread works on its own drive and may have its own
-  // field, as long as all fields fit into an eighth of the memory.
+  // The store needs memory for at least this many fields: four pools, each as large as 1.5 fields on average, so that
+  // fields can move along with sensors. There are more pools, up to about one per thread (each thread works on its own
+  // drive), as long as all pools fit into an eighth of the memory.
   static constexpr std::size_t kFewestFields = 6;
 
   // The scene must outlive the store.

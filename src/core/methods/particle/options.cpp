@@ -84,8 +84,8 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
   shape.voxel = options.voxel;
   const Corner centre = nearestBrickCorner(sensor, options.voxel);
   shape.centre = pointOf(centre, kBrickVoxels * options.voxel);
-  // The reach, in voxels of the level, excludes half a brick, because the middle of a coarse level's box may be that
-  // far from the field's centre, and one voxel as a margin.
+  // The reach (voxels of the level) is half the level's width, minus half a brick, by which the middle of a coarse
+  // level's box may differ from the field's centre, minus one voxel as a margin.
   shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
   std::uint32_t levels = options.levels;
   if (levels == 0) {

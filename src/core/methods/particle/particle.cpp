@@ -146,7 +146,7 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // Marches on the device. The CPU then marches all rays of tiles in which rounding left a ray to the CPU.
+  // Marches on the device. Where rounding could change the result of a ray, the CPU then marches the ray's whole tile.
   UnreliableBeams marchOnDevice(const MarchJob& job, Hits& hits, StageClock& clock) const {
     std::vector<UnresolvedRay> unresolved;
     gl_->march(job, hits, unresolved, clock);
@@ -174,7 +174,7 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // Returns the account of a shot, with a warning for each kind of unreliable beam.
+  // Returns a shot's stage times, with a warning for each kind of unreliable beam.
   TraceAccount account(const StageClock& clock, const Shot& shot, const UnreliableBeams& counts) const {
     TraceAccount account{clock.seconds(), {}};
     const auto warn = [&](unsigned kind, std::uint64_t count, const std::string& problem) {

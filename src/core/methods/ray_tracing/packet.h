@@ -25,8 +25,8 @@ struct PacketJob {
 // about hits at exactly the maximum.
 float searchDistance(const BeamTable& beams);
 
-// Returns a distance (m) from the shot's first position within which all rays of the shot end. Rays that start more
-// than 1 m from the sensor's origin, since they continue other rays, count only as far as Shot::blockedBeyond.
+// Returns a distance (m) from the shot's first position within which all rays of the shot end. If a ray starts more
+// than 1 m from the sensor's origin, the shot's rays continue other rays; all then count as far as Shot::blockedBeyond.
 double farthestEnd(const Shot& shot);
 // Returns a distance like farthestEnd(shot), but for any rays that start within `farthestOrigin` (m) of the sensor.
 double farthestEnd(const Shot& shot, double farthestOrigin);

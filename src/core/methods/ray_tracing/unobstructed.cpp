@@ -96,7 +96,8 @@ double coneAngle(const ThingExtent& extent, const ShotFrame& frame, const Vec3d&
   return angle;
 }
 
-// Returns the beam of the middle ring nearest to a direction. All rings of a column fire at almost the same time.
+// Returns the beam of the middle ring nearest to a direction. Only the beam's column matters, because all rings of a
+// column fire at almost the same time.
 std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
   const std::uint32_t first = beams.rings / 2 * beams.columns;
   std::uint32_t nearest = first;

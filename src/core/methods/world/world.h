@@ -33,7 +33,7 @@ struct PlacedBlock {
 enum class Instancing { Auto, Always, Never };
 
 // Returns true if objects in the worlds of a scene move. For a part of a scene, the motion of the complete scene
-// (Scene::whole) decides, unless instancing is Never: then only the part decides.
+// (Scene::unreduced) decides, unless instancing is Never: then only the part decides.
 bool worldsMove(const Scene& scene, Instancing instancing);
 
 // Returns for each mesh whether it is instanced. Instancing::Auto instances the meshes that are placed more than once,

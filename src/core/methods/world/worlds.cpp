@@ -48,7 +48,7 @@ std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double reach, dou
   const Vec3d origin = gridCentre_ + Vec3d{snapped(offset.x), snapped(offset.y), snapped(offset.z)};
   Revolution revolution;
   if (moves_) {
-    // The reach is rounded up, so that shots of one revolution that differ little share a world.
+    // The reach is rounded up, so that shots of one revolution whose reaches differ little share a world.
     revolution = {.time = time,
                   .duration = duration,
                   .reach = std::ceil((length(sensor - origin) + reach) / grid) * grid,

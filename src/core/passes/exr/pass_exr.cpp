@@ -46,7 +46,8 @@ void forIds(Planes& planes, const Visit& visit) {
   });
 }
 
-// Returns the channel `name` or, if there is none, the only channel "<layer>.<name>"; null if the file has neither.
+// Returns the channel `name` or, if there is none, the channel "<layer>.<name>"; null if the file has neither. Throws
+// InputError if several layers have such a channel.
 const ExrChannel* findInAnyLayer(const ExrReader& file, const std::string& name) {
   if (const ExrChannel* channel = file.find(name)) return channel;
   const ExrChannel* layered = nullptr;

@@ -13,7 +13,8 @@ namespace scanmill {
 
 namespace {
 
-// Triangles of the largest chunk. If chunks are larger, more is drawn outside of the image; if smaller, in more calls.
+// Largest number of triangles of a chunk. With larger chunks, more triangles outside of the image are drawn; with
+// smaller chunks, there are more draw calls.
 constexpr std::size_t kChunkTriangles = 1024;
 
 // Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kFraction * the mesh's size. The

@@ -265,8 +265,8 @@ class ImagePass {
     frame_->SetContext(window);
   }
 
-  // Gives the textures the size of the image. The texture of numbers is reused for the next image of the same size; the
-  // depth buffer, which all images share, only grows.
+  // Gives the texture of numbers the size of the image; an image of the same size reuses it. Enlarges the depth buffer,
+  // which all images share, if it is too small.
   void prepareTextures(vtkOpenGLRenderWindow* window, const VtkImage& image, vtkTextureObject* numbers) {
     if (numbers->GetWidth() != image.width || numbers->GetHeight() != image.height) {
       numbers->SetContext(window);

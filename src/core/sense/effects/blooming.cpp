@@ -8,9 +8,9 @@
 //
 //   retroreflectance cos(incidence) share exp(-2 t^2 / angle^2)
 //
-// in units of a white target at this range, with cause 7. If several retroreflectors are near, only the strongest of
-// these echoes is added. An echo within a pulse length of another return of the beam would merge with that return: it
-// is not added.
+// in units of a white target at this range, with cause 7 (StrayLight). If several retroreflectors are near, only the
+// strongest of these echoes is added. An echo within a pulse length of another return of the beam would merge with that
+// return: it is not added.
 
 #include <algorithm>
 #include <cmath>

@@ -13,14 +13,15 @@
 // (Skolnik, "Introduction to Radar Systems", 1981, section 2.5, for a signal of known phase in Gaussian noise, which
 // applies to pulses without a carrier). The receiver resolves (farthest - nearest) / (c pulse / 2) intervals of range;
 // in each interval, noise alone exceeds the threshold with the probability Q(threshold). These false positives have a
-// uniformly random range, cause 2, no class and intensity 0.
+// uniformly random range, cause 2 (FalsePositive), no class and intensity 0.
 //
 // sun: {azimuth_deg, elevation_deg, noise}: noise^2 + sun.noise^2 R max(0, n . s) replaces noise^2, for a surface of
 // reflectance R and normal n, and the direction s to the sun (world frame), since the shot noise of light is
 // proportional to the square root of the light's power. Shadows are not traced.
 //
-// interference: the probability, per beam, of a return from another sensor's pulse. Such a return has cause 7, a
-// uniformly random range, and a power from the threshold to 100 times the threshold, uniformly random in its logarithm.
+// interference: the probability, per beam, of a return from another sensor's pulse. Such a return has cause 7
+// (StrayLight), a uniformly random range, and a power from the threshold to 100 times the threshold, uniformly random
+// in its logarithm.
 //
 // The detected echoes of a beam are visited by descending power. An echo is removed if it is nearer than
 // min_separation_m to a stronger echo that was kept. `returns` selects from the kept echoes: dual reports the strongest
@@ -220,7 +221,7 @@ class Detection : public Effect {
     }
   }
 
-  // Removes the rows of one beam that are not reported. `rows`: the beam's rows by descending power; are reordered.
+  // Removes the rows of one beam that are not reported. Reorders `rows`, which has the beam's rows by descending power.
   void removeUnreported(std::span<std::uint32_t> rows, Returns& returns) const {
     std::size_t count = 1;  // number of rows kept so far, which are moved to the front of `rows`
     for (std::size_t i = 1; i < rows.size(); ++i) {

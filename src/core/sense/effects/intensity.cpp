@@ -44,7 +44,7 @@
 namespace scanmill {
 namespace {
 
-// Lower limit of GGX's alpha: no specular lobe is narrower than the width of a wide beam, 4 mrad.
+// Lower limit of GGX's alpha: specular lobes are at least as wide as a wide beam, 4 mrad.
 constexpr float kSmallestAlpha = 0.004f;
 constexpr float kDielectricF0 = 0.04f;  // F0 of dielectrics with the refractive index 1.5, as in glTF
 
@@ -297,7 +297,7 @@ class Intensity : public Effect {
   }
 
   // Converts powers at the reference range in clear air to powers at each echo's range: multiplies them by (reference
-  // range / range)^2, if the falloff is inverse-square, and by the two-way transmission of the air.
+  // range / max(range, near range))^2, if the falloff is inverse-square, and by the two-way transmission of the air.
   void applyRangeLoss(const float* range, std::size_t count, float* power) const {
     if (o_.inverseSquare) {
       for (std::size_t i = 0; i < count; ++i) {

@@ -3,8 +3,8 @@
 //   light_paths: {panes: 4, bounces: 1}
 //   light_paths: {bounces: 2, mirrored: unlabeled, least: 0.0001}
 //
-// Each hit of a continued ray is a separate echo: with cause 3 behind glass, with cause 4 for mirror images, which are
-// placed where the sensor assumes them. The code is in methods/interface/light_paths.h.
+// Each hit of a continued ray is a separate echo: with cause 3 (ThroughGlass) behind glass, with cause 4 (Mirrored) for
+// mirror images, which are placed where the sensor assumes them. The code is in methods/interface/light_paths.h.
 
 #include "methods/interface/light_paths.h"
 

@@ -331,8 +331,8 @@ struct KindOfWeather {
 };
 
 // The severities follow the bounds that observers use: for rain the rate (2.5 and 7.6 mm/h, glossary of the American
-// Meteorological Society), for snow and fog the visibility (1000 and 500 m; 1000 and 200 m). The values within these
-// bounds, and the fractions under water, are estimates.
+// Meteorological Society), for snow the visibility (1000 and 500 m), and for fog the visibility (1000 and 200 m). The
+// values within these bounds, and the fractions under water, are estimates.
 constexpr std::array<KindOfWeather, 4> kKinds{{
     {"rain", rainOf, "rate_mm_h", "visibility_m", {0.01, 200}, {{{1.5, 0.1}, {5, 0.3}, {25, 0.6}}}},
     {"snow", snowOf, "rate_mm_h", "visibility_m", {0.01, 50}, {{{0.5, 0}, {1.5, 0}, {4, 0}}}},

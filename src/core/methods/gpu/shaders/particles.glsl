@@ -26,7 +26,8 @@ layout(std140, binding = 0) uniform Parameters {
 
 #include "rays.glsl"
 
-// Finds the ray of particle `i` of the slice. Returns false, with another ray, for a surplus particle (MarchJob).
+// Finds the ray of particle `i` of the slice. For a surplus particle (MarchJob), finds the ray of the last column and
+// returns false.
 bool particleRay(uint i, out uint ray, out dvec3 o, out dvec3 d) {
   uint shot = (first + i) / shotParticles;
   uint particle = (first + i) % shotParticles;
