@@ -27,11 +27,10 @@ class TimeOut : public Error {
   using Error::Error;
 };
 
-// A child process. It is started without a shell, so that nothing parses the words of its command again. It inherits
-// its three standard streams and no other file descriptor. Its standard input and output are one socket, so that it
-// cannot open /dev/stdout: a script that redirects to it fails. The destructor kills the child and the processes that
-// the child has started. If this program dies without running the destructor, the child sees the end of its standard
-// input. All times are seconds of wall-clock time.
+// A child process, started without a shell, so that its command is not parsed again. It has no open file descriptors
+// but its three standard streams. Standard input and output are one socket; a script that opens /dev/stdout therefore
+// fails. The destructor kills the child and the processes that the child has started. If this program dies without
+// running the destructor, the child sees the end of its standard input. All times are seconds of wall-clock time.
 class Process {
  public:
   // `command` is the program and its arguments; `environment` is added to this program's own environment. Throws Error

@@ -59,7 +59,7 @@ fs::path datasetAbove(const fs::path& folder) {
   return {};
 }
 
-// Throws InputError if the path cannot be an output folder, whatever it contains.
+// Throws InputError if the path cannot be an output folder, or holds a link or file where this program has a folder.
 void checkPath(const fs::path& folder) {
   if (const fs::path dataset = datasetAbove(folder); !dataset.empty()) {
     throw InputError({folder.string()},

@@ -211,7 +211,8 @@ class SemanticKitti : public ExportLayout {
     }
   }
 
-  // Writes the lists of frames, and creates the empty folders of sequences that the dataset lacks.
+  // Writes mmdetection3d's list of frames of each split, and creates the folders of all sequences that SemanticKITTI
+  // has in these splits; they are empty if the dataset has no such sequence.
   static void writeInfos(const ExportPlan& plan, const ExportFolder& folder) {
     const std::vector<std::size_t> numbers = numbersOf(plan);
     std::map<std::string, OrderedJson> frames;

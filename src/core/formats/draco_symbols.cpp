@@ -67,8 +67,8 @@ double tableBits(const Histogram& h) {
          static_cast<double>(h.counts.size()) / 8;
 }
 
-// Returns the symbols' probabilities in units of 2^-precisionBits: at least 1 unit for symbols that occur; the sum is
-// 1.
+// Returns the symbols' probabilities as integers in units of 2^-precisionBits. Symbols that occur get at least one
+// unit; all units add up to 2^precisionBits.
 std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) {
   const std::int64_t one = std::int64_t{1} << precisionBits;
   std::vector<std::uint32_t> result(h.counts.size());

@@ -82,8 +82,8 @@ auto withReason(const std::string& name, const char* verb, const Work& work) {
   }
 }
 
-// Opens the image in `bytes` or, if `bytes` is empty, the file at the path `kind`. `kind` is a file name or path: its
-// ending tells OpenImageIO the format of an image that is not read here. `name`: the image's name in messages.
+// Opens an image: `bytes` or, if they are empty, the file `kind`. The suffix of `kind` also tells OpenImageIO the
+// format of images other than PNG and JPEG. `name`: the image's name in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   return withReason(name, "read", [&] {
     const std::string kindOfBytes = kindOf(bytes);

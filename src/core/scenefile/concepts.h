@@ -41,8 +41,8 @@ const SemanticClass* classOf(const Concept& nameConcept, const Ontology& ontolog
 // if the name contains no word of a concept.
 const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view name);
 
-// Returns the concepts of all words of a name, in the order of the words. A pair of words can be one entry ("street
-// lamp").
+// Returns the concepts of a name's words, in the order of the words; words without a concept are skipped. Two
+// successive words that one concept lists as a pair ("street lamp") give this concept only.
 std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std::string_view name);
 
 // Returns the class with this name or alias. Throws InputError at `where` if there is none; if the name is a word of

@@ -113,8 +113,9 @@ class EchoFinder {
   }
 
  private:
-  // Adds a beam, with the rays first to end - 1, to the group of beams whose echoes are computed together. Returns
-  // false if a ray misses, if the rays form several echoes, or if the group's beams have a different number of rays.
+  // Adds a beam, with the rays first to end - 1, to the group of beams whose echoes are computed together. Adds nothing
+  // and returns false if a ray misses, if the ranges differ by more than a pulse, if there are fewer than 2 or more
+  // than kMostGroupRays rays, or if the group's beams have another number of rays.
   bool addToGroup(std::uint32_t beam, std::uint32_t first, std::uint32_t end) {
     const std::uint32_t rays = end - first;
     if (rays < 2 || rays > kMostGroupRays || pulse_ == 0 || (group_.rays != 0 && rays != group_.rays)) return false;

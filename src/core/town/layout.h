@@ -107,7 +107,7 @@ class Layout {
   Layout(const Parameters& keys, std::uint64_t townSeed);
   Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& map);
 
-  // Returns half of the side of the square of ground (m) that these parameters need.
+  // Returns half of the side length (m) of the square of ground that a town with these parameters needs.
   static double reachOf(const Parameters& parameters);
 
   const std::vector<Road>& roads() const { return network_.roads(); }  // the main road comes first

@@ -199,7 +199,7 @@ class TilesetReader {
     addParts(std::move(mesh), file, name.string());
   }
 
-  // Adds the parts of a content. Their nodes get its `name` as a prefix.
+  // Adds the parts of a tile's content. The names of their nodes get the prefix `name`, the name of the content.
   void addParts(Asset mesh, const std::filesystem::path& file, const std::string& name) {
     asset_.dropped += mesh.dropped;
     flatten(mesh);

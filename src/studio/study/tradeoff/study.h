@@ -25,8 +25,9 @@
 
 namespace scanmill {
 
-// A variation with simplified physics of the sensor (fewer rays per beam, no glass, no mirrors, clear air), compared by
-// the nearest return of each beam with the truth, which has the complete physics.
+// Times and errors of a variation that simplifies the sensor's physics (fewer rays per beam, no glass, no mirrors,
+// clear air). The errors compare the nearest return of each beam with that of the truth, which has the complete
+// physics.
 struct SensingResult {
   std::string name;           // what the variation simplifies, such as "7 rays a beam"
   std::string failure{};      // why the variation could not be measured; then the members below are empty

@@ -138,7 +138,7 @@ const ObjectView* SceneView::viewOfShownSensor(const ObjectRecord& object) const
 // Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the box is where the
 // object was when the sensor saw it, so that the box fits the points. The view's pose is in the frame of Scan::position
 // of the first revolution. If points are drawn at ViewScan::placed, or in later revolutions, the object's recorded pose
-// is extrapolated with its velocity instead.
+// is extrapolated with its velocity instead. Without a view: the recorded pose. At least one cloud must be shown.
 Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
   const ObjectView* const view = viewOfShownSensor(object);
   const ViewScan& scan = clouds_.scanOf(clouds_.list.front());

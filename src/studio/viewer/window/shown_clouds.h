@@ -42,8 +42,9 @@ struct ShownClouds {
   // True if the user has hidden the cloud's scan in the overlay of all scans.
   bool isHidden(const ShownCloud& cloud) const;
 
-  // Change the colours of the active view, otherwise of all views, to the quantity `by`, or to the next (`step` 1) or
-  // previous (-1) quantity that the scans have. If a scan lacks `by`, chooseColor() only sets `colorProblem`.
+  // chooseColor() colours by the quantity `by`; cycleColor() by the next (`step` 1) or previous (-1) quantity that the
+  // scans have. Both change the active view or, if no view is active, all views. If a scan lacks `by`, chooseColor()
+  // changes no colours and sets `colorProblem`.
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);
   // Computes the ends of the scales from the values again.
