@@ -120,13 +120,14 @@ void Shape::ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, 
   appendSphere(mesh, surface, frame * Affine{Mat3::scale(radii), center}, 1.0, segments);
 }
 
-// All points of the first row are equal, and all points of the last row are equal: these two rows close the ends.
 void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii,
                  int segments) {
   const std::size_t last = points.size() - 1;
   const Vec3d start = normalized(points[1] - points[0]);
   // u and v are unit vectors across the pipe. Parallel transport of u along the pipe avoids a twist of the pipe.
   Vec3d u = normalized(cross(start, std::abs(start.z) < 0.8 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
+  // A row of points around the pipe for each point of its line. A row before and a row after them repeat the end
+  // points, which closes the ends.
   std::vector<std::vector<Vec3d>> rows{std::vector<Vec3d>(static_cast<std::size_t>(segments), points.front())};
   for (std::size_t i = 0; i <= last; ++i) {
     const Vec3d direction = normalized(points[std::min(i + 1, last)] - points[i == 0 ? 0 : i - 1]);

@@ -87,7 +87,8 @@ void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
   }
 }
 
-// Places cars at the sides of all roads, then cars on driveways and forecourts.
+// Places cars at the sides of roads, except minor roads and one-way roads without a parking lane; then cars on
+// driveways and forecourts.
 void placeCars(Placer& placer) {
   const Layout& l = placer.layout;
   const EgoRoads ego = egoRoads(l);

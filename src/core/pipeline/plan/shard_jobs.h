@@ -50,9 +50,9 @@ DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs);
 // program.
 std::vector<std::filesystem::path> pipelineFolders(const std::filesystem::path& datasetFolder);
 
-// Returns the plan of a dataset. Looks for the files that the dataset's pipeline names in the folder of `pipeline` or,
-// if `pipeline` is empty, in pipelineFolders(). Throws InputError if a file is not found, or if the plan made from the
-// files has other samples or shards than the dataset.
+// Returns the plan of a dataset. The files that the dataset's pipeline names are searched for in the folder of the
+// pipeline file `pipeline` or, if `pipeline` is empty, in pipelineFolders(). Throws InputError if a file is not found,
+// or if the plan made from these files has other samples or shards than the dataset.
 [[nodiscard]] Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,
                                  const std::filesystem::path& pipeline);
 
