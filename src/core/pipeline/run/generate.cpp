@@ -112,6 +112,7 @@ class DatasetRun {
     // Kind::Any checks sizes only: checking bytes would make each process read the shards of all others.
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
+    // Claims first: otherwise another process could complete the shard between the look and the claim.
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(shard.file) : nullptr;
     if (const std::optional<DatasetPart> complete = folder_.findRecord(shard.file, check)) {
       for (const SampleAddress& sample : shard.samples) maker_.scenes().release(sample.sequence);
