@@ -21,10 +21,10 @@ struct CoordinateSystem {
   bool local = false;               // true: the system's place on the earth is not known
   bool geographic = false;          // true: x and y are longitude and latitude
   double perUnit = 1;               // metres per unit of x and y; if geographic, degrees per unit
-  std::string unit = "";            // name of the unit of x and y, unless geographic
+  std::string unit = {};            // name of the unit of x and y, unless geographic
   std::optional<double> perHeight;  // metres per unit of heights, negative if these are depths; none: not stated
-  std::string heightUnit = "";      // name of the unit of heights
-  std::string foreign = "";         // says what the coordinates are if they cannot be used, in the plural; else empty
+  std::string heightUnit = {};      // name of the unit of heights
+  std::string foreign = {};         // says what the coordinates are if they cannot be used, in the plural; else empty
   double stretch = 1;               // ratio of lengths in a projected system to those on the ground
   int utm = 0;                      // EPSG's code of the UTM zone in which `stretch` was measured; 0: not known
 

@@ -132,6 +132,7 @@ class PathCheck {
     }
     const auto firstHits = [&](double startHeight, const Vec3d& direction, double reach) {
       std::vector<SceneProbe::Ray> rays;
+      rays.reserve(positions.size());
       for (const Vec3d& p : positions) rays.push_back({p + Vec3d{0, 0, startHeight}, direction});
       return probe_.first(rays, reach);
     };
@@ -183,6 +184,7 @@ class PathCheck {
     for (const std::uint32_t frame : sequence_.spreadFrames(kInsideFrames)) {
       const Vec3d position = sensorPosition(sensor, frame);
       std::vector<SceneProbe::Ray> rays;
+      rays.reserve(kDirections.size());
       for (const Vec3d& direction : kDirections) rays.push_back({position, direction});
       const auto hits = probe_.first(rays, plan_.sensors[sensor].beams->maxRange);
       const bool enclosed = std::ranges::all_of(hits, [&](const auto& hit) {

@@ -195,32 +195,36 @@ std::string Data::decode(const Meshopt& meshopt, const std::string& what) const 
 
 template <class Number>
 std::vector<Number> Data::numbers(Index index, const std::string& what) const {
-  const auto& [accessorView, offset, count, component, width, normalized, sparse] = model_.accessors[index];
-  if (!accessorView && count > kMostZeroes / width) {
+  const Accessor& accessor = model_.accessors[index];
+  const std::size_t width = accessor.width;
+  const std::uint64_t count = accessor.count;
+  if (!accessor.view && count > kMostZeroes / width) {
     model_.fail(fmt::format("is damaged: {} has {} elements without data", what, count));
   }
   // Gets the bytes before the output is allocated, so that a bad view throws first.
-  const std::string_view bytes = accessorView ? view(*accessorView).substr(offset) : std::string_view();
+  const std::string_view bytes = accessor.view ? view(*accessor.view).substr(accessor.offset) : std::string_view();
   std::vector<Number> numbers(count * width, 0);
   const auto readElement = [&](const char* elementBytes, std::size_t element) {
     for (std::size_t k = 0; k < width; ++k) {
-      numbers[element * width + k] = readNumber<Number>(elementBytes + k * component.size, component, normalized);
+      numbers[element * width + k] =
+          readNumber<Number>(elementBytes + k * accessor.component.size, accessor.component, accessor.normalized);
     }
   };
-  if (accessorView) {
-    const std::uint64_t statedStride = model_.views[*accessorView].stride;
-    const std::size_t stride = statedStride > 0 ? statedStride : component.size * width;
+  if (accessor.view) {
+    const std::uint64_t statedStride = model_.views[*accessor.view].stride;
+    const std::size_t stride = statedStride > 0 ? statedStride : accessor.component.size * width;
     for (std::size_t i = 0; i < count; ++i) readElement(bytes.data() + i * stride, i);
   }
-  if (sparse) {
-    const std::string_view indices = view(sparse->indicesView).substr(sparse->indicesOffset);
-    const std::string_view values = view(sparse->valuesView).substr(sparse->valuesOffset);
-    for (std::size_t i = 0; i < sparse->count; ++i) {
-      const auto element = readNumber<std::uint32_t>(indices.data() + i * sparse->indices.size, sparse->indices, false);
+  if (accessor.sparse) {
+    const std::string_view indices = view(accessor.sparse->indicesView).substr(accessor.sparse->indicesOffset);
+    const std::string_view values = view(accessor.sparse->valuesView).substr(accessor.sparse->valuesOffset);
+    for (std::size_t i = 0; i < accessor.sparse->count; ++i) {
+      const auto element = readNumber<std::uint32_t>(indices.data() + i * accessor.sparse->indices.size,
+                                                     accessor.sparse->indices, false);
       if (element >= count) {
         model_.fail(fmt::format("is not valid glTF: {} replaces the element {} of {}", what, element, count));
       }
-      readElement(values.data() + i * component.size * width, element);
+      readElement(values.data() + i * accessor.component.size * width, element);
     }
   }
   return numbers;
