@@ -122,11 +122,12 @@ std::vector<std::shared_ptr<const Movement>> ObjectPlacer::movementsOf(const Val
   const bool isList = start != nullptr && start->kind == Value::Kind::Sequence;
   const std::vector<double> starts =
       isList ? fields.numbers("start", limits) : std::vector{fields.number("start", limits, 0)};
+  if (starts.empty()) throw InputError(fields.require("start").where, "start must be at least one distance in m");
   std::vector<std::shared_ptr<const Movement>> movements;
+  movements.reserve(starts.size());
   for (const double distance : starts) {
     movements.push_back(std::make_shared<Movement>(path, std::min(distance, path->length()), speed));
   }
-  if (movements.empty()) throw InputError(start->where, "start must be at least one distance in m");
   return movements;
 }
 
