@@ -18,6 +18,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/command.h"
+#include "commands/stop_signal.h"
 #include "config/fields.h"
 #include "config/version.h"
 

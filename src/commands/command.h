@@ -2,7 +2,6 @@
 
 // Subcommands of the program. To add a subcommand, add a file and a row in commands().
 
-#include <atomic>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,12 +21,6 @@ std::span<const Command> commands();
 
 // Thrown when a command has printed its help; main() then returns exit code 0.
 struct HelpPrinted {};
-
-// Installs handlers of SIGINT, SIGTERM and SIGHUP, and returns the flag that they set to end work at the next frame. A
-// second signal of the same kind ends the program at once. Signals ignored at the start, as by nohup, stay ignored.
-const std::atomic<bool>& stopSignal();
-// Returns the number of the signal that has set the flag of stopSignal(); 0: none.
-int stoppedBy();
 
 int runGenerate(const std::vector<std::string>& arguments);
 int runRender(const std::vector<std::string>& arguments);

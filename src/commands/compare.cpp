@@ -10,6 +10,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "report/compare/compare_report.h"
 #include "report/page/page.h"

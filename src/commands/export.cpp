@@ -8,6 +8,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/stop_signal.h"
 #include "config/resources.h"
 #include "dataset/folder_contents.h"
 #include "pipeline/run/progress.h"

@@ -15,6 +15,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/recorded_scans.h"
+#include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/resources.h"

@@ -10,6 +10,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/forecast_text.h"
+#include "commands/stop_signal.h"
 #include "commands/sweep.h"
 #include "commands/table.h"
 #include "dataset/dataset_folder.h"

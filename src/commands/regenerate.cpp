@@ -4,9 +4,10 @@
 #include "base/file.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/stop_signal.h"
 #include "dataset/folder_contents.h"
 #include "dataset/names.h"
-#include "pipeline/plan/shard_jobs.h"
+#include "pipeline/plan/dataset_plan.h"
 #include "pipeline/run/generate.h"
 
 namespace scanmill {

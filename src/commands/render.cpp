@@ -6,6 +6,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/stop_signal.h"
 #include "pipeline/run/recorder.h"
 
 namespace scanmill {

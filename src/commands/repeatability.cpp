@@ -7,6 +7,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/stop_signal.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/scenes/shot_source.h"
 #include "report/page/page.h"

@@ -7,6 +7,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/stop_signal.h"
 #include "dataset/folder_contents.h"
 #include "report/dataset/dataset_report.h"
 #include "study/figure_text.h"

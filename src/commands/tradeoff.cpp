@@ -9,6 +9,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/scenes/shot_source.h"

@@ -1,4 +1,3 @@
-
 #include "base/file.h"
 #include "config/value.h"
 #include "formats/format.h"

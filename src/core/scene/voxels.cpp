@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "base/parallel.h"
+#include "scene/triangle_pieces.h"
 #include "scene/triangles.h"
 
 namespace scanmill {

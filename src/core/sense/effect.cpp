@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "sense/effects/makers.h"
+
 namespace scanmill {
 
 std::span<const EffectEntry> effects() {

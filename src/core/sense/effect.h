@@ -91,24 +91,6 @@ const LightPaths* lightPaths(EffectList effects);  // null: rays end at their fi
 std::uint32_t mostReturns(EffectList effects);     // returns per beam at most
 double intensityFullScale(EffectList effects);     // full scale of the intensity; 0: no effect sets it
 
-// The makers of the effects, each in the effect's file.
-std::unique_ptr<Effect> makeIntensity(Fields& options);
-std::unique_ptr<Effect> makeDropOut(Fields& options);
-std::unique_ptr<Effect> makeRangeNoise(Fields& options);
-std::unique_ptr<Effect> makeShellNoise(Fields& options);
-std::unique_ptr<Effect> makeQuantize(Fields& options);
-std::unique_ptr<Effect> makeAngularJitter(Fields& options);
-std::unique_ptr<Effect> makeSpeckle(Fields& options);
-std::unique_ptr<Effect> makeRingBias(Fields& options);
-std::unique_ptr<Effect> makeFootprintEffect(Fields& options);
-std::unique_ptr<Effect> makeDetection(Fields& options);
-std::unique_ptr<Effect> makeLightPaths(Fields& options);
-std::unique_ptr<Effect> makeReflectanceVariation(Fields& options);
-std::unique_ptr<Effect> makeRelief(Fields& options);
-std::unique_ptr<Effect> makeWeather(Fields& options);
-std::unique_ptr<Effect> makeBlooming(Fields& options);
-std::unique_ptr<Effect> makeRangeWalk(Fields& options);
-
 std::span<const EffectEntry> effects();
 const EffectEntry& requireEffect(std::string_view name, const Location& where);
 

@@ -16,6 +16,7 @@
 #include "town/character.h"
 #include "town/geometry.h"
 #include "town/map.h"
+#include "town/relief.h"
 #include "town/roads.h"
 
 namespace scanmill::town {

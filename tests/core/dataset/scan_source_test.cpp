@@ -1,4 +1,3 @@
-
 #include "base/error.h"
 #include "dataset/scan_store.h"
 #include "tests/core/dataset/fixture.h"

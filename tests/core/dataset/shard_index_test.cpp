@@ -1,4 +1,3 @@
-
 #include "base/error.h"
 #include "base/file.h"
 #include "dataset/reader.h"

@@ -1,8 +1,8 @@
+#include "scene/triangle_pieces.h"
+
 #include <map>
 #include <random>
 #include <vector>
-
-#include "scene/triangles.h"
 
 namespace scanmill {
 namespace {

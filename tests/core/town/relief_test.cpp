@@ -1,7 +1,7 @@
+#include "town/relief.h"
+
 #include <array>
 #include <set>
-
-#include "town/geometry.h"
 
 namespace scanmill::town {
 namespace {

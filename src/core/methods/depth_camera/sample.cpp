@@ -142,7 +142,7 @@ class Sampler {
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
         load(batch, first, count, block);
-        project(views_, block.dx, block.dy, block.dz, count, Projected::Directions, batch.at(first));
+        project(views_, block.dx, block.dy, block.dz, count, ProjectedAs::Directions, batch.at(first));
         if (rounds_ > 1) usePixelsOfGuess(batch, first, block);
         for (std::size_t i = first; i < first + count; ++i) beamsInNoImage += batch.view[i] == kNoView ? 1 : 0;
       }
@@ -159,7 +159,7 @@ class Sampler {
       y[i] = block.oy[i] + block.dy[i] * kFirstGuess;
       z[i] = block.oz[i] + block.dz[i] * kFirstGuess;
     }
-    project(views_, x, y, z, block.count, Projected::Points, {u, v, view});
+    project(views_, x, y, z, block.count, ProjectedAs::Points, {u, v, view});
     for (std::size_t i = 0; i < block.count; ++i) {
       if (view[i] == kNoView) continue;
       batch.u[first + i] = u[i];
@@ -228,7 +228,7 @@ class Sampler {
       y[i] = block.oy[i] + block.dy[i] * range;
       z[i] = block.oz[i] + block.dz[i] * range;
     }
-    project(views_, x, y, z, block.count, Projected::Points, {u, v, view});
+    project(views_, x, y, z, block.count, ProjectedAs::Points, {u, v, view});
     for (std::size_t i = 0; i < block.count; ++i) {
       const std::size_t beam = first + i;  // index in the batch
       const bool isSamePixel = view[i] == batch.view[beam] && std::floor(u[i]) == std::floor(batch.u[beam]) &&

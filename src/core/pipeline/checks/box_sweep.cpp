@@ -1,9 +1,11 @@
+#include "pipeline/checks/box_sweep.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <unordered_map>
 
-#include "pipeline/checks/warnings.h"
+#include "scene/triangle_pieces.h"
 #include "scene/triangles.h"
 
 namespace scanmill {

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/short_text.h"
+#include "pipeline/checks/box_sweep.h"
 #include "pipeline/checks/warnings.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "pipeline/scenes/shot_source.h"

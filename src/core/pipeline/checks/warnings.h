@@ -3,11 +3,7 @@
 // Warnings about scenes and pipelines that are valid, but probably not what the user intended.
 
 #include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/vec.h"
@@ -58,23 +54,5 @@ std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::ve
 // first object that the vehicle's box goes through; and of paths that leave the ground. Ignores moving objects around
 // sensors and in the vehicle's way. Gives each kind of warning at most once per sensor or path.
 std::vector<std::string> pathWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);
-
-// The surfaces of one class of an object that a box touches.
-struct BoxContact {
-  const Instance* instance = nullptr;
-  std::uint16_t semantic = 0;
-  std::size_t step = 0;  // index of the first step in which a box touches the surfaces
-  double along = 0;      // m from the step's middle in the direction of travel, where the box touches them first
-  Vec3d position;        // m, world frame: contact point, across the box the middle of the touched part
-};
-
-// Sweeps boxes, which move together, along the steps and returns the surfaces that they touch first; nothing if they
-// touch none. A step is straight: each box is extended by the motion between the step's two poses, and has the rotation
-// halfway between them. A box travels along its x axis, forwards or backwards. `boxes`: m, in the frame of the poses,
-// not flat along any axis. `isObstacle`: true for triangles that may not be touched, given their instance, surface and
-// unit normal in the world frame. All objects are at their positions at time 0.
-std::optional<BoxContact> sweepBoxes(
-    const Scene& scene, const std::vector<Box>& boxes, const std::vector<std::pair<Pose, Pose>>& steps,
-    const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& isObstacle);
 
 }  // namespace scanmill

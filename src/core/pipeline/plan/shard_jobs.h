@@ -1,14 +1,12 @@
 #pragma once
 
 // Distributes samples over shards. The distribution depends on the plan alone, so that any thread, process or machine
-// can make any shard, in any order. Also recreates the plan of an existing dataset from its manifest.
+// can make any shard, in any order.
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "dataset/manifest.h"
 #include "dataset/parts.h"
 #include "pipeline/plan/plan.h"
 
@@ -39,21 +37,9 @@ double mostSampleBytes(const Plan& plan);
 std::vector<ShardJob> shardJobs(const Plan& plan);
 
 // Returns the description of a plan that is stored with each part of a dataset. Its hash identifies the dataset. The
-// hash covers the program's version, the pipeline, the sensors and their beams, the scene files,
-// the vehicle and the ontology that the pipeline names, and the names and sizes of a recording's files. Files that
-// scene files name (assets, ontologies, materials) are not covered: requireUnchangedFiles() compares them.
+// hash covers the program's version, the pipeline, the sensors and their beams, the scene files, the vehicle and the
+// ontology that the pipeline names, and the names and sizes of a recording's files. Files that scene files name
+// (assets, ontologies, materials) are not covered: requireUnchangedFiles() compares them.
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs);
-
-// Returns the folders in which the pipeline file of a dataset may have been. The manifest does not store this folder,
-// since it differs from machine to machine. The result is, in search order: the current folder, the dataset's folder,
-// each folder above it and the `pipelines` and `scenes` folders in these, and the folders that are installed with the
-// program.
-std::vector<std::filesystem::path> pipelineFolders(const std::filesystem::path& datasetFolder);
-
-// Returns the plan of a dataset. The files that the dataset's pipeline names are searched for in the folder of the
-// pipeline file `pipeline` or, if `pipeline` is empty, in pipelineFolders(). Throws InputError if a file is not found,
-// or if the plan made from these files has other samples or shards than the dataset.
-[[nodiscard]] Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,
-                                 const std::filesystem::path& pipeline);
 
 }  // namespace scanmill

@@ -91,6 +91,32 @@ void copyRings(const BeamTable& table, std::uint32_t firstRing, std::uint32_t co
   copy(table.time, part.time);
 }
 
+// Returns the rays of a sensor's beam table that hit the vehicle, even if the hits are below the sensor's minimum
+// range. `vehicle`: a method that traces the vehicle's scene, which is in the vehicle's frame.
+BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
+  BlockedRays blocked;
+  blocked.range.reserve(rays.size());
+  blocked.hits.reset(0, 0, Channels::all());
+  Shot shot;
+  shot.worldFromSensor = {vehicleFromSensor};
+  const auto table = std::make_shared<BeamTable>();
+  shot.beams = table;
+  Hits hits;
+  const std::uint32_t ringsAtOnce = std::max(1u, kRaysAtOnce / rays.columns);
+  for (std::uint32_t ring = 0; ring < rays.rings; ring += ringsAtOnce) {
+    copyRings(rays, ring, std::min(ringsAtOnce, rays.rings - ring), *table);
+    vehicle.trace(shot, Channels::all(), hits);
+    const std::size_t firstRay = blocked.range.size();
+    blocked.range.insert(blocked.range.end(), hits.range.begin(), hits.range.end());
+    for (std::size_t ray = 0; ray < hits.rays(); ++ray) {
+      if (!hits.hit(ray)) continue;
+      blocked.blocked.push_back(static_cast<std::uint32_t>(firstRay + ray));
+      forEachChannel([&](const ChannelRow&, auto member) { (blocked.hits.*member).push_back((hits.*member)[ray]); });
+    }
+  }
+  return blocked;
+}
+
 }  // namespace
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
@@ -290,30 +316,6 @@ double BlockedRays::share() const {
 }
 
 // Traces some rings at a time, which saves memory: few rays hit the vehicle, and only their hits are kept.
-BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
-  BlockedRays blocked;
-  blocked.range.reserve(rays.size());
-  blocked.hits.reset(0, 0, Channels::all());
-  Shot shot;
-  shot.worldFromSensor = {vehicleFromSensor};
-  const auto table = std::make_shared<BeamTable>();
-  shot.beams = table;
-  Hits hits;
-  const std::uint32_t ringsAtOnce = std::max(1u, kRaysAtOnce / rays.columns);
-  for (std::uint32_t ring = 0; ring < rays.rings; ring += ringsAtOnce) {
-    copyRings(rays, ring, std::min(ringsAtOnce, rays.rings - ring), *table);
-    vehicle.trace(shot, Channels::all(), hits);
-    const std::size_t firstRay = blocked.range.size();
-    blocked.range.insert(blocked.range.end(), hits.range.begin(), hits.range.end());
-    for (std::size_t ray = 0; ray < hits.rays(); ++ray) {
-      if (!hits.hit(ray)) continue;
-      blocked.blocked.push_back(static_cast<std::uint32_t>(firstRay + ray));
-      forEachChannel([&](const ChannelRow&, auto member) { (blocked.hits.*member).push_back((hits.*member)[ray]); });
-    }
-  }
-  return blocked;
-}
-
 void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits) {
   hits.pathOfRay.assign(hits.rays(), RayPath::Direct);
   for (std::size_t i = 0; i < vehicle.blocked.size(); ++i) {

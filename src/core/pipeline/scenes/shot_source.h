@@ -46,10 +46,6 @@ struct BlockedRays {
   double share() const;  // the fraction of the rays that hit the vehicle
 };
 
-// Returns the rays of a sensor's beam table that hit the vehicle, even if the hits are below the sensor's minimum
-// range. `vehicle`: a method that traces the vehicle's scene, which is in the vehicle's frame.
-BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor);
-
 // For each ray that hits the vehicle before anything else, replaces the hit or miss by the hit on the vehicle, with
 // path EgoVehicle, no instance, no material and a matt surface. If this hit is nearer than the sensor's minimum range
 // `minRange` (m), or if `vehicle.dropped` is true, it becomes a miss with path EgoVehicle. `vehicle` and `hits` must

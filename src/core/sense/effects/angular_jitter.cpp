@@ -9,8 +9,8 @@
 // The effect runs last, on the reported range.
 
 #include "base/instruction_sets.h"
-#include "sense/effect.h"
 #include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

@@ -16,8 +16,8 @@
 #include <cmath>
 #include <vector>
 
-#include "sense/effect.h"
 #include "sense/effects/elementary.h"
+#include "sense/effects/makers.h"
 #include "sensors/footprint.h"
 
 namespace scanmill {

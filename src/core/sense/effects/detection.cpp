@@ -32,8 +32,8 @@
 #include <vector>
 
 #include "base/instruction_sets.h"
-#include "sense/effect.h"
 #include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 #include "sensors/footprint.h"
 
 namespace scanmill {

@@ -15,8 +15,8 @@
 
 #include "base/instruction_sets.h"
 #include "base/random.h"
-#include "sense/effect.h"
 #include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "sense/effect.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

@@ -38,8 +38,8 @@
 #include <cmath>
 
 #include "base/instruction_sets.h"
-#include "sense/effect.h"
 #include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

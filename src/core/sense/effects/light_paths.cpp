@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-#include "sense/effect.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/instruction_sets.h"
-#include "sense/effect.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

@@ -15,8 +15,8 @@
 // exceed the sensor's maximum range. If sigma is zero everywhere, no bit of the ranges changes.
 
 #include "base/instruction_sets.h"
-#include "sense/effect.h"
 #include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 #include "sensors/footprint.h"
 
 namespace scanmill {

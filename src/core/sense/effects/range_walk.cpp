@@ -6,8 +6,8 @@
 // the range is reduced by per_decade_m log10(P / above), but not below the sensor's minimum range. Sensors correct most
 // of this error, and manufacturers do not publish the remaining error.
 
-#include "sense/effect.h"
 #include "sense/effects/elementary.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

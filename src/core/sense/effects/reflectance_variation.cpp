@@ -15,7 +15,7 @@
 #include <cmath>
 
 #include "base/instruction_sets.h"
-#include "sense/effect.h"
+#include "sense/effects/makers.h"
 #include "sense/effects/spatial_noise.h"
 #include "sensors/footprint.h"
 

@@ -19,7 +19,7 @@
 #include <cmath>
 #include <vector>
 
-#include "sense/effect.h"
+#include "sense/effects/makers.h"
 #include "sense/effects/spatial_noise.h"
 #include "sensors/footprint.h"
 

@@ -6,8 +6,8 @@
 // The scale is at most half the range, so that no point is behind the sensor.
 
 #include "base/instruction_sets.h"
-#include "sense/effect.h"
 #include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

@@ -10,8 +10,8 @@
 // product of `looks` uniform numbers. Factors are independent from return to return.
 
 #include "base/instruction_sets.h"
-#include "sense/effect.h"
 #include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

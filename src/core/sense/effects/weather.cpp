@@ -36,7 +36,7 @@
 #include <string>
 #include <vector>
 
-#include "sense/effect.h"
+#include "sense/effects/makers.h"
 #include "sense/effects/spatial_noise.h"
 #include "sensors/footprint.h"
 

@@ -11,7 +11,7 @@
 #include "config/value.h"
 #include "dataset/manifest.h"
 #include "dataset/names.h"
-#include "pipeline/plan/shard_jobs.h"
+#include "pipeline/plan/dataset_plan.h"
 #include "pipeline/read/effects.h"
 #include "study/compare/compare.h"
 

@@ -1,3 +1,5 @@
+#include "study/noise/recorded_scan.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -5,7 +7,6 @@
 #include "base/error.h"
 #include "evaluate/spread.h"
 #include "study/linear_fit.h"
-#include "study/noise/flat_patches.h"
 
 namespace scanmill {
 

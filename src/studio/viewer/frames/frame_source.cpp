@@ -7,7 +7,7 @@
 #include "config/resources.h"
 #include "config/value.h"
 #include "formats/cloud_file.h"
-#include "pipeline/plan/shard_jobs.h"
+#include "pipeline/plan/dataset_plan.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
 #include "viewer/frames/stored_frames.h"

@@ -1,4 +1,3 @@
-
 #include <set>
 
 #include "pipeline/checks/warnings.h"

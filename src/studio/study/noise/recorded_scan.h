@@ -1,0 +1,34 @@
+#pragma once
+
+// Converts recorded scans to ranges along the known beams of the sensor.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+#include "scan/scan.h"
+#include "sensors/beams.h"
+
+namespace scanmill {
+
+struct RecordedScan {
+  std::string name;              // name of the file
+  std::vector<double> range;     // distance from each beam's origin to its first return (m); NaN: no return
+  std::vector<float> intensity;  // intensity of each beam; 0 if it has no return; empty if the scan has no intensities
+  Pose scanFromSensor;           // pose of the sensor in the frame of the scan's points
+  std::size_t returns = 0;
+};
+
+// Assigns each point of a scan to a beam: in an organised scan by its position in the image, otherwise by the columns
+// ring and column; if there is only the column ring, by ring and azimuth. Only the first return of a beam is used,
+// since later returns occur at edges and not on flat surfaces. The sensor's pose in the frame of the points is
+// estimated, since recordings often do not state it. Throws InputError if the scan has another size than the sensor, if
+// it has no rings or too few returns, or if its points are not on the sensor's beams; the message starts with `name`.
+RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name);
+
+// Returns the step (m) to which the sensor rounds ranges; all ranges are multiples of it plus a constant. Returns 0 if
+// no step is found.
+double rangeStep(const std::vector<RecordedScan>& scans);
+
+}  // namespace scanmill
