@@ -2,6 +2,9 @@
 
 // The scale of a chart's axis: the positions of values along the axis, and the values that have a label.
 
+#include <string>
+#include <vector>
+
 #include "charts/chart.h"
 
 namespace scanmill {

@@ -2,6 +2,7 @@
 
 // Measures, wraps and escapes text for SVG and HTML.
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>

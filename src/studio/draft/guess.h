@@ -2,7 +2,13 @@
 
 // Guesses what an asset shows (its concepts), its up axis and its unit, from names and shape.
 
+#include <array>
+#include <cstddef>
+#include <filesystem>
 #include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "assets/asset.h"
 #include "scenefile/concepts.h"

@@ -2,6 +2,9 @@
 
 // Colours for values, instances and classes, and names of classes.
 
+#include <cstdint>
+#include <string>
+
 #include "scene/ontology.h"
 #include "viewer/image.h"
 

@@ -3,7 +3,15 @@
 // Colours the points of a scan, and describes the colours in a legend.
 
 #include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "scan/scan.h"
 #include "scene/ontology.h"

@@ -3,6 +3,12 @@
 // Draws scans, and EXR images of render passes and hits, as pictures, without a display. All functions that draw need
 // the device that openOffscreen() needs, and throw Error if there is no such device.
 
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "scan/scan.h"
 #include "scene/ontology.h"
 #include "viewer/coloring.h"

@@ -2,6 +2,13 @@
 
 // The range image of a scan (rings x columns), and the mapping between its pixels and the points in the 3D view.
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "scan/scan.h"
 #include "sensors/beams.h"
 #include "viewer/image.h"

@@ -2,6 +2,7 @@
 
 // The camera for a picture of a scan.
 
+#include <array>
 #include <string_view>
 
 #include "base/vec.h"

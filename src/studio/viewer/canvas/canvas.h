@@ -6,9 +6,15 @@
 // corner. All functions of a canvas must be called on the thread that opened it. Only one window can be open at a time.
 // VTK is in a plug-in, which is loaded when the first canvas is opened.
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "base/module.h"

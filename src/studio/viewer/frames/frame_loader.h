@@ -4,7 +4,13 @@
 // Indices of frames are less than the source's number of keys; want() and wait() do not check this.
 
 #include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "viewer/frames/frame_source.h"

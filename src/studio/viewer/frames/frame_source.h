@@ -2,6 +2,15 @@
 
 // Provides the frames that the viewer shows: the samples of a dataset or of a shard, a single scan, or a scene.
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "base/vec.h"
 #include "dataset/manifest.h"
 #include "dataset/names.h"

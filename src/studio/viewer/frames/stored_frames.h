@@ -2,6 +2,15 @@
 
 // Loads frames whose scans are on disk.
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
 #include "dataset/scan_store.h"
 #include "scan/scan.h"
 #include "sensors/beams.h"

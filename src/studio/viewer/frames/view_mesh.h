@@ -2,6 +2,13 @@
 
 // Converts a scene to the triangles that the viewer draws and selects: relative to ViewMesh::origin, in world axes.
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "base/vec.h"
 #include "scene/ontology.h"
 #include "scene/scene.h"

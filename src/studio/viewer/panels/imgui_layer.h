@@ -2,6 +2,9 @@
 
 // Connects Dear ImGui, which draws the panels, to a canvas: fonts, colours, events and triangles.
 
+#include <functional>
+#include <vector>
+
 #include "viewer/canvas/canvas.h"
 
 struct ImGuiContext;

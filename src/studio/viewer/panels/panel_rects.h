@@ -2,6 +2,9 @@
 
 // Computes the rectangles of panels on a canvas, and the remaining rectangle for the views.
 
+#include <cstddef>
+#include <vector>
+
 #include "viewer/canvas/canvas.h"
 
 namespace scanmill {

@@ -2,6 +2,13 @@
 
 // Parts of panels that are used in all sessions of the viewer. All functions must be called within ImGuiLayer::frame().
 
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "viewer/coloring.h"
 #include "viewer/panels/imgui_layer.h"
 

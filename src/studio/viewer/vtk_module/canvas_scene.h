@@ -9,6 +9,14 @@
 #include <vtkRenderer.h>
 #include <vtkTextureObject.h>
 
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "gpu/opengl_module/gl_window.h"
 #include "viewer/vtk_module/item.h"
 

@@ -2,6 +2,10 @@
 
 // A window with an OpenGL context, made by GLFW.
 
+#include <functional>
+#include <memory>
+#include <string>
+
 #include "viewer/canvas/canvas.h"
 
 namespace scanmill {

@@ -12,7 +12,11 @@
 #include <vtkProperty.h>
 #include <vtkUnsignedCharArray.h>
 
+#include <array>
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "viewer/canvas/canvas.h"
 

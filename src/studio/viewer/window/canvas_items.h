@@ -2,6 +2,11 @@
 
 // The ids of the viewer's items and images on its canvas.
 
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
 #include "base/vec.h"
 #include "viewer/canvas/canvas.h"
 

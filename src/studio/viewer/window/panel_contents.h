@@ -2,6 +2,11 @@
 
 // Computes positions and contents of the panels and labels on the views. The session draws them and executes clicks.
 
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "viewer/panels/panel_rects.h"
 #include "viewer/panels/widgets.h"
 #include "viewer/window/playback.h"

@@ -2,6 +2,14 @@
 
 // Finds the point under the pointer, and describes points and triangles in text.
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "base/vec.h"
 #include "viewer/frames/view_mesh.h"
 #include "viewer/window/session_context.h"

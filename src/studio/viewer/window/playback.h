@@ -3,6 +3,11 @@
 // Decides which frame is shown: the frame that the user requested, or the next frame while frames are played. Callers
 // pass the current time `now` in seconds, always from the same clock.
 
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
 #include "viewer/frames/frame_loader.h"
 
 namespace scanmill {

@@ -3,6 +3,12 @@
 // Finds the point or triangle that is under the pointer or was clicked, and draws its instance's outline, a line
 // through the returns of its beam, and measured distances. Also turns the camera while the user drags.
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
 #include "viewer/window/scene_view.h"
 
 namespace scanmill {

@@ -3,6 +3,11 @@
 // Decides when the canvas is drawn, and with how many points: with few points, to be fast, while something moves; with
 // all points when nothing has changed for a while.
 
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
 #include "viewer/canvas/canvas.h"
 
 namespace scanmill {

@@ -3,6 +3,17 @@
 // Everything on the canvas except points: the camera, the frames of reference, the scene's mesh, axes, range rings, the
 // trajectory, and the boxes of objects and instances.
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "viewer/window/canvas_items.h"
 #include "viewer/window/picking.h"
 #include "viewer/window/shown_clouds.h"

@@ -3,6 +3,12 @@
 // The viewer: its contents, and its response to keys and the pointer. It draws on a canvas and does not depend on a
 // window system, so the same code draws windows and pictures, and tests can send key events without a display.
 
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "viewer/window/panel_contents.h"
 
 namespace scanmill {

@@ -2,7 +2,14 @@
 
 // The data that all parts of a viewer's session use: the frame, the options, the filter, and messages to the user.
 
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/vec.h"
 #include "scan/scan.h"

@@ -3,6 +3,15 @@
 // Shows the scans of the frame as points on the canvas: chooses the scan of each view, its colours and its visible
 // points. Also draws the range image of one of the scans.
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
 #include "viewer/range_strip.h"
 #include "viewer/window/session_context.h"
 

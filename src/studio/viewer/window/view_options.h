@@ -2,6 +2,14 @@
 
 // The viewer's options, and its commands with menus, keys and help.
 
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "viewer/coloring.h"
 #include "viewer/window/orbit_camera.h"
 

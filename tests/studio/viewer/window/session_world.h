@@ -108,7 +108,7 @@ inline ItemId firstCloud(const SessionWorld& world) {
   return world.canvas.pointItems().front();
 }
 
-// The value of a row of a picked picked; empty where it has none of that name.
+// Returns the value of a picked element's row; empty if it has no row of this name.
 inline std::string rowOf(const PickedElement& picked, const std::string& name) {
   for (const auto& [key, value] : picked.rows) {
     if (key == name) return value;
