@@ -17,13 +17,6 @@
 
 namespace scanmill {
 
-static double numberOption(const cxxopts::ParseResult& options, const std::string& option, Range range) {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.text = options[option].as<std::string>();
-  return readNumber(value, "--" + option, range);
-}
-
 std::string Arguments::text(const std::string& option) const {
   return has(option) ? options[option].as<std::string>() : std::string();
 }
@@ -33,7 +26,10 @@ std::vector<std::string> Arguments::list(const std::string& option) const {
 }
 
 double Arguments::number(const std::string& option, double least, double most) const {
-  return numberOption(options, option, {least, most});
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.text = options[option].as<std::string>();
+  return readNumber(value, "--" + option, {least, most});
 }
 
 std::string Arguments::positional(const std::string& what) const {
@@ -78,8 +74,8 @@ const Command& commandNamed(std::string_view name) {
 }
 
 // Returns the number of threads; 0: all cores.
-int threadOption(const cxxopts::ParseResult& options) {
-  const int threads = options.count("threads") > 0 ? options["threads"].as<int>() : 0;
+int threadOption(const Arguments& arguments) {
+  const int threads = arguments.has("threads") ? arguments.options["threads"].as<int>() : 0;
   if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
   return threads;
 }
@@ -100,9 +96,9 @@ std::optional<double> bytesOf(const std::string& text) {
 }
 
 // Returns the memory limit in bytes; 0 if it is not given.
-std::uint64_t memoryOption(const cxxopts::ParseResult& options) {
-  if (options.count("memory-limit") == 0) return 0;
-  const auto text = options["memory-limit"].as<std::string>();
+std::uint64_t memoryOption(const Arguments& arguments) {
+  if (!arguments.has("memory-limit")) return 0;
+  const std::string text = arguments.text("memory-limit");
   const std::optional<double> bytes = bytesOf(text);
   constexpr double kMost = 18446744073709551616.0;  // 2^64, the first number that does not fit into the result
   if (bytes && *bytes >= 1 && *bytes < kMost) return static_cast<std::uint64_t>(*bytes);
@@ -140,7 +136,7 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
     printText("{}\n\nExamples:\n{}", help, examples);
     throw HelpPrinted();
   }
-  parsed.limits = std::make_unique<ResourceLimits>(parsed.options);
+  parsed.limits = std::make_unique<ResourceLimits>(parsed);
   return parsed;
 }
 
@@ -219,9 +215,9 @@ std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {
   return nullptr;
 }
 
-ResourceLimits::ResourceLimits(const cxxopts::ParseResult& options)
-    : input_(options.count("input-limit") > 0 ? numberOption(options, "input-limit", {1, 1e6}) : 1),
-      threads_(threadOption(options)),
-      memory_(memoryOption(options)) {}
+ResourceLimits::ResourceLimits(const Arguments& arguments)
+    : input_(arguments.has("input-limit") ? arguments.number("input-limit", 1, 1e6) : 1),
+      threads_(threadOption(arguments)),
+      memory_(memoryOption(arguments)) {}
 
 }  // namespace scanmill

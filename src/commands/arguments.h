@@ -22,10 +22,12 @@
 
 namespace scanmill {
 
+struct Arguments;
+
 // Applies the options --threads, --memory-limit and --input-limit, if they are given, for the lifetime of the object.
 class ResourceLimits {
  public:
-  explicit ResourceLimits(const cxxopts::ParseResult& options);
+  explicit ResourceLimits(const Arguments& arguments);
 
  private:
   InputLimitFactor input_;

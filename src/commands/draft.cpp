@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <functional>
-#include <numeric>
 #include <set>
 
 #include "assets/asset_kinds.h"
@@ -43,16 +41,13 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& paths
 void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   Rows rows{{"file", "unit", "up", "size", "triangles", "guessed", "by the file's name", "doubtful"}};
   using draft::GuessedFile;
-  const auto sumOf = [&](std::uint64_t (GuessedFile::*count)() const) {
-    return std::transform_reduce(made.files.begin(), made.files.end(), std::uint64_t{0}, std::plus<>(),
-                                 [&](const GuessedFile& f) { return (f.*count)(); });
-  };
-  const std::uint64_t triangles = sumOf(&GuessedFile::triangles);
-  const std::uint64_t withCopies = sumOf(&GuessedFile::trianglesWithCopies);
-  const std::uint64_t guessed = sumOf(&GuessedFile::guessed);
-  const std::uint64_t byFolder = sumOf(&GuessedFile::byFolder);
+  std::uint64_t triangles = 0, withCopies = 0, guessed = 0, byFolder = 0;
   std::set<double> units;  // m per unit of the files
   for (const GuessedFile& f : made.files) {
+    triangles += f.triangles();
+    withCopies += f.trianglesWithCopies();
+    guessed += f.guessed();
+    byFolder += f.byFolder();
     units.insert(f.frame.unit);
     rows.push_back({f.file.string(), fmt::format("{:g}", f.frame.unit), std::string(1, f.frame.up), extentText(f.box),
                     grouped(f.triangles()), percent(f.guessed(), f.triangles()), percent(f.byFile(), f.triangles()),

@@ -2,7 +2,12 @@
 
 // Drafts a scene file from 3D files. Their units, axes, classes and materials are guessed; a person must check them.
 
-#include <functional>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "base/vec.h"
 #include "draft/guess.h"
@@ -55,7 +60,9 @@ struct GuessedFile {
     return trianglesOf([&](const GuessedPart& part) { return part.shows == fileConcept; });
   }
   // Returns the number of triangles whose concept only the name of the file's folder states.
-  std::uint64_t byFolder() const { return trianglesOf(std::mem_fn(&GuessedPart::byFolder)); }
+  std::uint64_t byFolder() const {
+    return trianglesOf([](const GuessedPart& part) { return part.byFolder; });
+  }
   // Returns the guesses that a person should check, in a few words each.
   std::vector<std::string> doubts() const;
 };
