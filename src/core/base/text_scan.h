@@ -66,8 +66,10 @@ inline std::vector<std::string_view> wordsOf(std::string_view text) {
 
 // True if one of the words, which blanks separate, is `word`.
 inline bool containsWord(std::string_view words, std::string_view word) {
-  const std::vector<std::string_view> list = wordsOf(words);
-  return std::ranges::find(list, word) != list.end();
+  for (std::string_view next = takeWord(words); !next.empty(); next = takeWord(words)) {
+    if (next == word) return true;
+  }
+  return false;
 }
 
 // Sets `cells` to the cells of a table's line, which `separator` separates, without surrounding blanks and quotation

@@ -12,7 +12,7 @@
 
 namespace scanmill {
 
-// What a thread does before its call of give() happens before what a thread does after its call of take() on the same
+// Orders the work of two threads: work before a call of give() happens before work after a call of take() on the same
 // object. The function of a task is marked SCANMILL_UNWATCHED, since it reads its captures, which lie in oneTBB's
 // memory, before it can call take(). The functions that the task calls are watched as usual.
 class TaskOrder {

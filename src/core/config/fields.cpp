@@ -399,7 +399,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     // A name is near if the edit distance is at most a third of the longer word's length, or 1; or if one word is a
     // prefix of the other. It is not near if all letters differ.
     if ((distance > std::max<std::size_t>(1, longest / 3) && !hasPrefix) || distance == longest) continue;
-    // Of two names at the same edit distance, the one that is a prefix of the word, or starts with it, is nearer.
+    // A name that is a prefix of the word, or starts with it, is nearer than another at the same edit distance.
     const std::size_t cost = 2 * distance - (distance > 0 && hasPrefix ? 1 : 0);
     if (best.empty() || cost < leastCost) {
       best = name;

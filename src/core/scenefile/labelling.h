@@ -112,7 +112,7 @@ class PartTraits {
 
   const AssetPart& part_;
   PartFrame frame_;
-  // By triangle: longest edge (m) of the box around its connected part; empty if `withSizes` was false.
+  // The longest edge (m) of the box around each triangle's connected part; empty if `withSizes` was false.
   std::vector<double> sizes_;
 };
 

@@ -47,14 +47,6 @@ constexpr std::string_view kObjects =
 const std::initializer_list<std::string_view> kPlaceKeys = {
     "amenity", "emergency", "golf", "military", "parking", "place", "public_transport", "tourism"};
 
-// True if `words` (separated by spaces) contain the word `searched`.
-bool hasWord(std::string_view words, std::string_view searched) {
-  for (std::string_view word = takeWord(words); !word.empty(); word = takeWord(words)) {
-    if (word == searched) return true;
-  }
-  return false;
-}
-
 // Returns whether a road has a feature, from tags with keys such as `sidewalk`, `parking:lane:both` or `parking:left`:
 // true if the value of a key is in `yes`; otherwise false if a value is in `no`; nullopt if no value is in either list.
 std::optional<bool> featureOf(const OsmTags& tags, std::initializer_list<std::string_view> keys,
@@ -222,8 +214,8 @@ std::string shapeTagOf(const OsmTags& tags) {
     if (key == (node ? "place" : "traffic_sign")) continue;
     if (node && isOneOf(key, {"landuse", "landcover", "leisure"})) continue;
     std::string tag = key + "=" + value;
-    if (hasWord(kShapeless, tag)) continue;
-    if (!isOneOf(key, kPlaceKeys) || hasWord(kObjects, tag)) return tag;
+    if (containsWord(kShapeless, tag)) continue;
+    if (!isOneOf(key, kPlaceKeys) || containsWord(kObjects, tag)) return tag;
   }
   return {};
 }

@@ -18,7 +18,7 @@
 
 namespace scanmill {
 
-// What the file of an asset says about the base colour of a material.
+// The base colour of a material, as the asset's file states it.
 struct BaseColor {
   enum class Source {
     None,    // the file states no colour

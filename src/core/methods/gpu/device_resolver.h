@@ -43,7 +43,8 @@ constexpr std::uint32_t kCutOut = 2;    // some texels may let beams pass
 struct LabelTables {
   std::vector<TriangleRecord> records;     // one per triangle of World::baked
   std::vector<TexturedTriangle> textured;  // triangles whose material's texels are read
-  // By material: bits of the reflectance, index of the first texel, width | height << 16 of the texture, flags.
+  // Each material has the bits of its reflectance, the index of its first texel, width | height << 16 of its texture,
+  // and flags.
   std::vector<DeviceWord> materials;
   std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), with kLetsPass if transparent
 };

@@ -151,7 +151,7 @@ double weightOf(const PatchGroup& band) {
   return 1 / std::max(band.error, kLeastError);
 }
 
-// Which coefficients of the line are fitted; the others stay 0.
+// States which coefficients of the line are fitted; the others stay 0.
 struct FreeTerms {
   bool base = true, growth = true;
 };
