@@ -165,6 +165,7 @@ class Details {
                                      Point2{middle + half - splay, -out}, Point2{middle + half, 0}};
     for (std::size_t k = 0; k < 3; ++k) bayWall(plan[k], plan[k + 1], floors);
     std::vector<Point2> eaves;
+    eaves.reserve(plan.size());
     for (const Point2& p : plan) eaves.push_back({1.06 * (p.x - middle), p.y < 0 ? p.y - 0.08 : p.y});
     s_.prism(look_.tile, look_.trim, at({middle, 0, floorHeight(floors) - 0.3}), eaves, 0.14);
   }

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "pipeline/checks/box_sweep.h"
 #include "pipeline/checks/warnings.h"
 #include "pipeline/scenes/scene_probe.h"
 #include "pipeline/scenes/shot_source.h"
