@@ -80,10 +80,10 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options);
 // Returns the indices of the shards that are missing, or whose bytes differ from the hashes in the manifest.
 std::vector<std::uint64_t> damagedShards(const std::filesystem::path& folder, const Manifest& manifest);
 
-// Recreates the shards with these indices and the files that describe their samples. The new files replace those in
-// `folder`. `manifest`: as readManifest() returns it, also with damaged files; `plan`: see planOfDataset(). Throws
-// Error if new bytes differ from the hash in the manifest, because the program or a file that the pipeline names has
-// changed; then nothing is replaced.
+// Recreates the shards with these indices and the files that describe their samples, then replaces them in `folder`.
+// `manifest`: from readManifest(), also if files of the dataset are damaged. `plan`: from planOfDataset(). Throws Error
+// and replaces nothing if new bytes differ from the hash in the manifest (the program or a file that the pipeline names
+// has changed), or once `*stop` is true (`stop` may be null).
 void regenerateShards(const std::filesystem::path& folder, Manifest manifest, const Plan& plan,
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop);
 

@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Largest number of cached grids. Each sensor needs one, or one per revolution if its pattern is a rosette.
+// Largest number of cached beam grids. Each sensor needs one grid, or one per revolution if its pattern is a rosette.
 constexpr std::size_t kMostGrids = 16;
 constexpr int kCells = 6;  // samples along each edge of a box's face; see truncationOf()
 
@@ -21,7 +21,7 @@ struct ThingHits {
   float nearest = kMiss;
 };
 
-// Returns what a shot sees of each thing that it hits, by instance id.
+// Returns, by instance id, the points, beams and least range of each thing that beams of the shot hit.
 std::unordered_map<std::uint32_t, ThingHits> hitsByThing(const Hits& hits, const Returns& returns,
                                                          std::uint32_t raysPerBeam) {
   std::unordered_map<std::uint32_t, ThingHits> things;

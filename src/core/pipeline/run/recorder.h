@@ -30,11 +30,11 @@ class Recorder {
 
   // The following functions may be called from any thread.
 
-  // Registers a sequence. Must be called before shots of the sequence are written; later calls for the same sequence do
-  // nothing.
+  // Registers a sequence. Must be called before shots of the sequence are written. Does nothing for a sequence that is
+  // registered already, or if nothing is recorded.
   void enter(std::size_t sequence, const Scene& scene, const Method& method);
   void writeHits(const Shot& shot, const Hits& hits);
-  // writeStep() writes the images of one step and adds them to a shot's record; writePasses() writes the record.
+  // Writes the images of one step and adds them to `record`. When all steps are in `record`, writePasses() adds it.
   void writeStep(const PassStep& step, RecordedShot& record);
   void writePasses(const RecordedShot& record);
 

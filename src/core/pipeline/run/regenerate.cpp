@@ -30,8 +30,8 @@ constexpr const char* kScratch = "again";  // name of the scratch folder within 
       what, manifest.programVersion, kVersion);
 }
 
-// Locks a dataset and creates a scratch folder within the dataset's hidden folder. The destructor removes the scratch
-// folder with all its files.
+// Locks a dataset for a regeneration whose files are made in folder(), within the dataset's hidden folder. The
+// destructor removes folder() with all its files and releases the lock.
 class RegenerationFolder {
  public:
   explicit RegenerationFolder(const fs::path& dataset)

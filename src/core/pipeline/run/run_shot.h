@@ -15,7 +15,7 @@
 
 namespace scanmill {
 
-// Everything that is needed to turn a sensor's shots into scans. The referenced objects must outlive it.
+// Parameters for turning a sensor's shots into scans. The referenced objects must outlive the setup.
 struct ShotSetup {
   const Method& method;
   Channels channels;                     // channels to trace
@@ -43,7 +43,7 @@ struct ShotBuffers {
 TraceAccount runShot(const ShotSetup& setup, const Shot& shot, ShotBuffers& buffers, StageClock& clock);
 // Traces the hits of a shot, without making a scan.
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits);
-// Makes the scan of a shot from existing hits.
+// Makes the returns and the scan of a shot from existing hits.
 void senseShot(const ShotSetup& setup, const Shot& shot, const Hits& hits, Returns& returns, Scan& scan);
 
 }  // namespace scanmill

@@ -31,7 +31,7 @@ std::uint64_t unresolvedBeams(const Hits& hits) {
   return static_cast<std::uint64_t>(std::unique(beams.begin(), beams.end()) - beams.begin());
 }
 
-// Counts the points of each class and the different instances of a scan.
+// Sets the counts of a scan's record: points, points per class, and instances.
 void countPoints(const Scan& scan, ScanRecord& record) {
   std::vector<std::uint64_t> pointsPerClass;
   std::vector<std::uint32_t> instances;  // consecutive points mostly have the same instance, which is listed once

@@ -40,8 +40,7 @@
 
 namespace scanmill {
 
-// The objects of a scene, with the data that tests of their visibility need. Built once; safe to use from several
-// threads.
+// The object instances of a scene, and the data for tests of their visibility. Safe to use from several threads.
 class SceneObjects {
  public:
   // Tests visibility with the ray-tracing hierarchies (Worlds) of the method, or builds them if the method has none.
@@ -50,7 +49,7 @@ class SceneObjects {
 
   const ThingBoxes& boxes() const { return boxes_; }
   const Unobstructed& unobstructed() const { return unobstructed_; }
-  // Returns the memory of the hierarchies that this object has built (bytes); 0 if it uses those of the method.
+  // Returns the size (bytes) of the hierarchies that this object has built; 0 if it uses the method's hierarchies.
   std::uint64_t memoryBytes() const;
   std::shared_ptr<const BeamGrid> gridOf(const std::shared_ptr<const BeamTable>& beams) const;
 
@@ -106,8 +105,8 @@ struct ReadyScene {
   std::unique_ptr<SceneVoxels> voxels;    // null if the pipeline does not write voxels
 };
 
-// Loads and unloads scenes. Safe to use from several threads at once; threads that need the same scene load it
-// together.
+// Loads and unloads scenes. Safe to use from several threads: each scene is loaded once, and all threads that need the
+// scene share the work of loading it.
 class SceneStore {
  public:
   // `loading`: called before a scene is loaded, with the sequence that needs it, on any thread.
@@ -183,14 +182,14 @@ class SampleMaker {
   SampleMaker(ShotSource& source, std::filesystem::path keepHits, bool overwrite,
               std::function<void(const Sequence&)> loading);
 
-  // Makes a sample and releases its sequence in scenes(); samples may also be made without announcement.
+  // Makes a sample, then calls scenes().release() for its sequence. The frame need not have been announced.
   MadeSample make(const SampleAddress& address);
 
   // Completes the recording. Call it after all samples are made.
   void finish() { recorder_.finish(); }
   SceneStore& scenes() { return scenes_; }
-  // Returns the time of each stage (s): wall-clock time for stages that wait for a graphics card or another process,
-  // processor time for all others.
+  // Returns the time of each stage (s): wall-clock time of stages that wait for a GPU or another process, CPU time of
+  // all others.
   StageSeconds stageSeconds() const;
 
  private:

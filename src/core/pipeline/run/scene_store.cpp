@@ -94,7 +94,7 @@ void SceneStore::announce(std::size_t sequence) {
 }
 
 void SceneStore::release(std::size_t sequence) {
-  // Keeps the scene until the lock is released, since its destructor must run without the lock.
+  // Keeps an unloaded scene alive until the lock is released, since the scene's destructor must run without the lock.
   std::shared_ptr<Slot> unloaded;
   const std::scoped_lock lock(mutex_);
   const auto frames = announcedFrames_.find(sceneOf_[sequence]);

@@ -40,8 +40,8 @@ class ShardWorkers {
     TaskOrder done;
     {
       const TaskOrder::Wait wait(started, done);
-      // Not parallelFor(), which isolates its tasks: here threads without work help with the inner loops of other
-      // threads.
+      // parallelFor() would isolate its tasks. With tbb::parallel_for(), threads without work help with the inner loops
+      // of other threads.
       tbb::parallel_for(
           tbb::blocked_range<std::size_t>(0, workers_, 1),
           [&](const tbb::blocked_range<std::size_t>&) SCANMILL_UNWATCHED {
@@ -101,7 +101,7 @@ class ShardWorkers {
     return most == open_.end() || unstarted(*most) == 0 ? nullptr : *most;
   }
 
-  // Makes the next sample of a shard, then calls takeMade() unless another thread is in it for this shard.
+  // Makes the next sample of a shard, then calls takeMade() unless another thread is executing it for this shard.
   void makeNext(SharedShard& shard, Lock& lock) {
     const std::size_t sample = shard.started++;
     ++inFlight_;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kBeamsAtOnce = 1024;  // number of beams that a thread processes at a time
 
-// Bits of a voxel's mark: a beam ends in the voxel, a beam passes through the voxel.
+// Bits of a voxel's mark. kEnds: the axis of a beam ends in the voxel; kPasses: an axis passes through the voxel.
 constexpr std::uint8_t kEnds = 1;
 constexpr std::uint8_t kPasses = 2;
 
@@ -90,8 +90,9 @@ std::vector<double> beamLengths(const Shot& shot, std::uint32_t raysPerBeam, con
       lengths[beam] = shot.beams->maxRange;
     }
   }
-  // The rays from hits.size() on continue behind glass or off mirrors; all of them have hits. Only the axes of beams
-  // with a single ray are extended: if a beam has several rays, a hit behind glass cannot be assigned to the axis.
+  // The rays with indices from hits.size() on continue other rays behind glass or off mirrors, and have hits. If a beam
+  // has several rays, a hit behind glass cannot be assigned to its axis; therefore only axes of single-ray beams are
+  // extended.
   const std::size_t end = raysPerBeam == 1 ? hits.rays() : 0;
   for (std::size_t ray = hits.size(); ray < end; ++ray) {
     if (hits.pathOfRay[ray] != RayPath::ThroughGlass) continue;
@@ -106,7 +107,7 @@ std::vector<double> beamLengths(const Shot& shot, std::uint32_t raysPerBeam, con
 std::vector<Affine> gridFromSteps(const Shot& shot) {
   const Pose& front = shot.worldFromSensor.front();
   const Mat3 frontFromWorld = transposed(toMatrix(front.rotation));
-  // Subtracts translations before it rotates them, since large world coordinates would lose precision.
+  // Translations are subtracted before they are rotated: rotating large world coordinates would lose precision.
   std::vector<Affine> gridFromStep;
   for (const Pose& pose : shot.worldFromSensor) {
     gridFromStep.push_back(

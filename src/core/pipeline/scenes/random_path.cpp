@@ -16,7 +16,7 @@
 namespace scanmill {
 namespace {
 
-// Sizes of the search, chosen by eye for cars; scene_probe.h states those that users see.
+// Parameters of the search, chosen by eye for cars. scene_probe.h documents the ones that affect the resulting path.
 constexpr double kHeightCell = 0.25;  // m, size of the cells of the cached heights
 constexpr double kAboveOrBelow = 1;   // m; a surface at most this far above or below a tested position is found
 constexpr double kFreeHeight = 2.5;   // m, free height that a vehicle needs above the surface
@@ -63,8 +63,8 @@ class FreeSurface {
   FreeSurface(const SceneProbe& probe, std::vector<std::uint16_t> classes)
       : probe_(probe), classes_(std::move(classes)) {}
 
-  // Returns the height of the surface at a position (m). Returns nothing if there is no surface of the given classes at
-  // most about 1.5 m above or below the position, or if something is less than kFreeHeight above the surface.
+  // Returns the height of the surface at a position (m). Returns nothing if no surface of the given classes is within
+  // about 1.5 m above or below the position, or if something is less than kFreeHeight above the surface.
   std::optional<double> height(const Vec3d& position) const {
     const auto cell = [](double coordinate) { return static_cast<std::int64_t>(std::floor(coordinate / kHeightCell)); };
     const auto layer = static_cast<std::int64_t>(std::floor(position.z));
@@ -199,7 +199,7 @@ class PathSearch {
       : surface_(surface), request_(request), random_(random) {}
 
   // Returns the points of the longest path from `start` that the search finds. The search ends when a path has the
-  // requested length, or after kMostStepsBack steps back.
+  // requested length, or after kMostStepsBack backtracking steps.
   std::vector<Vec3d> longestPath(const State& start) {
     std::vector<Node> nodes{openNode({start, 0}, 0)};
     std::vector<Vec3d> longest;
@@ -249,7 +249,7 @@ class PathSearch {
   static Spot coarseSpot(const State& s) { return spotOf(s, kLookAhead, 8); }  // where the path has been
   static Spot fineSpot(const State& s) { return spotOf(s, 1, 24); }            // where the path cannot go on
 
-  // Returns the node at the end of an arc, with the arcs from there. `driven`: length of the path so far (m).
+  // Counts a visit of `end` and returns its node with all drivable arcs. `driven`: length of the path up to `end` (m).
   Node openNode(const End& end, double driven) {
     ++visits_[coarseSpot(end.state)];
     Node node{end, {}};
