@@ -13,8 +13,8 @@ namespace scanmill {
 
 namespace {
 
-// Returns a value with the largest unit in which it is at least 1 after rounding (0.9995 becomes 1.00); if there is
-// none, with the smallest unit. `units`: pairs of size and name, the largest first.
+// Formats `value` in the largest unit in which it is at least 1 after rounding (0.9995 becomes 1.00), or else in the
+// smallest unit. `units`: size and name of each unit, the largest first.
 std::string withUnit(double value, std::initializer_list<std::pair<double, const char*>> units) {
   std::string text;
   for (const auto& [size, unit] : units) {
@@ -53,7 +53,7 @@ std::string shareText(double share) {
   const double percentFromEnd = std::min(share, 1 - share) * 100;  // distance from 0 or 100 %, whichever is nearer
   if (percentFromEnd <= 0) return fmt::format("{:.0f} %", share * 100);
   if (percentFromEnd < 1e-5) return share < 0.5 ? "below 0.00001 %" : "above 99.99999 %";
-  // Show two significant digits of the distance from 0 or 100 %.
+  // Show two significant digits of the difference from 0 or 100 %, whichever is nearer.
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(percentFromEnd))), 1, 6);
   return fmt::format("{:.{}f} %", share * 100, decimals);
 }

@@ -13,7 +13,7 @@ namespace scanmill {
 std::string threeDigits(double value);
 std::string metresText(double metres);    // returns a length, such as "0", "46.4 mm" or "1.23 m"
 std::string secondsText(double seconds);  // returns a time, such as "350 µs", "2.9 ms" or "1.2 s"
-// Returns a fraction, such as "98.4 %" or "99.9991 %"; "100 %" and "0 %" only if exact.
+// Returns a fraction in percent, such as "98.4 %" or "99.9991 %"; "100 %" and "0 %" only if exact.
 std::string shareText(double share);
 std::string factorText(double factor);  // returns a factor, such as "2.1", "27" or "0.35"
 

@@ -159,13 +159,13 @@ class ViewData {
   OrderedJson json_;
 };
 
-// An instance or a class with at most this number of points is kept complete if possible.
+// Instances and classes with at most this number of points count as rare, see pointsToView().
 constexpr std::size_t kFewPoints = 1000;
 
 using PointGroup = std::vector<std::size_t>;  // indices of points
 
-// Adds a group for each value (instance id or class) that at most kFewPoints of the finite points have; none if the
-// scan has no values. Points with the value `noGroup` form no group.
+// For each value (instance id or class) that at most kFewPoints of `finitePoints` have, adds the group of these points.
+// `values`: the value of each point of the scan, or empty; then no group is added. `noGroup`: a value without a group.
 template <class Value>
 void addRareGroups(const std::vector<Value>& values, const std::vector<std::size_t>& finitePoints,
                    std::optional<Value> noGroup, std::vector<PointGroup>& groups) {
@@ -177,15 +177,16 @@ void addRareGroups(const std::vector<Value>& values, const std::vector<std::size
   }
 }
 
-// Returns the squared distance of a point (m²), which is proportional to the probability of keeping the point.
+// Returns a point's squared distance from the sensor (m²), to which the probability of keeping the point is
+// proportional.
 double weightOf(const Vec3f& position) {
   constexpr double kLeastWeight = 1e-3;  // a point at the sensor must not have the weight zero
   const Vec3d p(position);
   return std::max(dot(p, p), kLeastWeight);
 }
 
-// Returns the factor f for which the sum of min(f * weight, 1) over all weights is `keptPoints`. min(f * weight, 1) is
-// then the probability of keeping a point.
+// Returns the factor f for which the sum of min(f * weight, 1) over all weights is `keptPoints`, which must be less
+// than the number of weights. The probability of keeping a point is then min(f * weight, 1).
 double probabilityFactor(std::vector<double> weights, double keptPoints) {
   std::ranges::sort(weights, std::greater<>());
   double weightSum = std::accumulate(weights.begin(), weights.end(), 0.0);  // sum without the certain points

@@ -39,11 +39,11 @@ extern const std::string_view kScanViewStyle;    // scan_view.css
 extern const std::string_view kDatasetTemplate;  // dataset.html
 extern const std::string_view kDatasetStyle;     // dataset.css
 
-// Returns the indices of the finite points to show, ascending: all points, or `most` of them. Instances and classes
-// with few points are kept complete, the smallest first, as long as they take at most half of `most`. The other points
-// are thinned evenly along the scan, such that the fraction kept is proportional to the square of the distance. Since
-// the density of LiDAR points on a surface decreases with this square, near surfaces lose many points and far surfaces
-// few.
+// Returns the indices, ascending, of the finite points to show: all if they are at most `most`, otherwise `most` of
+// them. Instances and classes with few points are kept complete, the smallest first, as long as they take at most half
+// of `most`. The other points are thinned evenly along the scan; the fraction kept is proportional to the squared
+// distance. Since the density of LiDAR points on a surface decreases with the squared distance, mainly near surfaces
+// lose points.
 std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most);
 
 }  // namespace scanmill

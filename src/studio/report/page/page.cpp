@@ -22,7 +22,7 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") + 1 - first);
 }
 
-// Returns the four parts of a line, which are separated by " | "; missing parts are empty.
+// Splits a line that describes a table's column (see fillPage()) at " | " into four parts; missing parts are empty.
 std::vector<std::string> cellParts(const std::string& line) {
   std::vector<std::string> parts;
   for (std::size_t begin = 0; begin != std::string::npos;) {
@@ -122,7 +122,7 @@ std::string scriptSource(const std::string& script) {
   return fmt::format(" 'sha256-{}'", base64(bytes));
 }
 
-// Returns the body without all <template id="name">text</template>; stores the texts in `values` under their names.
+// Removes each <template id="name">text</template> from `body` and stores the text in `values` under the name.
 std::string withoutPartials(std::string body, Json& values) {
   constexpr std::string_view kBegin = "<template id=\"", kEnd = "</template>\n";
   for (std::size_t begin = body.find(kBegin); begin != std::string::npos; begin = body.find(kBegin)) {
@@ -189,8 +189,8 @@ std::string shellWord(const std::string& word, bool quote) {
   return "'" + quoted + "'";
 }
 
-// Replaces "<" by an escape sequence, and invisible control characters by U+FFFD, as escapeXml() does. In JSON, both
-// occur only in strings, where the escape sequence means the same. ASCII control characters are escaped already.
+// Replaces "<" by its escape sequence, which means the same in JSON strings, and invisible control characters by
+// U+FFFD, as escapeXml() does. Both occur only in strings. ASCII control characters are already escaped in JSON.
 std::string scriptJson(const std::string& json) {
   std::string safe;
   safe.reserve(json.size());

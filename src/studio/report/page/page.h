@@ -39,7 +39,7 @@ std::string fillPage(std::string_view body, Json values, const PageExtras& extra
 // Widths in pixels of charts that share a row of a page, and of charts alone in a row.
 inline constexpr int kHalfWidth = 575, kWholeWidth = 1150;
 
-// Returns a chart in the form that templates need; null if it has no points.
+// Returns the values of a chart that the template {{>chart}} needs, see fillPage(); null if the chart has no points.
 Json chartValues(const Chart& chart);
 // Returns several charts as an object {chart's name: chartValues(chart)}.
 Json chartValues(const std::vector<Chart>& charts);
@@ -53,12 +53,12 @@ std::string scriptJson(const std::string& json);
 // Contents of the files in this folder, which CMake embeds in the program.
 extern const std::string_view kPageLayout, kPageStyle, kPageScript;
 
-// Creates the folder before the study starts. Throws InputError if the folder contains files. With `overwrite`, the
-// folder may contain files if one of them is `result`, the file that shows that the folder has results of the same kind
-// of study. Removes nothing; old files remain until new files replace them.
+// Creates the report's folder before the study starts. The folder may exist if it is empty; with `overwrite`, also if
+// it contains the file `result`, which shows that the folder has a report of the same kind. Throws InputError
+// otherwise. Removes nothing; old files remain until new files replace them.
 void prepareReportFolder(const std::filesystem::path& folder, const std::string& result, bool overwrite);
 
-// Removes the file `result` if it exists, so that the folder does not look complete while its other files are written.
+// Removes the file `result`, if it exists: while other files are written, the folder must not look complete.
 void beginReport(const std::filesystem::path& folder, const std::string& result);
 
 }  // namespace scanmill

@@ -12,13 +12,13 @@ namespace scanmill {
 
 namespace {
 
-// Removes the deviation if there are only two pairs, which are the same two scans in both directions.
+// Removes the key `deviation` if there are at most two pairs: both consist of the same two scans, in either direction.
 void dropDeviationOfTwo(Json& spread) {
   if (!spread.is_null() && spread["pairs"] < 3) spread.erase("deviation");
 }
 
-// Completes the JSON of one pose for the page's tables: `pose` itself gets the figures of the reference level, and
-// `sources` gets one row for each source level.
+// Completes the JSON of one pose for the page's tables: adds the figures of the reference level to `pose` itself, and a
+// row for each source level to pose["sources"].
 void addTableRows(Json& pose, const Repeatability& result) {
   const std::size_t count = result.levels.size(), reference = result.reference;
   Json& fitness = pose["fitness_m2"];  // one cell for each pair of levels, by source and target
@@ -46,13 +46,13 @@ constexpr std::size_t kMostPoses = 7;  // maximum number of poses in one chart; 
 
 using FitnessKind = FitnessSpread LevelFitness::*;  // the fitness with or without ICP
 
-// Returns a series without points. Each view and each level has the same colour in all charts.
+// Returns a series without points. `color`: index in the charts' palette, modulo the palette's size.
 ChartSeries line(std::string name, std::size_t color) {
   return {.name = std::move(name), .color = color % kChartColors, .mark = ChartMark::LineAndDots};
 }
 
 // Adds a point at the mean, with an error bar of one standard deviation up and down, but not below the smallest value.
-// A mean below kRounding is drawn as 0 without an error bar.
+// A mean below kRounding is drawn as 0 without an error bar. A spread without values leaves a gap.
 void addFitness(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
   const bool isPositive = spread.count > 0 && spread.mean >= kRounding;
   const double low = std::max(spread.mean - spread.deviation, spread.low);
@@ -85,7 +85,7 @@ std::string distanceText(const RepeatedPose& pose) {
   return fmt::format("{:.3g} m", pose.distance);
 }
 
-// Adds a line: the fitness of pairs of scans with one noise level, against the distance of the view's poses.
+// Adds `series` with the fitness of pairs of scans with the noise `level`, against the distance of the view's poses.
 void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view, std::size_t level, FitnessKind kind,
              ChartSeries series) {
   for (const RepeatedPose* pose : posesByDistance(view)) {
@@ -94,7 +94,7 @@ void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view
   chart.series.push_back(std::move(series));
 }
 
-// Returns a chart with a line for each view: the fitness of scans with the reference noise against their distance.
+// Returns a chart of the fitness of scans with the reference noise against the distance, with a line for each view.
 Chart fitnessChart(const Repeatability& result, std::size_t method, FitnessKind kind, const char* name,
                    const char* title) {
   Chart chart = fitnessAxes(name, title,
@@ -108,7 +108,7 @@ Chart fitnessChart(const Repeatability& result, std::size_t method, FitnessKind 
   return chart;
 }
 
-// Returns a chart with a line for each view: the number of points with the reference noise against the distance.
+// Returns a chart of the number of points with the reference noise against the distance, with a line for each view.
 Chart pointsChart(const Repeatability& result, std::size_t method) {
   Chart chart{.name = "points",
               .title = "Points against distance",

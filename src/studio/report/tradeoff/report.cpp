@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMostColumns = 6;  // maximum number of settings in the table of classes
 
-// Returns the JSON of the errors in tradeoff.json with derived figures and without empty spreads.
+// Returns `json`, the JSON of `errors` in tradeoff.json, with added derived figures and without empty spreads.
 Json errorsJson(Json json, const GroupErrors& errors) {
   for (const char* spread : {"range_m", "intensity", "nearest_to_m", "nearest_from_m"}) {
     if (json.at(spread).at("count") == 0) json.erase(spread);
@@ -160,8 +160,8 @@ class StudyPage {
     }
   }
 
-  // Adds a table of stages for each method, since methods have different stages. Its first columns are the method's
-  // stages, the others are the stages that all settings have in common.
+  // Adds a table of stages for each method, since methods have different stages. The first columns of a table are the
+  // method's stages; the further columns are the stages that all settings have in common.
   void stages() {
     const auto stageCell = [&](double seconds) {
       if (seconds <= 0) return Json::object();
@@ -200,8 +200,8 @@ class StudyPage {
     }
   }
 
-  // Adds the advice and all settings, each with the command-line argument that selects the setting. `picked`: the
-  // argument of the first advised setting, or of the first that was measured.
+  // Adds the advice and all measured settings, each with the command-line argument that selects the setting. Sets
+  // `picked` to the argument of the first advised setting or, without advice, of the first measured setting.
   void use() {
     for (const Advice& a : advise(study_)) {
       std::string argument;

@@ -36,18 +36,18 @@ std::vector<Chart> studyCharts(const Study& study);
 inline constexpr std::array kStudyFiles{"pareto", "errors_by_range", "errors_by_incidence", "encodings"};
 
 using GroupsOfErrors = std::vector<ErrorGroup> BeamErrors::*;
-// Returns the names of the groups in which at least one of the settings has beams, in the order of the groups.
+// Returns the names of the groups with beams in any of the settings (indices in Study::settings), in the groups' order.
 std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings,
                                     GroupsOfErrors groups);
 
-// Returns at most `most` noteworthy settings as indices in Study::settings: the methods with their defaults, the
-// fastest setting of each method, and the Pareto fronts (see frontOf()).
+// Returns the first `most` noteworthy settings, as indices in Study::settings: first each method with its defaults,
+// then the fastest setting of each method, then the settings on the Pareto fronts (see frontOf()).
 std::vector<std::size_t> shownSettings(const Study& study, std::size_t most);
 
 // Returns the index of a method's colour in the charts' palette. All charts of a report use this colour for the method.
 std::size_t methodColor(const std::string& method);
-// Returns colours (indices in the palette) for settings; all differ if the palette has enough. The first setting of
-// each method gets the method's colour. `settingMethods`: the method of each setting.
+// Returns a colour (index in the palette) for each setting; the colours differ as long as the palette has enough. The
+// first setting of each method gets the method's colour. `settingMethods`: the method of each setting.
 std::vector<std::size_t> settingColors(const std::vector<std::string>& settingMethods);
 
 }  // namespace scanmill

@@ -62,8 +62,8 @@ std::string settingDetail(const Study& study, const SettingResult& s) {
       metresText(e.range.median), metresText(e.range.p99), shareText(e.labels()), shareText(e.missRate()));
 }
 
-// Returns the options in the name of a setting or encoding, such as "resolution=512"; if the name has none, returns the
-// name as words. `owner`: the name's first word, a method or format, which charts show by colour.
+// Returns the part of a setting's or encoding's name after `owner`, its method or format: the options, such as
+// "resolution=512". If the name does not start with `owner` and a space, returns the name as words.
 std::string optionsIn(const std::string& name, const std::string& owner) {
   return name.starts_with(owner + " ") ? name.substr(owner.size() + 1) : keyAsWords(name);
 }
@@ -94,8 +94,8 @@ ChartSeries frontLine(const std::vector<Vec2d>& front, const std::vector<Vec2d>&
   return line;
 }
 
-// Returns `chart` with a mark for each measured setting. `front`: the settings on the Pareto front, which are
-// emphasised.
+// Returns `chart` with a mark for each measured setting and emphasised marks for the settings on the Pareto front.
+// `front`: indices of these settings in Study::settings.
 Chart frontChart(const Study& study, Chart chart, const Measure& measure, const std::vector<std::size_t>& front) {
   chart.x = {.title = "beams per second (right is better)", .scale = AxisScale::Log};
   chart.y = measure.axis(" (lower is better)");
@@ -128,8 +128,8 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
   return chart;
 }
 
-// Returns the y value of a setting and the text of its mark. `errors`: the setting's errors. `name`: index in
-// ChartAxis::names of the x axis. The y value is NaN if the setting has none.
+// Returns the y value of a setting's mark, NaN for no mark, and the text of the mark. `errors`: the setting's errors.
+// `name`: index of the mark in ChartAxis::names of the x axis.
 using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
 
 // Returns `chart` with one series per setting. A series has one mark for each name on the x axis; the marks for the
@@ -153,7 +153,7 @@ Chart settingsChart(const Study& study, const std::vector<std::size_t>& settings
   return chart;
 }
 
-// Returns `chart` with a setting's errors in each group of beams. `bands`: title of the x axis.
+// Returns `chart` with a line for each shown setting: the error in each group of beams. `bands`: title of the x axis.
 Chart bandChart(const Study& study, Chart chart, const char* bands, GroupsOfErrors groups, const Measure& measure) {
   const std::vector<std::size_t> settings = shownSettings(study, kMostLines);
   const std::vector<std::string> names = groupNames(study, settings, groups);
@@ -166,7 +166,8 @@ Chart bandChart(const Study& study, Chart chart, const char* bands, GroupsOfErro
   });
 }
 
-// Returns `chart` with the share of object instances that a setting finds, by size. `sizes`: title of the x axis.
+// Returns `chart` with a line for each shown setting: the share of object instances found, by size. `sizes`: x axis
+// title.
 Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vector<SizeRecall> BeamErrors::*recall) {
   const std::vector<std::size_t> settings = shownSettings(study, kMostLines);
   chart.note = "share of the things with a true hit that at least one beam hits";

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kFewestCompared = 50;  // a set with fewer patches in a band has no value for this band
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
-// Upper ends of the bands of ranges (m). A last band without upper end follows.
+// Upper bounds of the range bands (m); one more band, without an upper bound, follows the last bound.
 constexpr std::array<double, 5> kRangeBands{5, 10, 20, 40, 80};
 constexpr std::size_t kRangeBandCount = kRangeBands.size() + 1;
 
@@ -61,8 +61,8 @@ Strata strataOf(const Patches& patches, const Groups& groups, std::size_t featur
   return strata;
 }
 
-// The separations of a feature in several strata, and the feature's values in these strata. The weight of a stratum is
-// its number of values in the set that has fewer of them.
+// Sums a feature's separations over strata and collects the feature's values in these strata. The weight of a stratum
+// is the number of its values in the set that has fewer values there.
 struct SeparationSum {
   double weight = 0;
   double strength = 0, area = 0;  // sums of |ROC area - 0.5| and of ROC area - 0.5, both times the weight
@@ -98,7 +98,7 @@ struct SeparationSums {
   SeparationSum all;  // sum over the strata of all groups
 };
 
-// Returns the separations of the strata in which both sets have enough patches, added up by group and in all.
+// Sums the separations of the strata in which both sets have enough patches, over each group and over all groups.
 SeparationSums separate(const Strata& real, const Strata& simulated) {
   SeparationSums sums;
   for (const auto& [stratum, realValues] : real) {
@@ -114,7 +114,7 @@ void sortByStrength(std::vector<Separation>& list) {
   std::ranges::stable_sort(list, std::greater<>(), &Separation::strength);
 }
 
-// Sets the fractions of the patches in each band of ranges.
+// Sets `ranges` of the result: for both sets, the fraction of the patches in each range band.
 void addRanges(SetComparison& result) {
   const auto countsOf = [](const Patches& patches) {
     std::vector<std::uint64_t> counts(kRangeBandCount, 0);
@@ -130,8 +130,8 @@ void addRanges(SetComparison& result) {
 
 constexpr std::size_t kNoBand = std::numeric_limits<std::size_t>::max();  // the patch belongs to no band
 
-// Returns the median intensities of the patches in each of the named bands; bands in which neither set has enough
-// patches are left out. bandOf(patches, i) returns the band of patch i; kNoBand if it belongs to none.
+// Returns the median intensities of both sets' patches in each named band; NaN if a set has too few patches in the
+// band. Omits bands with too few in both. bandOf(patches, i) returns the band of patch i, or kNoBand.
 std::vector<BandComparison> intensityBands(const SetComparison& result, const std::vector<std::string>& names,
                                            const auto& bandOf) {
   const auto medians = [&](const Patches& patches) {
@@ -221,7 +221,8 @@ std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   return {std::move(bySimulated.ofOther), std::move(bySimulated.ofOwner)};
 }
 
-// Adds the groups with their shares and separations. `real`, `simulated`: groups by patch. `sums`: one per feature.
+// Adds the groups, with shares and separations, to the result. `real`, `simulated`: group of each patch of the set.
+// `sums`: one per feature.
 void addGroups(SetComparison& result, const Groups& real, const Groups& simulated,
                const std::vector<SeparationSums>& sums) {
   std::map<std::uint16_t, std::pair<std::uint64_t, std::uint64_t>> counts;

@@ -87,7 +87,7 @@ struct ScanSetOptions {
 };
 
 // Reads and measures a set of scans: any dataset or folder that ScanStore can open (dataset/scan_store.h). Throws
-// InputError; throws Error if `*options.stop` becomes true.
+// InputError if the set cannot be read or has no points, and Error if `*options.stop` becomes true.
 ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& options, Progress& progress);
 // Measures scans in memory in the same way as readScanSet().
 ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
@@ -97,8 +97,8 @@ ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::opti
 // so that different places alone cause no differences.
 struct Separation {
   std::size_t feature = 0;  // index into kPatchFeatures
-  // The mean of |area under the ROC curve - 0.5| over bands, weighted by the number of patches in the smaller set. 0:
-  // the sets do not differ; 0.5: a single patch is enough to tell the sets apart.
+  // The mean of |area under the ROC curve - 0.5| over all groups and range bands, weighted by the number of patches in
+  // the smaller set. 0: the sets do not differ; 0.5: a single patch is enough to tell the sets apart.
   double strength = 0;
   // The mean area under the ROC curve, weighted as `strength`; above 0.5 if the simulated set has the greater values.
   double area = 0.5;

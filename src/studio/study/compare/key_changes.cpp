@@ -18,7 +18,8 @@
 namespace scanmill {
 namespace {
 
-// A key of an effect and a figure that grows as a power of the key's value, if other influences stay the same.
+// A key of an effect, and a figure to which a power of the key's value is proportional if other influences stay the
+// same.
 struct KeyInfluence {
   std::string_view figure;  // name of an entry in kPatchFeatures, kSetFigures or both
   double leastFigure = 1;   // if both sets' figures (as shown to users) are below, they may differ by chance
@@ -63,9 +64,9 @@ FigurePair shownPair(const ComparedFigure& figure, double real, double simulated
   return {real * figure.factor, simulated * figure.factor, figure.title, figure.unit};
 }
 
-// Returns the figure `name` of the complete sets, which is corrected for chance; if they have no such figure, the
-// feature `name` of patches. Returns nothing if the figure is not positive in both sets, or if figure and feature exist
-// and suggest opposite changes, since the difference then has another cause than the key.
+// Returns the set figure `name`, which is corrected for chance; if there is none, the patch feature `name`. Returns
+// nothing if the figure is not positive in both sets. Also returns nothing if set figure and patch feature suggest
+// opposite changes, since something other than the key then causes the difference.
 std::optional<FigurePair> figureFor(const SetComparison& comparison, std::string_view name) {
   std::optional<FigurePair> ofSets, ofPatches;
   for (std::size_t i = 0; i < kSetFigureCount; ++i) {
@@ -123,7 +124,8 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
   list.items = pipelineItems;
   for (const KeyChange& change : advice) {
     const auto index = static_cast<std::size_t>(effectNamed(list.items, change.effect) - list.items.begin());
-    // If the effect is in the sensor's file, an item after the word `sensor` overrides the effect's key.
+    // If the pipeline's list lacks the effect, the sensor's file has it; an item at the end of the list overrides the
+    // key.
     if (index == list.items.size()) list.items.emplace_back();
     if (list.items[index].kind != Value::Kind::Map) list.items[index] = {};  // setValue() makes a map of it
     setValue(list, fmt::format("{}.{}.{}={:g}", index, change.effect, change.key, change.suggestedValue));

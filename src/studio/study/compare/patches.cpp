@@ -15,7 +15,7 @@ constexpr std::size_t kFewestInPatch = 12;  // least number of points to which a
 constexpr double kPlanar = 0.35;            // thickness divided by width, below which a patch counts as a plane
 constexpr double kLevel = 25;               // angle to the horizontal (degrees) below which a plane counts as level
 constexpr double kUpright = 65;             // angle to the horizontal (degrees) above which a plane counts as upright
-// Cosine of 60 degrees; at larger incidence angles offsets along the beam are not measured.
+// Cosine of 60 degrees; Patches::ringOffset is not measured at larger incidence angles.
 constexpr double kLeastCosine = 0.5;
 // Points are on one surface if their ranges differ by less than kNear (m) or than the range times kNearShare.
 constexpr double kNear = 0.5, kNearShare = 0.1;
@@ -106,10 +106,11 @@ class PatchMeter {
   static std::size_t indexOf(int dr, int dc) {
     return static_cast<std::size_t>((dr + kPatchRowReach) * kWide + dc + kPatchReach);
   }
-  // Returns the pixel that is `dr` rows below and `dc` columns beside the patch's middle.
+  // Returns the pixel `dr` rows below and `dc` columns to the right of the patch's middle; kNone beyond the grid's
+  // edges.
   std::uint32_t pixelAt(int dr, int dc) const { return window_[indexOf(dr, dc)]; }
 
-  // Fits a plane to the window's points on the surface; sets the patch's kind, incidence, thickness and steepness.
+  // Fits a plane to the window's points on the surface; sets the patch's kind, incidence, thicknesses and steepness.
   void addShape(const Vec3d& middle, Patches& out) {
     points_.clear();
     for (const std::uint32_t pixel : window_) {
@@ -161,8 +162,9 @@ class PatchMeter {
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
   }
 
-  // If the middle's range lies between the two sides of a range step, sets the smaller of its distances from the sides
-  // as a fraction of the step. Does so only if both sides are smooth, not gaps between leaves or twigs.
+  // Sets Feature::Mixed if the middle's range lies between the ranges of its left and right neighbours: the smaller
+  // difference from either, as a fraction of the step. Ignores small steps, and sides that are not smooth, such as
+  // foliage.
   void addMixed(Patches& out) const {
     const double edge = std::fabs(rangeAt(1) - rangeAt(-1));
     if (!(edge >= kEdge) || !isSmooth(-2, -1) || !isSmooth(1, 2)) return;
@@ -172,8 +174,8 @@ class PatchMeter {
     set(Feature::Mixed, std::min(fromNearer, 1 - fromNearer), out);
   }
 
-  // Measures the ranges' deviation from a parabola over seven columns. The parabola is fitted with polynomials that are
-  // orthogonal over the columns k from -3 to 3: 1, k and k^2 - 4. Their sums of squares are 7, 28 and 84.
+  // Sets Feature::RangeScatter: the ranges' deviation from a parabola fitted over seven columns. The fit uses
+  // polynomials orthogonal over the columns k from -3 to 3: 1, k and k^2 - 4. Their sums of squares are 7, 28 and 84.
   void addRangeScatter(Patches& out) const {
     constexpr int kFit = 3;
     if (!isSmooth(-kFit, kFit)) return;

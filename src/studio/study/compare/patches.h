@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures features of patches of a scan. A patch is a window of neighbouring returns around a point, as large as what
-// the first layers of a network see.
+// Measures features of patches of a scan. A patch is a window of neighbouring returns around a point, about as large as
+// the receptive field of the first layers of a network.
 
 #include <array>
 #include <cstddef>

@@ -21,7 +21,7 @@ double elevationOf(const Vec3f& p) {
   return std::atan2(static_cast<double>(p.z), std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
 }
 
-// Builds the grid of a scan with one of three fill functions: for known beams, for known rings, or for angles only.
+// Builds the grid of a scan. One of three functions fills it: for known beams, for known rings, or for angles only.
 class GridMaker {
  public:
   explicit GridMaker(const Scan& scan) : scan_(scan), azimuth_(scan.size()) {
@@ -65,8 +65,8 @@ class GridMaker {
     grid_.range[pixel] = range;
   }
 
-  // Returns the row of each ring. Rows are in the order of ring numbers, reversed if elevations rise with them. Rings
-  // with points then exchange rows among themselves, such that their median elevations decrease downwards.
+  // Returns the row of each ring. Rows follow the ring numbers, reversed if elevations rise with the numbers. The rows
+  // of rings with points are then permuted such that the median elevations decrease downwards.
   std::vector<std::uint32_t> rowsOfRings(const PointsOfRings& ofRing) const {
     const auto rings = static_cast<std::uint32_t>(ofRing.size());
     std::vector<double> elevation(rings);  // median of each ring with points (rad)
@@ -103,7 +103,8 @@ class GridMaker {
     return medianOf(std::move(steps));
   }
 
-  // Returns the azimuth of column 0 of a ring (rad): the median over the ring's points. `step`: see columnStep().
+  // Returns the azimuth of a ring's column 0 (rad): the median of the estimates from each point. `step`: see
+  // columnStep().
   double firstAzimuth(const std::vector<std::uint32_t>& points, double step) const {
     const auto azimuthOfColumn0 = [&](std::uint32_t i) { return azimuth_[i] - step * keyOf(scan_, i).column; };
     const double estimate = azimuthOfColumn0(points[points.size() / 2]);
@@ -138,8 +139,8 @@ class GridMaker {
     }
   }
 
-  // Returns the number of columns per revolution, from the median azimuth step between consecutive points of a ring.
-  // `ofRing`: sorted by azimuth.
+  // Returns the number of columns per revolution, from the median azimuth step between consecutive points of a ring;
+  // 1024 if no ring has two points. `ofRing`: the points of each ring, sorted by azimuth.
   std::uint32_t columnsPerTurn(const PointsOfRings& ofRing) const {
     constexpr double kUsualColumns = 1024;  // used if no ring has two points
     std::vector<double> steps;

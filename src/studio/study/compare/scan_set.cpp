@@ -59,7 +59,7 @@ struct ScanMeasures {
   }
 };
 
-// Counts the beams without a return in a row that is below the horizon and has at least one return.
+// Counts the beams without a return in a row. The row must be below the horizon and have at least one return.
 void countMissing(const RangeGrid& grid, std::uint32_t row, ScanMeasures& counts) {
   counts.below += grid.columns;
   const auto isMissing = [&](std::uint32_t column) { return grid.point[grid.at(row, column)] == RangeGrid::kNone; };
@@ -140,9 +140,9 @@ GroundCells cellsOf(const std::vector<Vec3d>& points, double size) {
   return cells;
 }
 
-// Returns the ground's points by cell of kCell, without the cells that contain objects; nothing if too few points
-// remain. The ground is found by a plane that is fitted to the lowest point in each cell of 4 m, then twice to all
-// points within 0.5 m of the previous plane. The limits were chosen by eye.
+// Returns the ground's points by cell (edge kCell), without cells that contain objects; nothing if too few points
+// remain. A plane is fitted to the lowest point in each cell of 4 m, then twice to all points within 0.5 m of the
+// previous plane; points within 0.5 m of the last plane are the ground. The limits were chosen by eye.
 GroundCells groundOf(const Scan& scan, const RangeGrid& grid) {
   constexpr double kLeastDepth = 0.3;    // m below the sensor
   constexpr double kMostDistance = 0.5;  // m from the plane
@@ -177,8 +177,8 @@ GroundCells groundOf(const Scan& scan, const RangeGrid& grid) {
   return remainingPoints < kFewestPoints ? GroundCells() : cells;
 }
 
-// Returns the points of a cell relative to their mean (m); nothing if they are nearly on a line, such as those of one
-// ring, so that they do not determine a plane.
+// Returns the points of a cell relative to their mean (m); nothing if they hardly vary in x or in y, as points of one
+// ring may do, since no plane can then be fitted.
 std::vector<Vec3d> centred(std::vector<Vec3d> points) {
   constexpr double kLeastDeviation = 0.05;  // m, least standard deviation in x and in y
   const double share = 1 / static_cast<double>(points.size());

@@ -45,9 +45,10 @@ double withoutStep(double deviation, double step) {
   return std::sqrt(std::max(0.0, deviation * deviation - step * step / 12));
 }
 
-// Returns the bootstrap standard error of `measure`: its standard deviation over sets of equally many patches, sampled
-// with replacement (Efron, "Bootstrap methods: another look at the jackknife", 1979). Complete patches are sampled,
-// since the points of a patch share a surface and are not independent. `stream`: selects the random numbers.
+// Returns the bootstrap standard error of `measure`: its standard deviation over samples of the patches with
+// replacement (Efron, "Bootstrap methods: another look at the jackknife", 1979); 0 for fewer than two patches. Complete
+// patches are sampled, since a patch's points share a surface and are not independent. `stream`: selects the random
+// numbers.
 double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
                       const std::function<double(const FlatPatches&)>& measure) {
   if (patches.size() < 2) return 0;
@@ -67,7 +68,7 @@ double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
   return std::sqrt(std::max(0.0, squares / kResamples - mean * mean) * kResamples / (kResamples - 1));
 }
 
-// Returns the fraction of the patches' enclosed beams that are holes. `stream`: selects the random numbers.
+// Returns FlatPatch::holes divided by FlatPatch::enclosed, over all patches. `stream`: selects the random numbers.
 MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
   const auto count = [](const FlatPatches& counted) {
     MeasuredShare dropOut;
@@ -79,7 +80,7 @@ MeasuredShare dropOutOf(const FlatPatches& patches, std::uint32_t stream) {
   };
   MeasuredShare dropOut = count(patches);
   if (dropOut.beams == 0) return dropOut;
-  // If no return is lost, the bootstrap error would be 0, which is too small: the share of one lost return is used.
+  // If no return is lost, the bootstrap error is 0, which is too small; the error is then the share of one lost return.
   dropOut.error =
       dropOut.lost == 0
           ? 1 / static_cast<double>(dropOut.beams)
@@ -129,7 +130,7 @@ std::string whyLeftOut(const PatchGroup& band) {
   return {};
 }
 
-// Returns the bands of ranges that have patches.
+// Returns the noise in each range band that has patches. `step`: see NoiseFit::step.
 std::vector<PatchGroup> measureBands(const FlatPatches& patches, double step) {
   const std::vector<double> edges = rangeBandEdges();
   std::vector<FlatPatches> perBand(edges.size());
@@ -146,7 +147,8 @@ std::vector<PatchGroup> measureBands(const FlatPatches& patches, double step) {
   return bands;
 }
 
-// Returns the factor of a band's equation in the fit: 1 / the standard error of its sigma (1/m).
+// Returns the weight of a band's equation in the fit (1/m): 1 / the standard error of its sigma, but at most 1 /
+// kLeastError.
 double weightOf(const PatchGroup& band) {
   return 1 / std::max(band.error, kLeastError);
 }
@@ -187,8 +189,8 @@ void addStandardErrors(const std::vector<const PatchGroup*>& used, FreeTerms fre
   }
 }
 
-// Fits the line sigma = base + growth * range to the bands. Negative coefficients are replaced by zero, since noise
-// cannot be negative and does not decrease with range.
+// Fits the line sigma = base + growth * range to the bands. If a coefficient is negative, sets it to zero and fits the
+// other alone, since noise cannot be negative and does not decrease with range.
 void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   FreeTerms free{.base = true, .growth = used.size() > 1};
   LinearFit line = fitTerms(used, free);
@@ -209,7 +211,7 @@ void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   addStandardErrors(used, free, fit);
 }
 
-// Joins names, at most three of them, such as "a, b, c and 3 more".
+// Returns the names separated by commas; if more than three, the first three and a number: "a, b, c and 3 more".
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 3;
   if (names.size() <= kShown) return fmt::format("{}", fmt::join(names, ", "));
@@ -255,8 +257,9 @@ std::string linesOf(const std::vector<std::string>& lines, LineSpan span) {
   return text;
 }
 
-// Returns the lines of those effects in a file that `newEffects` does not replace (see withEffects()), with the
-// comments above each effect. `list`: the file's effects. `key`: the lines of the key `effects` and its value.
+// Returns the lines of the file's effects that are not replaced by `newEffects` (see withEffects()), with the comments
+// above each. Throws InputError if two effects are on one line. `list`: the file's effects. `key`: lines of the key
+// `effects`.
 std::string keptEffects(const Value& list, const std::vector<std::string>& lines, LineSpan key,
                         const std::string& newEffects) {
   std::vector<std::string> replaced;
@@ -414,7 +417,7 @@ std::string withEffects(const std::string& text, const std::string& file, const 
   std::vector<std::string> lines;
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  // The lines of the key `effects` and its value, up to the next key. If the key is absent: none, at the file's end.
+  // Lines from the key `effects` up to the next key; if `effects` is absent, an empty span at the file's end.
   LineSpan key{lines.size(), lines.size()};
   for (const Value::Entry& entry : root.entries) {
     const auto line = static_cast<std::size_t>(entry.value.keyLine - 1);

@@ -14,9 +14,8 @@
 
 namespace scanmill {
 
-// The errors of rings, which differ from ring to ring. The plane that is fitted to each patch absorbs errors that its
-// rings have in common and errors that grow linearly over its rings. Only differences between neighbouring rings can be
-// measured.
+// One error per ring and the spread of these errors over the rings. Only differences between neighbouring rings can be
+// measured, since the plane fitted to each patch absorbs errors that are common to its rings or linear over them.
 struct RingSpread {
   std::vector<double> ofRing;  // error of each ring; 0 if no patch contains the ring
   double sigma = 0;            // standard deviation between rings, after removing the part due to noise
