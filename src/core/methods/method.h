@@ -17,9 +17,9 @@
 namespace scanmill {
 
 std::span<const MethodEntry> methods();
-// Returns the method with this name. If there is none, throws InputError, which suggests a name or lists all names.
+// Returns the method with this name. If no method has the name, throws InputError at `where`, with a suggestion.
 const MethodEntry& requireMethod(std::string_view name, const Location& where);
-// Returns the method with this name; null if there is none.
+// Returns the method with this name; null if no method has the name.
 const MethodEntry* findMethod(std::string_view name);
 // Returns the first entry of methods() with the capability `can`. At least one method must have this capability.
 const MethodEntry& firstMethodThat(bool MethodCapabilities::*can);

@@ -33,7 +33,7 @@ struct NearestFacet {
   std::uint32_t triangle = kNoTriangle;
 };
 
-// Caches the facets of recently used triangles in the frame of the current brick.
+// Caches facets of recently used triangles in the frame of the current brick. startBrick() invalidates all of them.
 class FacetCache {
  public:
   void startBrick() { ++brick_; }
@@ -57,8 +57,8 @@ class FacetCache {
   std::uint32_t brick_ = 0;
 };
 
-// Returns the triangle nearest to a point (frame of the brick). This is `guess`, unless another triangle is nearer, or
-// is equally near and has a lower orderOf().
+// Returns the triangle nearest to `point` (in the brick's frame). The result is `guess` if no other triangle is nearer,
+// or equally near with a lower orderOf().
 NearestFacet nearestFacet(const World& world, const BrickFrame& frame, const Vec3f& point, const NearestFacet& guess,
                           FacetCache& facets);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Beams on a device, for shaders that compute rays. Beam tables stay on the device; for each shot, poses are uploaded.
+// Beams on a device, for shaders that compute rays. Beam tables stay on the device; each shot's poses are uploaded.
 
 #include <algorithm>
 #include <cstddef>
@@ -30,7 +30,7 @@ class DeviceBeams {
   };
 
   // Uploads the shots' poses and, unless the device has them already, the rays of their table. The kTables most
-  // recently used tables stay on the device, for the sensors of a vehicle.
+  // recently used tables stay on the device, because the sensors of a vehicle take turns.
   void ensureUploaded(const Shots& shots) {
     std::vector<double> poses;
     for (const ShotFrame* frame : shots.frames) appendPoses(*frame, poses);

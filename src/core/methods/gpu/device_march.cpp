@@ -200,8 +200,8 @@ void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
   pool.field = field;
 }
 
-// Uploads the elements that are not on the device yet. `capacity`: number of elements for which the array gets space.
-// `contents`: name of the array in messages.
+// Uploads the elements that are not on the device yet; the array only ever grows at its end. If its buffer is too
+// small, it gets space for `capacity` elements. `contents`: name of the array in messages.
 template <class T>
 void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<const T> elements, std::size_t capacity,
                           const char* contents) {

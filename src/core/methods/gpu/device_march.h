@@ -29,7 +29,7 @@ constexpr std::uint32_t kParticleDone = 0x80000000u;  // flag: the particle's re
 extern const std::string_view kRaysShader;
 
 // These functions return the texts of programs for fields with or without lists of triangles: the launch program
-// creates particles, the march program takes their steps, and the last program computes hits from their records.
+// creates particles, the march program takes their steps, and the resolve program computes hits from their records.
 std::string launchShader(bool lists);
 std::string marchShader(bool lists);
 std::string resolveShader(bool lists);
@@ -119,7 +119,7 @@ class DeviceMarch {
 
   enum class Marching { All, BehindHoles };  // all particles, or only those that continue behind a hole
 
-  // reserve() makes room for particles and their records; run() marches them through the field uploaded last.
+  // Reserves memory for particles and their records. run() marches these particles through `field`, uploaded last.
   void reserve(bool lists, std::size_t particles);
   void run(const DistanceField& field, std::uint32_t maxSteps, std::size_t particles, Marching which);
 

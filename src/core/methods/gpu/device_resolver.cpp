@@ -28,7 +28,7 @@ std::uint32_t bitsOf(Channels channels) {
 
 static_assert(kChannels.size() == 8, "say in ColumnOffsets and copyHits() where the new channel is");
 
-// Starts of the requested columns, in words of 4 bytes. Class and material share a column.
+// Offsets of the requested columns in the columns' buffer, in words of 4 bytes. Class and material share a column.
 struct ColumnOffsets {
   ColumnOffsets(Channels channels, std::size_t rays) : end(rays) {
     // Returns the start of the next column, which has `words` words per ray if it is requested.
@@ -58,11 +58,10 @@ DeviceWord wordOf(double a, double b) {
   return std::bit_cast<DeviceWord>(std::array{a, b});
 }
 
-// Creates the words of materials, and the texels of their textures. Materials that give the texels of a texture the
-// same values share these texels.
+// Fills LabelTables::materials and LabelTables::texels. Materials that give the texels of a texture the same values
+// share these texels.
 class MaterialTables {
  public:
-  // Appends to LabelTables::materials and LabelTables::texels.
   explicit MaterialTables(LabelTables& tables) : tables_(tables) {}
 
   // Appends a material, and its texels unless an earlier material has equal texels.

@@ -18,12 +18,12 @@
 
 namespace scanmill {
 
-// The tables of a flat world's triangles, materials and texels, as shaders read them: arrays of 16-byte words.
+// An element of the tables of triangles and materials that shaders read.
 using DeviceWord = std::array<std::uint32_t, 4>;
 
-// Two words for the plane (the normal's x, y, z and the offset, in double) and one for the labels: the instance id,
-// class | material << 16, the triangle's index in its mesh, and the number 1 + index in LabelTables::textured; 0 if the
-// triangle is not textured.
+// The first two words have the plane: the normal's x, y, z and the offset, in double. The third word has the instance
+// id, class | material << 16, the triangle's index in its mesh, and 1 + its index in LabelTables::textured, or 0 if the
+// triangle is not in that list.
 struct TriangleRecord {
   DeviceWord normalXY, normalZOffset, label;
 };
@@ -76,12 +76,12 @@ class DeviceResolver {
  public:
   explicit DeviceResolver(const ComputeDevice& device);
 
-  // Uploads the planes and labels of all triangles of a flat world, with its materials.
+  // Uploads the labelTables() of a flat world.
   void uploadMeshes(const World& world);
 
   static ResolverParameters parameters(const BeamTable& beams, Channels channels, std::size_t rays);
 
-  // Reserves space for the hits of `rays` rays.
+  // Reserves space in columns() for the requested channels of `rays` rays, bytesPerRay() for each ray.
   void reserve(Channels channels, std::size_t rays);
   static std::uint64_t bytesPerRay(Channels channels);
   // Returns the buffer for binding 5 of programs that include hit_columns.glsl.

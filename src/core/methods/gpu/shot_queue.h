@@ -89,7 +89,7 @@ class ShotQueue {
     changed_.notify_all();
   }
 
-  // Returns a batch that becomes free again when its last user drops it.
+  // Waits for a free batch and returns it. The batch becomes free again when the last copy of the pointer is destroyed.
   std::shared_ptr<Batch> freeBatch(std::unique_lock<std::mutex>& lock) {
     changed_.wait(lock, [&] { return !free_.empty(); });
     Batch* const batch = free_.back().release();
@@ -102,8 +102,8 @@ class ShotQueue {
             }};
   }
 
-  // Submits works together, sets the results of their Waiting, and returns true. If submitting several works fails,
-  // sets no results and returns false.
+  // Submits works in one dispatch, sets the batch or the failure in each Waiting, and returns true. If submitting fails
+  // and there are several works, changes no Waiting and returns false.
   bool dispatch(const std::vector<Waiting*>& together, std::shared_ptr<Batch> batch,
                 std::unique_lock<std::mutex>& lock) {
     std::vector<const Work*> works;

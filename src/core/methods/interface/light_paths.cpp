@@ -117,8 +117,8 @@ class LightFollower {
                          .path = isMirrored ? RayPath::Mirrored : RayPath::ThroughGlass});
   }
 
-  // Returns a shot with these rays as the beams of a single ring, in world axes, relative to the sensor's position at
-  // the start of the revolution. The shot refers to remaining_, and is valid until the next call.
+  // Returns a shot whose beams are `rays`, in a single ring. The shot's frame has world axes and its origin at the
+  // sensor's position at the start of the revolution. The shot refers to remaining_: it is valid until the next call.
   Shot shotOf(const std::vector<ContinuedRay>& rays) {
     auto table = std::make_shared<BeamTable>();
     table->model = shot_.beams->model;

@@ -31,18 +31,18 @@ constexpr float kMirrorRoughness = 0.1f;
 // reflects, at this cosine of the angle of incidence (Fresnel; Born and Wolf, "Principles of Optics", 7th ed., 1.5.2).
 double fresnel(double cosine, double index);
 
-// The total fractions of light that a pane reflects and transmits. A pane has two faces between air and its material,
-// and its inside transmits the fraction `inside`. Both totals are sums of the geometric series of internal reflections
-// (Born and Wolf, section 7.6, without interference).
+// paneOf() returns the fractions of light that a pane reflects and transmits in total. A pane has two faces between air
+// and its material, and its inside transmits the fraction `inside`. Both totals are sums of the geometric series of
+// internal reflections (Born and Wolf, section 7.6, without interference). `cosine`, `index`: see fresnel().
 struct Pane {
   double reflected = 0;
   double transmitted = 0;
 };
 Pane paneOf(double cosine, double index, double inside);
 
-// Returns the fraction of light that a surface reflects as a mirror; 0 if the roughness exceeds kMirrorRoughness. A
-// transmissive material reflects as a pane. Otherwise Material::metallic interpolates between a metal (Schlick, "An
-// inexpensive BRDF model for physically-based rendering", 1994, eq. 15) and a smooth dielectric.
+// Returns the fraction of light that a surface reflects as a mirror (`cosine`: of the angle of incidence); 0 if the
+// roughness exceeds kMirrorRoughness. A transmissive material reflects as a pane, others between a metal (Schlick, "An
+// inexpensive BRDF model for physically-based rendering", 1994, eq. 15) and a smooth dielectric (Material::metallic).
 double mirrored(const Material& material, double cosine, double reflectance);
 
 // Follows rays through transmissive materials (in the same direction) and off mirrors (in the mirrored direction), as

@@ -70,7 +70,7 @@ SensorField FieldStore::around(const Vec3d& sensor, double range, StageClock& cl
   return {.world = world, .field = fieldOf(world, shape, clock), .box = box, .coversScene = contains(box, scene)};
 }
 
-// Returns the field with this shape. If it is not in the cache, this thread builds it, or helps another to build it.
+// Returns the field with this shape, cached or newly built. While another thread builds a field, helps this thread.
 std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<const World>& world,
                                                          const FieldShape& shape, StageClock& clock) const {
   for (;;) {

@@ -14,7 +14,7 @@ double inverseOf(double component) {
   return 1 / (std::fabs(component) < kSmallest ? kSmallest : component);
 }
 
-// Clips sections of lines to low <= x <= high (m). `origin`, `direction`: x components of the lines; x may be any axis.
+// Clips lines' sections to low <= x <= high (m), where x may be any axis. `origin`, `direction`: components along x.
 void clip(double low, double high, const Lane& origin, const Lane& direction, Sections& sections) {
   for (int i = 0; i < kPacket; ++i) {
     const double inverse = inverseOf(direction[i]);
@@ -48,7 +48,7 @@ void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particl
     setUpRays(job.shot, job.frame, tiles[t], rays);
     Sections inside = sectionsInsideBox(job, rays);
     std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);  // surplus particles are misses
-    // Sets the tile's values of a column to valueOf(lane).
+    // In one column of the particles, sets the values of the tile's lanes to valueOf(lane).
     const auto fill = [t](std::vector<float>& column, const auto& valueOf) {
       float* values = column.data() + t * kPacket;
       for (int lane = 0; lane < kPacket; ++lane) values[lane] = static_cast<float>(valueOf(lane));

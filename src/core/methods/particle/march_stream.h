@@ -93,8 +93,8 @@ inline Floats mixed(Floats a, Floats b, Floats t) {
   return hn::Add(a, hn::Mul(hn::Sub(b, a), t));
 }
 
-// Returns the distance in the lower half of each pair; upperOf() returns the distance in the upper half, which belongs
-// to the next corner along x.
+// Each pair has the distances of two corners that are neighbours along x: lowerOf() returns the first corner's
+// distance, upperOf() the second corner's.
 inline Floats lowerOf(Words pair) {
   return hn::ConvertTo(kFloats, hn::BitCast(kInts, hn::And(pair, hn::Set(kWords, 0xFFFFu))));
 }
@@ -355,8 +355,8 @@ class ParticleStream {
     Mask mayHit;
   };
 
-  // In a full brick, a particle moves to the end of the voxel around the nearest corner, or farther if no surface
-  // intersects the voxel. It may hit a triangle if its path in the voxel leaves the free ball.
+  // Returns the strides with lists. In a full brick, a particle moves to the end of the voxel around the nearest
+  // corner, or farther if no surface intersects the voxel; it may hit a triangle if its path leaves the free ball.
   HWY_INLINE static Stride strideWithLists(const LaneGroup& group, const FreeBall& ball) {
     const Mask full = isFull(hn::Load(kWords, group.entry));
     if (hn::AllFalse(kFloats, full)) return {ball.ahead, hn::FirstN(kFloats, 0)};
@@ -369,7 +369,7 @@ class ParticleStream {
     return {hn::IfThenElse(full, inFullBrick, ball.ahead), hn::AndNot(emptyVoxel, leavesBall)};
   }
 
-  // Near a surface, a particle moves by the interpolated distance, and hits it if the distance is <= kHitDistance.
+  // Near a surface, the stride is the interpolated distance, and the particle hits if this is at most kHitDistance.
   HWY_INLINE static Stride strideWithoutLists(const LaneGroup& group, const FreeBall& ball) {
     if (hn::AllTrue(kFloats, ball.isolated)) return {ball.ahead, hn::FirstN(kFloats, 0)};
     const Floats distance = interpolate(group);

@@ -71,15 +71,15 @@ struct LineHit {
   std::uint32_t triangle;
 };
 
-// Intersects lines with the triangles that corners list, kLanes pairs of a line and a triangle at a time. Lists differ
-// in length, so the pairs of all lines are collected first. Lists, scattered in memory, are prefetched.
+// Intersects lines with the triangles in the lists of corners, kLanes pairs of a line and a triangle at a time. Lists
+// differ in length, so the pairs of all lines are collected first. Lists are prefetched: they are scattered in memory.
 class ListIntersector {
  public:
   static constexpr std::size_t kLines = 16 * kLanes;
 
   ListIntersector(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
 
-  // The caller sets these for each added line. A later triangle replaces a hit only if it is nearer by `tie` (m).
+  // The caller sets these for each added line. A hit replaces another only if it is nearer by more than `tie` (m).
   HWY_ALIGN_MAX LineStart start[kLines] = {};
   HWY_ALIGN_MAX LineCourse course[kLines] = {};
   HWY_ALIGN_MAX float tie[kLines] = {};
@@ -145,7 +145,7 @@ inline void crossOf(const Floats (&a)[3], const Floats (&b)[3], Floats (&product
   }
 }
 
-// Loads four floats from each of address(k), address(k + 4) and so on, for arguments below kLanes.
+// Returns the four floats at address(k), then those at address(k + 4), and so on while the argument is below kLanes.
 template <class Address>
 HWY_INLINE Floats loadRow(const Address& address, std::size_t k) {
   constexpr hn::FixedTag<float, 4> four;
@@ -161,7 +161,7 @@ HWY_INLINE Floats loadRow(const Address& address, std::size_t k) {
   }
 }
 
-// Loads four floats from address(k) for each k below kLanes: the first of each into x, the second into y, and so on.
+// Loads the four floats at address(k) into lane k of x, y, z and w, for each k below kLanes.
 template <class Address>
 HWY_INLINE void loadTransposed(const Address& address, Floats& x, Floats& y, Floats& z, Floats& w) {
   const Floats row[4] = {loadRow(address, 0), loadRow(address, 1), loadRow(address, 2), loadRow(address, 3)};

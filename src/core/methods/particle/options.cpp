@@ -84,12 +84,12 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
   shape.voxel = options.voxel;
   const Corner centre = nearestBrickCorner(sensor, options.voxel);
   shape.centre = pointOf(centre, kBrickVoxels * options.voxel);
-  // The reach (voxels of the level) is half the level's width, minus half a brick, by which the middle of a coarse
-  // level's box may differ from the field's centre, minus one voxel as a margin.
+  // The reach (voxels of the level) is half the level's width minus half a brick minus one voxel: the middle of a
+  // coarse level's box may be half a brick away from the field's centre, and the voxel is a margin.
   shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
   std::uint32_t levels = options.levels;
   if (levels == 0) {
-    // m, from the field's centre, which is up to half a brick away from the sensor along each axis
+    // Reach (m) from the field's centre, which is up to half a brick away from the sensor along each axis.
     const double neededReach = std::min(range + kBrickVoxels * options.voxel, largestCoordinate(scene, shape.centre));
     const auto reachOfLevel = [&](std::uint32_t l) { return std::ldexp(double{shape.reach} * options.voxel, int(l)); };
     levels = 1;

@@ -38,8 +38,8 @@ Tile tileAt(std::uint32_t ring, std::uint32_t column, std::uint32_t columns) {
   return {.ring = ring, .column = column, .rows = 1, .width = std::min<std::uint32_t>(kPacket, columns - column)};
 }
 
-// Returns groups of 16 beams of a ring, sector by sector of the revolution, so that particles that march together stay
-// close to each other and read nearby parts of the field.
+// Divides the beams into tiles of kPacket columns of one ring. Returns the tiles of all rings for the first columns,
+// then for the next, so that particles that march together stay close to each other and read nearby parts of the field.
 std::vector<Tile> tilesOf(const BeamTable& beams) {
   std::vector<Tile> tiles;
   for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {

@@ -6,7 +6,7 @@
 
 namespace scanmill {
 
-// YAML: particle: {voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
+// Creates the method from its map in the pipeline: see readParticleOptions(). The scene must outlive the method.
 std::unique_ptr<Method> makeParticle(const Scene& scene, Fields& options);
 
 }  // namespace scanmill

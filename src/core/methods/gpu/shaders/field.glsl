@@ -21,7 +21,7 @@ struct Voxel {
   uint nearest;  // index of the corner nearest to the point, if the brick is full
 };
 
-// Returns the voxel of a level that contains a point.
+// Returns the voxel of `level` that contains the point `q` (field's frame).
 Voxel voxelOf(vec3 q, int level) {
   uvec4 origin = texelFetch(levels, 2 * level);  // xyz: bits of the offset; w: index of the level's first entry
   uvec4 box = texelFetch(levels, 2 * level + 1);

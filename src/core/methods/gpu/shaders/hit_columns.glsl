@@ -91,7 +91,7 @@ bool texelAt(Plane p, double range, double errorBound, dvec3 o, dvec3 d, uvec4 m
     dvec3 v = dvec3(k == 0 ? vec3(u[0], u[1], u[2]) : uintBitsToFloat(behind.xyz));
     double value = first * v.x + second * v.y + third * v.z;
     double off = blur * (abs(v.y - v.x) + abs(v.z - v.x)) + (abs(v.x) + abs(v.y) + abs(v.z)) * (4.0LF * kSlack);
-    // If both bounds are in the same texel of the same repetition, all coordinates between them are in this texel too.
+    // If `low` and `high` are in the same texel of the same repetition, all coordinates between them are in it too.
     float low = float(value - off);
     float high = float(value + off);
     index[k] = texelOf(low, sides[k]);

@@ -5,13 +5,13 @@
 
 layout(std430, binding = 4) writeonly restrict buffer Particles { float particles[]; };
 
-// Stores a number for which the device and the CPU compute the same bits.
+// Sets a particle's value in a column. The device and the CPU must compute the same bits for `value`.
 void put(uint column, uint i, double value) {
   particles[column * count + i] = float(value);
 }
 
-// Stores a number that was computed by a division, which a device may round differently. Returns false if the float32
-// could therefore differ from the CPU's.
+// Like put(), for a value that was computed by a division, which a device may round differently. Returns false if the
+// stored float32 could therefore differ from the CPU's.
 bool putQuotient(uint column, uint i, double value) {
   float rounded;
   bool certain = roundsAlike(value, 2.0LF * abs(value) * kSlack, rounded);

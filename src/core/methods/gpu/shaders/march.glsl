@@ -1,5 +1,5 @@
-// The steps of march_stream.h. Values marked `precise` are neither contracted nor reassociated, so they have the same
-// bits as on the CPU. Divisions, which GPUs round differently, do not occur.
+// Marches particles by the steps of march_stream.h. Values marked `precise` are neither contracted nor reassociated, so
+// they have the same bits as on the CPU. There are no divisions, because GPUs round them differently.
 //
 // Storage buffers: 0 particles (float columns, in the order of Particles), 1 hit records (uint columns: bits of the
 // distance, triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient (m) must be
@@ -33,7 +33,7 @@ void record(uint i, float travelled, uint triangle, uint outcome) {
   records[2u * count + i] = outcome;
 }
 
-// Returns the level that is used at a point of the field. See ParticleStream::locateVoxels() about the bits.
+// Returns the level used at the point `q` (field's frame). ParticleStream::locateVoxels() explains the computation.
 int levelAt(vec3 q) {
   precise float largest = max(abs(q.x), max(abs(q.y), abs(q.z)));
   precise float share = largest * perReach;

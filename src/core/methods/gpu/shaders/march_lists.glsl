@@ -1,6 +1,6 @@
-// Particles that run together march until each has reached a voxel with a list of triangles; then all test their
-// triangles together. Further tables: lists at binding 4, triangles at binding 5 (three vec4 each: a corner and the
-// two edges from it; m, relative to the world's origin).
+// The particles of a subgroup march until each has reached a voxel with a list of triangles; then all test the
+// triangles of their lists at the same time. Further tables: lists at binding 4, triangles at binding 5 (three vec4
+// each: a corner and the two edges from this corner; m, relative to the world's origin).
 
 #include "march.glsl"
 

@@ -15,7 +15,7 @@ bool roundsAlike(double value, double errorBound, out float rounded) {
   return float(value - errorBound) == rounded && float(value + errorBound) == rounded && abs(rounded) > 1e-30;
 }
 
-// Returns the product of a row of a pose's rotation and a vector.
+// Returns the dot product of `v` and a row of a pose's rotation; the row starts at poses[row].
 double rotated(uint row, dvec3 v) {
   precise double product = poses[row] * v.x + poses[row + 1u] * v.y + poses[row + 2u] * v.z;
   return product;
