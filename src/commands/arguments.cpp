@@ -73,15 +73,15 @@ const Command& commandNamed(std::string_view name) {
   throw Error("no command '{}'", name);
 }
 
-// Returns the number of threads; 0: all cores.
+// Returns the value of --threads; 0 (all cores) if it is not given. Throws InputError unless it is from 0 to 1024.
 int threadOption(const Arguments& arguments) {
   const int threads = arguments.has("threads") ? arguments.options["threads"].as<int>() : 0;
   if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
   return threads;
 }
 
-// Returns the number of bytes that a text such as "8G", "500M" or "1.5 GiB" (powers of 1024) means; nothing for any
-// other text.
+// Parses a number of bytes, such as "8G", "500M" or "1.5 GiB", with units as powers of 1024. Returns nothing if the
+// text has another form.
 std::optional<double> bytesOf(const std::string& text) {
   double number = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -95,7 +95,7 @@ std::optional<double> bytesOf(const std::string& text) {
   return std::ldexp(number, 10 * (static_cast<int>(prefix) + 1));  // 1024 is 2 to the 10
 }
 
-// Returns the memory limit in bytes; 0 if it is not given.
+// Returns the value of --memory-limit in bytes; 0 if it is not given. Throws InputError if it is not a number of bytes.
 std::uint64_t memoryOption(const Arguments& arguments) {
   if (!arguments.has("memory-limit")) return 0;
   const std::string text = arguments.text("memory-limit");

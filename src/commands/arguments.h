@@ -35,7 +35,7 @@ class ResourceLimits {
   MemoryLimit memory_;
 };
 
-// The parsed arguments. The limits that they state apply as long as the object lives.
+// The parsed arguments of a subcommand. Its resource limits (--threads and others) apply until `limits` is destroyed.
 struct Arguments {
   cxxopts::ParseResult options;
   std::unique_ptr<const ResourceLimits> limits;
@@ -60,7 +60,7 @@ struct Arguments {
   std::filesystem::path pipeline() const;
 };
 
-// Return the kinds of values that options take: a text, or a text for each time that the option is given.
+// Return the value types for `add`: a text, or a list with a text for each time that the option is given.
 inline auto textValue() {
   return cxxopts::value<std::string>();
 }
@@ -68,8 +68,8 @@ inline auto listValue() {
   return cxxopts::value<std::vector<std::string>>();
 }
 
-// The options of a command: those that add() adds, --help, and positional arguments. The help shows the command's usage
-// and summary.
+// Declares the options of a command. The constructor adds --help and the positional arguments; add() adds any other
+// option. The help shows the command's usage and summary.
 struct CommandOptions : cxxopts::Options {
   explicit CommandOptions(std::string_view command);
   std::string_view command;
@@ -94,7 +94,7 @@ std::vector<std::string> pipelineOverrides(const Arguments& arguments);
 void addRecordingOptions(CommandOptions& options);
 // Returns the recording that --from-hits or --from-passes names; null if neither option is given.
 std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
-// Returns the value of an option. Throws InputError if it is not a whole number of at least 0.
+// Returns the value of an option that is given. Throws InputError if the value is not a whole number of at least 0.
 std::uint64_t countOption(const Arguments& arguments, const char* name);
 
 // Creates the folder for an output file. Throws InputError if the folder cannot be created, if `file` is a folder, or

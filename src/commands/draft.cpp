@@ -37,7 +37,7 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& paths
   return files;
 }
 
-// Prints a table with a row for each file, and notes on all files. `out`: the scene file.
+// Prints a table with a row for each file, then lines about all files together. `out`: the drafted scene file.
 void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   Rows rows{{"file", "unit", "up", "size", "triangles", "guessed", "by the file's name", "doubtful"}};
   using draft::GuessedFile;

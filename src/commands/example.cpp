@@ -26,8 +26,8 @@ struct Example {
   std::vector<fs::path> files;
 };
 
-// Reads the comment at the start of the file: lines "# words of the sentence" and "#   command". The result has no
-// files.
+// Reads the comment at the start of the file: lines "# words of the sentence" and "#   command". Leaves Example::files
+// empty.
 Example readExample(const fs::path& file) {
   constexpr std::string_view kCommand = "#   ", kWords = "# ";
   Example example{.name = file.stem().string(), .sentence = {}, .commands = {}, .files = {}};

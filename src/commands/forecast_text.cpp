@@ -8,8 +8,8 @@ namespace scanmill {
 
 namespace {
 
-// Returns a range such as "11 to 26 s" of two figures with units, "11 s" and "26 s". The unit is written once if both
-// figures have the same unit and `most` is a single figure, not two as in "1 h 2 min".
+// Joins two figures with units to a range: "11 s" and "26 s" become "11 to 26 s". The unit is written once if both
+// figures have the same unit and `most` is a single figure, unlike "1 h 2 min".
 std::string rangeText(const std::string& least, const std::string& most) {
   const std::size_t space = least.find(' ');  // before the unit
   const bool sameUnit =

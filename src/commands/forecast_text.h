@@ -13,9 +13,9 @@ namespace scanmill {
 // cannot scan the small town that forecasts use.
 SampleCosts sampleCosts(const Arguments& parsed, const Plan& plan);
 
-// Returns a text such as "17 s (11 to 26 s) on 2 threads".
+// Returns the forecast of the time and its range as a text such as "17 s (11 to 26 s) on 2 threads".
 std::string timeText(const Forecast& forecast);
-// Returns a text such as "410 MiB (342 to 492 MiB)".
+// Returns the forecast of the size and its range as a text such as "410 MiB (342 to 492 MiB)".
 std::string sizeText(const Forecast& forecast);
 
 }  // namespace scanmill

@@ -77,7 +77,7 @@ void printCosts(const GenerateSummary& s, const std::optional<Forecast>& predict
   printText("\n");
 }
 
-// Returns the shards of one of several processes: every `workers`-th, starting with the shard `worker` (from 0).
+// Chooses the shards of one of several processes: every `workers`-th shard, starting with the shard `worker` (from 0).
 ShardChoice shardsOfWorker(std::uint64_t worker, std::uint64_t workers, std::uint64_t shards) {
   if (workers == 0) throw InputError("--workers 0: give at least 1");
   if (worker >= workers) {
@@ -92,7 +92,7 @@ ShardChoice shardsOfWorker(std::uint64_t worker, std::uint64_t workers, std::uin
   return choice;
 }
 
-// Reads --shards, --worker and --workers. `shards`: number of shards of the dataset.
+// Reads --shards, --worker and --workers; without them, chooses all shards. `shards`: number of the dataset's shards.
 ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   const bool hasShards = parsed.has("shards");
   const bool hasWorker = parsed.has("worker");

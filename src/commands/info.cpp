@@ -193,7 +193,7 @@ void printBeams(const BeamTable& beams) {
   const bool ownOrigins = !beams.originLeft.empty() || !beams.originUp.empty();
   if (ownOrigins) rows.front().insert(rows.front().end(), {"origin left mm", "origin up mm"});
   for (std::uint32_t r = 0; r < beams.rings; ++r) {
-    // Returns the value of the ring `r`; 0 if the list is empty.
+    // Returns the value of ring `r`; 0 if `values` is too short.
     const auto ofRing = [&](const std::vector<double>& values) { return r < values.size() ? values[r] : 0.0; };
     rows.push_back({std::to_string(r), fmt::format("{:.3f}", degrees(ofRing(beams.elevation))),
                     fmt::format("{:.3f}", degrees(ofRing(beams.azimuthOffset))),

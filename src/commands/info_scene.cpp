@@ -24,8 +24,8 @@ namespace scanmill {
 
 namespace {
 
-// Prints the first kMostObjects meshes that are placed, to reveal a wrong unit or axis. Each has one row, which shows
-// its first copy.
+// Prints a table of the first kMostObjects meshes that are placed, to reveal a wrong unit or axis. A mesh has one row,
+// with the size and height of its first instance.
 void printObjects(const Scene& scene) {
   constexpr std::size_t kMostObjects = 30;
   std::map<std::uint32_t, std::uint64_t> copies;  // number of instances by mesh
@@ -72,8 +72,8 @@ void printClips(const std::filesystem::path& file) {
 
 using CountedColor = std::pair<Rgb, std::uint64_t>;  // a colour and its number of triangles
 
-// Returns the kMostColors most frequent colours, the most frequent first. A colour that the rule for a more frequent
-// colour also matches is counted as that colour. `counts`: triangles by colour.
+// Returns the kMostColors most frequent colours, the most frequent first. Colours that a rule for a more frequent
+// colour would match too are merged with the latter. `counts`: number of triangles by colour.
 std::vector<CountedColor> joinedColors(const std::map<Rgb, std::uint64_t>& counts) {
   constexpr std::size_t kMostColors = 12;  // per material and texture, so that the table stays short
   std::vector<CountedColor> sorted(counts.begin(), counts.end());
@@ -125,7 +125,7 @@ struct ListedPart {
   Box box;                      // m, of all copies
 };
 
-// Prints a table, at most kMostRows of its rows: a file may have tens of thousands of parts.
+// Prints the heading and the first kMostRows rows of a table, since a file may have tens of thousands of parts.
 void printLargest(Rows rows) {
   constexpr std::size_t kMostRows = 60;
   const std::size_t omitted = rows.size() - std::min(rows.size(), 1 + kMostRows);  // the first row is the head
@@ -133,9 +133,9 @@ void printLargest(Rows rows) {
   printText("{}{}\n", formatTable(rows), omitted == 0 ? "" : fmt::format("and {} more (smaller)\n", grouped(omitted)));
 }
 
-// Prints a table of the parts with the names that rules can match and, if parts share a material and a texture, a table
-// of the sums of their triangles. In both, rows with most triangles come first. `hasCopies`: the column `placed` is
-// printed.
+// Prints a table of the parts with the names that rules can match and, if parts share a material and a texture, a
+// second table with the sum of their triangles. Both tables are sorted by triangles, the largest number first.
+// `hasCopies`: true if the column `placed` is printed.
 void printParts(std::vector<ListedPart> parts, bool hasCopies) {
   struct Sum {
     std::uint64_t triangles = 0;  // triangles of all copies

@@ -29,7 +29,7 @@ namespace {
 
 constexpr std::size_t kMostScenes = 20;  // greatest number of scenes to load; further scenes seldom show other faults
 
-// Prints the numbers of triangles without a class by file, material and texture, the largest number first.
+// Prints how many triangles of each file, material and texture have no class, the largest number first.
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   constexpr std::size_t kMostRows = 20;
   if (unlabeled.empty()) return printText("unlabelled geometry: none\n");
@@ -61,7 +61,7 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
     printText("and {} more combinations of file, material and texture\n", sorted.size() - kMostRows);
 }
 
-// Returns in words what the seed selects at random: the kind of place, and values of the scene file's keys.
+// Lists the scene's random choices that depend on the seed, in words: the kind of place, and keys with random values.
 std::string randomText(const Scene& scene) {
   std::string words = scene.about;
   for (const DrawnValue& draw : scene.draws) {
@@ -110,14 +110,14 @@ class SceneCheck {
     printUnlabeled(unlabeled_);
   }
 
-  // Returns what is modelled or left out in all scenes; after run(), also what is so only in some of the loaded scenes.
+  // Returns the features modelled or left out in all scenes; after run(), also those of only some of the loaded scenes.
   const std::vector<ModelledItem>& modelledItems() const { return modelled_; }
   // Returns the largest memory that the method takes for a scene; 0: it was not measured.
   std::uint64_t mostBytes() const { return mostBytes_; }
 
  private:
-  // Loads and checks the scene of the sequence with the index `first`, the first of consecutive sequences with this
-  // scene, and checks the paths of these sequences.
+  // Loads and checks the scene of the sequence `first`. Also checks the paths of all consecutive sequences from `first`
+  // on that use this scene.
   void load(std::size_t first) {
     const Pipeline& pipeline = plan_.pipeline;
     const Sequence& sequence = pipeline.sequences[first];
@@ -140,7 +140,7 @@ class SceneCheck {
       }
     }
     if (method == nullptr) return;
-    // Scenes may differ in the text of the item about a feature: the item of the first scene is printed.
+    // If several scenes describe the same feature with different texts, only the first scene's item is printed.
     for (const ModelledItem& item : modelledOf(plan_, sequence, scene, *method)) {
       const auto isAboutSame = [&](const ModelledItem& earlier) {
         return earlier.topic == item.topic && earlier.leftOut == item.leftOut && earlier.sensor == item.sensor;
@@ -249,7 +249,7 @@ void printLargerDataset(const Pipeline& pipeline, double frames, const std::opti
             shortNumber(rays), shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
 }
 
-// Returns the value of --frames; 0 if it is not given.
+// Returns the value of --frames; 0 if it is not given. Throws InputError if it is not 1 to 1e12, or for recordings.
 std::uint64_t framesOption(const Arguments& parsed, const Pipeline& pipeline) {
   if (!parsed.has("frames")) return 0;
   const std::uint64_t frames = countOption(parsed, "frames");

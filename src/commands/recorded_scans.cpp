@@ -59,7 +59,7 @@ std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const
   if (fit.misfit > kPoorMisfit) {
     warn("the response describes the recording poorly: simulate places that are more like the recorded ones");
   }
-  // Returns true if the dataset has the effect with this option and value; an empty key or value stands for any.
+  // True if the dataset has the effect with this value of the option `key`. An empty `key` or `value` is not compared.
   const auto hasEffect = [&](std::string_view effect, std::string_view key, std::string_view value) {
     return std::ranges::any_of(store.manifest()->modelled, [&](const ModelledItem& item) {
       if (item.topic != fmt::format("effect {}", effect) || item.leftOut) return false;

@@ -35,9 +35,9 @@ struct FoundResponse {
   ResponseFit fit;
   std::string yaml;  // the effect `intensity`, an item of the key `effects`
 };
-// Finds the response of the sensor that recorded the scans, by comparing them with the dataset of the option
-// `simulated` (study/noise/response.h), and prints the misfit of the simulated scans. Returns nothing if the option is
-// not given. Throws InputError.
+// Finds the response of the sensor that recorded the scans, by comparing them with the dataset that --simulated names
+// (study/noise/response.h), and prints the misfit. Returns nothing if the option is not given. Throws InputError if the
+// dataset has no manifest or cannot be read.
 std::optional<FoundResponse> responseOf(const std::vector<Scan>& recorded, const Arguments& parsed);
 
 }  // namespace scanmill

@@ -34,8 +34,8 @@ std::string plainName(const std::string& text) {
   return name.empty() ? "none" : name.substr(0, kLongest);
 }
 
-// Returns the last name of a key and the indices after it: "preset" for "sensors.0.preset", "effects.2" for
-// "effects.2".
+// Returns the last name in a dotted key, with any list indices after this name: "preset" for "sensors.0.preset",
+// "effects.2" for "effects.2".
 std::string shortKey(const std::string& key) {
   const std::size_t dot = key.rfind('.');
   if (dot == std::string::npos) return key;

@@ -16,7 +16,7 @@ struct SweepSet {
 // key that is swept twice, or more than 1000 combinations.
 std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps);
 
-// Returns the argument of --sweep that makes a dataset without corruption, and one for each corruption and severity.
+// Returns the --sweep argument for a dataset without corruption and a dataset for each corruption and severity.
 std::string corruptionSweep();
 
 }  // namespace scanmill

@@ -12,7 +12,7 @@ using Rows = std::vector<std::vector<std::string>>;
 // the heading look like numbers. All rows have as many cells as the first.
 std::string formatTable(const Rows& cells);
 
-// Returns `part` in per cent of `total`, such as "12.30 %".
+// Returns `part` as a percentage of `total`, such as "12.30 %"; "0.00 %" if `total` is 0.
 std::string percent(std::uint64_t part, std::uint64_t total);
 
 }  // namespace scanmill

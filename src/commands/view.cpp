@@ -54,7 +54,7 @@ struct PictureSize {
   int height = 0;
 };
 
-// Reads the value of --color: one of colorNames(), or the name of a foreign column, which a recorded file may have.
+// Reads the value of --color: one of colorNames(), or the name of any other column that a recorded file may have.
 // Throws InputError for a word that is empty or seems to be a misspelt entry of colorNames().
 ColorBy readColor(const std::string& word) {
   for (const Column& column : kColumns) {
@@ -92,7 +92,7 @@ PictureSize readPictureSize(const std::string& text) {
                   kLeastPictureSide, kMostPictureSide, kMostPicturePixels / 1000000, text));
 }
 
-// Returns the file that --ontology names, by a path or a name of `scanmill list ontologies`; empty if not given.
+// Returns the file that --ontology gives by path or by a name in `scanmill list ontologies`; empty if it is not given.
 std::filesystem::path ontologyOption(const Arguments& parsed) {
   const std::string name = parsed.text("ontology");
   return name.empty() ? std::filesystem::path() : namedResource(name, "labels");
@@ -274,7 +274,7 @@ void drawWholeRangeImage(const std::filesystem::path& file, const Arguments& par
   }
 }
 
-// Writes a picture of an EXR image, which `path` names directly or by the folder of a recording and --sample.
+// Writes a picture of an EXR image: the file `path` or, if `path` is a recording's folder, an image of its --sample.
 void drawImage(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
                const std::filesystem::path& screenshot) {
   if (screenshot.empty()) {

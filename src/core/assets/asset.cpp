@@ -56,7 +56,7 @@ Asset readGltf(const std::filesystem::path& glb, const std::filesystem::path& na
   return asset;
 }
 
-// Reads a file that Blender converts to a GLB, in which z is up.
+// Lets Blender convert the file to a GLB whose up axis is z, and reads this GLB.
 Asset readByBlender(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   if (kind != ".blend" && options.up) {
     throw InputError({file.string()},

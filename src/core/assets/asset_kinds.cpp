@@ -26,7 +26,7 @@ enum class InFolders {
   Ignored  // not known to be 3D files
 };
 
-// Advice on kinds that are not read. {0} is the file, {1} the file without its ending.
+// Advice for messages about kinds of files without a reader. {0} is the file, {1} the file without its ending.
 constexpr std::string_view kByAssimp = "convert it by `assimp export {0} {1}.glb` (Debian's package assimp-utils)";
 constexpr std::string_view kByTrimesh =
     "convert it by `python3 -c \"import trimesh; trimesh.load('{0}').export('{1}.ply')\"`";
@@ -62,7 +62,7 @@ constexpr std::array<AssetKind, 16> kKinds{{
     {".3mf .amf .dxf .ifc .lwo .osm .pbf .wrl", AssetReader::None, InFolders::Warned},
 }};
 
-// Returns the row of a file's ending (in lower case); null if no row has it.
+// Returns the row of kKinds that has this ending (in lower case); null if there is none.
 const AssetKind* kindOf(std::string_view ending) {
   const auto* const row =
       std::ranges::find_if(kKinds, [&](const AssetKind& kind) { return containsWord(kind.endings, ending); });
@@ -75,7 +75,7 @@ struct Content {
   std::string_view endings;     // endings of files with these contents, separated by blanks
 };
 
-// Contents by their first bytes. If a file fits several rows, the first row counts.
+// Kinds of contents that the first bytes of a file reveal. If several rows match, the first one is used.
 constexpr std::array<Content, 27> kContents{{
     {"version https://git-lfs", "a pointer of Git LFS, not the file itself: fetch it by 'git lfs pull'", ""},
     {"\xff\xfe"sv, "UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'", ""},
@@ -148,7 +148,7 @@ std::string otherContent(const fs::path& file) {
 
 std::vector<fs::path> assetsIn(const fs::path& folder) {
   std::error_code error;
-  // Returns the file that describes all others in a folder; empty if there is none.
+  // Returns a folder's model.sdf or else tileset.json, which names its other files; empty if it has neither.
   const auto worldIn = [&](const fs::path& path) {
     for (const char* name : {"model.sdf", "tileset.json"}) {
       if (fs::is_regular_file(path / name, error)) return path / name;

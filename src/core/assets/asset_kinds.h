@@ -18,15 +18,15 @@ enum class AssetReader {
   Heights,  // readHeightAsset()
 };
 
-// Returns the reader for the ending of a file's name. A PLY without faces and some .asc are clouds: isCloud() in
-// formats/cloud_file.h looks into the file.
+// Returns the reader for the ending of a file's name, which does not reveal that a PLY without faces and some .asc are
+// point clouds: call isCloud() in formats/cloud_file.h first.
 AssetReader readerOf(const std::filesystem::path& file);
 
 // Returns why a file whose kind has no reader is refused, and how it can be converted.
 std::string whyNoReader(const std::filesystem::path& file);
 
-// Returns what the first bytes of a file look like, such as "a PNG image", for the message about a file that cannot be
-// read as its ending says; empty if the bytes fit the ending, or are not recognised.
+// Returns what the first bytes of a file look like, such as "a PNG image", to explain why the reader for its ending
+// fails; empty if the bytes fit the ending or are not recognised.
 std::string otherContent(const std::filesystem::path& file);
 
 // Returns the 3D files in a folder and its subfolders, sorted by path; empty if there are none. Files of most kinds

@@ -46,7 +46,7 @@ enum class AlphaUse {
   Test,    // beams pass where alpha is below 0.5, or below the cutoff in the file
 };
 
-// A time of an animation of a glTF file.
+// A time in an animation of a glTF file.
 struct ClipTime {
   std::string clip;  // name of the animation, or its number, counted from 0
   double time = 0;   // s, in the time of the key frames; clamped to the first and last key frame
@@ -106,8 +106,8 @@ struct AssetOptions {
   bool operator==(const AssetOptions&) const = default;
 };
 
-// Parts that the file places several times, by each transform of `assetFromParts`: by EXT_mesh_gpu_instancing of glTF,
-// or as models of a world.
+// Parts that the file places several times: once by each transform in `assetFromParts`. They come from glTF's
+// EXT_mesh_gpu_instancing or are models of a world.
 struct InstancedParts {
   std::vector<AssetPart> parts;  // in their own frame; see assetFromParts
   std::vector<Affine> assetFromParts;

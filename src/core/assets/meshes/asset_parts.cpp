@@ -43,7 +43,7 @@ void weld(AssetPart& part) {
   for (const Triangle& triangle : part.triangles) {
     for (const std::uint32_t corner : triangle) isUsed[corner] = true;
   }
-  // A mesh with at most two vertices per triangle shares vertices already: identical ones are rare.
+  // A mesh with at most two vertices per triangle shares its vertices already, and rarely has identical ones.
   const bool sharesVertices = count <= 2 * part.triangles.size();
   if (sharesVertices && std::ranges::find(isUsed, false) == isUsed.end()) return;
   std::vector<std::uint32_t> usedVertices;

@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// Largest number of triangles of an asset. Without it, a small file could place its meshes any number of times and so
-// require any amount of memory.
+// Largest number of triangles of an asset. Without this limit, a small file could require any amount of memory by
+// placing its meshes many times.
 constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
 
 // Memory (bytes) that a copy of a triangle takes in a scene, with its vertices and its share of the hierarchy.
@@ -66,7 +66,7 @@ void checkTexture(AssetPart& part, bool repeats, LeftOut& leftOut);
 // Returns the bounds of all finite vertices in the asset's frame (m), including those of Asset::instanced.
 Box boundsOf(const Asset& asset);
 
-// Moves copies of Asset::instanced to Asset::parts, each as a separate node. Assets with copies must have the origin 0.
+// Replaces Asset::instanced by copies in Asset::parts, each as a new node. Asset::origin must be 0 if there are copies.
 void flatten(Asset& asset);
 
 }  // namespace scanmill

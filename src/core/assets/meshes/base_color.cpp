@@ -23,7 +23,7 @@ constexpr int kPointRows = 8;  // rows of sample points in a triangle; row i has
 constexpr int kPoints = kPointRows * (kPointRows + 1) / 2;
 constexpr std::uint64_t kMostSampledTriangles = 1 << 14;
 
-// Numbers of sample points of a material by kind, each point weighted by twice the area of its triangle.
+// Numbers of sample points on a material's triangles. Each point is weighted by twice the area of its triangle.
 struct AlphaAreas {
   double all = 0;
   double low = 0;     // points with alpha below 0.5
@@ -31,7 +31,7 @@ struct AlphaAreas {
   double gone = 0;    // points of triangles that an alpha test would remove: alpha is below 0.5 everywhere
 };
 
-// Adds a triangle of a part with texture coordinates. Skips triangles whose positions are not finite.
+// Adds the sample points of a triangle, whose part must have texture coordinates. Skips triangles that are not finite.
 void addTriangle(AlphaAreas& areas, const AssetPart& part, const Triangle& triangle, const Texture& texture) {
   const auto [i0, i1, i2] = triangle;
   const auto& p = part.positions;
@@ -76,7 +76,7 @@ bool isCutOut(const ImportedFile& imported, std::uint32_t material, const Textur
       if (triangleIndex++ % step == 0) addTriangle(areas, part, triangle, texture);
     }
   }
-  // Fractions of the area. The last one lies between the 8 % and 24 % above; the others are chosen by eye.
+  // Fractions of the weighted area. kMostGone lies between the 8 % and 24 % above; the other two are chosen by eye.
   constexpr double kLeastLow = 0.01, kMostGraded = 0.3, kMostGone = 0.15;
   return areas.all > 0 && areas.low >= kLeastLow * areas.all && areas.graded <= kMostGraded * areas.all &&
          areas.gone <= kMostGone * areas.all;
@@ -101,7 +101,7 @@ BaseColor colorOf(const ImportedFile& imported, const ImportedMaterial& material
     testsAlpha = false;
     if (!options.textures) color.image.reset();
   }
-  // If there is an image, the factor is ignored: exporters leave arbitrary values in it, often black.
+  // If there is an image, the factor is ignored: exporters leave arbitrary values in the factor, often black.
   if (color.image) color.factor = {1, 1, 1};
   if (!testsAlpha) return color;
   color.alphaCutoff = kUsualAlphaCutoff;

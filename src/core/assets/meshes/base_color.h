@@ -53,15 +53,15 @@ class ColorImages {
   std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, Need need,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded = {});
 
-  // Returns the image with its linear red, green and blue multiplied by `factor`, of 0 to 1.
+  // Returns the image with its linear red, green and blue multiplied by the components of `factor` (0 to 1).
   std::shared_ptr<const Texture> tinted(const std::shared_ptr<const Texture>& image,
                                         const std::array<float, 3>& factor);
 
-  // Returns meanLuminance(*image, leastAlpha).
+  // Returns meanLuminance(*image, leastAlpha), which is computed only once.
   float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
 
  private:
-  // Does what load() does, without the cache images_.
+  // Implements load(), without the cache images_.
   std::shared_ptr<const Texture> read(const std::string& name, Need need,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 
@@ -79,7 +79,7 @@ class ColorImages {
 void setColor(Material& material, const BaseColor& color, const std::filesystem::path& file,
               const AssetOptions& options, ColorImages& images);
 
-// True if an alpha is neither near 0 nor near 1: from 0.1 to 0.9.
+// True if an alpha from 0 to 255 is neither near 0 nor near 255: from 10 % to 90 %.
 inline bool isGradedAlpha(int alpha) {
   return alpha >= 26 && alpha < 230;
 }

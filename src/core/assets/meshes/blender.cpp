@@ -17,7 +17,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the longest wait for an answer (s), which SCANMILL_BLENDER_SECONDS sets.
+// Returns the longest wait for an answer (s): SCANMILL_BLENDER_SECONDS, or 600. Throws InputError for a bad value.
 double patience() {
   constexpr double kDefault = 600;
   const char* text = std::getenv("SCANMILL_BLENDER_SECONDS");
@@ -52,8 +52,8 @@ std::vector<std::string> commandLine(const std::string& job, const std::filesyst
   return command;
 }
 
-// Returns changes to the environment, by which Blender loads no start-up scripts or add-ons of the user and writes its
-// own files only into `folder`.
+// Returns environment variables that keep Blender from loading start-up scripts or add-ons of the user, and make it
+// write its own files only into `folder`.
 std::map<std::string, std::string> environmentIn(const std::string& folder) {
   return {{"BLENDER_USER_RESOURCES", folder},
           {"BLENDER_USER_CONFIG", folder},

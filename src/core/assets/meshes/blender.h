@@ -38,7 +38,7 @@ class BlenderJob {
   BlenderAnswer answer();
 
  private:
-  // Throws Error with Blender's last lines.
+  // Throws an Error with the problem and, if there are any, the last lines that Blender printed.
   [[noreturn]] void fail(const std::string& problem) const;
 
   double patience_;  // s, longest wait for an answer

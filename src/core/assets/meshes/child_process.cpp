@@ -50,7 +50,7 @@ void discardOutput() {
 // Exit codes of the child, if no signal ends it.
 enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
 
-// Calls `work` and exits. Writes its result, or the message of its exception, to the pipe with this descriptor.
+// Runs in the child: calls `work`, writes its result or the message of its exception to `pipe`, and exits.
 [[noreturn]] void runChild(const std::function<std::string()>& work, int pipe) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU}) std::signal(signal, SIG_DFL);
   std::string text;
@@ -77,7 +77,7 @@ enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
   ::_exit(code);  // not exit(), which would flush the parent's buffers and run its destructors
 }
 
-// Returns what other processes write to a pipe until they close it.
+// Reads from a pipe until all writers have closed it, and returns the bytes.
 std::string readAll(int descriptor) {
   std::string text;
   std::array<char, kPipeBytes> block;

@@ -10,8 +10,8 @@
 
 namespace scanmill {
 
-// Thrown if a child process ended before its work was done: it crashed, or needed more time or memory than allowed. The
-// message says which ("it takes more than 300 s").
+// Thrown if a child process ended before its work was done, because it crashed or exceeded its limit of time or memory.
+// The message states the reason ("it takes more than 300 s").
 class ChildEnded : public Error {
  public:
   using Error::Error;

@@ -33,8 +33,8 @@ struct ObjectTexture {
   bool hasBaseRole = false;
 };
 
-// Sets `chosen` to the texture that a line names by the arguments "NAME" [ROLE] if it is the first one of its object,
-// or the first one with the role `base`. Ignores a name without quotation marks.
+// Parses a line's arguments "NAME" [ROLE]. Makes this texture the `chosen` one of its object if none is chosen yet, or
+// if it is the first with the role `base`. Ignores a name without quotation marks.
 void chooseTexture(std::string_view arguments, std::optional<ObjectTexture>& chosen) {
   const std::size_t end = arguments.starts_with('"') ? arguments.find('"', 1) : arguments.npos;
   if (end == arguments.npos || (chosen && chosen->hasBaseRole)) return;
@@ -68,7 +68,7 @@ std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut) {
       chooseTexture(arguments, texture);
       continue;
     }
-    // The textures of an object follow each other: the chosen one is written before the next line of another kind.
+    // All `texture` lines of an object are adjacent, so the chosen texture is written before the next other line.
     if (texture) output += "texture " + texture->quotedName + "\n";
     texture.reset();
     if (key == "rot" || key == "loc") {

@@ -124,8 +124,8 @@ class Collada {
     }
   }
 
-  // Renames the texture coordinates that images use, since the importer takes the first number in the name as the index
-  // of the set. Elements bind_vertex_input map names to sets, and indices count from the file's lowest set.
+  // Renames the sets of texture coordinates that images use, since the importer takes the first number in such a name
+  // as the set's index. <bind_vertex_input> maps names to sets; indices count from the file's lowest set.
   void renameUvSets() {
     int lowestSet = std::numeric_limits<int>::max();
     for (const pugi::xpath_node& input : root_.select_nodes("//input[@semantic='TEXCOORD']")) {
@@ -181,8 +181,8 @@ class Collada {
     return count;
   }
 
-  // Reads the materials. If there are any, adds kDefaultMaterial before them: the importer gives the first material to
-  // surfaces without one.
+  // Reads the materials. If there are any, adds kDefaultMaterial in front, since the importer gives the first material
+  // to surfaces without a material.
   void readMaterials() {
     std::map<std::string, pugi::xml_node> effects;
     for (const pugi::xml_node& effect : root_.child("library_effects").children("effect")) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads COLLADA and AC3D with the assimp library. A damaged file can crash it, or make it use much time and memory:
-// readImported() runs it in a child process.
+// Reads COLLADA and AC3D with the assimp library. Damaged files can crash the library or make it use much time and
+// memory, so readImported() calls it in a child process.
 
 #include <filesystem>
 #include <optional>
@@ -19,15 +19,15 @@ ImportedFile readByAssimp(const std::filesystem::path& file, const std::string& 
 // Returns advice for messages about a file of this kind that cannot be read.
 std::string remedyFor(const std::string& kind);
 
-// Returns the text of an AC3D file (AC3Db or AC3Dc), changed for assimp, and counts what is left out. The text has:
+// Reads an AC3D file (AC3Db or AC3Dc), counts what is left out, and returns the text, changed for assimp:
 // - at most one texture per object. Racing games write several. The texture with the role `base`, or else the first
-//   texture, is the colour and is kept; the others are shading and skid marks;
-// - the transform of an object (`rot`, `loc`) in a group around the object and its kids, because assimp shifts surfaces
-//   before it rotates them, and does not shift kids.
+// texture, is the colour and is kept; the others are shading and skid marks;
+// - the transform of an object (`rot`, `loc`) in a group around the object and its kids: assimp would shift surfaces
+// before it rotates them, and would not shift kids.
 // Throws an Error that states the problem if the file has materials that assimp does not read.
 std::string readAc3d(const std::filesystem::path& file, LeftOut& leftOut);
 
-// The name of the material of surfaces that have none, as assimp calls it.
+// The name by which assimp calls the material of surfaces without a material.
 inline constexpr const char* kDefaultMaterial = "DefaultMaterial";
 
 // A material of COLLADA, as its effect states it.

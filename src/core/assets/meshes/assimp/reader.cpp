@@ -40,8 +40,8 @@ Number numberOf(const aiMaterial& material, const char* key, unsigned type, unsi
   return material.Get(key, type, i, value) == aiReturn_SUCCESS ? value : fallback;
 }
 
-// Returns the material's image of the first type in `types` that the material has. Counts rotations of images, which
-// are not applied.
+// Returns the material's image of the first of these types for which it has an image; without any, an empty map. Adds
+// rotations of images, which are not applied, to `leftOut`.
 ImportedMap firstMap(const aiMaterial& material, std::initializer_list<aiTextureType> types, LeftOut& leftOut) {
   for (const aiTextureType type : types) {
     ImportedMap map{.name = textOf(material, AI_MATKEY_TEXTURE(type, 0))};
@@ -82,7 +82,7 @@ std::vector<ImportedMaterial> materialsOf(const aiScene& scene, LeftOut& leftOut
   return materials;
 }
 
-// While the object lives, collects the errors in files that the library logs and ignores.
+// During its lifetime, collects the errors in files that assimp logs without failing.
 class ImporterLog final : public Assimp::LogStream {
  public:
   ImporterLog() {
@@ -152,7 +152,7 @@ class Importer {
     }
     if (scene_ == nullptr) failReading(reason(importer_.GetErrorString()));
     if (scene_->mRootNode == nullptr) failReading("it has no nodes");
-    // The importer also recognises other kinds by their content.
+    // The importer decides by the content, not the ending, and may have read a file of another kind.
     aiString format;
     if (scene_->mMetaData != nullptr) scene_->mMetaData->Get(AI_METADATA_SOURCE_FORMAT, format);
     if (format != aiString(isCollada_ ? "Collada Importer" : "AC3D Importer")) failReading("it is of another kind");

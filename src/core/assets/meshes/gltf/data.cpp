@@ -60,7 +60,7 @@ DracoMesh::Values valuesOf(const draco::Mesh& mesh, const draco::PointAttribute&
   return values;
 }
 
-// Returns an image's name for rules: its file; for an embedded image, its own name or else "*" and its number.
+// Returns an image's name for rules: its URI; for an embedded image, its `name` or, without a name, "*" and its index.
 std::string labelOf(const Model& model, Index imageIndex) {
   const auto& [name, uri, view] = model.images[imageIndex];
   if (!uri.empty() && !uri.starts_with("data:")) return uri;
@@ -102,8 +102,8 @@ bool fades(const Texture& image) {
   return gradedTexels > image.rgba.size() / 4 / 2;
 }
 
-// Multiplies the loaded image by the hue of the factor, and sets all channels of the factor to the largest one. An
-// 8-bit image that is multiplied by a dark factor would lose gradations.
+// Multiplies the loaded image by the factor's hue (the factor with its largest channel scaled to 1), and sets all
+// channels of the factor to the largest: multiplied by a dark factor, the 8-bit image would lose gradations.
 void giveHueToImage(BaseColor& color, ColorImages& images) {
   if (color.factor[1] == color.factor[0] && color.factor[2] == color.factor[0]) return;
   const float largest = std::ranges::max(color.factor);
@@ -113,8 +113,8 @@ void giveHueToImage(BaseColor& color, ColorImages& images) {
   color.factor = {largest, largest, largest};
 }
 
-// Returns a material with its images. `source`: the source of its colour if it has no image, or None for the default
-// material of primitives without a material.
+// Returns a material with its images. `source`: the source of its colour if the material has no image; None for the
+// default material, which primitives without a material get.
 ReadMaterial read(const Model& model, const Data& data, const Material& material, BaseColor::Source source,
                   const AssetOptions& options, ColorImages& images) {
   ReadMaterial result;

@@ -14,8 +14,8 @@
 
 namespace scanmill::gltf {
 
-// Reads accessors. Buffers are loaded, and compressed views decoded, when they are first needed. If that fails, throws
-// an InputError that names the file. `what`: the part of the file to which the numbers belong, for messages.
+// Reads accessors. Loads buffers and decodes compressed views when they are first needed; throws an InputError that
+// names the file if this fails. `what`: the part of the file to which the numbers belong, for messages.
 class Data {
  public:
   explicit Data(const Model& model);  // stores a reference to the model
@@ -38,7 +38,7 @@ class Data {
 
  private:
   std::string_view buffer(Index index) const;
-  // Returns bytes of a buffer. Checks the buffer's size again, since the file may have shrunk after readModel().
+  // Returns `length` bytes of a buffer. Checks its size again, since the file may have shrunk after readModel().
   std::string_view bytesOf(Index buffer, std::uint64_t offset, std::uint64_t length) const;
   std::string decode(const Meshopt& meshopt, const std::string& what) const;
   template <class Number>

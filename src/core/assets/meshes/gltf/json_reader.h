@@ -19,7 +19,7 @@ namespace scanmill::gltf {
 
 using Json = nlohmann::json;
 
-// An object of a file's JSON, and where it stands in the file, for messages: "meshes[0].primitives[1]". All functions
+// An object of a file's JSON with its path in the file for messages, such as "meshes[0].primitives[1]". All functions
 // throw an InputError that names the file.
 struct JsonObject {
   const Model& model;
@@ -55,7 +55,7 @@ struct JsonObject {
     return json.contains(key) ? MaybeIndex(index(key, count)) : std::nullopt;
   }
 
-  // Returns a number of bytes or elements; the fallback if the key is absent.
+  // Returns the number of bytes or elements under a key; the fallback if the key is absent.
   std::uint64_t length(const char* key, std::uint64_t fallback = 0) const {
     const auto value = json.find(key);
     if (value == json.end()) return fallback;
@@ -78,7 +78,7 @@ struct JsonObject {
     return true;
   }
 
-  // Returns the object under a key; nullopt if the key is absent. Messages call the result by the path of this object.
+  // Returns the object under a key, with the path of this object for messages; nullopt if the key is absent.
   std::optional<JsonObject> object(const char* key) const {
     const auto value = json.find(key);
     if (value == json.end()) return std::nullopt;

@@ -75,7 +75,7 @@ class ModelReader {
     return attributes;
   }
 
-  // Counts colours and application-specific attributes, such as _BATCHID, of `owners`: "vertices" or "instances".
+  // Counts unread attributes, which are colours and custom ones such as _BATCHID. `owners`: "vertices" or "instances".
   void countUnread(const Attributes& attributes, const char* owners) const {
     for (const auto& [name, accessor] : attributes) {
       const bool isColor = name.starts_with("COLOR_");
@@ -93,7 +93,7 @@ class ModelReader {
     return image;
   }
 
-  // Returns the image of a texture, which may be in an extension; nullopt if the texture names no image.
+  // Returns the index of a texture's image, which an extension may name; nullopt if no image is named.
   MaybeIndex imageOf(const JsonObject& texture) const {
     const std::size_t images = model_.images.size();
     if (const MaybeIndex source = texture.maybeIndex("source", images)) return source;
@@ -114,7 +114,7 @@ class ModelReader {
                         samplers[*sampler].value("wrapT", kRepeat) == kRepeat);
   }
 
-  // Returns how a material uses the texture under a key; nullopt if it names no image.
+  // Returns how a material uses the texture under a key; nullopt if the key is absent or the texture names no image.
   std::optional<TextureUse> textureUse(const JsonObject& material, const char* key) const {
     if (!material.json.contains(key)) return std::nullopt;
     const JsonObject object{model_, material.json[key], material.pathOf(key)};

@@ -24,7 +24,7 @@ std::vector<double> propertyAt(double time, const std::vector<float>& times, con
   };
   const auto later =
       static_cast<std::size_t>(std::ranges::upper_bound(times, static_cast<float>(time)) - times.begin());
-  // The key frames before and after the time; both are the first or the last one if the time is outside.
+  // Indices of the key frames before and after the time; equal if the time is before the first or after the last one.
   const std::size_t before = later == 0 ? 0 : later - 1, after = std::min(later, times.size() - 1);
   const double span = static_cast<double>(times[after]) - static_cast<double>(times[before]);
   const double t = span > 0 ? std::clamp((time - static_cast<double>(times[before])) / span, 0.0, 1.0) : 0;

@@ -18,15 +18,15 @@ namespace scanmill::gltf {
 // Returns the name of an animation, or its number if it has no name.
 std::string nameOf(const Model& model, Index animation);
 
-// Returns the index of the animation with this name; if there is none, `name` may be an animation's number. Otherwise
-// throws InputError with a suggestion.
+// Returns the index of the animation that `name` names or, if there is none, whose number (from 0) `name` is. If
+// neither exists, throws InputError with a suggestion.
 Index animationNamed(const Model& model, const std::string& name);
 
 // Returns the times of an animation's first and last key frame (s); nullopt if it has no key frames.
 std::optional<std::pair<double, double>> spanOf(const Model& model, const Data& data, Index animation);
 
-// Sets the nodes of the model to the values that the clip has at its time. Throws InputError if a sampler's times are
-// not ascending or their number does not fit the values.
+// Sets the animated properties of the model's nodes to the clip's values at its time. Throws InputError if a sampler's
+// times are not ascending, or if their number does not fit the values.
 void apply(const ClipTime& clip, const Data& data, Model& model);
 
 // Returns the transform from a node to its parent.
@@ -40,7 +40,7 @@ struct PlacedNode {
   bool visible = true;
 };
 
-// Returns the nodes of the scene in file order, depth first.
+// Returns the nodes of the scene with their transforms, in file order, depth first.
 std::vector<PlacedNode> placeNodes(const Model& model);
 
 // Returns the transform of a 4 x 4 matrix whose numbers are ordered column by column.

@@ -51,7 +51,7 @@ std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::u
   const std::size_t step = mode == Primitive::Mode::Triangles ? 3 : 1;
   triangles.reserve(v.size() / step);
   for (std::size_t i = 0; i + 2 < v.size(); i += step) {
-    // Every second triangle of a strip has the opposite order of vertices.
+    // In a strip, every second triangle has its vertices in the opposite order.
     const std::size_t swap = mode == Primitive::Mode::Strip ? i % 2 : 0;
     triangles.push_back(mode == Primitive::Mode::Fan ? Triangle{v[i + 1], v[i + 2], v[0]}
                                                      : Triangle{v[i], v[i + 1 + swap], v[i + 2 - swap]});
@@ -103,7 +103,7 @@ class Reader {
     return weights;
   }
 
-  // True if neither a skin nor morph targets change the vertices of a node's mesh.
+  // True if the node's mesh is neither skinned nor morphed.
   bool isRigid(const PlacedNode& placed) const {
     return !model_.nodes[placed.node].skin && targetWeights(placed).empty();
   }
@@ -232,7 +232,7 @@ class Reader {
     }
   }
 
-  // Appends the parts of a node, one part per material. All of them get `nodeIndex`.
+  // Appends the parts of a node, one part per material. `nodeIndex`: AssetPart::nodeIndex of the parts.
   void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t nodeIndex,
               const Affine& assetFromNode) {
     const std::size_t first = parts.size();
@@ -363,8 +363,8 @@ class Reader {
     }
   }
 
-  // Adds the instances of EXT_mesh_gpu_instancing: as InstancedParts, or as separate parts if a clip is loaded or if
-  // there are fewer than two instances.
+  // Adds the instances of EXT_mesh_gpu_instancing as InstancedParts. If a clip is loaded or there are fewer than two
+  // instances, adds them as separate parts instead.
   void addInstances(const PlacedNode& placed, std::uint32_t nodeIndex, const Attributes& attributes) {
     const Affine assetFromNode = assetFromFile_ * frameOf(placed);
     std::vector<Affine> nodeFromInstance = instanceTransforms(placed, attributes);
