@@ -178,6 +178,7 @@ class LasReader {
     if (wkt_.empty() && geoKeys_.empty()) return;
     const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
     std::string description;
+    // metres_ is still 1, so the position is in the file's own units, as readSystem() needs.
     const CoordinateSystem system = readSystem(byWkt, points == 0 ? Vec3d{} : positionAt(first), description);
     constexpr const char* kReproject =
         "reproject it, by `pdal translate a.las b.las reprojection --filters.reprojection.out_srs=EPSG:32632` with the "
@@ -188,7 +189,9 @@ class LasReader {
     }
     const double vertical = system.perHeight.value_or(system.perUnit);
     metres_ = {system.perUnit, system.perUnit, vertical};
-    if (system.definition.empty() || (!byWkt && system.local)) {
+    // From keys of GeoTIFF that name no known system, GDAL makes a local system.
+    const bool isKnown = !system.definition.empty() && (byWkt || !system.local);
+    if (!isKnown) {
       warn(
           "{}: its coordinate system cannot be read ({}), and counts as in units of {:.10g} m: give the key "
           "`unit` if it is not",

@@ -76,8 +76,6 @@ class OpenImageIoReader final : public ImageReader {
   void describe() {
     const OIIO::ImageSpec spec = input_->spec();
     const std::string_view format = input_->format_name();
-    // WebP is multiplied by alpha in linear light, hence 2.2. encode() divides linear colours by alpha.
-    const double gamma = !isMultiplied() || isLinear() ? 0.0 : format == "webp" ? 2.2 : 1.0;
     const bool isExr = format == "openexr";
     if (isExr && spec.roi() != spec.roi_full()) {
       throw std::runtime_error("its data window is not its display window: save it with one window");
@@ -86,16 +84,16 @@ class OpenImageIoReader final : public ImageReader {
                .height = spec.height,
                .channels = spec.nchannels,
                .alphaChannel = alphaChannel(),
-               .alphaGamma = gamma,
+               .alphaGamma = alphaGamma(),
                .linear = isLinear()};
     const int colorChannels = alphaChannel() < 0 ? spec.nchannels : alphaChannel();
     if (isExr && colorChannels < 3 && isOneOf("RGB", spec.channelnames[0])) header_.leftOut.emplace_back(kFewColors);
     if (!isExr && format != "tiff" && format != "gif" && format != "webp") return;
-    // In all kinds but EXR, further images that are smaller than the first are its previews.
+    // Only these formats hold further images. In all but EXR, images that are smaller than the first are its previews.
     if (input_->seek_subimage(1, 0) && (isExr || input_->spec().width >= spec.width)) {
       header_.leftOut.emplace_back(kFurtherImages);
     }
-    input_->geterror();
+    input_->geterror();  // discards the error of an image that does not exist
     if (!input_->seek_subimage(0, 0)) fail(input_.get());
   }
 
@@ -106,6 +104,13 @@ class OpenImageIoReader final : public ImageReader {
     const std::string compression = input_->spec().get_string_attribute("compression");
     return format == "webp" || format == "openexr" || format == "tiff" || compression == "DXT2" ||
            compression == "DXT4";
+  }
+
+  // Returns the exponent of ImageHeader::alphaGamma. OpenImageIO multiplies WebP by alpha in linear light, hence 2.2.
+  // encode() divides linear colours by alpha, so that they are no longer multiplied.
+  double alphaGamma() const {
+    if (!isMultiplied() || isLinear()) return 0;
+    return std::string_view(input_->format_name()) == "webp" ? 2.2 : 1.0;
   }
 
   // True if the name of a channel is one of these letters.

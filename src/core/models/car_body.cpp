@@ -86,28 +86,30 @@ class BodyMaker {
     const double half = halfWidth(x);
     const double low = sill(x);
     const double top = topAt(x);
-    const double belt = std::min(f_.belt - f_.beltRise * x, top - 0.07);  // lower edge of the windows
+    constexpr double kLeastAbove = 0.07;  // m, least height of the body above the belt
+    constexpr double kBonnet = 0.1;       // m, height above the belt up to which the body has no cabin
+    const double belt = std::min(f_.belt - f_.beltRise * x, top - kLeastAbove);  // lower edge of the windows
     // `cabin` is 0 at the bonnet and at the boot, 1 where the roof is highest.
-    const double cabin = std::clamp((top - belt - 0.1) / (roof_ - f_.belt - 0.1), 0.0, 1.0);
+    const double cabin = std::clamp((top - belt - kBonnet) / (roof_ - f_.belt - kBonnet), 0.0, 1.0);
     const double shoulder = half * 0.955;  // half of the width at the belt
     const double taper = half / (f_.width / 2);
     const double roofEdge = lerp(shoulder * 0.86, f_.roofHalf * taper, cabin);       // half of the width of the top
     const double well = std::min(f_.width / 2 - f_.wheelWidth - 0.08, half - 0.12);  // inner side of the wheels
     const double crown = lerp(0.03, 0.05, cabin);  // m, rise from the roof's edge to its middle
     std::vector<Vec3d> p{
-        {x, 0, f_.floor},
+        {x, 0, f_.floor},  // floor and wheel wells; surfaceAt() depends on the order of the points
         {x, well, f_.floor},
         {x, well, low},
-        {x, half * 0.965, low},
+        {x, half * 0.965, low},  // side below the windows
         {x, half * 0.988, lerp(low, belt, 0.22)},
         {x, half, lerp(low, belt, 0.5)},
         {x, half * 0.996, lerp(low, belt, 0.72)},
         {x, half * 0.98, lerp(low, belt, 0.9)},
-        {x, shoulder, belt},
+        {x, shoulder, belt},  // windows
         {x, lerp(shoulder, roofEdge, 0.12), lerp(belt, top - crown, 0.08)},
         {x, lerp(shoulder, roofEdge, 0.55), lerp(belt, top - crown, 0.5)},
         {x, lerp(shoulder, roofEdge, 0.92), lerp(belt, top - crown, 0.9)},
-        {x, roofEdge * 0.96, top - crown * 0.75},
+        {x, roofEdge * 0.96, top - crown * 0.75},  // roof or bonnet
         {x, roofEdge * 0.6, top - crown * 0.2},
         {x, 0, top},
     };

@@ -59,16 +59,21 @@ void appendRack(Shape& s, SurfaceIndex metal, const Vec3d& rear, double wheelRad
 
 // Appends a basket of wires about a point in front of the handlebar: three rectangles, and 12 wires that connect them.
 void appendBasket(Shape& s, SurfaceIndex metal, const Vec3d& center) {
-  for (const double z : {-0.12, 0.0, 0.12}) {
-    const double w = 0.12 + z * 0.1;  // the basket widens upwards
-    s.pipe(metal,
-           {center + Vec3d{-w, -w * 1.3, z}, center + Vec3d{w, -w * 1.3, z}, center + Vec3d{w, w * 1.3, z},
-            center + Vec3d{-w, w * 1.3, z}, center + Vec3d{-w, -w * 1.3, z + 0.003}},
-           0.005, 4);
+  constexpr double kHalfHeight = 0.12;
+  // Returns the point at the height z (m, from the center) whose sides are `x` and `y` times the half sides of the
+  // basket.
+  const auto at = [&](double x, double y, double z) {
+    const double half = 0.12 + z * 0.1;  // m, half of the length along the bicycle; the basket widens upwards
+    return center + Vec3d{x * half, y * 1.3 * half, z};
+  };
+  for (const double z : {-kHalfHeight, 0.0, kHalfHeight}) {
+    // The ring ends 3 mm above its start, so that it does not cross itself there.
+    s.pipe(metal, {at(-1, -1, z), at(1, -1, z), at(1, 1, z), at(-1, 1, z), at(-1, -1, z) + Vec3d{0, 0, 0.003}}, 0.005,
+           4);
   }
   for (const Point2& p : regularPolygon(12, 1)) {
-    const Vec3d out{std::clamp(p.x * 1.4, -1.0, 1.0), std::clamp(p.y * 1.4, -1.0, 1.0) * 1.3, 0};
-    s.rod(metal, center + out * 0.108 + Vec3d{0, 0, -0.12}, center + out * 0.132 + Vec3d{0, 0, 0.12}, 0.003, 3);
+    const Point2 q{std::clamp(p.x * 1.4, -1.0, 1.0), std::clamp(p.y * 1.4, -1.0, 1.0)};  // on the square's sides
+    s.rod(metal, at(q.x, q.y, -kHalfHeight), at(q.x, q.y, kHalfHeight), 0.003, 3);
   }
 }
 

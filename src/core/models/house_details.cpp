@@ -130,6 +130,8 @@ class Details {
     }
   }
 
+  static constexpr double kBayRoofBelow = 0.3;  // m from the lower edge of a bay's roof to the next floor
+
   // Adds a bay's wall between two points of the bay's plan. The wall has a window between two piers in each storey.
   void bayWall(const Point2& a, const Point2& b, int floors) {
     const auto at = [&](double t, double z) { return Vec3d{lerp(a.x, b.x, t), lerp(a.y, b.y, t), z}; };
@@ -138,10 +140,10 @@ class Details {
     };
     for (int floor = 0; floor < floors; ++floor) {
       const double z0 = floor == 0 ? look_.foundation : floorHeight(floor);
-      const double z1 = floorHeight(floor + 1) - (floor + 1 == floors ? 0.3 : 0);
+      const double z1 = floorHeight(floor + 1) - (floor + 1 == floors ? kBayRoofBelow : 0);
       const double low = floorHeight(floor) + m_.sill;  // m, heights of the window's edges
       const double high = low + m_.windowHeight;
-      const double pier = 0.12;  // width of a pier divided by the width of the wall
+      constexpr double pier = 0.12;  // width of a pier divided by the width of the wall
       panel(look_.wall, 0, 1, z0, low);
       panel(look_.wall, 0, 1, high, z1);
       panel(look_.wall, 0, pier, low, high);
@@ -167,7 +169,7 @@ class Details {
     std::vector<Point2> eaves;
     eaves.reserve(plan.size());
     for (const Point2& p : plan) eaves.push_back({1.06 * (p.x - middle), p.y < 0 ? p.y - 0.08 : p.y});
-    s_.prism(look_.tile, look_.trim, at({middle, 0, floorHeight(floors) - 0.3}), eaves, 0.14);
+    s_.prism(look_.tile, look_.trim, at({middle, 0, floorHeight(floors) - kBayRoofBelow}), eaves, 0.14);
   }
 
   // Adds a porch in front of the door: two posts, a beam and a gable roof.

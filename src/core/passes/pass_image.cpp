@@ -71,10 +71,9 @@ void ImageSource::require(PassChoice requested) const {
   for (const PassImage& image : images_) {
     const PassChoice available = image.planes.choice();
     for (const ChannelRow& row : kChannels) {
-      if (row.channel == Channel::Range || !row.rendered || !requested.channels.has(row.channel) ||
-          available.channels.has(row.channel)) {
-        continue;
-      }
+      const bool isNeeded = row.channel != Channel::Range && row.rendered && requested.channels.has(row.channel);
+      if (!isNeeded || available.channels.has(row.channel)) continue;  // all images have the range
+      // An image that has the parameters of the surface needs no hint at them: they were not enough.
       const bool hasSubstitute = row.channel == Channel::Material && available.surfaceParameters;
       throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs{}",
                                    image.camera.name, row.name, hasSubstitute ? "" : insteadOf(row.name)));

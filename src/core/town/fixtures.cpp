@@ -153,8 +153,8 @@ void placeRow(Placer& placer, const Model& panel, const models::Span& along, dou
   }
 }
 
-constexpr double kFarthest = 60;  // m, largest distance between two poles that a wire connects
-constexpr double kToHouse = 26;   // m, largest distance between a pole and a house that a wire connects
+constexpr double kMostBetweenPoles = 60;  // m, largest distance between two poles that a wire connects
+constexpr double kMostToHouse = 26;       // m, largest distance between a pole and a house that a wire connects
 
 // Adds a wire between two points as a parabola, which is close to a catenary. `sag`: m, in the middle of the wire.
 void addWire(models::Shape& s, SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double sag, double radius) {
@@ -274,8 +274,12 @@ void placeWires(Placer& placer) {
   Draw draw(l.seed, Kind::Wire);
   const Character& c = l.character;
   // Terraced districts, motorways and plain towns have no poles: wires are underground, or there is no space.
-  const double probability = c.farmland ? 0.7 : c.terraced || c.country || c.plain ? 0 : 0.4;
+  const double probability = c.farmland ? 0.7 : c.terraced || c.motorway || c.plain ? 0 : 0.4;
   if (!draw.chance(probability)) return;
+  constexpr double kPowerRadius = 0.006, kTelephoneRadius = 0.011, kHouseRadius = 0.008;  // m, radii of the wires
+  constexpr double kSagToHouse = 0.015;    // sag of a wire to a house, divided by the distance to the pole
+  constexpr double kAtWallPerFloor = 2.7;  // m, height at which wires reach a house, per floor: below the eaves
+  constexpr double kBeforeWall = 0.02;     // m between the end of a wire and the front wall
   const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed);
   const std::vector<PlacedPole> poles = placePoles(placer, draw, pole);
   models::Shape s(placer.builder, "wires");
@@ -283,19 +287,21 @@ void placeWires(Placer& placer) {
   const double slack = draw.in(0.00025, 0.0005);  // 1/m, sag divided by the square of the distance between poles
   for (std::size_t i = 1; i < poles.size(); ++i) {
     const double distance = poles[i].along - poles[i - 1].along;
-    if (distance > kFarthest) continue;
+    if (distance > kMostBetweenPoles) continue;
     const double sag = slack * distance * distance;
-    for (const Vec3d& p : pole.insulators) addWire(s, rubber, poles[i - 1].pose * p, poles[i].pose * p, sag, 0.006);
-    addWire(s, rubber, poles[i - 1].pose * pole.telephone, poles[i].pose * pole.telephone, sag, 0.011);
+    const Affine &from = poles[i - 1].pose, &to = poles[i].pose;
+    for (const Vec3d& p : pole.insulators) addWire(s, rubber, from * p, to * p, sag, kPowerRadius);
+    addWire(s, rubber, from * pole.telephone, to * pole.telephone, sag, kTelephoneRadius);
   }
   for (const models::House& house : l.houses) {
     if (poles.empty() || !draw.chance(0.7)) continue;
-    const Vec3d gable = house.pose * Vec3d{draw.in(0.2, 0.8) * house.width, -0.02, 2.7 * house.floors};
-    const auto distance = [&](const PlacedPole& p) { return length(p.pose.translation - gable); };
+    const Vec3d atWall =
+        house.pose * Vec3d{draw.in(0.2, 0.8) * house.width, -kBeforeWall, kAtWallPerFloor * house.floors};
+    const auto distance = [&](const PlacedPole& p) { return length(p.pose.translation - atWall); };
     const PlacedPole& nearest = *std::ranges::min_element(poles, {}, distance);
     const Vec3d start = nearest.pose * pole.telephone;
-    if (distance(nearest) > kToHouse || !passesAbove(l, start, gable)) continue;
-    addWire(s, rubber, start, gable, 0.015 * distance(nearest), 0.008);
+    if (distance(nearest) > kMostToHouse || !passesAbove(l, start, atWall)) continue;
+    addWire(s, rubber, start, atWall, kSagToHouse * distance(nearest), kHouseRadius);
   }
   if (!s.mesh.triangles.empty()) placer.putShape(s);
 }

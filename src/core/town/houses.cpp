@@ -105,11 +105,13 @@ class Boundaries {
 
 // Places houses with plinths, and blocks. All buildings of one relation of the map become one object instance.
 void placeHouses(Placer& placer) {
+  constexpr double kPlinthInset = 0.02;  // m by which a plinth is behind each wall
   const std::size_t instancesBefore = placer.builder.soFar().instances.size();
   const auto put = [&](const Model& m, const Affine& pose, const std::string& name, std::int64_t relation) {
-    const std::string object =
+    // The number of instances keeps the towns of a scene apart, which may contain the same relation.
+    const std::string objectKey =
         relation == 0 ? "" : fmt::format("relation {} after {} instances", relation, instancesBefore);
-    placer.builder.place(m.mesh, pose, name, {}, nullptr, nullptr, object);
+    placer.builder.place(m.mesh, pose, name, {}, nullptr, nullptr, objectKey);
   };
   int number = 0;
   for (const models::House& house : placer.layout.houses) {
@@ -118,7 +120,7 @@ void placeHouses(Placer& placer) {
     put(models::makeHouse(placer.builder, placer.layout.seed, house), pose, name, house.relation);
     Shape plinth(placer.builder, "plinth");
     plinth.box(plinth.surface("building", "concrete"), {house.width / 2, house.depth / 2, -kPlinthDepth / 2},
-               {house.width - 0.04, house.depth - 0.04, kPlinthDepth});
+               {house.width - 2 * kPlinthInset, house.depth - 2 * kPlinthInset, kPlinthDepth});
     put(plinth.finish(), pose, name + " plinth", house.relation);
   }
   for (const PlacedBlock& b : placer.layout.blocks) {

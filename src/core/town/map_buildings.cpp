@@ -14,10 +14,13 @@ namespace {
 namespace gtl = boost::polygon;
 using Region = gtl::polygon_set_data<int>;
 
-constexpr double kStorey = 2.9;  // m, usual height of a storey
-constexpr double kSlope = 0.75;  // usual slope of a pitched roof
-constexpr double kWidest = 18;   // m; wider buildings have no pitched roof unless the map gives it
-constexpr double kUnit = 1e-3;   // m per unit of the integer coordinates of Boost.Polygon
+constexpr double kStorey = 2.9;            // m, usual height of a storey
+constexpr double kSlope = 0.75;            // usual slope of a pitched roof
+constexpr double kWideSlope = kSlope / 3;  // usual slope of a pitched roof wider than kWidest, as of halls
+constexpr double kWidest = 18;             // m; wider buildings have no pitched roof unless the map gives it
+constexpr double kHighest = 1000;          // m, greatest height that tags may give
+constexpr double kMostFloors = 200;        // greatest number of floors that tags may give
+constexpr double kUnit = 1e-3;             // m per unit of the integer coordinates of Boost.Polygon
 
 enum class RoofShape { Flat, Gabled, Hipped, Pyramidal, Skillion };
 
@@ -96,15 +99,15 @@ void setPitchedRoof(MapBuilding& b, const models::Footprint& about, RoofShape sh
 // Sets the roof's shape and height from the tags; without a known shape, only the height for a randomly drawn shape.
 void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& numbers) {
   const models::Footprint about = rectangleAbout(b.outline);
-  const double narrow = std::min(about.halfX, about.halfY);
+  const double halfWidth = std::min(about.halfX, about.halfY);
+  const bool wide = 2 * halfWidth >= kWidest;
   const bool rectangular = isRectangular(b.outline, about);
   const auto* const entry = std::ranges::find(kRoofs, tags["roof:shape"], &RoofEntry::name);
   const auto angle = numbers.read(tags, "roof:angle", numberOf, 1, 85);  // degrees
-  const double slope = angle ? std::tan(radians(*angle)) : 2 * narrow < kWidest ? kSlope : kSlope / 3;
-  b.riseMapped = angle.has_value();
+  const double slope = angle ? std::tan(radians(*angle)) : wide ? kWideSlope : kSlope;
   if (entry == std::end(kRoofs)) {
     if (!tags["roof:shape"].empty()) b.difference = "roofs with an unknown roof:shape, which the seed draws";
-    if (rectangular && 2 * narrow < kWidest) b.rise = slope * narrow;
+    if (rectangular && !wide) b.rise = slope * halfWidth;
     b.riseMapped = angle && b.rise > 0;
     return;
   }
@@ -119,46 +122,51 @@ void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& num
   }
   if (shape == RoofShape::Flat) {
     b.roof = models::Roof::Flat;
-    b.riseMapped = false;
     return;
   }
+  b.riseMapped = angle.has_value();
   setPitchedRoof(b, about, shape, roofDirection(tags, about, mirrored, numbers), slope);
   if (angle && shape == RoofShape::Skillion) b.rise *= 2;  // a skillion roof rises over the complete width
 }
 
+// Replaces the height of the roof that setRoof() has set, if the tags give the height or if it does not fit below
+// b.top. Returns the height of the roof without the limit by b.top (m).
+double setRise(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
+  constexpr double kWallBelow = 2;  // m of wall below a roof of usual height, unless the roof is half of the building
+  std::optional<double> mapped = numbers.read(tags, "roof:height", metresOf, 0, kHighest);
+  const auto roofLevels = numbers.read(tags, "roof:levels", numberOf, 0, kMostFloors);
+  if (!mapped && roofLevels.value_or(0) > 0) mapped = kStorey * *roofLevels;
+  const double unlimited = mapped.value_or(b.rise);
+  if (b.roof == models::Roof::Flat || (tags["building"].empty() && !b.ridge)) {
+    b.rise = 0;
+    b.riseMapped = false;
+  } else if (mapped) {
+    b.rise = *mapped;
+    b.riseMapped = true;
+  } else if (b.top) {
+    b.rise = std::min(b.rise, b.riseMapped ? *b.top : std::max(*b.top / 2, *b.top - kWallBelow));
+  }
+  return unlimited;
+}
+
 // Sets floors, top, base and the height of the roof from the tags. Must be called after setRoof().
 void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
-  constexpr double kHighest = 1000;  // m
-  constexpr double kMostFloors = 200;
   const auto floors = numbers.read(tags, "building:levels", numberOf, 0.5, kMostFloors);
   if (floors) b.floors = static_cast<int>(std::lround(*floors));
   for (const char* const key : {"height", "building:height", "est_height"}) {
     if (!b.top) b.top = numbers.read(tags, key, metresOf, 0.1, kHighest);
   }
-  std::optional<double> rise = numbers.read(tags, "roof:height", metresOf, 0, kHighest);
-  const auto roofLevels = numbers.read(tags, "roof:levels", numberOf, 0, kMostFloors);
-  if (!rise && roofLevels.value_or(0) > 0) rise = kStorey * *roofLevels;
-  const bool part = tags["building"].empty();
-  const double mappedRise = rise.value_or(b.rise);
-  if (b.roof == models::Roof::Flat || (part && !b.ridge)) {
-    b.rise = 0;
-    b.riseMapped = false;
-  } else if (rise) {
-    b.rise = *rise;
-    b.riseMapped = true;
-  } else if (b.top && b.riseMapped) {
-    b.rise = std::min(b.rise, *b.top);
-  } else if (b.top) {
-    b.rise = std::min(b.rise, std::max(*b.top / 2, *b.top - 2));
-  }
+  const double unlimitedRise = setRise(b, tags, numbers);
   const auto base = numbers.read(tags, "min_height", metresOf, 0, kHighest);
   const auto level = numbers.read(tags, "building:min_level", numberOf, 0, kMostFloors);
   const double storey = b.top && floors ? std::max(*b.top - b.rise, 0.0) / *floors : kStorey;
   b.base = base ? *base : level ? storey * *level : 0;
-  if (b.difference.empty() && b.riseMapped && b.top && mappedRise > *b.top - b.base + 0.05) {
+  if (b.difference.empty() && b.riseMapped && b.top && unlimitedRise > *b.top - b.base + 0.05) {
     b.difference = "roofs higher than their buildings by roof:height or roof:angle, which end at the building's foot";
   }
-  if (!b.top && floors && (part || b.base > 0 || b.riseMapped)) {
+  // Houses and blocks without a top have storeys of random height. The top of a part and of a building with a base or a
+  // mapped roof must agree with the other heights of the map, and follows from the floors.
+  if (!b.top && floors && (tags["building"].empty() || b.base > 0 || b.riseMapped)) {
     b.top = kStorey * *floors + (b.ridge || b.riseMapped ? b.rise : 0);
   }
 }

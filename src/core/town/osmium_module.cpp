@@ -136,6 +136,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
   }
 
   // Called by libosmium for each way. Adds the way as an area, as a line, as both (a closed hedge), or not at all.
+  // Counts buildings that are outlines of relations as left out, and reports buildings with an unclosed outline.
   void after_way(const osmium::Way& way) {
     const osmium::WayNodeList& nodes = way.nodes();
     if (way.subitems<osmium::TagList>().size() > 1 || way.subitems<osmium::WayNodeList>().size() > 1) {
@@ -143,23 +144,31 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     }
     if (!way.visible()) return;
     const bool closed = nodes.size() > 3 && (way.ends_have_same_id() || way.ends_have_same_location());
-    const bool area = closed && isArea(way) && !way.tags().has_tag("area", "no");
-    if (area && way.tags().has_key("building") && outlines_.contains(way.id())) {
+    const bool closedArea = closed && isArea(way) && !way.tags().has_tag("area", "no");
+    const bool member = members_.contains(way.id());
+    if (closedArea && way.tags().has_key("building") && outlines_.contains(way.id())) {
       ++extract_.leftOut["buildings that are the outlines of relations with the key building"];
-    } else if (area) {
+    } else if (closedArea) {
       addArea(way, tagsOf(way));
-    }
-    if (!area && isBuilding(way) && !members_.contains(way.id())) {
+    } else if (isBuilding(way) && !member) {
       extract_.areas.push_back({tagsOf(way), {}, {}, kBroken, 0});
     }
-    const bool road = way.tags().has_key("highway") && !way.tags().has_tag("area", "yes");
-    if (!isMapped(way) || (area && !road && !way.tags().has_key("barrier"))) return;
-    // Skips a way that is only a piece of a multipolygon's outline and repeats the multipolygon's tags.
-    if (!area && isArea(way) && members_.contains(way.id()) && !hasAny(way, kLines)) return;
-    addLine(way, area);
+    if (closedArea ? isLineToo(way) : isLine(way, member)) addLine(way, closedArea);
   }
 
  private:
+  // True if a closed area is also a line: a road around a square, or a barrier.
+  static bool isLineToo(const osmium::Way& way) {
+    const bool road = way.tags().has_key("highway") && !way.tags().has_tag("area", "yes");
+    return isMapped(way) && (road || way.tags().has_key("barrier"));
+  }
+
+  // True if a way that is not a closed area is a line. A member of a multipolygon may be only a piece of its outline
+  // that repeats its tags.
+  static bool isLine(const osmium::Way& way, bool member) {
+    return isMapped(way) && (!member || !isArea(way) || hasAny(way, kLines));
+  }
+
   // Adds a way as a line; nodes without a location divide it into runs.
   void addLine(const osmium::Way& way, bool area) {
     OsmWay line{tagsOf(way), {}, area};

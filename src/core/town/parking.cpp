@@ -67,18 +67,22 @@ std::uint32_t placeCarsAtSide(Placer& placer, const Road& road, int side, bool e
 
 // Places cars side by side on a wide forecourt, or one car on a driveway. The patch's y axis points to the house.
 void placeCarsOn(Placer& placer, const Patch& patch, Draw& draw) {
-  constexpr double kBeside = 2.7;  // m between the middles of neighbours
+  constexpr double kBeside = 2.7;          // m between the middles of neighbours
+  constexpr double kFromSide = 1;          // m, least distance between a car's middle and the forecourt's end
+  constexpr double kMiddleFromHouse = 3;   // m, least distance between a car's middle and the house
+  constexpr double kBeyondDriveway = 0.2;  // m by which a car may be wider than the ground
   const TurnedRectangle& ground = patch.rectangle;
   const double parked = placer.layout.character.parked;
   const bool wide = ground.halfX > kBeside;
-  const double first = wide ? -ground.halfX + kBeside / 2 : 0;
-  for (const double u : models::steps(first, wide ? ground.halfX - 1 : 1, kBeside)) {
+  const std::vector<double> places =
+      wide ? models::steps(-ground.halfX + kBeside / 2, ground.halfX - kFromSide, kBeside) : std::vector{0.0};
+  for (const double u : places) {
     if (!draw.chance(wide ? 0.65 + 0.3 * parked : 0.85 + 0.15 * parked)) continue;
     const Model& car = anyCar(placer, draw);
-    if (car.width() > 2 * ground.halfX + 0.2) continue;
-    const double v = ground.halfY - 3 - draw.in(0, 1);
-    const double forwards = draw.chance(0.6) ? 0 : kPi;
-    const Spot spot{.at = ground.at(u, v), .yaw = ground.yaw + kPi / 2 + forwards + draw.in(-0.03, 0.03)};
+    if (car.width() > 2 * ground.halfX + kBeyondDriveway) continue;
+    const double v = ground.halfY - kMiddleFromHouse - draw.in(0, 1);
+    const double turn = draw.chance(0.6) ? 0 : kPi;  // rad; most cars have their front at the house
+    const Spot spot{.at = ground.at(u, v), .yaw = ground.yaw + kPi / 2 + turn + draw.in(-0.03, 0.03)};
     placer.tryNumbered("car", [&](const std::string& name) {
       const bool free = placer.occupancy.isFree(footprint(car, spot, Placer::kGap));
       if (free) placer.park(car, spot, name);

@@ -38,9 +38,9 @@ const TreeModel& randomTree(Placer& placer, Draw& draw, Trees kind, bool far) {
   return *tree;
 }
 
-// Plants a tree of a random form and size. Only the trunk needs free ground; crowns may overlap. `largestCrown`: limit
-// of the crown's radius (m); 0: no limit. `mapped`: height and crown on the map, which replace random sizes. Returns
-// false if the spot is not free, or if the limits of the crown would scale the model by less than 0.5.
+// Plants a tree of a random form, size and yaw. Only the trunk needs free ground; crowns may overlap. `largestCrown`:
+// limit of the crown's radius (m). `mapped`: height and crown on the map, which replace random sizes. Returns false if
+// the spot is not free, or if the limits of the crown would scale the model by less than 0.5.
 bool plant(Placer& placer, Draw& draw, Spot spot, Trees kind, double largestCrown, const std::string& name,
            const MapTree& mapped = {}) {
   constexpr double kTrunkBelow = 0.05;  // m of the trunk below the ground
@@ -52,19 +52,18 @@ bool plant(Placer& placer, Draw& draw, Spot spot, Trees kind, double largestCrow
   const TreeModel& tree = randomTree(placer, draw, kind, far);
   spot.yaw = draw.in(0, 2 * kPi);
   spot.scale = draw.in(0.75, 1.35);
-  if (!far) {
-    largestCrown = std::min(largestCrown > 0 ? largestCrown : 1e9, std::max(kLeastCrown, b.edge + kOverhang));
-  }
-  const double heightScale =
-      mapped.height.value_or(0) > 0 ? (*mapped.height + kTrunkBelow) / tree.model.bounds.high.z : 0;
-  if (heightScale > 0) spot.scale = heightScale;
-  if (largestCrown > 0) spot.scale = std::min(spot.scale, largestCrown / tree.crownRadius);
+  // The mapped height scales the model in all directions. The limits of the crown reduce the horizontal scale alone,
+  // and the mapped crown replaces it.
+  std::optional<double> heightScale;
+  if (mapped.height.value_or(0) > 0) heightScale = (*mapped.height + kTrunkBelow) / tree.model.bounds.high.z;
+  if (!far) largestCrown = std::min(largestCrown, std::max(kLeastCrown, b.edge + kOverhang));
+  spot.scale = std::min(heightScale.value_or(spot.scale), largestCrown / tree.crownRadius);
   if (mapped.crown) spot.scale = *mapped.crown / 2 / tree.crownRadius;
   const bool sizeMapped = mapped.height || mapped.crown;
   if ((spot.scale < 0.5 && !sizeMapped) || !placer.isFree(Footprint::square(spot.at, kHalfFree))) return false;
   placer.occupancy.add(Footprint::square(spot.at, kHalfTrunk));
   Affine pose = models::poseOf(spot, placer.layout.heightAt(spot.at) - kTrunkBelow);
-  if (heightScale > 0) pose.linear.z = {0, 0, heightScale};
+  if (heightScale) pose.linear.z = {0, 0, *heightScale};
   placer.builder.place(tree.model.mesh, placer.worldFromTown * pose, name);
   return true;
 }
@@ -134,7 +133,7 @@ void plantPark(Placer& placer, const MapArea& park, Draw& draw) {
     const Point2 p = about.at(u, v);
     const bool far = !l.besideAt(p).nearRoad;
     if (far || l.areas.landAt(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
-    plantNumbered(placer, draw, {.at = p}, draw.chance(0.5) ? Trees::Broadleaf : Trees::Any, 0);
+    plantNumbered(placer, draw, {.at = p}, draw.chance(0.5) ? Trees::Broadleaf : Trees::Any, INFINITY);
   }
 }
 
@@ -151,7 +150,7 @@ void plantGarden(Placer& placer, const Plot& plot) {
       const double depth = front ? draw.in(0.8, plot.setback) : plot.setback + draw.in(0, 26);
       const Spot spot = l.inPlot(plot, draw.in(plot.from, plot.to), depth);
       if (!onLawn(l, spot.at, 0.5)) continue;
-      if (plantNumbered(placer, draw, spot, front ? Trees::Broadleaf : Trees::Any, front ? 2.6 : 0)) break;
+      if (plantNumbered(placer, draw, spot, front ? Trees::Broadleaf : Trees::Any, front ? 2.6 : INFINITY)) break;
     }
   }
 }
@@ -185,6 +184,7 @@ Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
 
 // Plants the trees of the map.
 void placeMapTrees(Placer& placer) {
+  constexpr double kFromRoad = 0.4;  // m, least distance between a trunk and a road
   const Layout& l = placer.layout;
   std::uint32_t treeNumber = 0;
   bool leftOut = false;
@@ -192,10 +192,10 @@ void placeMapTrees(Placer& placer) {
     Draw draw(l.seed, Kind::MapTree, treeNumber++);
     const Beside b = l.besideAt(tree.at);
     // A tree may be on a road that is wider in the town than on the map.
-    const bool onRoad = b.nearRoad && b.edge < 0.4;
-    const Spot spot{.at = tree.at, .yaw = draw.in(0, 2 * kPi)};
+    const bool onRoad = b.nearRoad && b.edge < kFromRoad;
+    draw.next();  // unused, since plant() draws the yaw; without it, the same seed would give other trees
     const std::string name = fmt::format("tree {}", treeNumber);
-    leftOut |= onRoad || !plant(placer, draw, spot, Trees::Broadleaf, 0, name, tree);
+    leftOut |= onRoad || !plant(placer, draw, {.at = tree.at}, Trees::Broadleaf, INFINITY, name, tree);
   }
   // The text is the same for all towns on the map, so that the warning is reported only once.
   if (leftOut) {
@@ -258,7 +258,7 @@ void placeWoods(Placer& placer) {
       const Spot treeSpot{.at = {spot.at.x + draw.in(-1.5, 1.5), spot.at.y + draw.in(-1.5, 1.5)}};
       if (!onLawn(l, treeSpot.at, 1)) continue;
       const Trees kind = draw.chance(0.75) ? Trees::Broadleaf : Trees::Any;
-      if (plant(placer, draw, treeSpot, kind, 0, fmt::format("wood {}", trees + 1))) ++trees;
+      if (plant(placer, draw, treeSpot, kind, INFINITY, fmt::format("wood {}", trees + 1))) ++trees;
     }
   }
 }

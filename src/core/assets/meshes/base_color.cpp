@@ -133,8 +133,10 @@ void setColor(Material& material, const BaseColor& color, const std::filesystem:
   }
   material.textured = color.image != nullptr && options.textures;
   if (material.alphaTested || material.textured) material.texture = texture;
-  const bool isWithoutImage = color.source == BaseColor::Source::Image && !color.image && r == 1 && g == 1 && b == 1;
-  if (!isWithoutImage && color.source != BaseColor::Source::None) return;
+  // A factor other than white is a colour, even if the image that it multiplies is missing.
+  const bool isColorKnown = color.source == BaseColor::Source::Factor ||
+                            (color.source == BaseColor::Source::Image && (color.image || r != 1 || g != 1 || b != 1));
+  if (isColorKnown) return;
   const Material fallback;
   material.reflectance = fallback.reflectance;
   material.metallic = fallback.metallic;

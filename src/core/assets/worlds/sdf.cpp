@@ -46,6 +46,35 @@ struct State {
   Pose worldFromModel;            // identity for the world
 };
 
+// Where elements may stand; see countMisplaced().
+constexpr std::array<ElementPlace, 19> kSdfPlaces{
+    {{"model include", "sdf gazebo world model", true},
+     {"link", "model", true},
+     {"visual", "link", true},
+     {"geometry", "visual collision"},
+     {"mesh box capsule cone cylinder ellipsoid plane sphere heightmap image empty", "geometry"},
+     {"polyline", "geometry", true},
+     {"pose", "model include link visual frame joint"},
+     {"uri", "include"},
+     {"uri", "mesh heightmap"},
+     {"uri", "script", true},
+     {"submesh", "mesh"},
+     {"scale", "mesh"},
+     {"size", "box plane heightmap image"},
+     {"radius", "cylinder sphere capsule cone"},
+     {"length", "cylinder capsule cone"},
+     {"material", "visual"},
+     {"diffuse", "material"},
+     {"script", "material"},
+     {"transparency", "visual"}}};
+
+// True if an element of SDF that is left out states the default, so that nothing is lost.
+bool isSdfDefault(const XmlNode& element) {
+  const double number = std::strtod(element.text.c_str(), nullptr);
+  return ((element.name == "laser_retro" || element.name == "initial_position") && number == 0) ||
+         (element.name == "visibility_flags" && number == UINT32_MAX) || (element.name == "sampling" && number == 1);
+}
+
 class SdfReader {
  public:
   WorldFile read(const std::filesystem::path& file) {
@@ -74,43 +103,22 @@ class SdfReader {
   }
 
  private:
-  // Counts elements in `element` and below it that sdfFormat() leaves out or does not know, or that stand where kPlaces
-  // does not allow them. In a state, elements may stand anywhere.
+  // Counts elements in `element` and below it that sdfFormat() leaves out or does not know, or that stand where
+  // kSdfPlaces does not allow them. In a state, elements may stand anywhere. Throws InputError for SDF 1.0.
   void countUnread(const XmlNode& element, bool isInState = false) {
-    static constexpr std::array<ElementPlace, 19> kPlaces{
-        {{"model include", "sdf gazebo world model", true},
-         {"link", "model", true},
-         {"visual", "link", true},
-         {"geometry", "visual collision"},
-         {"mesh box capsule cone cylinder ellipsoid plane sphere heightmap image empty", "geometry"},
-         {"polyline", "geometry", true},
-         {"pose", "model include link visual frame joint"},
-         {"uri", "include"},
-         {"uri", "mesh heightmap"},
-         {"uri", "script", true},
-         {"submesh", "mesh"},
-         {"scale", "mesh"},
-         {"size", "box plane heightmap image"},
-         {"radius", "cylinder sphere capsule cone"},
-         {"length", "cylinder capsule cone"},
-         {"material", "visual"},
-         {"diffuse", "material"},
-         {"script", "material"},
-         {"transparency", "visual"}}};
-    if (!isInState) countMisplaced(element, kPlaces, world_.leftOut);
+    if (!isInState) countMisplaced(element, kSdfPlaces, world_.leftOut);
     for (const XmlNode& child : element.children) {
       if (child.name == "origin" && child.attribute("pose") != nullptr) {
         child.fail("is of SDF 1.0: convert the file, by `gz sdf -c FILE`");
       }
-      const double number = std::strtod(child.text.c_str(), nullptr);
-      if (child.name == "transparency" && number > 0 && number < 1)
-        world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
-      const bool isDefault = ((child.name == "laser_retro" || child.name == "initial_position") && number == 0) ||
-                             (child.name == "visibility_flags" && number == UINT32_MAX) ||
-                             (child.name == "sampling" && number == 1);
+      if (child.name == "transparency") {
+        const double transparency = std::strtod(child.text.c_str(), nullptr);
+        if (transparency > 0 && transparency < 1)
+          world_.leftOut.add("transparencies between 0 and 1 (these visuals are solid)");
+      }
       const bool isKnown = sdfFormat().find(child.name) != nullptr;
       const bool isCustom = child.name.find(':') != std::string::npos && !isKnown;  // elements of other programs
-      if (!isDefault && !isCustom) world_.leftOut.addKeyword(sdfFormat(), child.name);
+      if (!isSdfDefault(child) && !isCustom) world_.leftOut.addKeyword(sdfFormat(), child.name);
       if (!sdfFormat().has(FormatElements::Use::Read, child.name)) continue;
       countUnread(child, isInState || child.name == "state");
     }
@@ -274,12 +282,13 @@ class SdfReader {
     for (std::size_t i = first; i < parts.size(); ++i) parts[i].thingFromPart = move * parts[i].thingFromPart;
   }
 
-  // Returns the model that an <include> names; nullopt for lights and actors.
+  // Returns the model that an <include> names; nullopt for lights and actors. The model's name is the <name> of the
+  // <include>; without one, the name in the file if the URI names an .sdf, else the last part of the URI.
   std::optional<Model> readInclude(const XmlNode& node, const std::filesystem::path& file, int depth,
                                    const State& around) {
     std::string uri = node.textOf("uri", "");
     while (uri.ends_with('/') && !uri.ends_with("//")) uri.pop_back();
-    const std::string name = std::filesystem::path(uri).filename().string();
+    const std::string nameInUri = std::filesystem::path(uri).filename().string();
     std::optional<std::filesystem::path> definition;  // nullopt: Gazebo's own ground_plane
     try {
       std::filesystem::path& cached = definitions_[{file.parent_path(), uri}];
@@ -287,16 +296,16 @@ class SdfReader {
       definition = cached;
     } catch (const MissingFileError& e) {             // models that belong to Gazebo may not be installed
       if (uri == "model://sun") return std::nullopt;  // sun is a light
-      if (uri != "model://ground_plane") return missingModel(node, name, e);
+      if (uri != "model://ground_plane") return missingModel(node, nameInUri, e);
     }
-    const std::filesystem::path path = definition.value_or(uri);
+    const std::filesystem::path path = definition.value_or(uri);  // the built-in model has its URI as key of roots_
     const auto [root, isNew] = roots_.try_emplace(path);
     if (isNew) root->second = definition ? readXml(path) : groundPlane(node.where);
     const XmlNode* const modelNode = modelIn(root->second, node);
     if (modelNode == nullptr) return std::nullopt;
     if (isNew) countUnread(*modelNode);
-    const std::string nameInFile = modelNode->attributeOr("name", name);
-    const std::string nameHere = node.textOf("name", uri.ends_with(".sdf") ? nameInFile : name);
+    const std::string nameInFile = modelNode->attributeOr("name", nameInUri);
+    const std::string nameHere = node.textOf("name", uri.ends_with(".sdf") ? nameInFile : nameInUri);
     Model model = readModel(*modelNode, path, depth, around, nameHere);
     if (node.child("name") == nullptr) model.nameInFile = nameInFile;
     if (definition && !model.poseByState) model.definition = path;  // all copies have the same parts

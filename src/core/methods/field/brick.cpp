@@ -130,7 +130,7 @@ void BrickMaker::appendLists(std::uint32_t* triangleOrList, std::vector<std::uin
 void BrickMaker::makeSparse(const BrickFrame& frame) {
   facets_.resize(triangles_.size());
   centreDistance2_.resize(triangles_.size());
-  Lanes nearest2;  // by block: squared distance of the triangle nearest to its centre
+  Lanes nearest2;  // by block (a lane is a block here): squared distance of the triangle nearest to its centre
   nearest2.fill(INFINITY);
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const Facet<float> facet = rounded(facetAt(world_.baked, triangles_[t], frame));
@@ -142,9 +142,10 @@ void BrickMaker::makeSparse(const BrickFrame& frame) {
   }
   for (int block = 0; block < kBlock; ++block) {
     blockDistance_[block] = std::min(std::sqrt(nearest2[block]), brick::gatheredRadius(block));
-    if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) continue;
+    if (blockDistance_[block] > kExactLimit + brick::kBlockRadius) continue;  // fillDistances() uses the lower bound
     // Candidates are the triangles that may be the nearest to some corner of the block (up to kExactLimit), and the
-    // triangles that some corner of the block may list.
+    // triangles that some corner of the block may list. A corner is at most kBlockRadius from the centre, so its
+    // nearest triangle is at most blockDistance_ + kBlockRadius from the corner and kBlockRadius more from the centre.
     float reach = std::min(blockDistance_[block] + 2 * brick::kBlockRadius, kExactLimit + brick::kBlockRadius);
     if (lists_) reach = std::max(reach, brick::kListRadius + brick::kBlockRadius);
     candidates_.clear();

@@ -201,14 +201,14 @@ void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
 }
 
 // Uploads the elements that are not on the device yet; the array only ever grows at its end. If its buffer is too
-// small, it gets space for `capacity` elements. `contents`: name of the array in messages.
+// small, it gets space for `capacity` elements. `texel`: type of an element. `contents`: name of the array in messages.
 template <class T>
 void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<const T> elements, std::size_t capacity,
                           const char* contents) {
   const auto bytes = std::as_bytes(elements);
   checkTable(device_, texel, bytes.size(), contents, kRemedy);
   if (array.buffer.bytes() < bytes.size()) {
-    array.uploadedBytes = 0;
+    array.uploadedBytes = 0;  // reserve() discards the contents
     array.buffer.reserve(std::min<std::uint64_t>(capacity, device_.limits().tableTexels) * sizeof(T));
   }
   if (array.uploadedBytes >= bytes.size()) return;

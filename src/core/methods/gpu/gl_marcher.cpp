@@ -86,7 +86,8 @@ void GlMarcher::march(const MarchJob& job, Hits& hits, std::vector<UnresolvedRay
 }
 
 // Submits the works of a batch, and starts the copy of their hits: see ShotQueue::Dispatch. All works have equal beams,
-// fields and channels, which are read from the first work. ShotQueue keeps the total size within the device's limit.
+// fields and channels, which are read from the first work. ShotQueue keeps the total size within the device's limit,
+// which only a single work can exceed.
 void GlMarcher::dispatch(const std::vector<const ShotWork*>& together, Queue::Batch& batch) {
   const ShotWork& work = *together.front();
   const WallTimer timer;
@@ -104,6 +105,7 @@ void GlMarcher::dispatch(const std::vector<const ShotWork*>& together, Queue::Ba
   device_.atOnce([&] {
     beams_.ensureUploaded(shots);
     resolver_.reserve(work.channels, batch.rays);
+    // There are more particles than rays, since columns are padded to groups.
     const std::size_t particles = work.job.size() * together.size();
     for (std::size_t first = 0; first < particles; first += particlesAtOnce_) {
       marchSlice(work, batch.rays, first, std::min<std::size_t>(particlesAtOnce_, particles - first));

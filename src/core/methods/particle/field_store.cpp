@@ -109,8 +109,9 @@ std::shared_ptr<const DistanceField> FieldStore::cachedField(const std::shared_p
 }
 
 // Builds the field from its world's cached fields, the nearest first, and caches it. Stores exceptions in `failure`.
+// Resets construction_ at the end, so that a thread can begin to build another field.
 void FieldStore::build(Construction& construction, StageClock& clock) const {
-  const TaskOrder::Task task(construction.done, construction.done);
+  const TaskOrder::Task task(construction.done, construction.done);  // tells only TSan that fieldOf() waits for the end
   try {
     std::vector<std::shared_ptr<const DistanceField>> earlierFields;
     {

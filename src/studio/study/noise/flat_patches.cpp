@@ -157,8 +157,11 @@ void countHoles(const BeamTable& beams, const Cells& cells, double deviation, Fl
 std::size_t groups() {
   return 2 * rangeBandEdges().size();
 }
+std::size_t groupIn(std::size_t rangeBand, bool grazing) {
+  return 2 * rangeBand + (grazing ? 1 : 0);
+}
 std::size_t groupOf(const FlatPatch& patch) {
-  return 2 * rangeBandOf(patch.range) + (patch.incidence < kSteep ? 1 : 0);
+  return groupIn(rangeBandOf(patch.range), patch.incidence < kSteep);
 }
 
 // Returns the standard deviation (m) that flat windows have in each group. It is taken from the smoothest tenth of the
@@ -168,22 +171,22 @@ std::size_t groupOf(const FlatPatch& patch) {
 // not depend on the measured halves.
 std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   const std::size_t bands = rangeBandEdges().size();
-  // For each window, the noise variance that follows if the window's variance is a 10 % quantile, as in the smoothest
-  // tenth, which is chosen. A group with fewer than kTelling windows does not bound other groups.
-  std::vector<std::vector<double>> variances(groups());
+  // By group, for each window: the noise variance that follows if the window's variance is a 10 % quantile, as in the
+  // smoothest tenth, which is chosen. A group with fewer than kTelling windows does not bound other groups.
+  std::vector<std::vector<double>> impliedVariances(groups());
   std::vector<std::vector<double>> ranges(groups());
   for (const FlatPatch& p : candidates) {
     const std::size_t group = groupOf(p);
-    variances[group].push_back(p.testedLines.variance() / chiSquareQuantile(p.testedLines.freedom, kTenth));
+    impliedVariances[group].push_back(p.testedLines.variance() / chiSquareQuantile(p.testedLines.freedom, kTenth));
     ranges[group].push_back(p.range);
   }
   std::vector<double> usual(groups(), 0.0);
-  for (const std::size_t incidence : {0, 1}) {  // steep, grazing
+  for (const bool grazing : {false, true}) {
     // Noise does not decrease with range: from far to near, a band gets at most the deviation of farther bands.
     double fartherDeviation = INFINITY;
     for (std::size_t band = bands; band-- > 0;) {
-      const std::size_t group = 2 * band + incidence;
-      std::vector<double>& v = variances[group];
+      const std::size_t group = groupIn(band, grazing);
+      std::vector<double>& v = impliedVariances[group];
       if (v.empty()) continue;
       const auto tenth = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 10);
       std::nth_element(v.begin(), tenth, v.end());
@@ -194,12 +197,12 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
     double nearerRange = 0;
     double nearerDeviation = 0;
     for (std::size_t band = 0; band < bands; ++band) {
-      const std::size_t group = 2 * band + incidence;
-      if (variances[group].empty()) continue;
+      const std::size_t group = groupIn(band, grazing);
+      if (impliedVariances[group].empty()) continue;
       const double range = medianOf(ranges[group]);
       const double growth = range / nearerRange;
       if (nearerRange > 0) usual[group] = std::min(usual[group], nearerDeviation * growth * growth);
-      if (variances[group].size() < kTelling) continue;
+      if (impliedVariances[group].size() < kTelling) continue;
       nearerRange = range;
       nearerDeviation = usual[group];
     }
