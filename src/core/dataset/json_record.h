@@ -48,15 +48,15 @@ class RecordKeys {
   // Constructs an object that writes a record. `name`: the record's name in error messages.
   RecordKeys(std::string name, const RecordContext& records)
       : context(records), mode_(Mode::Write), name_(std::move(name)) {}
-  // Constructs an object that reads `node`. JsonNode::keys() must have checked the node, which must outlive the object.
+  // Constructs an object that reads `node`, which must outlive it. JsonNode::keys() must have checked the node's keys.
   RecordKeys(const JsonNode& node, const RecordContext& records) : context(records), mode_(Mode::Read), node_(&node) {}
 
-  // Describes a key that every record has.
+  // Describes a key that every record has. `limits`: functions that check the key's value in reading, such as within().
   template <class T, class... Limits>
   void operator()(const char* key, T& value, const Limits&... limits) {
     custom(key, writing(key, value), reading(value, limits...));
   }
-  // Describes a key that is always written, but may be missing in records of other versions or programs.
+  // Describes a key that is always written, but may be missing in reading: `value` is then left as it is.
   template <class T, class... Limits>
   void mayBeMissing(const char* key, T& value, const Limits&... limits) {
     optionalIf(true, key, value, limits...);
@@ -93,7 +93,7 @@ class RecordKeys {
     if (mode_ == Mode::Write) put(key, write());
     if (mode_ == Mode::Read) read((*node_)[key]);
   }
-  // Like custom(), for a key that may be missing.
+  // Describes a key like custom(), but the key may be missing: read() is then not called.
   template <class Write, class Read>
   void customOptional(const char* key, const Write& write, const Read& read) {
     if (mode_ == Mode::Collect) optionalKeys.emplace_back(key);
@@ -155,8 +155,8 @@ concept List = requires(T& list) {
   list.emplace_back();
 };
 
-// Types without a branch of their own are records, which describe() describes. A nullable value must not be null: the
-// caller leaves out the keys of null values.
+// Returns a value as JSON. A type without a branch below must have a describe(), which describes its keys. A nullable
+// value must not be null. Throws an Error that begins with `name` for infinities and NaN.
 template <class T>
 OrderedJson jsonOf(const T& value, const std::string& name, const RecordContext& context) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -224,7 +224,7 @@ void readJson(const JsonNode& node, T& value, const RecordContext& context) {
   }
 }
 
-// Limits for the range of a number or a whole number, the length of a list of numbers, and the digits of a hash.
+// Limits: functions that throw InputError unless a node is a number from `low` to `high`, a list of numbers or a hash.
 inline auto within(double low, double high = std::numeric_limits<double>::max()) {
   return [=](const JsonNode& node) { node.number(low, high); };
 }

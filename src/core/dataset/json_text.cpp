@@ -10,8 +10,8 @@ constexpr std::size_t kLineWidth = 120;
 
 enum class Lines { One, AsNeeded };  // AsNeeded: a line for each item if one line would be too long
 
-// Joins the texts of the items of a list or an object. `brackets`: "[]" or "{}". `indent`: level of the list or
-// object itself. If any item has line breaks, each item is written on a line of its own, whatever `lines` is.
+// Returns the text of a list (`brackets`: "[]") or an object ("{}") with these items. If an item has line breaks, each
+// item has a line of its own, whatever `lines` is. `indent`: number of spaces before the closing bracket.
 std::string joined(const std::vector<std::string>& items, const char* brackets, Lines lines, std::size_t indent) {
   std::size_t width = indent + 2;      // width of the text if it is on one line
   std::size_t bytes = 2 * indent + 8;  // upper bound of the text's bytes

@@ -35,7 +35,7 @@ std::string layOut(const OrderedJson& value, std::size_t indent = 0);
 // Returns the text of a list. `items`: the texts of the items, laid out with `indent` + 1.
 std::string layOutList(const std::vector<std::string>& items, std::size_t indent);
 
-// Return the argument. Throw an Error that names `what` for infinities and NaN, which JSON does not have.
+// Return a value or a list as JSON. Throw an Error that names `what` for infinities and NaN, which JSON does not have.
 double finite(double value, std::string_view what);
 OrderedJson finiteList(const std::vector<double>& values, std::string_view what);
 

@@ -37,7 +37,7 @@ std::vector<FileRecord> recordsOf(const FilesRead& read, const std::filesystem::
 // different hashes; empty if there is none.
 std::string addFiles(const std::vector<FileRecord>& added, std::vector<FileRecord>& files);
 
-// Throws an InputError that begins with `dataset` and names the changed or missing files, if there are any.
+// Throws an InputError with the folder `dataset` if files are missing or changed. `folder`: of the pipeline file.
 void requireUnchangedFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
                            const std::filesystem::path& dataset);
 
@@ -69,8 +69,8 @@ inline const Pose& mountOf(const SensorRecord& sensor, const ScanRecord& scan) {
   return scan.vehicleFromSensor ? *scan.vehicleFromSensor : sensor.vehicleFromSensor.value();
 }
 
-// Returns the part of a member's name that follows the sample's key and a dot, in lower case: "top.ray_tracing.pcd", or
-// "top.1.ray_tracing.pcd" for the sensor's second revolution.
+// Returns the part of a member's name after the sample's key and the dot, such as "top.ray_tracing.pcd", or
+// "top.1.ray_tracing.pcd" for the sensor's second revolution. All letters are converted to lower case.
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix);
 // Returns the beginning of memberSuffix(), up to the method: "top", or "top.1" for the second revolution.
 std::string revolutionName(const ScanRecord& scan);
@@ -158,8 +158,8 @@ struct Manifest {
 // Returns the name of the file beside a shard that describes the shard's samples in a large dataset, such as
 // "train/train-000000.json".
 std::string samplesFileOf(const std::string& shardFile);
-// Returns the text of the file that samplesFileOf() names. `numbers`: the indices of the shard's samples in the
-// manifest, in order.
+// Returns the text of the file that samplesFileOf() names. `shard`: index of the shard. `numbers`: indices of its
+// samples in `manifest`, in the order in which the samples are written.
 std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std::vector<std::uint64_t>& numbers);
 
 // Returns the text of the member `<key>.json`, which is the first member of each sample in a shard: key, sequence,

@@ -105,8 +105,8 @@ bool hasSamplesFiles(const Manifest& manifest) {
   return std::ranges::any_of(manifest.shards, [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
 }
 
-// Returns the manifest with the samples that the files beside the shards describe. Puts the problem of each file that
-// is missing or damaged into `undescribed`, see readManifest().
+// Reads the samples from the files beside the shards, and returns the manifest with them. If a file is missing or
+// damaged, stores a message in `undescribed`, see readManifest().
 Manifest withSamplesOfFiles(Manifest manifest, const std::filesystem::path& folder,
                             std::map<std::uint32_t, std::string>& undescribed) {
   if (!hasSamplesFiles(manifest)) return manifest;

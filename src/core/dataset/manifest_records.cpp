@@ -48,8 +48,8 @@ void describe(RecordKeys& keys, ModelledItem& item) {
 
 namespace {
 
-// Parses a line that an earlier version wrote: "TOPIC: left out, TEXT" or "TOPIC: left out TEXT" states what is left
-// out, any other line what is modelled.
+// Parses a line that an earlier version wrote. "TOPIC: left out, TEXT" and "TOPIC: left out TEXT" state what is left
+// out; every other line states what is modelled.
 ModelledItem itemOfLine(const std::string& line) {
   constexpr std::string_view kLeftOut = ": left out";
   const std::size_t colon = line.find(kLeftOut);
@@ -179,8 +179,8 @@ void describe(RecordKeys& keys, SensorRecord& sensor) {
   keys("azimuth_offset", b.azimuthOffset, numberCount(b.rings));
   keys("firing_offset", b.firingOffset, numberCount(b.rings));
   keys.optional("vehicle_from_sensor", sensor.vehicleFromSensor);
-  // The table has listed beams, a rosette or neither. BeamTable stores them in a variant, so that describe() needs
-  // copies, which are stored in the table if the record is read.
+  // BeamTable stores listed beams, a rosette or neither in a variant. RecordKeys needs objects of these types, so
+  // copies are described; if the record is read, they are then moved into the table.
   std::shared_ptr<const ListedBeams> listed = b.listed();
   keys.optional("beams", listed, [&](const JsonNode& node) {
     for (const char* const key : {"azimuth", "elevation", "time"}) node[key].numbers(b.size());

@@ -19,7 +19,7 @@ bool isWholeNumber(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// Removes the beginning of `text` up to and with the first dot, or all of it. Returns the removed text without the dot.
+// Removes the text up to the first dot and the dot, or all text if there is no dot. Returns the text before the dot.
 std::string takePart(std::string_view& text) {
   const std::size_t length = std::min(text.find('.'), text.size());
   const std::string part(text.substr(0, length));

@@ -13,7 +13,7 @@
 namespace scanmill {
 
 inline constexpr std::string_view kManifestName = "manifest.json";
-// The descriptions beside the manifest (card.h).
+// Names of the files that describe the dataset, beside the manifest (card.h).
 inline constexpr std::string_view kCardName = "dataset_card.md";
 inline constexpr std::string_view kCroissantName = "croissant.json";
 // The folder that contains a dataset until the dataset is complete (dataset_folder.h); readers ignore it.
@@ -27,18 +27,18 @@ bool isSplitName(std::string_view split);
 std::string shardName(const std::string& split, std::uint64_t number);
 // Returns true if shardName() can return `name`, which is relative to the dataset's folder.
 bool isShardName(std::string_view name);
-// Returns true if `name` is the temporary name of a shard, of a file that describes a shard's samples, or of a
-// manifest. Killed runs leave such files behind.
+// Returns true if `name` is the temporary name of a file that is written for a dataset: a shard, the file beside it,
+// the manifest, the card or croissant.json. Killed runs leave files with temporary names behind.
 bool isLeftover(std::string_view name);
 // Returns the final name of a file that has the temporary name `name` (AtomicFile in base/file.h); nothing if `name` is
 // not a temporary name.
 std::optional<std::string_view> finalName(std::string_view name);
 
-// Returns the ranges of numbers, which must be sorted, as a text such as "0-9,12".
+// Returns a text such as "0-9,12". `numbers` must be sorted and distinct.
 std::string shardRanges(const std::vector<std::uint64_t>& numbers);
 
-// Returns the numbers in `text`, sorted and without duplicates. Throws InputError if the text is not a list of ranges,
-// or if a number is not below `count`.
+// Returns the numbers that a text such as "0-9,12" lists, sorted and distinct. Throws InputError if the text is not a
+// list of ranges, or if a number is not below `count`.
 std::vector<std::uint64_t> parseShardRanges(std::string_view text, std::uint64_t count);
 
 // The parts of a member's name such as "dir/key.top.ray_tracing.pcd". As in WebDataset, the key ends at the first dot

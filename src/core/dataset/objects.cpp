@@ -21,7 +21,7 @@ double rounded(double value, double stepsPerUnit) {
   return result == 0 ? 0.0 : result;  // avoids -0
 }
 
-// Returns the sample with all numbers rounded as in its file.
+// Returns the sample with all numbers rounded as objectsJson() states.
 SampleObjects roundedForFile(SampleObjects sample) {
   const auto roundVector = [&](Vec3d& v) {
     for (double* const coordinate : {&v.x, &v.y, &v.z}) *coordinate = rounded(*coordinate, kLengthSteps);

@@ -24,8 +24,8 @@ std::string objectsMember(const std::string& key);
 // How a sensor sees an object in one revolution.
 struct ObjectView {
   std::string sensor;
-  // Firing time (s) of the middle beam among those that point at the object; the time of the scan if nothing in the
-  // scene moves during a revolution.
+  // Firing time (s) of the middle one of the beams that point at the object; if nothing in the scene moves during a
+  // revolution, the time of the scan.
   double time = 0;
   Pose sensorFromBox;            // pose of the box at `time`, in the frame of the scan's points
   std::uint64_t points = 0;      // number of the scan's points on the object, after all effects
@@ -65,8 +65,8 @@ struct SampleObjects {
 // fractions to 0.001. Throws Error for a class that the ontology lacks and for a value that is not finite.
 std::string objectsJson(const SampleObjects& sample, const Ontology& ontology);
 
-// Parses a text as objectsJson() returns it. Throws an InputError that begins with `name` and gives the place in the
-// text and the problem.
+// Parses a text that objectsJson() has returned. Throws an InputError that begins with `name` and gives the place in
+// the text and the problem.
 SampleObjects parseObjects(std::string_view text, const std::string& name, const Ontology& ontology);
 
 }  // namespace scanmill

@@ -70,8 +70,8 @@ DatasetPart parsePart(const std::string& text, const std::string& file) {
   return part;
 }
 
-// Moves the samples of a part to their indices in joined.samples, a list of empty records at first. The last shard in
-// `joined` must be the part's shard. Throws Error if an index is out of range or already has a sample.
+// Moves the samples of `part` into joined.samples, where an empty record is reserved for each sample of the plan. The
+// last shard in `joined` must be the part's shard. Throws Error if an index is out of range or already has a sample.
 static void moveSamples(DatasetPart& part, Manifest& joined) {
   const auto shardIndex = static_cast<std::uint32_t>(joined.shards.size() - 1);
   const std::string& shardFile = joined.shards[shardIndex].file;

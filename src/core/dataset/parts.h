@@ -43,8 +43,8 @@ DatasetPlan parsePlan(const std::string& text, const std::string& file);
 DatasetPart parsePart(const std::string& text, const std::string& file);
 
 // Returns the manifest of the complete dataset. `parts`: all parts, in the order of the plan's shards. Throws Error if
-// a sample is missing, occurs twice or is not in the plan, and, unless `anyFiles` is true, if a file had other contents
-// for one part than for another.
+// a sample is missing, occurs twice or is not in the plan. Unless `anyFiles` is true, also throws Error if two parts
+// were made from different contents of the same file.
 [[nodiscard]] Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts, bool anyFiles = false);
 
 // Joins the parts in a folder, writes the manifest, and returns it. If the dataset is already complete, only returns

@@ -23,8 +23,8 @@ namespace scanmill {
 // the offset if the file is truncated or not a tar file.
 void readTar(const std::filesystem::path& file, const std::function<void(const std::string&, std::string_view)>& visit);
 
-// Decodes a member of a shard. The suffix of its name determines the format. Throws an InputError that names the
-// member, also if no format has this suffix.
+// Decodes a member of a shard. The suffix of `name` determines the format. Throws an InputError that names the member
+// if no format has this suffix, or if the bytes cannot be decoded.
 Scan decodeMember(const std::string& name, std::string_view bytes);
 
 struct ShardMember {
@@ -44,7 +44,7 @@ class ShardIndex {
   const std::filesystem::path& file() const { return file_; }
   const std::vector<ShardMember>& members() const { return members_; }  // in the shard's order
   const ShardMember* find(std::string_view name) const;                 // the first member with that name; null: absent
-  // Returns why members are missing, with the file's name; empty if the shard is complete.
+  // Returns a message that names the file and says why members are missing; empty if the shard is complete.
   const std::string& damage() const { return damage_; }
 
   // Returns a member's bytes. May be called from any thread. Throws an InputError if the file was removed or truncated

@@ -52,8 +52,8 @@ std::string fileNameOf(const JsonNode& node) {
   return name;
 }
 
-// Returns true if a file has the name of a file that this program writes for the recording: "recording.json", a name
-// such as "street-s1-lane-000012.top.json" of a sequence and a sensor of the recording, or a temporary name.
+// Returns true if this program may have written a file with this name for the recording: "recording.json", a temporary
+// file, or a name such as "street-s1-lane-000012.top.json" with a sequence and a sensor of the recording.
 bool isFileOf(const Recording& recording, const std::string& name) {
   if (name == kIndexName || name.find(".partial-") != std::string::npos) return true;
   if (!name.ends_with(".exr") && !name.ends_with(".json")) return false;
@@ -94,8 +94,8 @@ void removeEarlier(const fs::path& folder) {
   for (const fs::path& file : files) fs::remove(file);
 }
 
-// Creates the folder, or empties it as removeEarlier() does if `overwrite` is true. Throws InputError if the folder
-// cannot be used.
+// Creates the folder if it does not exist. If it has files, calls removeEarlier() if `overwrite` is true, and otherwise
+// throws InputError. Also throws InputError if the folder cannot be created or read.
 void prepareFolder(const fs::path& folder, bool overwrite) {
   try {
     if (fs::exists(folder) && !fs::is_directory(folder)) {
@@ -185,7 +185,7 @@ static void describe(RecordKeys& keys, Recording& r) {
       [&](const JsonNode& node) { readModelled(node, true, r.modelled); });
 }
 
-// If world_from_rig is missing, as in recordings by other programs, the step gets the first pose of its shot.
+// Describes a step. Other programs may leave out world_from_rig: the step then gets the first pose of its shot.
 static void describe(RecordKeys& keys, RecordedStep& step) {
   std::vector<std::uint32_t> columns{step.firstColumn, step.endColumn};
   keys("columns", columns, numberCount(2), [&](const JsonNode& node) {
@@ -256,7 +256,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   Recording r;
   r.kind = kind;
   r.folder = folder;
-  // Recordings by other programs contain passes, and do not have to name a method.
+  // A recording by another program contains passes. If it has no key `method`, the first method for passes is used.
   r.method = firstMethodThat(&MethodCapabilities::passes).name;
   readJson(root, r);
   const std::size_t tables = r.materials.size();

@@ -88,8 +88,8 @@ struct Recording {
   RecordedShot shot(const std::string& sample, const std::string& sensor) const;
 };
 
-// Reads recording.json in a folder. Throws an InputError that names the file, the place in it, and the problem, also if
-// the recording is not of the kind `kind`.
+// Reads recording.json in a folder. Throws an InputError that names the file, the place in it, and the problem; one
+// possible problem is that the recording is not of the kind `kind`.
 Recording readRecording(const std::filesystem::path& folder, RecordingKind kind);
 
 // Returns the kind of the recording in a folder; nothing if the folder has no recording.
@@ -102,7 +102,7 @@ class RecordingWriter {
   RecordingWriter(std::filesystem::path folder, bool overwrite);
 
   const std::filesystem::path& folder() const { return folder_; }
-  // Returns the path of a file of a shot, such as "street-s1-lane-000012.top.hits.exr". May be called from any thread.
+  // Returns the path "<sample>.<sensor>.<ending>" in the folder. `ending`: such as "hits.exr". Safe on any thread.
   std::filesystem::path file(std::string_view sample, std::string_view sensor, std::string_view ending) const;
   // Writes the JSON file of a shot whose images have been written. May be called from any thread.
   void add(const RecordedShot& shot);

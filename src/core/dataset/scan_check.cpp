@@ -66,8 +66,8 @@ class ScanCheck {
     problems_.push_back(fmt::format(text, std::forward<Parts>(parts)...));
   }
 
-  // Returns true if a point is a miss. The manifest says whether the scan is organised, because a CSV file has misses
-  // as rows but does not say that the rows form an image.
+  // Returns true if a point is a miss. Only organised scans have misses. The manifest states whether the scan is
+  // organised, because a CSV file does not state it.
   bool isMiss(std::size_t i) const {
     const Vec3f& p = scan_.position[i];
     return manifest_.organised && std::isnan(p.x) && std::isnan(p.y) && std::isnan(p.z);
@@ -88,8 +88,8 @@ class ScanCheck {
     if (scan_.size() > 0) checkColumns();  // an empty scan of an earlier version has no columns
   }
 
-  // Compares the columns with the columns in the manifest. A format may leave out `time`, because it can be computed
-  // from ring, column and beam table.
+  // Compares the scan's columns with the columns in the manifest. A format may leave out the column `time`, because the
+  // times can be computed from ring, column and beam table.
   void checkColumns() {
     const std::vector<std::string> scanColumns = columnNames(scan_);
     const auto contains = [](const std::vector<std::string>& names, const std::string& name) {

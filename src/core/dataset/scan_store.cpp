@@ -61,8 +61,8 @@ const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
   return record == sample->scans.end() ? nullptr : &*record;
 }
 
-// Returns the scan. Throws an InputError that begins with `what` if the scan has more beams (rings * columns) than
-// either limit allows: callers allocate a pixel for each beam, and a damaged file may claim any number.
+// Returns the scan. Throws an InputError that begins with `what` if the number of beams (rings * columns) exceeds both
+// limits below: callers allocate a pixel for each beam, and a damaged file may claim any number.
 Scan requirePlausibleBeams(Scan scan, const std::string& what) {
   constexpr std::uint64_t kAlwaysAllowed = 1 << 22;  // beams
   constexpr std::uint64_t kMostBeamsPerPoint = 256;
@@ -162,8 +162,8 @@ std::shared_ptr<const BeamTable> ScanStore::beams(const std::string& sensor, dou
     beams_.resize(sensors.size());
     if (beams_[sensorIndex] != nullptr) return beamsAt(beams_[sensorIndex], time);
   }
-  // The table is filled without the lock, because the threads that fill it may take up other work, which may call this
-  // function.
+  // The table is filled without the lock: a thread that fills the table may meanwhile run other tasks, and a task that
+  // calls this function would deadlock.
   auto table = std::make_shared<BeamTable>(record->beams);
   if (table->size() <= kMostFilledBeams) fillBeams(*table);
   const std::lock_guard lock(mutex_);
@@ -343,7 +343,7 @@ ScanSource findScan(const std::filesystem::path& path, const std::string& sample
   const bool takesFirst = sensor.empty() && store.manifest() != nullptr;
   const std::string sensorName = takesFirst ? store.manifest()->sensors.front().name : sensor;
   if (sample.empty() && !sensorName.empty()) {
-    // The middle sample may have no scan of a sensor that turns slowly: take the next sample with one, if there is any.
+    // The middle sample may lack a scan of a sensor that turns slowly: take the next sample that has a scan, if any.
     const auto isOfSensor = [&](const StoredScan& s) { return lowerCase(s.sensor) == lowerCase(sensorName); };
     std::size_t i = sampleIndex;
     while (i < store.keys().size() && std::ranges::none_of(store.scans(i), isOfSensor)) ++i;

@@ -116,7 +116,7 @@ class ScanStore {
   mutable std::vector<std::shared_ptr<const BeamTable>> beams_;  // one per sensor of the manifest
 };
 
-// A scan that a user specifies.
+// A decoded scan, with what is known about its sensor and its classes.
 struct ScanSource {
   Scan scan;
   std::string title;                       // for example "street-s1-lane-000010, top"
@@ -124,9 +124,9 @@ struct ScanSource {
   std::optional<Ontology> ontology;        // from the dataset's manifest or the folder's layout; none: unknown classes
 };
 
-// Finds and decodes a scan. `path`: see ScanStore. `sample`: see findKey(); if empty, the first sample with a scan of
-// the sensor, from the middle sample on. `sensor`: name of one of the sample's sensors; if empty, the first sensor.
-// Throws InputError also if a sample or a sensor is given for the file of a single scan.
+// Finds and decodes a scan. `path`: see ScanStore. `sensor`: name of a sensor; if empty, the first sensor. `sample`:
+// see findKey(); if empty, the middle sample or, if it lacks a scan of the sensor, the next sample that has one. Throws
+// InputError, for example if `path` is the file of a single scan and `sample` or `sensor` is not empty.
 ScanSource findScan(const std::filesystem::path& path, const std::string& sample, const std::string& sensor);
 
 }  // namespace scanmill

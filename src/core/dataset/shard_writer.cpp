@@ -26,7 +26,7 @@ constexpr std::size_t kShortBytes = 1 << 14;
 constexpr std::uint64_t kTarBlockBytes = 512;
 constexpr std::size_t kMostUstarNameBytes = 100;
 
-// Returns the bytes that contents of this size take in a tar file, which consists of blocks.
+// Returns the number of bytes rounded up to complete blocks of a tar file.
 std::uint64_t paddedBytes(std::uint64_t bytes) {
   return (bytes + kTarBlockBytes - 1) / kTarBlockBytes * kTarBlockBytes;
 }
@@ -58,7 +58,7 @@ void checkNames(const Sample& sample) {
   }
 }
 
-// Creates the folder and the folders between it and the file. Returns the file.
+// Creates `folder` and the folders in it that lead to `file`. Returns `file`.
 std::filesystem::path prepareFile(const std::filesystem::path& folder, const std::filesystem::path& file) {
   std::filesystem::create_directories(folder);
   makeFolders(folder, file.parent_path());

@@ -57,7 +57,7 @@ struct Sample : SampleRecord {
 // Returns the number of bytes that the sample takes in its shard, including its description and all headers.
 std::uint64_t bytesInShard(const Sample& sample);
 
-// The records of one shard and its samples, for a manifest; SampleRecord::shard is 0.
+// The records of one shard and its samples, for a manifest. SampleRecord::shard is 0 in all of them.
 struct ShardPart {
   ShardRecord shard;
   std::vector<SampleRecord> samples;
@@ -71,7 +71,7 @@ class ShardWriter {
   ShardWriter(const std::filesystem::path& folder, const std::string& name, const std::string& split);
 
   // Appends a sample. Throws Error for names that WebDataset would misread, and for a sample of another split than the
-  // shard's; other samples can then still be added, but not after errors of the disk.
+  // shard's; further samples can then still be added. After an error of the disk, all calls throw Error.
   void add(const Sample& sample);
   std::uint64_t bytes() const { return bytes_; }  // size that the file would have after finish()
   [[nodiscard]] ShardPart finish();

@@ -21,9 +21,9 @@ struct SequenceName {
 // assigned either by shares that sum to 1, {by: seed, train: 0.8, val: 0.1, test: 0.1}, or by lists, {by: trajectory,
 // train: [a, b], val: [c]}.
 //
-// Shares are matched as closely as undivided groups allow (method of the largest remainder). Which groups go to which
-// split is random and depends only on `seed`. Throws InputError with the place; also if a share above 0 gets no group,
-// in which case the message gives the number of groups.
+// Shares are matched as closely as undivided groups allow (method of the largest remainder). The split of a group is
+// random and depends on `seed`. Throws an InputError with the place in the pipeline for invalid values. If a share
+// above 0 gets no group, the error also states the number of groups.
 std::vector<std::string> assignSplits(const Value* value, const std::vector<SequenceName>& sequences,
                                       std::uint64_t seed);
 

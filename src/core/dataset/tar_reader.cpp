@@ -23,7 +23,7 @@ namespace {
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::uint64_t kEndBytes = 2 * kTarBlock;
 constexpr std::size_t kMostNameBytes = 4096;  // largest name of a member (bytes), the usual limit of paths
-// Bytes read at a time if members are read (kBlockBytes), and if only headers and pax headers are read (kHeaderBytes).
+// Number of bytes to read at a time: kBlockBytes if members are read, kHeaderBytes if only headers are read.
 constexpr std::size_t kBlockBytes = 1 << 20;
 constexpr std::size_t kHeaderBytes = 2048;
 
@@ -70,7 +70,7 @@ class TarReader {
     return true;
   }
 
-  // The following calls refer to the current member.
+  // The following functions refer to the member that next() has gone to.
   const std::string& name() const { return name_; }
   std::uint64_t offset() const { return memberBegin_; }  // position of the member's first byte in the file
   std::uint64_t bytes() const { return memberBytes_; }

@@ -113,7 +113,7 @@ class ShardCheck {
     checkNames(names);
   }
 
-  // Checks a member that the manifest lists. The kind of its contents follows from its name.
+  // Checks a member that the manifest lists. The name tells whether the member is a description, a list or a scan.
   void checkMember(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     if (name == sample.key + ".json") {
       const std::string difference = differenceOfSampleJson(bytes, sample);
@@ -180,7 +180,7 @@ class ShardCheck {
     if (unknown != voxels.label.end()) problem("{}: the ontology has no class {}", name, *unknown);
   }
 
-  // Checks a list of objects, and stores it to compare it with the scans of its sample, which follow in the shard.
+  // Checks a list of objects and stores it in objects_. checkObjectPoints() later compares it with the sample's scans.
   void checkObjects(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     objects_ = nullptr;
     countedSensors_.clear();
@@ -252,7 +252,7 @@ class ShardCheck {
   Verification result_;
 };
 
-// Checks that the manifest does not contradict itself.
+// Appends a line to `problems` for each contradiction within the manifest.
 void checkManifest(const Manifest& manifest, std::vector<std::string>& problems) {
   const auto problem = [&]<class... Values>(fmt::format_string<Values...> text, Values&&... values) {
     problems.push_back(fmt::format("{}: {}", kManifestName, fmt::format(text, std::forward<Values>(values)...)));

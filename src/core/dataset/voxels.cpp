@@ -124,8 +124,8 @@ std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
   const VoxelGrid& grid = voxels.grid;
   const Vec3d sensor = grid.inVoxels({});
   const auto isInside = [](double coordinate, std::uint32_t count) { return coordinate >= 0 && coordinate < count; };
-  // `center`: centre of the voxel (in voxels). Goes to the sensor in steps of one voxel along the line's longest axis
-  // and a fraction of a voxel along the other axes.
+  // Returns true if a voxel that is not empty lies between `center`, a voxel's centre (in voxels), and the sensor. Each
+  // step towards the sensor is one voxel along the line's longest axis, and at most one along the other axes.
   const auto isOccluded = [&](const Vec3d& center) {
     const Vec3d toSensor = sensor - center;
     const double steps = std::max({std::fabs(toSensor.x), std::fabs(toSensor.y), std::fabs(toSensor.z)});

@@ -16,9 +16,9 @@ namespace scanmill {
 class ClassMap {
  public:
   ClassMap() = default;
-  // Maps a class of `from` to its counterpart: the class of `to` with the same name or, if there is none, with one of
-  // the aliases of the class as its name. If a class for moving objects has no counterpart, it is mapped like the class
-  // for the same objects at rest. All other classes without a counterpart are mapped to 0 (unlabeled).
+  // Maps each class of `from` to the class of `to` that has the same name or, if there is none, one of its aliases as
+  // name. If `to` has neither, a class for moving objects is mapped like the class for the same objects at rest, and
+  // any other class is mapped to 0 (unlabeled).
   ClassMap(const Ontology& from, Ontology to) : target_(std::move(to)) {
     std::uint16_t largestId = 0;
     for (const SemanticClass& c : from.classes) largestId = std::max(largestId, c.id);
@@ -44,8 +44,8 @@ class ClassMap {
   }
 
  private:
-  // Returns the target's class with the name of `semantic` or, if there is none, with an alias of `semantic` as name;
-  // null if the target has none of these names.
+  // Returns the target's class whose name is the name or, if there is none, an alias of `semantic`; null if the target
+  // has none of these names.
   const SemanticClass* counterpart(const SemanticClass& semantic) const {
     const SemanticClass* match = target_.find(std::string_view(semantic.name));
     for (std::size_t i = 0; match == nullptr && i < semantic.aliases.size(); ++i) {

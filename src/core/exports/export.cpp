@@ -125,7 +125,7 @@ class Export {
         options_.layout->boxesAlone ? "boxes are left out" : "points become unlabeled"));
   }
 
-  // Sets plan_.sensors to the sensors that the user has named; by default all, or the first if the layout has only one.
+  // Sets plan_.sensors to the sensors that the user has named. By default chooses all or, for oneSensor, the first.
   void chooseSensors() {
     const auto names = plan_.manifest.sensors | std::views::transform(&SensorRecord::name);
     for (const std::string& name : options_.sensors) {
@@ -151,7 +151,7 @@ class Export {
     return chosen.empty() || std::ranges::find(chosen, name) != chosen.end();
   }
 
-  // Throws InputError if a sample has several revolutions of a sensor, or none.
+  // Throws InputError unless each sample has exactly one revolution of each chosen sensor.
   void requireOneRevolution() const {
     for (const ExportSequence& sequence : plan_.sequences) {
       for (const std::size_t number : sequence.samples) {
@@ -283,7 +283,7 @@ class Export {
     return sample;
   }
 
-  // Calls work(unit, readSample) for all units on several threads. The progress counts the frames that have been read.
+  // Calls work(unit, readSample) for all units on several threads. readSample() also reports progress and obeys `stop`.
   template <class Work>
   void forUnits(const char* stage, const std::vector<Unit>& units, const Work& work) {
     std::uint64_t allFrames = 0;

@@ -21,7 +21,7 @@ struct ExportOptions {
   std::vector<std::string> splits{};   // names; empty: all
   bool overwrite = false;              // true: replaces an export in the folder, complete or not
   const std::atomic<bool>* stop = nullptr;
-  // Called from any thread after a frame has been read, either to be checked or to be written. `all`: number of frames.
+  // Called from any thread after each read frame. `done`, `all`: numbers of frames in `stage` (checking or writing).
   std::function<void(const char* stage, std::uint64_t done, std::uint64_t all)> progress{};
 };
 

@@ -23,7 +23,7 @@ namespace scanmill {
 // therefore do not depend on the order of the frames. Safe to use from several threads.
 class InstanceNumbers {
  public:
-  // The instances of each group get the numbers 1, 2, ... in the order of their ids.
+  // An instance. All instances of a group get the numbers 1, 2, ... in the order of their ids.
   struct Instance {
     std::uint16_t group = 0;
     std::uint32_t id = 0;  // instance id of the dataset

@@ -39,7 +39,7 @@ constexpr double kCenterX = 609.5593;
 constexpr double kCenterY = 172.854;
 constexpr double kNear = 0.1;  // m, distance of the near clipping plane in front of the camera
 
-// The label of a region of one pixel in which the benchmark ignores detections.
+// Line for a frame without objects: a region of one pixel in which the benchmark ignores detections.
 constexpr const char* kNoObject = "DontCare -1 -1 -10 0.00 0.00 1.00 1.00 -1 -1 -1 -1000 -1000 -1000 -10\n";
 
 constexpr std::size_t kMostFrames = 1'000'000;  // largest number of frames, because their numbers have six digits
@@ -134,8 +134,8 @@ std::string calibration() {
          "Tr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
 }
 
-// Returns the text on the plane of the road, a x + b y + c z + d = 0 in the camera's frame; empty if the sensor is
-// mounted so low that its height above the road is uncertain.
+// Returns the file that describes the road's plane, a x + b y + c z + d = 0 in the camera's frame; empty if the sensor
+// is mounted so low that its height above the road is uncertain.
 std::string planeText(const ExportPlan& plan, const SampleRecord& sample) {
   constexpr double kLowestMount = 0.1;  // m: a lower sensor is probably not mounted on a vehicle
   const Pose& mount = mountOf(*plan.sensors[0], scanOf(plan, sample, 0));

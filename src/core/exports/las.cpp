@@ -164,7 +164,7 @@ constexpr std::uint8_t kSynthetic = 1;  // the bit "synthetic" of the classifica
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 
 // Computes return numbers. If the scan lacks the column `return` or `returns`, but knows the beam of each point, counts
-// the points of each beam, which are in the order of their returns.
+// the points of each beam. A beam's points are in the order of its returns.
 class ReturnNumbers {
  public:
   explicit ReturnNumbers(const Scan& scan)

@@ -75,15 +75,15 @@ template <class... Values>
 bool listsObjects(const ExportPlan& plan);
 // Returns true if the dataset's scans have the column `column`.
 bool hasColumn(const ExportPlan& plan, std::string_view column);
-// Returns the indices of the scan's points, without misses, in the order of KITTI's files, from which some loaders
-// derive the rings: the rings from top to bottom, and each ring counter-clockwise, starting straight ahead. If the scan
-// has no ring numbers, the points keep their order.
+// Returns the indices of the scan's points, without misses, in the order of KITTI's files: rings from top to bottom,
+// each ring counter-clockwise, starting straight ahead. Some loaders derive the rings from this order. If the scan has
+// no ring numbers, the points keep their order.
 std::vector<std::size_t> velodyneOrder(const ExportScan& exportScan);
-// Returns the bytes of the points in the given order, as in KITTI's files velodyne/*.bin: x, y, z (m) and intensity (0
-// to 1), float32.
+// Returns the bytes of a KITTI file velodyne/*.bin: float32 x, y, z (m) and intensity (0 to 1) of each point. `order`:
+// indices of the points to write.
 std::string velodynePoints(const ExportScan& exportScan, std::span<const std::size_t> order);
-// For layouts that store one pose and no times: returns a warning if a sensor moves during a revolution and the dataset
-// is not deskewed, so that one pose does not apply to all points. Otherwise returns no warning.
+// Returns a warning if a sensor moves during a revolution and the dataset is not deskewed, otherwise an empty list. The
+// layout named `layout` stores one pose and no times, so that this pose would not apply to all points.
 std::vector<std::string> skewWarnings(const ExportPlan& plan, std::string_view layout);
 // Returns the 3 x 4 matrix of a pose, row by row.
 std::array<double, 12> matrixRows(const Pose& pose);

@@ -41,7 +41,7 @@ constexpr float kBoxOpacity = 0.4f;    // chosen by eye
 constexpr double kLetterHeight = 0.5;  // m, in the text of a box
 constexpr std::array<float, 4> kTextColor{1, 1, 1, 1};
 
-// Returns the time stamp (ns) of a time since the start of the sequence.
+// Returns the time stamp (ns). `seconds`: time since the start of the sequence.
 std::uint64_t timeStamp(double seconds) {
   return static_cast<std::uint64_t>(kStart + std::llround(seconds * 1e9));
 }
@@ -57,11 +57,11 @@ std::string topicOf(const SensorRecord& sensor) {
   return "/" + name + "/points";
 }
 
-// The subscribers that get a message: those at the time of publishing, or (for static transforms) also later ones.
+// The subscribers that get a message. Later: also subscribers that join after it is published (static transforms).
 enum class Subscribers { OfTheMoment, Later };
 
-// Returns the metadata that make rosbag2, when it plays the file, publish a topic reliably to the given
-// subscribers. The numbers are from ROS 2's middleware interface (rmw/types.h); the durations mean infinity.
+// Returns a channel's metadata. They make rosbag2 publish the topic reliably to the given subscribers when it plays the
+// file. The numbers are from ROS 2's middleware interface (rmw/types.h); the durations mean infinity.
 McapMap publishing(Subscribers subscribers) {
   const bool keepsForLater = subscribers == Subscribers::Later;
   constexpr const char* kEndless = "{sec: 9223372036, nsec: 854775807}";
@@ -123,8 +123,8 @@ class Bag {
     return file_.addChannel(schema, topic, "cdr", publishing(subscribers));
   }
 
-  // Adds the mounts of the sensors at the time of the sequence's first scan. The first sample may have no scan of a
-  // sensor that turns slowly.
+  // Adds the mounts of the sensors with the time of the sequence's first scan. Each mount is read from the sensor's
+  // first scan, which may be in a later sample if the sensor turns slowly.
   void addMounts() {
     std::vector<RosTransform> mounts;
     double firstTime = INFINITY;  // s

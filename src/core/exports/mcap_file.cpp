@@ -133,7 +133,7 @@ std::uint16_t McapFile::addChannel(std::uint16_t schema, std::string_view topic,
 
 void McapFile::addMessage(std::uint16_t channel, std::uint64_t time, std::string_view data) {
   std::uint64_t& count = messageCounts_.at(channel);
-  // The first `time` is the time of recording, the second one the time of publishing.
+  // The record has the time of recording and then the time of publishing; both are `time`.
   const std::string fields = fieldsOf(channel, static_cast<std::uint32_t>(count++), time, time);
   chunkMessages_[channel].emplace_back(time, chunk_.size());
   chunk_ += headOf(Kind::Message, fields.size() + data.size());

@@ -26,7 +26,7 @@ class McapFile {
 
   // Adds a named list of keys and values, which is independent of the messages.
   void addMetadata(std::string_view name, const McapMap& values);
-  // Add a schema or a channel. Return its id, by which channels refer to their schema, and messages to their channel.
+  // Add a schema or a channel. Return its id, the argument `schema` of addChannel() or `channel` of addMessage().
   std::uint16_t addSchema(std::string_view name, std::string_view encoding, std::string_view text);
   std::uint16_t addChannel(std::uint16_t schema, std::string_view topic, std::string_view encoding,
                            const McapMap& metadata);

@@ -42,7 +42,7 @@ std::string numpyType() {
   return fmt::format("{}{}{}", sizeof(T) == 1 ? '|' : '<', std::is_floating_point_v<T> ? 'f' : 'u', sizeof(T));
 }
 
-// Adds the file of an array. `bytes`: its elements of the type T.
+// Adds the file of an array to `files`. `bytes`: the array's elements, which have the type T.
 template <class T>
 void add(std::string_view name, const Shape& shape, std::string_view bytes, Files& files) {
   files.emplace_back(std::string(name) + ".npy", npyOf(numpyType<T>(), shape, bytes));

@@ -60,7 +60,7 @@ constexpr float kFullIntensity = 255;
 // the parts of an object may have different classes.
 using Instance = InstanceNumbers::Instance;
 
-// Returns the class of a point and, if it is a thing class, the instance id of the point; otherwise id 0.
+// Returns the point's class id (as the group) and instance id; the instance id is 0 unless the class is a thing class.
 Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point) {
   const SemanticClass& c = plan.classes.classOf(scan[kLabel].empty() ? std::uint16_t{0} : scan[kLabel][point]);
   return {c.id, c.thing && !scan[kInstance].empty() ? scan[kInstance][point] : 0};
@@ -74,7 +74,7 @@ std::set<Instance> instancesOf(const ExportPlan& plan, const Scan& scan) {
   return instances;
 }
 
-// Returns each ring's number, counted from the lowest ring; the original numbers if the rings are not cones.
+// Returns the new number of each ring, counted from the lowest ring. If the rings are not cones, keeps the numbers.
 std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   std::vector<std::uint16_t> order(beams.rings);
   std::iota(order.begin(), order.end(), std::uint16_t{0});

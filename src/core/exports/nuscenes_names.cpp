@@ -61,7 +61,7 @@ fs::path pointsFile(const ExportPlan& plan, std::size_t sequence, const SampleRe
 fs::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor, NuScenesLabels kind) {
   const bool isPanoptic = kind == NuScenesLabels::Panoptic;
   const std::string folder = isPanoptic ? "panoptic" : "lidarseg";
-  // The file's name starts with the token of the scan, by which the devkit finds it.
+  // The devkit finds the file by the scan's token, with which the file's name starts.
   const std::string token = nuScenesToken(plan, "sample_data", nuScenesScan(plan, sample, sensor));
   return fs::path(folder) / kNuScenesVersion / fmt::format("{}_{}.{}", token, folder, isPanoptic ? "npz" : "bin");
 }

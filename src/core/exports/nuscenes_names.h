@@ -19,8 +19,8 @@ inline constexpr double kNuScenesDay = 86400;  // s, time from the start of a sc
 // the table's name and `row`, a text that identifies the row. The same dataset therefore always has the same tokens.
 std::string nuScenesToken(const ExportPlan& plan, std::string_view table, std::string_view row);
 
-// Return the time at which a scan starts (microseconds of Unix time), and the day of a sequence (YYYY-MM-DD). The first
-// sequence is on 2020-01-01, each further sequence one day after the sequence before it.
+// nuScenesTime() returns the start of a scan (microseconds of Unix time), nuScenesDate() a sequence's day (YYYY-MM-DD).
+// The first sequence is on 2020-01-01, and each further sequence is one day later.
 std::int64_t nuScenesTime(std::size_t sequence, const ScanRecord& scan);
 std::string nuScenesDate(std::size_t sequence);
 

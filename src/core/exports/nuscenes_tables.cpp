@@ -45,8 +45,8 @@ constexpr SceneRun kValScenes[] = {{3, 3},     {12, 18},   {35, 36},   {38, 39},
                                    {919, 931}, {962, 963}, {966, 969}, {971, 972}, {1059, 1073}};
 constexpr std::size_t kFirstOther = 9001;  // number of the first scene that is in none of nuScenes' splits
 
-// The cameras that training programs require, and their azimuths (deg, counter-clockwise from ahead). All are at the
-// first lidar's origin, look horizontally and have one black image each. Intrinsics (px) are typical of nuScenes.
+// The cameras that training programs require, and their azimuths (deg, counter-clockwise from ahead). All cameras are
+// at the first lidar's origin, look horizontally and have one black image. Intrinsics (px) are typical of nuScenes.
 constexpr std::array<std::pair<std::string_view, double>, 6> kCameras{{{"CAM_FRONT", 0},
                                                                        {"CAM_FRONT_RIGHT", -55},
                                                                        {"CAM_FRONT_LEFT", 55},
@@ -107,7 +107,6 @@ class Tables {
   }
 
  private:
-  // Returns the token of a row of a table.
   std::string token(std::string_view table, std::string_view row) const { return nuScenesToken(plan_, table, row); }
 
   void add(const std::string& table, const OrderedJson& row) { rows_.add(table, row); }
@@ -158,7 +157,7 @@ class Tables {
                 {"filename", mapFile()}});
   }
 
-  // Adds a category for each class of the target. The devkit requires the order of the class ids.
+  // Adds a category for each class of the exported ontology, in the order of the class ids, as the devkit requires.
   void addCategories() {
     std::map<std::uint16_t, std::string> sourceNames;  // names of the dataset's classes, by target class
     for (const SemanticClass& c : plan_.manifest.ontology.classes) {

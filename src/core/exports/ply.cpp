@@ -71,7 +71,7 @@ std::string header(const ExportPlan& plan, const ExportSample& sample, const Exp
   return text + "end_header\n";
 }
 
-// Returns the colour of a point's class; in a scan without classes a grey level by intensity.
+// Returns the colour of a point's class. In a scan without classes, returns a grey level that grows with intensity.
 Color colorOf(const ExportPlan& plan, const ExportScan& exportScan, std::size_t point) {
   const Scan& scan = exportScan.scan;
   if (!scan[kLabel].empty()) return plan.classes.classOf(scan[kLabel][point]).color;

@@ -117,7 +117,7 @@ class Cdr {
     putNumber(value, bytes_);
     return *this;
   }
-  // Appends the length of a list, whose items follow.
+  // Appends the length of a list; the caller then appends the items. Throws Error if the length exceeds 32 bits.
   Cdr& count(std::size_t count) {
     if (count > std::numeric_limits<std::uint32_t>::max()) {
       throw Error("a list in a ROS message cannot have {} entries or bytes", count);
@@ -171,7 +171,7 @@ void putMarker(std::uint64_t time, std::string_view frame, const RosMarker& mark
   out.text("").count(0).number(false);  // mesh_file: filename, data; mesh_use_embedded_materials
 }
 
-// The number that PointField has for a type of the table of columns.
+// PointField's number for T, the type of a column.
 template <class T>
 constexpr std::uint8_t kDatatype = std::is_floating_point_v<T> ? 7
                                    : sizeof(T) == 1            ? 2

@@ -48,8 +48,8 @@ RosSchema markersSchema();
 // message's limits.
 std::string transformsMessage(std::span<const RosTransform> transforms);
 std::string markersMessage(std::uint64_t time, std::string_view frame, std::span<const RosMarker> markers);
-// The fields are x, y and z, then the scan's columns with their names. An organised scan keeps its misses and its
-// height.
+// The message has the fields x, y and z, then one field for each of the scan's columns, with the column's name. The
+// misses of an organised scan are kept, and the message's height is its number of rings.
 std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const Scan& scan);
 
 }  // namespace scanmill

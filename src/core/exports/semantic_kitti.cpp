@@ -37,7 +37,7 @@ namespace {
 constexpr std::uint32_t kMostInstanceId = 32767;  // largest instance id; a larger id would set the sign bit of an int32
 constexpr std::size_t kMostSequences = 100;       // largest number of sequences, because their numbers have two digits
 
-// The rotation to camera axes: x right, y down, z forward.
+// Rotation from the sensor's axes to the camera's: x right, y down, z forward.
 const Quat kCameraFromSensor{0.5, 0.5, -0.5, 0.5};
 
 // Returns the 3 x 4 matrix of a pose as text, row by row.
@@ -54,9 +54,9 @@ std::vector<std::size_t> usualNumbers(const std::string& split) {
   return {};
 }
 
-// Returns the number of each sequence: the first free number of usualNumbers() for its split; if there is none, the
-// first free number from 22 on, which no split of SemanticKITTI has; if there is none, the first free number of all.
-// check() has refused plans with more sequences than numbers.
+// Returns the number of each sequence: the first number that no earlier sequence has, of usualNumbers() for the split,
+// then of the numbers from 22 on, which SemanticKITTI does not use, then of all numbers. check() has refused plans with
+// more sequences than numbers.
 std::vector<std::size_t> numbersOf(const ExportPlan& plan) {
   constexpr std::size_t kFirstUnusual = 22;
   std::set<std::size_t> taken;
@@ -235,7 +235,7 @@ class SemanticKitti : public ExportLayout {
     }
   }
 
-  // Returns the new numbers of a sequence's instances; empty if all of their ids fit into labels.
+  // Returns the new numbers of a sequence's instances; empty if the dataset's instance ids fit into labels unchanged.
   InstanceNumbers::Numbers newNumbers(std::size_t sequence) const {
     InstanceNumbers::Numbers numbers = numbers_.numbersOf(sequence);
     if (numbers.empty() || numbers.rbegin()->first.id <= kMostInstanceId) return {};  // the last has the largest id

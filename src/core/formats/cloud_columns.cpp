@@ -84,15 +84,15 @@ std::string columnMeant(std::string_view name) {
 void adoptColumns(Cloud& cloud, const Location& where) {
   Scan& scan = cloud.scan;
   for (const bool hasOwnName : {true, false}) {  // first columns with the table's names, then columns with other names
-    // Copies a foreign column into the column of the table that its name means, if the scan lacks that column. Returns
-    // true if the column was copied and can therefore be erased.
+    // Erases the foreign columns that were copied into the scan's table. A foreign column is copied into the table's
+    // column that its name stands for, unless the scan already has this column.
     std::erase_if(scan.foreign, [&](const ForeignColumn& column) {
       const std::string meant = columnMeant(column.name);
       if (hasOwnName != (lowerCase(column.name) == meant)) return false;
       bool adopted = false;
       visitTable(scan, [&](auto key, auto& values) {
         if (key.row.name != meant) return;
-        // Scanners that do not measure intensities fill the intensity column with 0: it counts as absent.
+        // Scanners that do not measure intensities write 0, so a column of zeros counts as absent.
         const bool isZero = key.index == kIntensity.index && std::ranges::count(values, 0) == std::ssize(values);
         if (scan.has(key) && !isZero) return;
         try {

@@ -27,12 +27,12 @@ struct Cloud {
 // km of 0, where float32 is exact to 0.1 mm; else the coordinate, rounded down to whole metres.
 Vec3d cloudOrigin(const Vec3d& position);
 
-// True if a file is a point cloud by its suffix, also if readCloud() refuses its format with advice (.laz, .e57, .pts,
+// True if a file has the suffix of a point cloud, even if readCloud() only refuses it with advice (.laz, .e57, .pts,
 // .ptx). A .ply counts as a cloud only if it exists, is not empty and has no faces; an .asc only if it lists points.
 // Throws InputError for a .ply with a damaged header.
 bool isCloud(const std::filesystem::path& file);
 // True if a file can be a recorded scan: .bin, .npz (which readCloud() refuses), or a cloud other than .e57, .pts and
-// .ptx. Throws as isCloud().
+// .ptx. Throws InputError for a .ply with a damaged header.
 bool isScan(const std::filesystem::path& file);
 // Returns all suffixes that readCloud() reads: ".pcd, .drc, ...".
 std::string scanSuffixes();
@@ -44,8 +44,8 @@ enum class CloudUnit {
 
 // Reads a cloud. Columns of the table (scan/columns.h) are also found by the names that other programs give them, see
 // cloudColumns() (formats/readers.h). Columns that are not in the table (red, green, blue, nx, ny, nz, gps_time) become
-// foreign columns. With a scan of SemanticKITTI its label file is read too. Throws an InputError that names the file,
-// and the line of a text file.
+// foreign columns. For a scan of SemanticKITTI, the label file is also read. Throws an InputError that names the file
+// and, in a text file, the line.
 Cloud readCloud(const std::filesystem::path& file, CloudUnit unit = CloudUnit::OfFile);
 
 // Returns the cloud's scan, and warns of what the reader left out. `what`: name of the file in the warning.

@@ -39,9 +39,9 @@ namespace {
 constexpr double kMostHeaderBytes = 100;
 constexpr double kMostColumnBytes = 200;
 
-// Returns an upper bound of the bits that an entry of `components` symbols of `bits` bits takes: the code of its
-// length, the symbols themselves, and less than one bit for rounded probabilities. appendSymbols() codes symbols by
-// their own probabilities only if that is shorter.
+// Returns an upper bound of the bits that appendSymbols() writes for an entry of `components` symbols, if each symbol
+// has `bits` bits: the code of this length, the symbols themselves, and less than one bit for rounded probabilities. If
+// coding the symbols by their own probabilities is shorter, appendSymbols() does so.
 double symbolBits(int bits, int components) {
   return bits * components + std::log2(bits + 1.0) + 1;
 }

@@ -80,7 +80,7 @@ class HeaderCheck {
     fail("damaged header");
   }
 
-  // Skips one block of metadata: entries of a name and a value, then named blocks within it.
+  // Skips a block of metadata: entries, each with a name and a value, and then nested blocks, each with a name.
   void skipMetadata(int depth) {
     if (depth > kDeepestMetadata) fail("metadata nested too deeply");
     const std::uint64_t entries = varint();
@@ -197,7 +197,7 @@ class CloudReader {
     visitStored(attribute, name, [&]<class Stored>(Stored) { convert<Stored>(attribute, name, to); });
   }
 
-  // Calls visit(value) with a value of the type in which the attribute is stored.
+  // Calls visit(value), where `value` has the type in which the attribute is stored; only this type has a meaning.
   template <class Visit>
   void visitStored(const draco::PointAttribute& attribute, std::string_view name, const Visit& visit) const {
     const draco::DataType type = attribute.data_type();
@@ -211,7 +211,7 @@ class CloudReader {
     visitNumberType(isFloat ? 'F' : isSigned ? 'I' : 'U', size, visit);
   }
 
-  // Writes the attribute's values, which are stored as `Stored`, as readAttribute() does.
+  // Does the work of readAttribute() for an attribute that is stored with the type `Stored`.
   template <class Stored, class T>
   void convert(const draco::PointAttribute& attribute, std::string_view name, T* to) const {
     const auto components = static_cast<std::size_t>(attribute.num_components());

@@ -55,13 +55,13 @@ Histogram histogram(const Symbol* symbols, std::size_t count, std::uint32_t larg
     ++result.unique;
     if (n > 1) sum += n * std::log2(static_cast<double>(n));
   }
-  // Shannon: the sum of n log2(count / n) over the symbols, with n occurrences each.
+  // Shannon's bound: the sum of n log2(count / n) over the different symbols, each of which occurs n times.
   result.bits = static_cast<double>(count) * std::log2(static_cast<double>(std::max<std::size_t>(count, 1))) - sum;
   return result;
 }
 
-// Returns about how many bits the table takes: two bytes for each symbol that occurs, and one byte for up to 64
-// successive symbols that do not occur.
+// Estimates the size of the table of probabilities (bits): two bytes for each symbol that occurs, and one byte for up
+// to 64 successive symbols that do not occur.
 double tableBits(const Histogram& h) {
   return 16.0 * h.unique + 8.0 * std::min<double>(h.unique, static_cast<double>(h.counts.size() - h.unique)) +
          static_cast<double>(h.counts.size()) / 8;
@@ -85,7 +85,7 @@ std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) 
     result[largest] += static_cast<std::uint32_t>(one - sum);
     return result;
   }
-  // The sum is too large, since rare symbols were rounded up to 1 unit. Reduces the other probabilities in proportion.
+  // The sum is too large, since rare symbols were rounded up to 1 unit: reduce the greater probabilities in proportion.
   while (sum > one) {
     std::int64_t shrinkable = 0;
     for (const std::uint32_t p : result) shrinkable += p > 1 ? p - 1 : 0;
@@ -181,7 +181,7 @@ void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, st
       state = (state >> bits) + step.start + quotient * step.complement;
     }
   }
-  // Appends the last state, in as many bytes as its two high bits say.
+  // Appends the last state in one to four bytes. The two highest bits state the number of bytes.
   const std::uint32_t offset = state - leastState;
   const int bytes = offset < (1u << 6) ? 1 : offset < (1u << 14) ? 2 : offset < (1u << 22) ? 3 : 4;
   const std::uint32_t tail = offset | (static_cast<std::uint32_t>(bytes - 1) << (8 * bytes - 2));
@@ -235,8 +235,8 @@ void appendTagged(std::span<const std::uint32_t> symbols, int components, std::s
   out.append(begin, end);
 }
 
-// Returns the bit length that Draco stores before raw symbols: the length of the number of different symbols, adjusted
-// by the compression level. The precision of the probabilities follows from this length.
+// Returns the bit length that Draco stores before raw symbols: the bit length of `unique`, the number of different
+// symbols, adjusted by the compression level. The precision of the probabilities follows from this length.
 int symbolBits(std::uint32_t unique, int level) {
   const int adjustment = level < 4 ? -2 : level < 6 ? -1 : level > 9 ? 2 : level > 7 ? 1 : 0;
   return std::clamp(static_cast<int>(std::bit_width(unique)) + adjustment, 1, kMaxRawBits);

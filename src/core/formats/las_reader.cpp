@@ -108,7 +108,7 @@ class LasReader {
     readRecordsAt<std::uint64_t>(at<std::uint64_t>(kLaterRecordsAt), bytes_.size(), at<std::uint32_t>(kLaterRecords));
   }
 
-  // Reads up to `count` records from `begin` to `end`. `Length`: type of the field with the size of a record's data.
+  // Reads up to `count` records in the bytes [begin, end). `Length`: type of the field with the length of the data.
   template <class Length>
   void readRecordsAt(std::uint64_t begin, std::uint64_t end, std::uint32_t count) {
     constexpr std::uint64_t kHead = 52 + sizeof(Length);  // size of a record's header (bytes)
@@ -157,9 +157,9 @@ class LasReader {
     return field.substr(0, field.find('\0'));
   }
 
-  // Returns the coordinate system at a point, from the well-known text or the keys of GeoTIFF. Sets `description`, for
-  // messages, to where the system comes from. If the system cannot be read, returns an empty one and the reason in
-  // `description`.
+  // Returns the coordinate system at a point, from the well-known text (`byWkt`) or the keys of GeoTIFF. Sets
+  // `description` to the source, for messages. If the system cannot be read, returns an empty system, and sets
+  // `description` to the reason.
   CoordinateSystem readSystem(bool byWkt, const Vec3d& point, std::string& description) const {
     try {
       description = byWkt ? quotedForMessage(textAt(wkt_, 0, 60)) : "keys of GeoTIFF";
