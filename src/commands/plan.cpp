@@ -139,16 +139,17 @@ class SceneCheck {
         for (const std::string& line : pathWarnings(source_, k, probe)) warn(line);
       }
     }
-    if (method == nullptr) return;
-    // If several scenes describe the same feature with different texts, only the first scene's item is printed.
-    for (const ModelledItem& item : modelledOf(plan_, sequence, scene, *method)) {
-      const auto isAboutSame = [&](const ModelledItem& earlier) {
-        return earlier.topic == item.topic && earlier.leftOut == item.leftOut && earlier.sensor == item.sensor;
-      };
-      if (std::ranges::none_of(modelled_, isAboutSame)) modelled_.push_back(item);
-    }
+    for (const ModelledItem& item : modelledOf(plan_, sequence, scene, *method)) addModelled(item);
     plan_.checkMemory(method->memoryBytes(), name);
     mostBytes_ = std::max(mostBytes_, method->memoryBytes());
+  }
+
+  // Adds an item. If several scenes describe the same feature with different texts, keeps only the first scene's item.
+  void addModelled(const ModelledItem& item) {
+    const auto isAboutSame = [&](const ModelledItem& earlier) {
+      return earlier.topic == item.topic && earlier.leftOut == item.leftOut && earlier.sensor == item.sensor;
+    };
+    if (std::ranges::none_of(modelled_, isAboutSame)) modelled_.push_back(item);
   }
 
   ShotSource& source_;

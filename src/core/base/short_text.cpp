@@ -80,8 +80,9 @@ std::string axisNumber(double value, const std::string& unit) {
   const double magnitude = std::abs(value);
   const std::string space = unit.empty() ? "" : " ";
   if (magnitude == 0) return "0" + space + unit;
-  // Numbers below 1 without a unit get no prefix, because "5 m" for 0.005 would read as 5 metres.
-  if (!(magnitude < 1 && unit.empty()) && magnitude < 1e16) {
+  constexpr double kExponentFrom = 1e16;  // numbers from here on are shorter with an exponent than with a prefix
+  const bool readsAsUnit = magnitude < 1 && unit.empty();  // "5 m" for 0.005 would read as 5 metres
+  if (!readsAsUnit && magnitude < kExponentFrom) {
     for (const auto& [factor, prefix] : kSiPrefixes) {
       if (magnitude < factor * (1 - 1e-9)) continue;
       const std::string unitText = prefix + unit;

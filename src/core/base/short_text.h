@@ -18,6 +18,7 @@ std::string shortNumber(double value);
 double niceStep(double least);
 
 // Formats a number as the label of an axis with this unit, such as "0.001", "10 k", "1 M", "10 µm" or "0.1 %".
+// With the unit "%" the number is a fraction: 0.001 is "0.1 %".
 std::string axisNumber(double value, const std::string& unit);
 
 // Returns a number with its digits in groups of three: "1,234,567".

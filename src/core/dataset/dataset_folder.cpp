@@ -59,7 +59,8 @@ fs::path datasetAbove(const fs::path& folder) {
   return {};
 }
 
-// Throws InputError if the path cannot be an output folder, or holds a link or file where this program has a folder.
+// Throws InputError if the path cannot be an output folder. Also throws it for a link to a folder in the path, and for
+// a link or file with the name of the hidden folder: files would be written or removed at another place.
 void checkPath(const fs::path& folder) {
   if (const fs::path dataset = datasetAbove(folder); !dataset.empty()) {
     throw InputError({folder.string()},
@@ -72,9 +73,9 @@ void checkPath(const fs::path& folder) {
   }
   if (!fs::exists(folder)) return;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const bool hasHiddenName = entry.path().filename() == kHiddenName;
-    const bool isLinkToFolder = entry.is_symlink() && (entry.is_directory() || hasHiddenName);
-    if (isLinkToFolder || (hasHiddenName && !entry.is_directory())) {
+    const bool isLinkToFolder = entry.is_symlink() && entry.is_directory();
+    const bool isHiddenNoFolder = entry.path().filename() == kHiddenName && !entry.is_directory();
+    if (isLinkToFolder || isHiddenNoFolder) {
       throw ForeignFile({entry.path().string()}, "is a link or a file, where this program has a folder: remove it");
     }
   }
@@ -263,7 +264,8 @@ void DatasetFolder::writeOrMatchPlan(FolderUse use) {
   // would block the folder.
   const std::unique_ptr<FolderLock> lock = shared_ && lock_->keepsOthersOut() ? lockStart() : nullptr;
   const fs::path planFile = staging_ / kPlanName;
-  if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {
+  const bool continues = shared_ || use == FolderUse::Resume;
+  if (continues && fs::exists(planFile)) {
     if (readFile(planFile) == toJson(plan_)) return;
     throw InputError(
         {folder_.string()},

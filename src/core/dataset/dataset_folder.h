@@ -102,7 +102,7 @@ class DatasetFolder {
   Identity identity_;  // identity of the folder when this object was created
   DatasetPlan plan_;
   std::unique_ptr<FolderLock> lock_;
-  bool shared_ = false;
+  bool shared_ = false;    // FolderUse::Share: other processes may write into the folder, too
   bool complete_ = false;  // true if other processes had already completed the dataset
   bool created_ = false;   // true if this object has created the folder
   bool published_ = false;

@@ -203,17 +203,22 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
   const double diagonal = std::sqrt(static_cast<double>(low.size()));  // diagonal of a cube of side 1
   const double axisBound = bound / diagonal;
   const double largestStep = 2 * axisBound * (1 - 1e-9);  // with a margin for rounding the index in double
-  // The step and all coordinates of grid points are multiples of `unit` up to 2^24, and therefore exact in float32.
+  // The step and all coordinates of grid points are whole multiples of `unit`, a power of two. The multiples are at
+  // most 2^24, so they are exact in float32 and the indices stay below 2^30. A unit below 2^-20 of the step would make
+  // the step only 0.0001 % larger.
+  constexpr double kStepBits = 20;
   const double reach = std::max(extent, magnitude) + 2 * largestStep;
   const double unit =
-      std::exp2(std::max(std::ceil(std::log2(reach / kFloatWhole)), std::floor(std::log2(largestStep)) - 20));
+      std::exp2(std::max(std::ceil(std::log2(reach / kFloatWhole)), std::floor(std::log2(largestStep)) - kStepBits));
   const double step = std::floor(largestStep / unit) * unit;
   if (step > 0) {
     grid.step = static_cast<float>(step);
     for (const float l : low) grid.low.push_back(static_cast<float>(std::floor(l / unit) * unit));
     return grid;
   }
-  // The bound must include three roundings by the reader: of the index, of the product and of the sum.
+  // The bound must include three roundings by the reader, each to half a unit in the last place: of the index and of
+  // the product (both up to the extent), and of the sum (up to the magnitude). Results may lie beyond these limits by
+  // half a step, which is `axisBound`.
   const double rounding = kHalfUlp * (2 * extent + magnitude + 4 * axisBound);
   const double possible = rounding + extent / kMaxIndex;
   if (!(axisBound >= possible)) {

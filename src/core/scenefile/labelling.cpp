@@ -333,10 +333,9 @@ bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labell
     if (part.texture.empty()) return false;
     for (const std::size_t r : rulesFor(part, labelling)) {
       const Rule& rule = labelling.rules[r];
-      if (!rule.colors.empty()) return true;
       if (rule.materialName.empty()) continue;
-      const bool textured = builder.library().require(rule.materialName, rule.where).textured;
-      if (textured || !rule.byTriangle()) return textured;  // other rules decide for some triangles only
+      if (builder.library().require(rule.materialName, rule.where).textured) return true;
+      if (!rule.byTriangle()) return false;  // the rule sets the material of all triangles that are left
     }
     return true;
   };

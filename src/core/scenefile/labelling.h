@@ -75,8 +75,8 @@ struct Labelling {
   bool operator==(const Labelling&) const = default;
 };
 
-// Returns true if the texture of some part is used: a rule tests its colours, or no rule gives the complete part a
-// material without texture.
+// Returns true if the texture of some part is used because no rule gives the complete part a material without texture.
+// No rule may test colours.
 bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling);
 
 // A mesh of an asset and its poses in the asset's frame. Without poses the mesh is placed once, untransformed.

@@ -131,7 +131,7 @@ Trajectory Trajectory::along(const std::vector<Vec3d>& waypoints) const {
 
 // Returns the waypoints, at equal heights if the vehicle is placed on the ground, so that lengths are horizontal.
 std::vector<Vec3d> Trajectory::levelled(std::vector<Vec3d> waypoints) const {
-  if (!ground_) return waypoints;
+  if (!groundOptions_) return waypoints;
   for (Vec3d& p : waypoints) p.z = waypoints.front().z;
   return waypoints;
 }
@@ -152,7 +152,7 @@ void Trajectory::setProfile() {
 Trajectory Trajectory::onGround(const Ground& ground) const {
   Trajectory placed = *this;
   if (still()) {
-    for (Pose& pose : placed.poses_) pose = scanmill::onGround(*ground_, pose, ground);
+    for (Pose& pose : placed.poses_) pose = scanmill::onGround(*groundOptions_, pose, ground);
     return placed;
   }
   // Positions on the path, in s if it is recorded, otherwise in m: see positionAt().
@@ -166,12 +166,13 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
     }
   } else {
     constexpr double kAboutStraight = 1;  // m, largest distance between knots; a path this short counts as straight
-    const auto steps = static_cast<std::size_t>(std::min(std::ceil(end / kAboutStraight), 1e8));
+    constexpr double kMostSteps = 1e8;    // fits into an integer; samplePositions() refuses so many
+    const auto steps = static_cast<std::size_t>(std::min(std::ceil(end / kAboutStraight), kMostSteps));
     for (std::size_t k = 1; k < steps; ++k) knots.push_back(end * static_cast<double>(k) / static_cast<double>(steps));
   }
   if (end > 0) knots.push_back(end);
   placed.profileOfGround_ = std::make_shared<const GroundProfile>(
-      *ground_, onPath, GroundProfile::samplePositions(onPath, knots, ground_->where), ground);
+      *groundOptions_, onPath, GroundProfile::samplePositions(onPath, knots, groundOptions_->where), ground);
   return placed;
 }
 
@@ -218,7 +219,8 @@ void Trajectory::readPath(Fields& fields, const SceneLanes* lanes) {
   if (!waypoints) fields.refuse({"path", "rounding"}, "is for waypoints");
   if (!lines) fields.refuse({"rounding"}, "is for `path: line`, whose corners it rounds");
   if (waypoints) {
-    const std::vector<Vec3d> points = readWaypoints(fields.require("waypoints"), ground_ ? Climbs::No : Climbs::Yes);
+    const std::vector<Vec3d> points =
+        readWaypoints(fields.require("waypoints"), groundOptions_ ? Climbs::No : Climbs::Yes);
     setPath(lines ? Path::lines(points, fields.number("rounding", {0.01, 1000}, 0.5)) : Path(points));
     return;
   }
@@ -307,7 +309,7 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double pe
   Trajectory result;
   result.name_ = fields.text("name", name);
   result.lastTurn_ = std::max(kLastTurn, period);
-  if (const Value* ground = fields.find("ground")) result.ground_ = readGround(*ground);
+  if (const Value* ground = fields.find("ground")) result.groundOptions_ = readGround(*ground);
   if (countDrives(value) > 1) result.name_ += fmt::format("-{}", drive);
   const double limit =
       fields.has("frames") ? static_cast<double>(fields.integer("frames", 1, Trajectory::kMaxFrames)) : INFINITY;

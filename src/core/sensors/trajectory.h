@@ -128,7 +128,7 @@ class Trajectory {
   // Return what the trajectory needs before it has poses: a random path, and ground on which the vehicle is placed.
   // Null if the trajectory does not need it.
   const RandomPath* randomPath() const { return random_ ? &*random_ : nullptr; }
-  const GroundOptions* ground() const { return ground_ ? &*ground_ : nullptr; }
+  const GroundOptions* ground() const { return groundOptions_ ? &*groundOptions_ : nullptr; }
   // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomPath() requires.
   [[nodiscard]] Trajectory along(const std::vector<Vec3d>& waypoints) const;
   // Returns this trajectory placed on the ground. Throws InputError if a listed pose, or the complete path, has no
@@ -147,7 +147,7 @@ class Trajectory {
   };
   static std::vector<LaneChange> readLaneChanges(const Value& value, double length);
   // Each of these functions reads one kind of trajectory. `period`: default time between frames (s). `limit`: the
-  // largest number of frames, or infinity. readTrajectory() has set name_, lastTurn_ and ground_ before.
+  // largest number of frames, or infinity. readTrajectory() has set name_, lastTurn_ and groundOptions_ before.
   void readPoses(Fields& fields, double period, double limit);
   void readRecorded(Fields& fields, double period, double limit);
   void readDrive(Fields& fields, double period, double limit, std::uint64_t seed, const SceneLanes* lanes);
@@ -179,7 +179,7 @@ class Trajectory {
   std::optional<SpeedProfile> profile_;
   std::vector<LaneChange> laneChanges_;
   Sway sway_;
-  std::optional<GroundOptions> ground_;
+  std::optional<GroundOptions> groundOptions_;
   std::shared_ptr<const GroundProfile> profileOfGround_;
 };
 

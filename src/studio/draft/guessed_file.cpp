@@ -42,6 +42,7 @@ GuessedFile guessFile(const std::filesystem::path& file, Vocabulary words, const
   const std::vector<CountedPart> parts = partsOf(asset);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto& [part, copies] = parts[i];
+    // A concept without classes does not label the part, unless it says that the part is dropped.
     const Concept* shows = guesses[i];
     if (shows != nullptr && shows->classes.empty() && shows->kind != ConceptKind::Drop) shows = nullptr;
     const bool byFolder = shows != nullptr && guesses[i] != guessesWithoutFolder[i];

@@ -189,23 +189,22 @@ class Intensity : public Effect {
     });
   }
 
-  // Sets the received power of a batch of rows. With `model: reflectivity` also sets `reflectivity`, the power that the
-  // rows would have if they came from the reference range through clear air.
+  // Sets the received power of a batch of rows, and `reflectivity`, the power that the rows would have if they came
+  // from the reference range through clear air. `reflectivity` is complete only with `model: reflectivity`.
+  //
+  // At the call Returns::power holds the received power of rows of echoes (if `powerOfEchoes`), the power at the
+  // reference range of rows that effects have added, and no value for other rows.
   void setPower(const Hits& hits, const std::vector<Lobes>& lobes, std::size_t first, std::size_t count,
                 Returns& returns, float* reflectivity) const {
     float* const power = returns.power.data() + first;
     const float* const range = returns.range.data() + first;
-    Batch<float> powerOfAdded;  // for rows that effects have added: power as if received from the reference range
+    Batch<float> powerOfAdded;
     if (!returns.onePerBeam()) std::copy_n(power, count, powerOfAdded.begin());
     if (returns.powerOfEchoes) {
       multiply(returns.gain, first, count, power);
       if (o_.reflectivity) removeRangeLoss(range, count, power, reflectivity);
     } else {
-      setReflected(hits, returns, first, lobes, count, power);
-      multiply(returns.gain, first, count, power);
-      if (o_.reflectivity) std::copy_n(power, count, reflectivity);
-      Batch<float> rangesOfHits;
-      applyRangeLoss(valuesOfHits(returns, hits.range, first, rangesOfHits, kMiss), count, power);
+      setPowerOfHits(hits, lobes, first, count, returns, reflectivity);
     }
     for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) {
       if (returns.hit(first + i) != kNoHit) continue;
@@ -215,6 +214,18 @@ class Intensity : public Effect {
     }
     clampPower(range, count, power);
     if (o_.reflectivity) clampPower(range, count, reflectivity);
+  }
+
+  // Does the work of setPower() for rows that are hits. The loss follows from the range of the hit, because earlier
+  // effects may have changed the range of the row.
+  void setPowerOfHits(const Hits& hits, const std::vector<Lobes>& lobes, std::size_t first, std::size_t count,
+                      Returns& returns, float* reflectivity) const {
+    float* const power = returns.power.data() + first;
+    setReflected(hits, returns, first, lobes, count, power);
+    multiply(returns.gain, first, count, power);
+    if (o_.reflectivity) std::copy_n(power, count, reflectivity);
+    Batch<float> rangesOfHits;
+    applyRangeLoss(valuesOfHits(returns, hits.range, first, rangesOfHits, kMiss), count, power);
   }
 
   // Sets the intensity of a batch of rows. Overwrites `reflectivity`.

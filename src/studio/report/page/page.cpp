@@ -47,15 +47,17 @@ std::string sortAttribute(const std::string& cell) {
   return std::regex_search(cell, found, figure) ? fmt::format(" data-v=\"{{{{{}:.9g}}}}\"", found[1].str()) : "";
 }
 
-// Converts the description of a table (see fillPage()) to a Mustache template.
+// Converts the description of a table (see fillPage()) to a Mustache template. The first column, which names the row,
+// stands outside of "+" groups. A row with `failure` has one wide cell in place of the other columns.
 std::string tableTemplate(const std::string& text) {
   std::istringstream lines(text);
   std::string line;
-  std::string rows, repeated, group;  // path of the list of rows, path of "+", title of "=="
-  std::string groups, heads, cells;   // cells of the two rows of headings and of a row of values
+  std::string rowsPath, repeatedPath,
+      groupTitle;                     // the values' path of the list of rows; path after "+"; title of "=="
+  std::string groups, heads, cells;   // templates of the cells: of the two rows of headings, and of a row of values
   int columns = 0, groupColumns = 0;  // numbers of columns so far: in all, and in the current group
   const auto endGroup = [&] {
-    if (groupColumns > 0) groups += fmt::format("<th colspan=\"{}\">{}</th>", groupColumns, group);
+    if (groupColumns > 0) groups += fmt::format("<th colspan=\"{}\">{}</th>", groupColumns, groupTitle);
     groupColumns = 0;
   };
   const auto addToEachRow = [&](const std::string& tag) {
@@ -66,19 +68,19 @@ std::string tableTemplate(const std::string& text) {
   while (std::getline(lines, line)) {
     line = trimmed(line);
     if (line.empty()) continue;
-    if (rows.empty()) {
-      rows = line;
+    if (rowsPath.empty()) {
+      rowsPath = line;
     } else if (line.starts_with("== ")) {
       endGroup();
-      group = line.substr(3);
+      groupTitle = line.substr(3);
     } else if (line.starts_with("+ ")) {
       endGroup();
-      repeated = line.substr(2);
-      addToEachRow("{{#" + repeated + "}}");
+      repeatedPath = line.substr(2);
+      addToEachRow("{{#" + repeatedPath + "}}");
     } else if (line == "-") {
       endGroup();
-      addToEachRow("{{/" + repeated + "}}");
-      group.clear();
+      addToEachRow("{{/" + repeatedPath + "}}");
+      groupTitle.clear();
     } else {
       const std::vector<std::string> parts = cellParts(line);
       const std::string &title = parts[0], &cell = parts[1], &hint = parts[2], &cellHint = parts[3];
@@ -93,13 +95,14 @@ std::string tableTemplate(const std::string& text) {
     }
   }
   endGroup();
+  cells += "{{/failure}}";
   const bool grouped = text.find("\n==") != std::string::npos;
   return fmt::format(
       "{{{{#{0}:any}}}}<div class=\"scroller\"><p class=\"hint\">Scroll sideways for more columns \xE2\x86\x92</p>"
       "<div class=\"table\" tabindex=\"0\"><table><thead>{1}<tr class=\"columns\">{2}</tr></thead><tbody>\n"
-      "{{{{#{0}}}}}<tr{{{{#strong}}}} class=\"strong\"{{{{/strong}}}}>{3}{{{{/failure}}}}</tr>\n{{{{/{0}}}}}"
+      "{{{{#{0}}}}}<tr{{{{#strong}}}} class=\"strong\"{{{{/strong}}}}>{3}</tr>\n{{{{/{0}}}}}"
       "</tbody></table></div></div>{{{{/{0}:any}}}}",
-      rows, grouped ? "<tr class=\"groups\">" + groups + "</tr>" : "", heads, cells);
+      rowsPath, grouped ? "<tr class=\"groups\">" + groups + "</tr>" : "", heads, cells);
 }
 
 std::string figuresTemplate(const std::string& text) {

@@ -50,12 +50,14 @@ class StudyPage {
       : study_(study), file_(parseJson(toJson(study), "tradeoff.json")), page_(file_) {}
 
   Json values() {
-    facts();
-    settings();
-    places();
-    classes();
-    stages();
-    use();
+    addFacts();
+    addPictures();
+    addOtherClasses();
+    addSettings();
+    addPlaces();
+    addClasses();
+    addStages();
+    addUse();
     page_["charts"] = chartValues(studyCharts(study_));
     return std::move(page_);
   }
@@ -65,7 +67,8 @@ class StudyPage {
   const Json& errorsOf(std::size_t i) const { return file_["settings"][i]["measured"]["errors"]; }
   const std::string& nameOf(std::size_t i) const { return study_.settings[i].setting.name; }
 
-  void facts() {
+  // Adds the facts about the study and the pipeline.
+  void addFacts() {
     const std::size_t measured = measuredSettings(study_).size();
     page_.update({{"title", "Speed against accuracy: " + study_.pipelineName},
                   {"scene_frames", study_.scene.frames.size() == 1 ? "frame" : "frames"},
@@ -85,11 +88,18 @@ class StudyPage {
       const bool isInSuggestion = !assignment.starts_with("method") && !assignment.starts_with("tradeoff");
       if (isInSuggestion) page_["kept_overrides"].push_back(page_["overrides"].back());
     }
+  }
+
+  void addPictures() {
     for (const ErrorPicture& p : study_.pictures) {
       if (p.png.empty()) continue;
       const std::string caption = p.title == p.setting ? p.title : fmt::format("{}: {}", p.setting, p.title);
       page_["shown_pictures"].push_back({{"caption", caption}, {"png", base64(p.png)}});
     }
+  }
+
+  // Adds the numbers of beams that hit surfaces of different classes with the two physics.
+  void addOtherClasses() {
     for (Json& r : page_["sensing"]) {
       if (r["failure"].get_ref<const std::string&>().empty())
         r["other_class"] = r["both"].get<std::uint64_t>() - r["same_class"].get<std::uint64_t>();
@@ -97,7 +107,7 @@ class StudyPage {
   }
 
   // Adds a row for each setting, with its figures if it was measured. Rows on a Pareto front are emphasised.
-  void settings() {
+  void addSettings() {
     const std::optional<std::size_t> tracing = tracingDefault(study_);
     const double tracingSeconds = tracing ? study_.settings[*tracing].measured.cost.scanSeconds : 0;
     std::vector<std::size_t> front = frontOf(study_, rangeP99);
@@ -124,7 +134,7 @@ class StudyPage {
   }
 
   // Adds a row for each measured setting: its errors away from edges and at edges.
-  void places() {
+  void addPlaces() {
     const std::vector<std::string> names = groupNames(study_, measuredSettings(study_), &BeamErrors::byEdge);
     page_["places"] = Json::array();
     for (const std::string& name : names) {
@@ -140,7 +150,7 @@ class StudyPage {
   }
 
   // Adds a row for each class, those with the most beams first, with the errors of the shown settings.
-  void classes() {
+  void addClasses() {
     const std::vector<std::size_t> shown = shownSettings(study_, kMostColumns);
     std::vector<std::pair<std::string, std::uint64_t>> classes;  // class; its beams in the first setting that has any
     for (const std::size_t i : shown) {
@@ -162,7 +172,7 @@ class StudyPage {
 
   // Adds a table of stages for each method, since methods have different stages. The first columns of a table are the
   // method's stages; the further columns are the stages that all settings have in common.
-  void stages() {
+  void addStages() {
     const auto stageCell = [&](double seconds) {
       if (seconds <= 0) return Json::object();
       return Json{{"stage_s", seconds}, {"stage_beams_per_s", static_cast<double>(study_.beamsPerShot) / seconds}};
@@ -202,7 +212,7 @@ class StudyPage {
 
   // Adds the advice and all measured settings, each with the command-line argument that selects the setting. Sets
   // `picked` to the argument of the first advised setting or, without advice, of the first measured setting.
-  void use() {
+  void addUse() {
     for (const Advice& a : advise(study_)) {
       std::string argument;
       for (const SettingResult& s : study_.settings) {

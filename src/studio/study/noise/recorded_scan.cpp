@@ -131,8 +131,8 @@ double medianAngle(const std::vector<BeamPoint>& points, const BeamTable& beams,
   return medianOf(std::move(angles));
 }
 
-// Returns a step of alignedFrame(): the small motion of the sensor's frame that reduces the angles between the points'
-// directions and their beams most, by least squares over every `stride`-th point.
+// Returns a step of alignedFrame(): the pose, in the sensor's present frame, of the frame in which the angles between
+// the points' directions and their beams are smallest, by least squares over every `stride`-th point.
 Pose alignmentStep(const std::vector<BeamPoint>& points, const BeamTable& beams, const Pose& sensorFromScan,
                    std::size_t stride) {
   std::vector<double> design, values;
@@ -144,8 +144,8 @@ Pose alignmentStep(const std::vector<BeamPoint>& points, const BeamTable& beams,
     // The angle has two components, along axes across the beam.
     const Vec3d across = normalized(cross(direction, std::abs(direction.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
     for (const Vec3d& axis : {across, cross(across, direction)}) {
-      // A small rotation w and translation t of the sensor's frame change the position in this frame by
-      // -(w x position) - t.
+      // If the frame is rotated by a small w and moved by t, the position in it becomes position - w x position - t.
+      // The component of `ray` along `axis` thereby decreases by dot(w, position x axis) + dot(t, axis).
       const Vec3d lever = cross(position, axis);
       for (const double term : {lever.x, lever.y, lever.z, axis.x, axis.y, axis.z}) design.push_back(term / range);
       values.push_back(dot(axis, ray) / range);
@@ -154,8 +154,8 @@ Pose alignmentStep(const std::vector<BeamPoint>& points, const BeamTable& beams,
   const std::vector<double> c = fitLinear(design, 6, values).coefficients;
   const Vec3d rotation{c[0], c[1], c[2]};  // axis times angle (rad)
   const double angle = length(rotation);
-  const Vec3d axis = angle > 0 ? rotation * (std::sin(angle / 2) / angle) : Vec3d{};
-  return {{std::cos(angle / 2), axis.x, axis.y, axis.z}, {c[3], c[4], c[5]}};
+  const Vec3d vectorPart = angle > 0 ? rotation * (std::sin(angle / 2) / angle) : Vec3d{};
+  return {{std::cos(angle / 2), vectorPart.x, vectorPart.y, vectorPart.z}, {c[3], c[4], c[5]}};
 }
 
 // Returns the pose of the sensor in the scan's frame. Gauss-Newton steps over the six degrees of freedom minimise the

@@ -128,6 +128,10 @@ class StudyRun {
     }
   }
 
+  // Returns the number of scans by which measure() measures a setting, of each shot: one without timing, then the
+  // timed.
+  int scansPerShot() const { return choice_.repeats + 1; }
+
   // Returns how long the set-ups of all settings and the measurements of one frame probably take. Assumes that all
   // settings of a method take as long as the method's first setting.
   ExpectedTime expectedTime() {
@@ -137,7 +141,7 @@ class StudyRun {
     for (const MethodSetting& s : choice_.settings) {
       if (!timeOfMethod.contains(s.setting.method)) timeOfMethod[s.setting.method] = timeOf(s, shots);
       sum.setUpSeconds += timeOfMethod[s.setting.method].setUpSeconds;
-      sum.frameSeconds += timeOfMethod[s.setting.method].frameSeconds * (choice_.repeats + 1);
+      sum.frameSeconds += timeOfMethod[s.setting.method].frameSeconds * scansPerShot();
     }
     return sum;
   }
@@ -189,11 +193,11 @@ class StudyRun {
       try {
         result.measured = measure([&] { return makeMethod(s.choice, scene_); }, scene_, truth_, measureOptions_);
       } catch (const Error& error) {
-        checkStopped();
+        checkStopped();  // an error because the user has stopped the study is no failure of the setting
         result.failure = error.what();
       }
       study_.settings.push_back(std::move(result));
-      progress_.advance(1, static_cast<double>(study_.beamsPerShot * study_.shots) * (choice_.repeats + 1));
+      progress_.advance(1, static_cast<double>(study_.beamsPerShot * study_.shots) * scansPerShot());
     }
   }
 

@@ -99,7 +99,12 @@ struct LegendRow {
   std::string name;
   std::string count;  // number of points as text; empty: not shown
   Rgb color{};
-  enum class Look { Shown, Absent, Partly, Hidden } look = Look::Shown;
+  enum class Look {
+    Shown,
+    Absent,  // shown, but no point of the frame has the entry's value
+    Partly,  // the row "all" if some entries are hidden
+    Hidden,
+  } look = Look::Shown;
 };
 
 // Draws a row of a legend: swatch, name and, at the right end, the count. `id`: unique in the legend. `width`: width of

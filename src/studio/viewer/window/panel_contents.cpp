@@ -228,7 +228,8 @@ void PanelContents::completeClasses(Legend& legend) const {
 }
 
 // Collects the legends of all views. Views whose colours have the same meaning share one legend, with the numbers of
-// points of the active view. The numbers are 0 if none of these views is active.
+// points of the active view. If none of these views is active, the numbers of the entries are 0, and `unknown`, whose
+// row explains the colour of points without a value, is the sum over the views.
 void PanelContents::collectLegends() {
   legends.clear();
   for (std::size_t v = 0; v < panes.size() && context_.options.legends; ++v) {

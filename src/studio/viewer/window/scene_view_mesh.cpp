@@ -136,17 +136,16 @@ const ObjectView* SceneView::viewOfShownSensor(const ObjectRecord& object) const
 }
 
 // Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the box is where the
-// object was when the sensor saw it, so that the box fits the points. The view's pose is in the frame of Scan::position
-// of the first revolution. If points are drawn at ViewScan::placed, or in later revolutions, the object's recorded pose
-// is extrapolated with its velocity instead. Without a view: the recorded pose. At least one cloud must be shown.
+// object was when the sensor saw it, so that the box fits the points; otherwise it has the recorded pose. At least one
+// cloud must be shown.
 Affine SceneView::canvasFromBox(const ObjectRecord& object) const {
-  const ObjectView* const view = viewOfShownSensor(object);
-  const ViewScan& scan = clouds_.scanOf(clouds_.list.front());
-  if (view != nullptr && scan.placed.empty() && scan.revolution == 0) {
-    return clouds_.list.front().canvasFromScan * toAffine(view->sensorFromBox);
-  }
   Pose worldFromBox = object.worldFromBox;
-  if (view != nullptr) {
+  if (const ObjectView* const view = viewOfShownSensor(object)) {
+    const ShownCloud& cloud = clouds_.list.front();
+    const ViewScan& scan = clouds_.scanOf(cloud);
+    // The view's pose is in the frame of Scan::position of the first revolution. Points that are drawn at
+    // ViewScan::placed or are of a later revolution are in other frames, so the recorded pose is extrapolated.
+    if (scan.placed.empty() && scan.revolution == 0) return cloud.canvasFromScan * toAffine(view->sensorFromBox);
     const double time = scan.revolution == 0 ? view->time : scan.time;
     worldFromBox.translation += object.velocity * (time - context_.frame->objectTime);
   }
