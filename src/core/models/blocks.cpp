@@ -46,7 +46,7 @@ std::vector<Point2> pointsOf(const Polygon& polygon) {
 
 class BlockMaker {
  public:
-  // Draws materials and sizes in a fixed order. If the map gives the height of the walls, the storeys' height follows.
+  // Draws materials and sizes in a fixed order. If the block has a height, the storeys' height is computed from it.
   BlockMaker(Shape& shape, std::uint64_t seed, const Block& block)
       : b_(block), draw_(seed, Kind::Block, block.number), s_(shape) {
     constexpr double kLeastStorey = 2.3, kShedHeight = 2.2;  // m
@@ -87,7 +87,8 @@ class BlockMaker {
  private:
   bool hasParapet() const { return b_.floors > 0 && b_.parapet && b_.rise <= 0; }
 
-  // Returns a pointer into the outline to the first corner of the wall whose middle is nearest to the entrance.
+  // Returns the first corner of the wall at least 2 m wide whose middle is nearest to the entrance; if all are
+  // narrower, the outline's first corner. The result points into the outline.
   const Point2* nearestWall() const {
     const Point2* nearest = b_.outline.data();
     double leastDistance = 1e18;
@@ -100,7 +101,7 @@ class BlockMaker {
     return nearest;
   }
 
-  // Adds the wall from `a` to `b`, with the coping of a parapet. Looking from `a` to `b`, the building is at the left.
+  // Adds the wall from `a` to `b` and the coping of its parapet, if any. Seen from `a`, the building is at the left.
   void wall(const Point2& a, const Point2& b, bool door) {
     const double width = std::hypot(b.x - a.x, b.y - a.y);
     const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};

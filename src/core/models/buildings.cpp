@@ -149,7 +149,7 @@ class HouseMaker {
     }
   }
 
-  // Adds a plinth that protrudes 3 cm from the walls, with a gap at the door. Adds nothing if it would be too low.
+  // Adds a plinth that protrudes 3 cm from the walls, with a gap at the door, unless it would be lower than 0.38 m.
   void plinth() {
     const double z = (m_.base - 0.12 + look_.foundation) / 2;
     const double height = m_.base - 0.12 - look_.foundation;
@@ -220,7 +220,8 @@ class HouseMaker {
     s_.frame = outer;
   }
 
-  // Adds up to three skylights to the front slope of a gable roof. `overhang`: m from the wall to the eaves.
+  // Adds up to three skylights to the front slope of a gable roof. `eaves`: z of its lower edge, `overhang` m before y
+  // = 0.
   void skylights(double width, double depth, double eaves, double overhang) {
     const int count = draw_.below(4);
     const double angle = std::atan(slope_);

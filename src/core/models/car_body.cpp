@@ -9,7 +9,7 @@
 namespace scanmill::models {
 namespace {
 
-// Returns the line after `passes` rounds that cut each corner at a fifth of its sides; the ends stay. Chaikin, "An
+// Rounds a line's corners. Each pass cuts off each corner at a fifth of both sides; the line's ends stay. Chaikin, "An
 // algorithm for high-speed curve generation", Computer Graphics and Image Processing 3 (1974), with other ratios.
 std::vector<Point2> rounded(std::vector<Point2> line, int passes) {
   for (int pass = 0; pass < passes; ++pass) {
@@ -58,7 +58,7 @@ class BodyMaker {
   }
 
  private:
-  // Points of section(), from mid-floor to mid-roof. Segment k is between the points k and k + 1.
+  // Number of points of a section(), from mid-floor to mid-roof. Segment k is between the points k and k + 1.
   static constexpr int kPoints = 15;
   static constexpr double kArchRadius = 1.16;  // radius of a wheel arch divided by the radius of the wheel
 

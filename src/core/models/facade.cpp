@@ -52,7 +52,7 @@ class FacadeMaker {
     s_.quad(look_.trim, {u1, v0, 0}, {u1, v1, 0}, {u1, v1, w}, {u1, v0, w});
   }
 
-  // Adds a window's glass and its casing with bars; except at shops, also a sill and shutters.
+  // Adds a window's glass and its casing with bars. A window up to 2 m high also gets a sill and, by `look_`, shutters.
   void window(const Opening& o) {
     const auto [u0, u1] = o.u;
     const auto [v0, v1] = o.v;

@@ -154,7 +154,8 @@ class Details {
     }
   }
 
-  // Adds a bay with a roof in front of a random column of windows, not at the door. The bay has one storey or all.
+  // Adds a bay with a roof in front of a random column of windows without the door. The bay has one storey or all
+  // storeys.
   void bay() {
     const int column = (h_.doorColumn + 1 + draw_.below(h_.columns - 1)) % h_.columns;
     const double middle = windowMiddle(column);

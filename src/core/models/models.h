@@ -1,7 +1,7 @@
 #pragma once
 
-// Builds the objects of procedural scenes, with one function per kind of object. Also random streams and mesh building.
-// Frame of an object: metres, x forward, z up, ground at z = 0. Only town/ and tests include this header.
+// Builds the objects of procedural scenes: one function per kind of object, their random streams, and their meshes. An
+// object's frame: metres, x forward, z up, ground at z = 0. Only town/ and tests include this header.
 
 #include <algorithm>
 #include <array>
@@ -134,7 +134,7 @@ class Shape {
   // the profile's direction: outwards where the profile goes upwards. `loop`: whether the profile is closed.
   void revolve(SurfaceIndex surface, const Affine& pose, const std::vector<Point2>& profile, int segments,
                Loop loop = Loop::Open);
-  // `thickness`: radius of the ring's cross section (m); `corners`: number of its corners.
+  // Appends a torus about z. `thickness`: radius of its cross section (m); `corners`: the cross section's corners.
   void torus(SurfaceIndex surface, const Affine& pose, double radius, double thickness, int segments, int corners = 8);
   // Appends a prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. The top has the
   // surface `front`; the sides and the bottom have the surface `rim`.
@@ -199,8 +199,8 @@ struct Block {
   int floors = 2;                           // number of floors; 0: the building is a shed without windows
   double base = 0;                          // m, underside of a block that hangs above the ground; 0: on the ground
   double height = 0;                        // m, top of the walls; 0: follows from `floors`
-  // A pitched roof rises by `rise` (m) from the walls to a ridge, whose ends may be equal. Each corner of the outline
-  // is joined to the nearest end of the ridge. If `rise` is 0, the roof is flat.
+  // A pitched roof rises by `rise` (m) from the walls to a ridge, whose two ends may coincide. Each corner of the
+  // outline is joined to the nearest end of the ridge. If `rise` is 0, the roof is flat.
   double rise = 0;
   std::array<Point2, 2> ridge{};
   bool parapet = true;  // true: a flat roof over floors has a parapet
@@ -296,7 +296,7 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing kind)
 enum class Clutter { Cone, Barrier, Skip, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter clutter, int number);
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed);  // the shelter's open side faces -y
-// Builds a panel 2 m long along x; its middle is at the origin.
+// Builds a fence panel 2 m long along x, whose middle is at the origin. `kind` must not be Fencing::None.
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing kind, int form = 0);
 
 }  // namespace scanmill::models

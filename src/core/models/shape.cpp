@@ -126,8 +126,8 @@ void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const s
   const Vec3d start = normalized(points[1] - points[0]);
   // u and v are unit vectors across the pipe. Parallel transport of u along the pipe avoids a twist of the pipe.
   Vec3d u = normalized(cross(start, std::abs(start.z) < 0.8 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
-  // A row of points around the pipe for each point of its line. A row before and a row after them repeat the end
-  // points, which closes the ends.
+  // Each point of the line has a row of points around the pipe. An additional first row and last row repeat the line's
+  // end points, which closes the pipe's ends.
   std::vector<std::vector<Vec3d>> rows{std::vector<Vec3d>(static_cast<std::size_t>(segments), points.front())};
   for (std::size_t i = 0; i <= last; ++i) {
     const Vec3d direction = normalized(points[std::min(i + 1, last)] - points[i == 0 ? 0 : i - 1]);

@@ -131,7 +131,7 @@ Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
   for (int k = 0; k < 3; ++k) {
     const double center = z + 0.2 + 0.3 * k;
     s.ball(glass, {0.285, 0, center}, {0.03, 0.1, 0.1}, 16);
-    // A visor over each lens: three quarters of a thin tube.
+    // Adds a visor over the lens: three quarters of a thin tube.
     std::vector<std::vector<Vec3d>> rows;
     for (int i = 0; i <= 12; ++i) {
       const double angle = lerp(1.25 * kPi, -0.25 * kPi, i / 12.0);

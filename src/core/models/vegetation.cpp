@@ -85,7 +85,7 @@ void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center
   }
 }
 
-// The irregularity of a crown. It has a separate random stream, so that regular crowns do not depend on it.
+// The irregularity of a crown. A separate random stream leaves the random values of regular crowns unchanged.
 class Raggedness {
  public:
   // `irregularity`: from 0 to 1, see makeTree().
@@ -131,7 +131,8 @@ struct Cluster {
   double radius;
 };
 
-// Appends a slightly leaning and bent trunk. Returns its axis. `base`: z of the crown's lower end; `crown`: height (m).
+// Appends a slightly leaning and bent trunk and returns its axis. The crown has its lower end at z = `base` and is
+// `crown` m high.
 TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, double crown) {
   constexpr int kSegments = 7;
   const double leanX = draw.in(-0.25, 0.25);
@@ -148,7 +149,8 @@ TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, dou
   return axis;
 }
 
-// Returns the clusters of a broadleaf's crown, in a spiral from the lower end to the top. `radius`: crown radius (m).
+// Returns the clusters of a broadleaf's crown, in a spiral from z = `base` upwards. `crown`, `radius`: its height,
+// radius.
 std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxis& trunk, double base, double crown,
                                   double radius, Raggedness ragged) {
   std::vector<Cluster> clusters;

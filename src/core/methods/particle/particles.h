@@ -65,8 +65,8 @@ struct HitRecords {
   std::uint32_t stepsOf(std::size_t i) const { return outcome[i] >> 2; }
 };
 
-// Marches the particles with these indices on the calling thread, as many at a time as the CPU has vector lanes. Each
-// particle takes at most `maxSteps` steps, including the steps that its record already has. Alpha is ignored.
+// Marches the particles `indices` on the calling thread, as many at a time as the CPU has vector lanes, and sets their
+// records. A particle takes at most `maxSteps` steps, including the steps already in its record. Alpha is ignored.
 void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t maxSteps,
               const Particles& particles, std::span<const std::uint32_t> indices, HitRecords& records);
 

@@ -60,7 +60,7 @@ bool tryAccept(TieContext& context, std::uint32_t lane, float distance, const Ve
 }
 
 // Filters the lanes one by one, for packets of any width. Sets `valid` to 0 in lanes whose candidate is rejected. On
-// entry, `far` of a ray is its candidate's distance.
+// entry, a ray's `far` is the distance of its candidate; accepting the candidate sets `far` to the ray's new end.
 void filterLanes(const RTCFilterFunctionNArguments* arguments, TieContext& context) {
   const unsigned n = arguments->N;
   auto* ray = reinterpret_cast<float*>(arguments->ray);
@@ -91,8 +91,8 @@ struct Lanes {
 };
 
 // Does what filterLanes() does, for packets whose lanes have consecutive ids. Filters all lanes at once, unless some
-// candidate may tie with the nearest hit of its lane, which is rare. On entry, `far` of a ray is its candidate's
-// distance. Uses vector types, because the compiler does not vectorise the loop of filterLanes().
+// candidate may tie with the nearest hit of its lane, which is rare. Uses vector types, because the compiler does not
+// vectorise the loop of filterLanes().
 template <int N>
 void filterPacket(const RTCFilterFunctionNArguments* arguments, TieContext& context) {
   constexpr int kWidth = N < 8 ? N : 8;
@@ -101,7 +101,7 @@ void filterPacket(const RTCFilterFunctionNArguments* arguments, TieContext& cont
   auto* ray = reinterpret_cast<float*>(arguments->ray);
   const auto* hit = reinterpret_cast<const float*>(arguments->hit);
   const std::uint32_t firstLane = reinterpret_cast<const std::uint32_t*>(ray)[kId * N];
-  // Return the values of kWidth consecutive lanes, from `lane` on.
+  // Return references to the values of kWidth consecutive lanes, from `lane` on.
   const auto valid = [&](int lane) -> Ints& { return *reinterpret_cast<Ints*>(arguments->valid + lane); };
   const auto far = [&](int lane) -> Floats& { return *reinterpret_cast<Floats*>(ray + kFar * N + lane); };
   const auto nearestSoFar = [&](int lane) -> Floats& {

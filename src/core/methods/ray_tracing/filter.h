@@ -1,6 +1,6 @@
 #pragma once
 
-// Embree's intersection filters, which apply the tie rule and alpha-tested textures.
+// Filter functions for Embree: they apply the tie rule (see kCoplanar) and reject hits at transparent texels.
 
 #include <cstdint>
 
@@ -52,8 +52,8 @@ inline float coplanarFloor(float sensorToOrigin) {
   return kRounding * (sensorToOrigin + kCoplanarCorners);
 }
 
-// An accepted hit shortens the ray to the hit's distance, plus this fraction of the distance, plus the floor: surfaces
-// coplanar with the hit are visited too. This suffices for angles of incidence up to 89.98 degrees.
+// An accepted hit shortens the ray to the hit's distance, plus this fraction of the distance, plus the floor, so that
+// Embree still visits surfaces coplanar with the hit. This suffices for angles of incidence up to 89.98 degrees.
 constexpr float kReach = 1e-3f;
 
 // The filters for opaque and for alpha-tested triangles. Their context is a TieContext.

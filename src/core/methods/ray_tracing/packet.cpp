@@ -72,7 +72,7 @@ void intersectRays(const PacketJob& job, const Rays& rays, const float* firedAt,
 }
 
 // Returns the triangle that a lane's ray hits; an empty HitTriangle for a miss. `triangles`: the triangles of the lanes
-// before, the last of which is often the same triangle.
+// before `lane`; the ray of the previous lane often hits the same triangle.
 HitTriangle triangleOf(const World& world, const TieContext& context, int lane, const HitTriangle* triangles) {
   if (!(context.distance[lane] < INFINITY)) return {};
   const auto isUnchanged = [&](const std::uint32_t* ids) { return ids[lane] == ids[lane - 1]; };

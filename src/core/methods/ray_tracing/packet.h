@@ -26,7 +26,7 @@ struct PacketJob {
 float searchDistance(const BeamTable& beams);
 
 // Returns a distance (m) from the shot's first position within which all rays of the shot end. If a ray starts more
-// than 1 m from the sensor's origin, the shot's rays continue other rays; all then count as far as Shot::blockedBeyond.
+// than 1 m from the sensor's origin, the rays continue other rays; each ray then ends at its Shot::blockedBeyond.
 double farthestEnd(const Shot& shot);
 // Returns a distance like farthestEnd(shot), but for any rays that start within `farthestOrigin` (m) of the sensor.
 double farthestEnd(const Shot& shot, double farthestOrigin);

@@ -26,7 +26,7 @@ namespace {
 // hits of rings are farther apart than hits of columns. Affects only the speed; the value was not measured.
 constexpr double kRingWeight = 3.5;
 
-// The map `ray_tracing: {...}` of a pipeline. `instancing` gives the same hits, up to float32 rounding.
+// The map `ray_tracing: {...}` of a pipeline. All values of `instancing` give the same hits, up to float32 rounding.
 struct RayTracingOptions {
   Instancing instancing = Instancing::Auto;
   double simplify = 1;  // fraction of each mesh's triangles that is kept; 1: all

@@ -79,8 +79,9 @@ std::optional<Interval> crossing(const ThingExtent& extent, const Vec3d& origin,
 }
 
 // Returns the half angle (rad) of a cone in the sensor's frame that contains all beams that may hit the thing during
-// the revolution. `axis`: the cone's axis, the direction to the thing's centre from the sensor's first pose.
-// `farthestOrigin`: largest distance of a beam's origin from the sensor's origin (m).
+// the revolution; pi if the sensor is in the thing or close to it. `axis`: the cone's axis, the direction to the
+// thing's centre from the sensor's first pose. `farthestOrigin`: largest distance (m) of a beam's origin from the
+// sensor's.
 double coneAngle(const ThingExtent& extent, const ShotFrame& frame, const Vec3d& axis, double farthestOrigin) {
   constexpr double kOutside = 1.01;  // radii; a sensor this near to the thing may see it in any direction
   const double radius = extent.radius + farthestOrigin;
@@ -96,8 +97,8 @@ double coneAngle(const ThingExtent& extent, const ShotFrame& frame, const Vec3d&
   return angle;
 }
 
-// Returns the beam of the middle ring nearest to a direction. Only the beam's column matters, because all rings of a
-// column fire at almost the same time.
+// Returns the beam of the middle ring whose direction is nearest to `direction` (sensor's frame). Only the beam's
+// column matters, because all rings of a column fire at almost the same time.
 std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
   const std::uint32_t first = beams.rings / 2 * beams.columns;
   std::uint32_t nearest = first;

@@ -22,7 +22,7 @@ bool alphaTested(const Scene& scene, const Surface& surface) {
   return material.alphaTested && material.texture != nullptr;
 }
 
-// Appends a mesh's alpha-tested triangles if `alpha` is true, otherwise its other triangles; all without planes yet.
+// Appends a mesh's alpha-tested triangles if `alpha` is true, otherwise its other triangles. fillPlanes() sets planes.
 void appendTriangles(TriangleBlock& block, const Scene& scene, const BlockSource& source, bool alpha) {
   const Mesh& mesh = *source.mesh;
   std::vector<char> isAppended(mesh.surfaces.size());  // by surface
@@ -83,7 +83,7 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
                              first * sizeof(Triangle), sizeof(Triangle), end - first);
   if (filter != nullptr) rtcSetGeometryIntersectFilterFunction(geometry, filter);
   if (occlusionFilter != nullptr) rtcSetGeometryOccludedFilterFunction(geometry, occlusionFilter);
-  // A scene of low quality builds each geometry with the quality set for the geometry.
+  // In a scene of low quality, Embree builds the hierarchy of each geometry with the quality set for this geometry.
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);

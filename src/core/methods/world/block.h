@@ -44,7 +44,8 @@ struct TriangleBlock {
   std::uint32_t firstAlpha = 0;      // triangles with at least this index are alpha-tested
 
   const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
-  // Returns the index in `triangles` of a triangle, from Embree's ids of its geometry and of the triangle in it.
+  // Returns a triangle's index in `triangles`. Embree identifies the triangle by a geometry and an index in the
+  // geometry.
   std::uint32_t indexOf(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
     return primitiveOfGeometry + (geometry == 0 ? 0 : firstAlpha);
   }
@@ -58,7 +59,7 @@ DeviceHandle makeDevice();
 // Returns the version of the Embree library in use, such as "4.3.3".
 std::string embreeVersion(RTCDeviceTy* device);
 
-// Embree's filters of intersections with opaque and with alpha-tested triangles, and of occlusions. Null: no filter.
+// Filter functions for Embree: for hits on opaque triangles, on alpha-tested triangles, and for occlusions. Null: none.
 struct HierarchyOptions {
   void (*solidFilter)(const RTCFilterFunctionNArguments*) = nullptr;
   void (*alphaFilter)(const RTCFilterFunctionNArguments*) = nullptr;
@@ -79,7 +80,7 @@ void fillBlock(TriangleBlock& block, const Scene& scene, const std::vector<Block
 std::unique_ptr<TriangleBlock> blockOf(const Scene& scene, const Mesh& mesh);
 
 SceneHandle newScene(RTCDeviceTy* device);  // watertight at the edges of triangles
-// Adds a block's triangles to an Embree scene as geometries 0 and 1. Embree reads the block as long as the scene lives.
+// Adds a block's triangles to an Embree scene as geometries 0 and 1. The block must outlive the scene, which reads it.
 void attachBlock(RTCDeviceTy* device, RTCSceneTy* scene, const TriangleBlock& block, const HierarchyOptions& options);
 // Throws Error if Embree has failed on this thread: "Embree could not `what`".
 void checkEmbree(RTCDeviceTy* device, const char* what);

@@ -124,7 +124,7 @@ struct LanePoses {
   }
 };
 
-// Sets up the rays of a tile of one ring and kPacket columns. Calculates lane by lane, as Mat3 * Vec3d does.
+// Sets up the rays of a tile of one ring and kPacket columns. Each lane has the operations of Mat3 * Vec3d.
 void setUpRowOfRays(const ShotFrame& frame, const BeamTable& beams, const Tile& tile, Rays& rays) {
   const std::size_t first = std::size_t{tile.ring} * beams.columns + tile.column;
   const std::uint32_t* const step = &frame.step[tile.column];

@@ -79,7 +79,7 @@ void setUpRays(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays&
 // Sets `fractions`, by lane, to the values of firingFraction() for a tile's rays; 0 in lanes without a ray.
 void fillFiringFractions(const Shot& shot, const ShotFrame& frame, const Tile& tile, double duration, float* fractions);
 
-// Sets the lane's plane to the plane of a triangle that the lane's ray has hit at about the range `traced` (m).
+// Sets the lane's plane to the plane of the triangle that the lane's ray hits, and its traced range to `traced` (m).
 inline void loadPlane(const HitTriangle& hit, float traced, HitPlanes& planes, int lane) {
   const BlockTriangle& triangle = hit.block->triangles[hit.index];
   Vec3d normal = triangle.normal;
@@ -99,7 +99,7 @@ inline void loadPlane(const HitTriangle& hit, float traced, HitPlanes& planes, i
   planes.traced[lane] = double{traced};
 }
 
-// Sets the lane's plane to the plane of the lane before, whose ray hits the same triangle.
+// Like loadPlane() for a ray that hits the same triangle as the ray of the lane before: copies that lane's plane.
 inline void loadSamePlane(float traced, HitPlanes& planes, int lane) {
   planes.nx[lane] = planes.nx[lane - 1];
   planes.ny[lane] = planes.ny[lane - 1];

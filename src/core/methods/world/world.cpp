@@ -49,8 +49,8 @@ double distanceFromOrigin(const Box& box) {
   return length(Vec3d{gap(box.low.x, box.high.x), gap(box.low.y, box.high.y), gap(box.low.z, box.high.z)});
 }
 
-// Sets World::placed, without blocks, to the parts of instanced meshes that are within reach at some time of the
-// revolution. Returns, for each element of World::placed, the number of its part in `shared`.
+// Sets World::placed, without blocks, to the parts of instanced meshes that are within Revolution::reach at some time
+// of the revolution. Returns, for each element of World::placed, the number of its part in `shared`.
 std::vector<std::size_t> placeParts(World& world, const std::vector<bool>& instanced, const SharedMeshes& shared) {
   const Revolution& revolution = world.revolution;
   std::vector<std::size_t> parts;

@@ -36,9 +36,9 @@ enum class Instancing { Auto, Always, Never };
 // (Scene::unreduced) decides, unless instancing is Never: then only the part decides.
 bool worldsMove(const Scene& scene, Instancing instancing);
 
-// Returns for each mesh whether it is instanced. Instancing::Auto instances the meshes that are placed more than once,
-// if the scene is too large to be flattened. If something in the scene moves, all meshes are instanced, so that no
-// hierarchy of triangles is rebuilt for each revolution.
+// Returns for each mesh whether it is instanced. If something in the scene moves, all meshes are instanced, so that no
+// hierarchy of triangles is rebuilt for each revolution. Otherwise Instancing::Auto instances the meshes that are
+// placed more than once, if the scene is too large to be flattened.
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
 
 // The time of a revolution and the reach of its rays. Both matter only if something in the scene moves: see Worlds.
