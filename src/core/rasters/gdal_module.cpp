@@ -60,7 +60,7 @@ OGRSpatialReference referenceOf(const std::string& definition) {
   return withEastFirst(isRead ? reference : OGRSpatialReference());
 }
 
-// Replaces a coordinate system by Esri's definition in the file `prj`; by an empty one if the file cannot be read.
+// Sets `reference` to the system that Esri's file `prj` defines; clears it if the file cannot be read.
 void readEsri(const std::string& prj, OGRSpatialReference& reference) {
   char** const lines = CSLLoad(prj.c_str());
   if (lines == nullptr || reference.importFromESRI(lines) != OGRERR_NONE) reference.Clear();
@@ -85,7 +85,7 @@ bool convertPoints(const OGRSpatialReference& source, const OGRSpatialReference&
   return isConverted && std::ranges::all_of(x, isFinite) && std::ranges::all_of(y, isFinite);
 }
 
-// Sets the unit of a system in degrees. If the degrees cannot be used, says in `foreign` what they are.
+// Sets the unit of a system in degrees. If rasters in this system cannot be used, sets `foreign` to the reason.
 void describeDegrees(const OGRSpatialReference& reference, CoordinateSystem& system) {
   constexpr double kRounding = 1e-9;       // rounding of degrees in definitions
   constexpr double kLargestMisfit = 0.01;  // largest relative deviation of an earth ellipsoid's radius
@@ -97,7 +97,7 @@ void describeDegrees(const OGRSpatialReference& reference, CoordinateSystem& sys
   }
 }
 
-// Sets the unit of a system whose x and y are lengths. If they cannot be used, says in `foreign` what they are.
+// Sets the unit of a system whose x and y are lengths. If rasters in it cannot be used, sets `foreign` to the reason.
 void describeLengths(const OGRSpatialReference& reference, CoordinateSystem& system) {
   const char* unitName = nullptr;
   system.perUnit = reference.GetLinearUnits(&unitName);
@@ -143,8 +143,8 @@ void measureStretch(const OGRSpatialReference& reference, double x, double y, Co
   system.utm = (latitude[0] < 0 ? 32700 : 32600) + zone;
 }
 
-// Describes a system; its stretch and its UTM zone are those at the point (x, y) in its own coordinates. An empty
-// system is described by CoordinateSystem's defaults.
+// Describes a system, with the stretch and the UTM zone at the point (x, y), which is in the system's coordinates. An
+// empty system is described by CoordinateSystem's defaults.
 CoordinateSystem described(const OGRSpatialReference& reference, double x, double y) {
   CoordinateSystem system;
   if (reference.IsEmpty()) return system;
@@ -225,7 +225,7 @@ class GdalReader final : public RasterReader {
                                .scaled = scale != 1 || offset != 0,
                                .inverted = zeroIsWhite != nullptr && EQUAL(zeroIsWhite, "YES")});
     }
-    // Each raster of a file has two entries in this list, a name and a description; a file with one raster has none.
+    // The list has two entries, a name and a description, for each raster; it is empty if the file has only one raster.
     const int rasters = CSLCount(GDALGetMetadata(dataset_, "SUBDATASETS")) / 2;
     header_.others = header_.bands.empty() || rasters == 0 ? rasters : rasters - 1;
     header_.georeferenced = GDALGetGeoTransform(dataset_, header_.transform.data()) == CE_None;
@@ -246,8 +246,8 @@ class GdalReader final : public RasterReader {
     CPLErrorReset();
   }
 
-  // Makes samples that no raster of a mosaic covers NaN, unless the mosaic marks missing samples itself; GDAL would
-  // return 0. The change is in memory only: GDAL does not write a mosaic without a name to its file.
+  // Sets NaN as the no-data value of a mosaic that has none: GDAL would return 0 where no raster covers the mosaic. The
+  // name is removed so that GDAL does not write this change to the mosaic's file.
   void markGapsOfMosaic() {
     GDALSetDescription(dataset_, "");
     for (int i = 1; i <= GDALGetRasterCount(dataset_); ++i) {
@@ -258,7 +258,7 @@ class GdalReader final : public RasterReader {
 
   static bool isAlpha(GDALRasterBandH band) { return GDALGetRasterColorInterpretation(band) == GCI_AlphaBand; }
 
-  // Returns the no-data value of a band; NaN if there is none.
+  // Returns the no-data value of a band. If none is stated, returns kUsualMarker for Esri's text grids, otherwise NaN.
   double markerOf(GDALRasterBandH band) const {
     int isStated = 0;
     const double marker = GDALGetRasterNoDataValue(band, &isStated);
@@ -325,8 +325,8 @@ std::string tiffOf(const GeoKeys& keys) {
   return bytes;
 }
 
-// Sets the unit of heights to the one of the key VerticalUnits, which GDAL ignores if the vertical system has another
-// unit: LAS files state EPSG:5703, a system in metres, for heights in feet. Depths remain depths.
+// Sets the unit of heights from the key VerticalUnits. GDAL ignores this key if the vertical system has another unit:
+// LAS files state EPSG:5703, a system in metres, for heights in feet. Depths remain depths.
 void setHeightUnit(const GeoKeys& keys, CoordinateSystem& system) {
   constexpr std::uint16_t kVerticalUnits = 4099;
   // Metres per unit by EPSG's code, for metres, feet and US survey feet.

@@ -25,7 +25,7 @@ namespace {
   throw InputError({file.string()}, problem);
 }
 
-// Opens a raster. Throws InputError if it is absent or no raster, and Error if GDAL cannot be loaded.
+// Opens a raster. Throws InputError if the file is absent or no raster, and Error if GDAL cannot be loaded.
 std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   if (!pathExists(file)) fail(file, "there is no such file");
   try {
@@ -119,8 +119,8 @@ std::optional<double> metresOf(std::string_view unit) {
   return std::nullopt;
 }
 
-// Returns the metres per unit of the heights, negative if they are depths. The unit is that of the band, else of the
-// vertical system, else the metre. Throws InputError for an unknown unit.
+// Returns the metres per unit of heights; negative for depths. Takes the band's unit or, if the band has none, the unit
+// of the vertical system or, without such a system, the metre. Throws InputError for an unknown unit.
 double metresPerHeight(const std::filesystem::path& file, const RasterHeader& header) {
   const std::string& unit = header.bands[0].unit;
   const CoordinateSystem& system = header.system;
@@ -218,8 +218,8 @@ Window windowIn(const RasterGrid& grid, const RasterBounds& bounds, RasterUse us
 }
 
 // Returns the window that the request asks for, without the last columns and rows that do not fill a square of `every`
-// x `every` samples; a window that is narrower or lower than a square is one square. Throws InputError if there are no
-// samples or too many squares.
+// x `every` samples. A window with fewer than `every` columns or rows keeps them all. Throws InputError for an unusable
+// geotransform, a window without samples, and a result with too many samples.
 Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const RasterRequest& request) {
   constexpr std::size_t kMostSamples = 64'000'000;  // largest number of samples in the result
   const auto& t = grid.transform;
@@ -247,8 +247,8 @@ Window windowOf(const std::filesystem::path& file, const RasterGrid& grid, const
   return window;
 }
 
-// Returns the grid of a window whose squares of `every` x `every` samples are one sample each; a window that is
-// narrower or lower than a square has rectangles instead.
+// Returns the grid of a window in which each square of `every` x `every` samples is one sample. A window with fewer
+// than `every` columns or rows is one sample wide or high.
 Raster reducedGrid(const RasterGrid& fileGrid, const Window& window, int every) {
   Raster grid{fileGrid, {}};
   grid.width = std::max(window.width / every, 1);
@@ -261,9 +261,8 @@ Raster reducedGrid(const RasterGrid& fileGrid, const Window& window, int every) 
   return grid;
 }
 
-// Fills the values of `raster`, a reducedGrid() of the window, with the means of the window's squares, times `factor`.
-// Returns true if `marker` seems to mark missing samples: if it is a value of the window, and the least or greatest
-// one.
+// Fills `raster`, a reducedGrid() of the window, with the mean of each square of the window, times `factor`. Returns
+// true if `marker` is the least or the greatest value in the window: it then probably marks missing samples.
 bool readMeans(RasterReader& reader, int band, double marker, const Window& window, double factor, Raster& raster) {
   constexpr int kSamplesPerBlock = 4'000'000;  // 32 MB; a block consists of complete rows
   const int columnsPerSquare = window.width / raster.width, rowsPerSquare = window.height / raster.height;

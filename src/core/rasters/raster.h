@@ -32,7 +32,7 @@ struct CoordinateSystem {
   bool isStretched() const { return std::fabs(stretch - 1) > 0.01; }
 };
 
-// Reads a definition, such as OGC's or Esri's well-known text. The stretch is measured at (x, y) in this system.
+// Reads a definition, such as OGC's or Esri's well-known text. Measures the stretch at (x, y), in the system's units.
 CoordinateSystem coordinateSystem(std::string_view definition, double x, double y);
 
 // The keys of a GeoTIFF ("OGC GeoTIFF Standard", OGC 19-008r4, 7), which LAS files have too: a directory of uint16, and
@@ -42,7 +42,7 @@ struct GeoKeys {
 };
 CoordinateSystem coordinateSystem(const GeoKeys& keys, double x, double y);
 
-// Returns what is read of the files of rasters, and what is left out.
+// Returns a description of the raster files that are read, and of the contents that are ignored.
 const FormatSupport& rasterFormat();
 
 // A rectangle in a raster's coordinates: least x and y, greatest x and y.
@@ -94,15 +94,15 @@ struct RasterRequest {
 // samples within the bounds, or holds colours instead of heights, or heights in an unknown unit.
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request);
 
-// True if the rasters have the same coordinate system, or if the coordinate system of either raster is unknown.
+// True if the rasters have the same horizontal coordinate system, or if the system of either raster is unknown.
 bool sameReference(const Raster& a, const Raster& b);
 
 // Returns the distance (m) between two points whose coordinates x and y (m) are the same numbers in two projected
 // systems (CoordinateSystem::definition); 0 if the distance is not known, or if GDAL cannot be loaded.
 double shiftBetween(const std::string& reference, const std::string& other, double x, double y);
 
-// Returns the numbers of the bands for red, green and blue. If the file does not name such bands, they are the first
-// three, or the first one three times if there are fewer than three. Throws as readRaster() does.
+// Returns the numbers of the bands for red, green and blue. If the file does not name these bands, they are 1, 2, 3 or,
+// with fewer than three colour bands, 1, 1, 1. Throws InputError also for colour tables and colours other than RGB.
 std::array<int, 3> colorBands(const std::filesystem::path& file);
 
 }  // namespace scanmill

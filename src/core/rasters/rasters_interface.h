@@ -48,7 +48,7 @@ class RastersModule {
   virtual std::unique_ptr<RasterReader> open(const std::string& file) const = 0;
   virtual CoordinateSystem system(const std::string& definition, double x, double y) const = 0;
   virtual CoordinateSystem system(const GeoKeys& keys, double x, double y) const = 0;
-  // True if two coordinate systems are the same, whatever their names, or if either system is unknown.
+  // True if two coordinate systems agree except in name and vertical system, or if either system is unknown.
   virtual bool same(const std::string& reference, const std::string& other) const = 0;
   virtual double shift(const std::string& reference, const std::string& other, double x, double y) const = 0;
 };

@@ -30,7 +30,7 @@ enum class ColumnLoss : std::uint8_t {
   Bounded,      // an error of at most Column::lossBound
 };
 
-// The values that a column may have.
+// The condition that valid values of a column meet.
 enum class ColumnValidity : std::uint8_t {
   Any,
   Finite,       // finite numbers, also for points without a value

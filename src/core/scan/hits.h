@@ -30,9 +30,9 @@ enum class RayPath : std::uint8_t {
   EgoVehicle,  // the ray ends at the vehicle that carries the sensor
 };
 
-// A structure of arrays with one entry per ray. If each beam fires one ray, as most sensors do, ray i belongs to beam
-// i, and each array is an image of rings x columns, indexed by ring * columns + column. An array is empty if its
-// channel was not asked for. A ray that misses has the range kMiss and zero in all other arrays.
+// A structure of arrays with one entry per ray. Most sensors fire one ray per beam; ray i then belongs to beam i, and
+// each array is an image of rings x columns, indexed by ring * columns + column. An array is empty if its channel was
+// not asked for. A ray that misses has the range kMiss and zero in all other arrays.
 struct Hits {
   std::uint32_t rings = 0;    // number of the sensor's rings
   std::uint32_t columns = 0;  // number of the sensor's columns
@@ -69,7 +69,7 @@ struct Hits {
   std::size_t rays() const { return range.size(); }
   bool hit(std::size_t ray) const { return range[ray] < kMiss; }
 
-  // Gives `range` and the arrays whose channels are in `asked` one undefined value per beam. Empties all other arrays.
+  // Gives `range` and the array of each channel in `asked` one undefined value per beam. Empties all other arrays.
   void reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels asked);
 };
 

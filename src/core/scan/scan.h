@@ -48,8 +48,8 @@ class Scan {
   std::vector<ForeignColumn> foreign;  // each has one value per point
   ColumnSet columnsIfEmpty;            // columns of a scan without points; unused if the scan has points
 
-  // The reason of each beam of the sensor (values of Reason, scan/reasons.h), indexed by ring * columns + column; empty
-  // if it was not asked for. It is not a column, since beams without a return have a reason too.
+  // The reason of each beam (a Reason, scan/reasons.h), indexed by ring * columns + column; empty unless
+  // ScanLayout::reasons is true. It is no column, which has a value per point: beams without return have a reason too.
   std::vector<std::uint8_t> reasonOfBeam;
 
   std::size_t size() const { return position.size(); }

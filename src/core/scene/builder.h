@@ -27,26 +27,26 @@ class SceneBuilder {
   // uniform on a logarithmic scale. Call it once, before anything is added.
   void drawReflectances();
 
-  // Returns the index in Scene::materials of the library's material with this name, which is added at its first use.
+  // Returns the index in Scene::materials of the library's material `name`; adds the material if it is not there yet.
   // Throws an InputError at `where`, with a suggestion, if the library has no such material.
   std::uint16_t material(std::string_view name, const Location& where);
   // Adds a material of an asset and returns its index in Scene::materials. Materials whose fields are all equal share
   // an index.
   std::uint16_t addMaterial(const Material& material);
 
-  // Returns a surface with a class, found by name or alias, and a material of the library. Surface::object is 1 for a
-  // class of things, 0 for a class of stuff. Throws an InputError at `where` for an unknown name.
+  // Returns a surface with the class `className` (a name or an alias) and the library's material `materialName`.
+  // Surface::object is 1 for a class of things, else 0. Throws an InputError at `where` for an unknown name.
   Surface surface(std::string_view className, std::string_view materialName, const Location& where = {});
 
   // Adds a mesh and returns its index in Scene::meshes. Triangles that cannot be traced are dropped and counted;
   // Mesh::objects is computed from the surfaces.
   [[nodiscard]] std::uint32_t addMesh(Mesh mesh);
 
-  // Places a mesh in the world (m). Its things get the next instance ids, counted from 1, so that ids depend only on
-  // the order of placement. With a movement, `worldFromMesh` is relative to the movement's pose. All instances that are
-  // placed with the same `thing`, if it is not empty, are one thing with one id. Throws an InputError at `where`
-  // for a transform that is singular or not finite, and for a mesh of several things that is placed with a `thing`. The
-  // returned reference is valid until the next call.
+  // Places a mesh in the world frame (m) or, with a `movement`, in the frame of the moving object. The mesh's things
+  // get the next instance ids, counted from 1, so that ids depend only on the order of placement. Instances with the
+  // same `thing`, unless it is empty, are one thing with one id. Throws an InputError at `where` for a transform that
+  // is singular or not finite, and for a mesh of several things that is placed with a `thing`. The returned reference
+  // is valid until the next call.
   Instance& place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {},
                   std::shared_ptr<const Movement> movement = nullptr,
                   std::shared_ptr<const Animation> animation = nullptr, const std::string& thing = {});
@@ -57,7 +57,7 @@ class SceneBuilder {
   // Counts triangles that were dropped before their mesh was passed to addMesh().
   void addDropped(const Dropped& dropped) { scene_.dropped += dropped; }
 
-  // Counts triangles to which no rule gives a class.
+  // Adds the counts in `use` to the entry of Scene::rules with the same RuleUse::where; appends `use` if there is none.
   void addUnlabeled(const UnlabeledPart& part, std::uint64_t triangles) { scene_.unlabeled[part] += triangles; }
 
   // Adds the counts of a rule to those in Scene::rules. RuleUse::where identifies the rule.

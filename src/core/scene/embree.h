@@ -1,7 +1,7 @@
 #pragma once
 
-// Embree 3.13 (Debian 12) or 4 (Debian 13, Ubuntu 24.04): the versions differ in how a query is passed its context. All
-// code that depends on the version is in this file.
+// Embree 3.13 (Debian 12) and 4 (Debian 13, Ubuntu 24.04) pass the context of a query in different ways. All code that
+// depends on the version is in this file.
 
 #if SCANMILL_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
@@ -73,7 +73,7 @@ inline void attachInstance(RTCDevice device, RTCScene scene, RTCScene mesh, std:
   rtcReleaseGeometry(geometry);
 }
 
-// Finds the nearest hit of a ray. Hits that the filter function of a geometry rejects do not count.
+// Stores the nearest hit of a ray in `ray`. Hits that the filter function of a geometry rejects do not count.
 inline void intersectOne(RTCScene scene, EmbreeContext& context, RTCRayHit& ray) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCIntersectArguments arguments;

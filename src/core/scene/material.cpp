@@ -24,9 +24,9 @@ float readReflectance(const Value& value, int wavelengthNm) {
   return reflectance;
 }
 
-// Sets Material::least and Material::greatest. The key `range` has both limits at 905 nm; they are multiplied by the
-// ratio of Material::reflectance, which is at the chosen wavelength, to `reflectanceAt905nm`. Without the key, both
-// limits are Material::reflectance.
+// Sets Material::least and Material::greatest. The key `range` states both limits at 905 nm; they are scaled by the
+// ratio of Material::reflectance (at the chosen wavelength) to `reflectanceAt905nm`. Without the key, both limits are
+// Material::reflectance.
 void readRange(Fields& fields, float reflectanceAt905nm, Material& material) {
   material.least = material.greatest = material.reflectance;
   const Value* range = fields.find("range");
@@ -44,7 +44,7 @@ void readRange(Fields& fields, float reflectanceAt905nm, Material& material) {
   material.greatest = std::min(1.0f, static_cast<float>(material.reflectance * limits[1] / reflectanceAt905nm));
 }
 
-// Returns the items of a list of maps such as `example`; none for null. `read` reads the number beside `size_m`.
+// Returns the items of `list`, maps such as `example`; none if `list` is null. `read` reads the value beside `size_m`.
 template <class Item>
 std::vector<Item> readSizes(const Value* list, std::string_view key, std::size_t mostItems, std::string_view example,
                             const std::function<double(Fields&)>& read) {

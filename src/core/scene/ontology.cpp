@@ -44,7 +44,7 @@ SemanticClass readClass(const Value& value) {
 }
 
 // Adds the name and the aliases of a class to the map `classOfName`, with the class's name as their value. Throws
-// InputError at `where` if one of them is in the map already.
+// InputError at `where` if the name or an alias is in the map already.
 void addNames(const SemanticClass& added, std::map<std::string, std::string>& classOfName, const Location& where) {
   std::vector<std::string> names = added.aliases;
   names.push_back(added.name);

@@ -27,7 +27,7 @@ struct SemanticClass {
   std::optional<std::uint16_t> movingOf{};  // for a class of moving objects: the class of the same objects at rest
 };
 
-// Class 0 is always "unlabeled".
+// The classes of a dataset. Class 0 is always "unlabeled".
 struct Ontology {
   std::string name;
   std::string source;  // where the ids come from
@@ -53,7 +53,7 @@ std::vector<std::string> lostBetween(const Ontology& oldOntology, const Ontology
 // 255. Throws InputError with the place in the file.
 Ontology readOntology(const std::filesystem::path& path);
 
-// Returns the ids of the classes with these names. Throws InputError at `where` if the ontology does not have a name.
+// Returns the ids of the classes with these names or aliases. Throws InputError at `where` for an unknown name.
 std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
                                     const Location& where);
 

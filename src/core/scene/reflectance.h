@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// The properties of a material that the reflectance at a hit depends on, without the material's strings.
+// Those fields of Material that determine the reflectance at a hit; without the material's strings.
 struct CompactMaterial {
   float reflectance = 0;
   float textureGain = 0;             // reflectance / mean luminance of the texture; 0 if not textured
@@ -28,8 +28,7 @@ CompactMaterial compact(const Material& material);
 std::vector<CompactMaterial> compactMaterials(const Scene& scene);
 
 // Returns the barycentric coordinates of a point in a triangle's plane, clamped to the triangle: the weights of the
-// second and of the third corner. The edges ab and ac and the point are relative to the first corner (m, all in one
-// frame).
+// second and of the third corner. The edges `ab` and `ac` and `point` are relative to the first corner (m, same frame).
 inline Vec2d barycentric(const Vec3d& ab, const Vec3d& ac, const Vec3d& point) {
   const Vec3d normal = cross(ab, ac);
   const double squaredLength = dot(normal, normal);
@@ -38,8 +37,8 @@ inline Vec2d barycentric(const Vec3d& ab, const Vec3d& ac, const Vec3d& point) {
   return {u, v};
 }
 
-// Returns the texture coordinates at a point of a triangle with these barycentric() weights. `uvs` has one entry per
-// vertex; if it is empty, the result is (0, 0).
+// Returns the texture coordinates at a point of a triangle; (0, 0) if `uvs` is empty. `uvs`: one entry per vertex;
+// `weights`: the point's barycentric().
 inline Vec2f textureCoordinates(const std::vector<Vec2f>& uvs, const Triangle& corners, const Vec2d& weights) {
   if (uvs.empty()) return {};
   const Vec2f& a = uvs[corners[0]];

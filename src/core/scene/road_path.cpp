@@ -43,8 +43,8 @@ class Road {
       : heights_(heights), classes_(classIds(ontology, trip.classes, trip.where)), where_(trip.where) {}
 
   // Returns the height (m) of the lowest road surface at (x, y) that is free up to kClearance above it and at most
-  // kSteepest * `distance` above or below `z`; nothing if there is none. `distance` (m): from (x, y) to the point of
-  // height `z`.
+  // kSteepest * `distance` above or below `z`; nothing if there is none. `distance`: horizontal distance (m) of (x, y)
+  // from the point whose height is `z`.
   std::optional<double> height(double x, double y, double z, double distance = kHalfWidth) const {
     const std::optional<double> height = heightAt(x, y, z, distance);
     return height ? height : heightAt(x + kBesideSeam, y + kBesideSeam, z, distance);
@@ -102,7 +102,7 @@ class Road {
  private:
   static constexpr double kSameHeight = 0.05;  // m; surfaces whose heights differ by less are the same surface
 
-  // Returns the height at (x, y) itself; height() also looks beside (x, y), since rays exactly on a seam may miss.
+  // Like height(), but looks only at (x, y); height() also looks beside it, since a ray exactly on a seam may miss.
   std::optional<double> heightAt(double x, double y, double z, double distance) const {
     const std::vector<SurfaceHeights::Surface> surfaces = heights_.at(x, y);  // the highest first
     for (auto s = surfaces.rbegin(); s != surfaces.rend(); ++s) {
@@ -124,8 +124,8 @@ class Road {
   Location where_;
 };
 
-// Finds the cheapest sequence of cells. The grid of cells is centred at the start, so that the result does not depend
-// on where the scene's origin is.
+// Finds the cheapest sequence of cells from `from` to `to` (A*). The grid of cells is centred at `from`, so that the
+// result does not depend on where the scene's origin is.
 class CellSearch {
  public:
   CellSearch(const Road& road, const Vec3d& from, const Vec3d& to)
@@ -157,8 +157,8 @@ class CellSearch {
   }
 
  private:
-  // Cell indices along x and y from the start, and height in units of kClearance, so that a bridge and the road below
-  // it are different cells.
+  // Indices of a cell: along x and y from the start, and the height in units of kClearance, so that a bridge and the
+  // road below it are in different cells.
   using Cell = std::array<std::int64_t, 3>;
   static constexpr Cell kStart{0, 0, 0};
   struct Node {
@@ -219,8 +219,8 @@ class CellSearch {
   const Road& road_;
   Vec3d start_, goal_, nearestToGoal_;
   std::map<Cell, Node> nodes_;
-  // Open cells, ordered by cost plus distance to the goal, the least first. A cell may have several entries: only the
-  // first one that is taken out counts.
+  // Open cells, ordered by cost plus distance to the goal, the least first. A cell may have several entries; run()
+  // ignores all but the first that it takes out.
   using Entry = std::pair<double, Cell>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
 };

@@ -26,7 +26,7 @@ struct RoadTrip {
   Location where = {};               // place in the YAML, for messages
 };
 
-// Reads {keep: right} from the keys of a map.
+// Reads the key `keep` (right, left or middle) of a map; right if the key is absent. Throws InputError.
 RoadSide readRoadSide(Fields& fields);
 // Reads {from: [x, y], to: [x, y], on: road, keep: right} from the keys of a map; a point may have a height. Throws
 // InputError.
@@ -40,8 +40,8 @@ RoadTrip readRoadTrip(Fields& fields);
 // Throws InputError if there is no path, or no such surface within 20 m of one of the two points.
 std::vector<Vec3d> findRoadPath(const SurfaceHeights& heights, const Ontology& ontology, const RoadTrip& trip);
 
-// Returns points about 1 m apart on the straight lines between the given points. Each is at the height of the ground
-// under it: any surface that is not a thing. Throws InputError if a point has no ground.
+// Returns points about 1 m apart on the straight lines between the given points, each moved vertically to the ground
+// under it. Any surface that is not a thing is ground. Throws InputError if a point has no ground.
 std::vector<Vec3d> droppedOnGround(const SurfaceHeights& heights, const std::vector<Vec3d>& points,
                                    const Location& where);
 

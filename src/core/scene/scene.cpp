@@ -84,7 +84,7 @@ Box boxAround(const Affine& transform, const Box& box) {
 namespace {
 
 // Corners are treated as collinear if twice the triangle's area, divided by the product of the lengths of two sides, is
-// at most this limit. Double arithmetic on float32 coordinates cannot tell them from collinear ones. The thinnest
+// at most this limit: rounding in double arithmetic on float32 coordinates could have the same effect. The thinnest
 // triangle that float32 can represent is far above the limit.
 constexpr double kCollinear = 1e-14;
 
@@ -109,7 +109,7 @@ Dropped& Dropped::operator+=(const Dropped& o) {
 
 // Ignores vertices that no triangle uses, since clean() leaves zeroed vertices behind. For speed, loads four floats per
 // vertex, the fourth of which belongs to the next vertex and is ignored, and keeps separate bounds of the first, second
-// and third corners, which the processor can update in parallel.
+// and third corners, which the CPU can update in parallel.
 Box Mesh::bounds() const {
   typedef float Floats __attribute__((vector_size(16)));
   if (triangles.empty()) return {};

@@ -40,8 +40,8 @@ struct Surface {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-// Triangles in the frame of an asset or a primitive, in metres, z up. Every index is in range, every vertex is finite,
-// and no triangle has zero area: code that builds a mesh calls clean().
+// Triangles in the frame of an asset or a primitive (m, z up). Code that builds a mesh calls clean(), so that every
+// index is in range, every vertex is finite, and no triangle has zero area.
 struct Mesh {
   std::string name;
   std::vector<Vec3f> positions;
@@ -63,8 +63,8 @@ struct Dropped {
   Dropped& operator+=(const Dropped& o);
 };
 
-// Drops triangles that cannot be traced, and sets vertices that are not finite to zero. The other triangles keep their
-// order.
+// Drops triangles that cannot be traced and returns their numbers; the other triangles keep their order. Sets vertices
+// that are not finite to zero.
 [[nodiscard]] Dropped clean(Mesh& mesh);
 
 inline constexpr double kFastestObject = 300;  // m/s, largest speed of an object
@@ -94,7 +94,7 @@ class Movement {
 };
 
 // Meshes of one object that are shown in turn, such as the phases of a stride. Mesh k of n has the object's shape at
-// the time k/n * period, and is shown while this time is the nearest one. All meshes have the same things.
+// the time k/n * `period`, and is shown while this is the nearest of the n times. All meshes have the same things.
 struct Animation {
   std::vector<std::uint32_t> meshes;
   double period = 1;  // s, time in which all meshes are shown once
@@ -180,7 +180,7 @@ struct Scene {
   std::vector<std::uint64_t> copies() const;  // number of instances, by mesh
 };
 
-// Returns the instance id of `object` (see Surface::object) in an instance with this first id; 0 for stuff.
+// Returns the instance id of the thing `object` (see Surface::object) of an instance; 0 for stuff.
 inline std::uint32_t instanceId(std::uint32_t firstInstanceId, std::uint32_t object) {
   return object == 0 ? 0 : firstInstanceId + object - 1;
 }
@@ -202,12 +202,11 @@ void standStill(Scene& scene, double time);
 // class with this name. Throws an InputError at an item that is neither a class of the ontology nor in the scene.
 void takeOut(Scene& scene, const std::vector<Value>& items);
 
-// Returns the scene with about the fraction `keep` of each mesh's triangles, like proxies such as collision meshes.
-// `keep` is above 0 and at most 1; 1 gives an unchanged scene. Edges are collapsed first where the shape changes least
-// (quadric error metric; Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH 1997).
-// Surfaces keep their materials, classes and objects. No triangle crosses from one surface to another, a closed mesh
-// stays closed between surfaces, and no surface vanishes, even if that needs more triangles. Meshes of up to 32
-// triangles stay unchanged.
+// Returns the scene with about the fraction `keep` (above 0, at most 1) of each mesh's triangles, similar to collision
+// meshes; 1 gives an unchanged scene. Edges are collapsed first where the shape changes least (quadric error metric;
+// Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH 1997). Surfaces keep their
+// materials, classes and objects. No triangle crosses from one surface to another, a closed mesh stays closed between
+// surfaces, and no surface vanishes, even if that needs more triangles. Meshes of up to 32 triangles stay unchanged.
 [[nodiscard]] Scene simplified(const Scene& scene, double keep);
 
 }  // namespace scanmill

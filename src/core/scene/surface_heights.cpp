@@ -23,7 +23,7 @@ struct Crossings {
   std::vector<SurfaceHeights::Facet>* facets;
 };
 
-// Embree's filter function of a query with Crossings.
+// Embree's filter function: adds the hit triangle to Crossings::facets.
 void addCrossing(const RTCFilterFunctionNArguments* arguments) {
   auto* const crossings = reinterpret_cast<Crossings*>(arguments->context);
   const unsigned instance = RTCHitN_instID(arguments->hit, arguments->N, 0, 0);
@@ -65,7 +65,7 @@ double distanceToTriangle(const std::array<Vec3d, 3>& corners, const Vec3d& p) {
 }  // namespace
 
 // Embree's hierarchy, in single precision relative to an anchor. It only finds triangles; their heights are computed in
-// double afterwards.
+// double precision afterwards.
 struct SurfaceHeights::Hierarchy {
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene all = rtcNewScene(device);  // the instances
@@ -83,7 +83,7 @@ struct SurfaceHeights::Hierarchy {
   }
   Hierarchy& operator=(Hierarchy&&) = delete;  // neither copied nor moved
 
-  // Returns Embree's scene of a mesh, which is built at its first use.
+  // Returns Embree's scene of a mesh; builds it at the first call for the mesh.
   RTCScene sceneOf(const Mesh& mesh, std::uint32_t index) {
     if (index >= meshes.size()) meshes.resize(index + 1, nullptr);
     if (meshes[index] != nullptr) return meshes[index];
@@ -118,7 +118,7 @@ struct SurfaceHeights::Hierarchy {
     attachInstance(device, all, sceneOf(mesh, instance.mesh), {anchorFromMesh}, index);
   }
 
-  // Returns the triangles that the vertical line at a point (m, world frame) crosses, sorted.
+  // Returns the triangles that the vertical line at (x, y) (m, world frame) crosses, sorted.
   std::vector<Facet> crossedAt(double x, double y) const {
     std::vector<Facet> facets;
     Crossings crossings{.embree = newEmbreeContext(), .facets = &facets};

@@ -23,10 +23,9 @@ constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 // If a ray finds no ground, a second ray is therefore traced, shifted by this distance along x and along y.
 constexpr double kBesideSeam = 1e-3;
 
-// Returns the ground under a point at the height `z` (m). `surfaces`: all surfaces above and below the point, the
-// highest first. `heightOf` returns a surface's height (m); `counts` returns true if a surface may be ground. The
-// result is the highest such surface that is at most kAboveGround above `z`, else the lowest such surface; null if
-// there is none.
+// Returns the ground under a point at the height `z` (m): of the surfaces for which `counts` returns true, the highest
+// that is at most kAboveGround above `z`, else the lowest; null if `counts` rejects all. `surfaces`: all surfaces above
+// and below the point, the highest first. `heightOf` returns a surface's height (m).
 template <class Surface, class HeightOf, class Counts>
 const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const HeightOf& heightOf,
                            const Counts& counts) {
@@ -63,7 +62,7 @@ class SurfaceHeights {
 
   // Returns all surfaces at a point (m, world frame) except vertical ones, the highest first.
   std::vector<Surface> at(double x, double y) const;
-  // Returns the result of groundUnder() among the surfaces that satisfy `condition` and are at most 60 degrees steep.
+  // Returns groundUnder() of all surfaces that satisfy `condition` and are at most 60 degrees steep, or nothing.
   template <class Condition>
   std::optional<Surface> under(const Vec3d& position, const Condition& condition) const {
     for (const double offset : {0.0, kBesideSeam}) {
@@ -112,7 +111,7 @@ class SurfaceDistance {
   bool empty() const { return triangles_.empty(); }
 
  private:
-  // Returns the column and the row of the cell that contains a point (m), or of the nearest cell if none does.
+  // Returns the column and the row of the cell that contains (x, y) (m) or, outside of the grid, of the nearest cell.
   std::array<std::size_t, 2> cellOf(double x, double y) const;
 
   std::vector<std::array<Vec3d, 3>> triangles_;    // corners (m, world frame); only x and y are used

@@ -15,7 +15,7 @@
 namespace scanmill {
 namespace {
 
-// Makes a texture of an image. Reverses the order of its rows, since v = 0 is the image's bottom.
+// Makes a texture from an image, with the rows in reverse order, since v = 0 is the image's bottom.
 std::shared_ptr<const Texture> textureOf(DecodedImage image, const std::string& name) {
   const std::size_t rowBytes = std::size_t{image.width} * 4;
   std::uint8_t* const pixels = image.rgba.data();

@@ -16,11 +16,11 @@ namespace scanmill {
 // if it has changed, or if its texture is no longer in use anywhere. Any thread may call this function.
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path);
 
-// Decodes an image that is inside another file. `name` is its name in messages and in Texture::file.
+// Decodes an image that is inside another file. `name` names the image in messages and in Texture::file.
 std::shared_ptr<const Texture> decodeTexture(std::string_view bytes, const std::string& name);
 
-// Returns a texture with the colour of `color` (white if null) and the alpha of an opacity map. That is the map's alpha
-// channel or, without one, the brightness that the file stores; `inverted` inverts it. The result has the larger width
+// Returns a texture with the colour of `color` (white if null) and the alpha of an opacity map: the map's alpha channel
+// or, without one, the brightness that its file stores. `inverted`: inverts the alpha. The result has the larger width
 // and the larger height of the two images, which are sampled at the nearest texel.
 [[nodiscard]] std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& opacity,
                                                          bool inverted = false);

@@ -309,8 +309,8 @@ class PathSearch {
            (edge >= kOpenWidth ? wishCost / 2 : 0);
   }
 
-  // Tests five arcs that start at a state. Returns the longest distance (m, at most kLookAhead) that a vehicle can
-  // drive on one of them, and the state at its end.
+  // Tests five arcs that start at `from`. Returns how far a vehicle can drive on the best of these arcs (m, at most
+  // kLookAhead), and the state that it reaches.
   std::pair<double, State> lookAhead(const State& from) const {
     std::pair<double, State> farthest{0, from};
     for (const double bend : {0.0, 0.5, -0.5, 1.0, -1.0}) {
@@ -335,7 +335,7 @@ class PathSearch {
 };
 
 // Tests kHeadings evenly spaced headings at `position`, of which the first is random. Returns the state from which a
-// vehicle can drive farthest straight ahead; nothing if this distance is not longer than two arcs.
+// vehicle can drive farthest straight ahead; nothing if it can drive at most two arcs' length in all headings.
 std::optional<State> startAt(const FreeSurface& surface, Vec3d position, RandomNumbers& random) {
   constexpr int kHeadings = 32;
   constexpr int kFarEnough = 40;  // m; longer distances are not measured

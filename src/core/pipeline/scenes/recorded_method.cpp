@@ -1,4 +1,4 @@
-// The methods of recordings: recorded hits, and hits that are sampled from recorded passes.
+// Methods that use a recording instead of tracing: one returns recorded hits, the other one samples recorded passes.
 
 #include <fmt/core.h>
 
@@ -15,8 +15,7 @@ namespace scanmill {
 
 namespace {
 
-// Throws InputError if a material index of the hits is not in the recording's material table, in which effects look it
-// up.
+// Throws InputError if hits have a material index outside of the recording's material table, which effects index by it.
 void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hits) {
   if (hits.material.empty() || !hits.roughness.empty()) return;
   const std::size_t tableIndex = recording.sequences[shot.scene].materials;
@@ -92,8 +91,8 @@ class RecordedPasses : public Method {
   std::uint64_t memoryBytes() const override { return 0; }
 
  private:
-  // Reads the passes of a file. If the file stores surface parameters, these are used instead of materials; if such
-  // a file has no material ids, requested material ids are set to 0.
+  // Reads the passes of a file. If the file stores surface parameters, reads them instead of materials: material ids
+  // that are requested but not in the file are then 0.
   static PassImage readImage(const std::filesystem::path& file, PassChoice passes) {
     const PassChoice stored = passesIn(file);
     passes.surfaceParameters = stored.surfaceParameters;

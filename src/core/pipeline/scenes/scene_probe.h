@@ -37,8 +37,8 @@ class SceneProbe {
   const Scene& scene() const { return scene_; }
   const Box& bounds() const { return bounds_; }  // Scene::bounds(): m, world frame at time 0
   // Returns the first hit of each ray within `reach` (m); nothing for rays without a hit. Faster than calls for single
-  // rays. `anchor`: the position that the method takes for the sensor's; it must be near the rays, and is the start of
-  // the first ray by default.
+  // rays. `anchor`: a point near the rays, which the method takes as the sensor's position; by default the start of the
+  // first ray.
   std::vector<std::optional<Hit>> first(const std::vector<Ray>& rays, double reach,
                                         const std::optional<Vec3d>& anchor = {}) const;
   std::optional<Hit> first(const Ray& ray, double reach) const { return first(std::vector{ray}, reach).front(); }

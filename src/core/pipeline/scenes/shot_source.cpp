@@ -34,9 +34,8 @@ std::vector<Vec3d> pathOfTrip(const Scene& scene, const RandomPath& drive) {
                                                   length, drive.length, missing));
 }
 
-// Returns the trajectory as it is in the scene of `probe`: on its random path if it has one, and moved onto the ground
-// if it asks for that. `seed`: determines the random path. Throws InputError if the scene has no suitable path or
-// ground.
+// Returns the trajectory in the scene of `probe`: along its random path, if it has one, and moved onto the ground if it
+// has GroundOptions. `seed`: determines the random path. Throws InputError if the scene has no suitable path or ground.
 Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed) {
   Trajectory result = trajectory;
   if (const RandomPath* request = trajectory.randomPath()) {
@@ -49,7 +48,7 @@ Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::u
   return result;
 }
 
-// Returns the settings of a frame. The mounts and effects of `draw`, if it has any, replace those in Pipeline::sensors.
+// Returns the settings of a frame. Mounts and effects in `draw`, if not empty, replace those in Pipeline::sensors.
 FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles, SensorDraw draw = {}) {
   FrameSettings settings;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
@@ -92,7 +91,8 @@ void copyRings(const BeamTable& table, std::uint32_t firstRing, std::uint32_t co
 }
 
 // Returns the rays of a sensor's beam table that hit the vehicle, even if the hits are below the sensor's minimum
-// range. `vehicle`: a method that traces the vehicle's scene, which is in the vehicle's frame.
+// range. `vehicle`: traces the vehicle's scene, in the vehicle's frame. Traces some rings at a time, which saves
+// memory: few rays hit the vehicle, and only their hits are kept.
 BlockedRays traceVehicle(const Method& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
   BlockedRays blocked;
   blocked.range.reserve(rays.size());
@@ -296,7 +296,7 @@ Frame ShotSource::frame(std::size_t sequence, std::uint32_t number, Revolutions 
                       : makeShot(plan_.sensors[s].beams, *path, number, frame.settings->sensors[s].vehicleFromSensor,
                                  pipeline_.motion, starts[revolution]);
       if (revolution + 1 < starts.size() || drive.turnsWithoutBreak(pipeline_.periods)) shot.untilNext = period;
-      // makeShot() subtracts the revolution's start from the time to the next frame, which the last frame lacks.
+      // makeShot() sets untilNext to the frame's interval minus the revolution's start: possibly less than the period.
       if (revolution > 0) shot.untilNext = std::max(shot.untilNext, period);
       shot.sample = sample;
       shot.seed = pipeline_.seed;
@@ -315,7 +315,6 @@ double BlockedRays::share() const {
   return static_cast<double>(blocked.size()) / static_cast<double>(range.size());
 }
 
-// Traces some rings at a time, which saves memory: few rays hit the vehicle, and only their hits are kept.
 void blockByVehicle(const BlockedRays& vehicle, double minRange, Hits& hits) {
   hits.pathOfRay.assign(hits.rays(), RayPath::Direct);
   for (std::size_t i = 0; i < vehicle.blocked.size(); ++i) {

@@ -83,8 +83,8 @@ struct SceneChanges {
   bool placeable = false;                            // see Scene::placeable
 };
 
-// The shots of each sensor in a frame: the one that begins with the frame, or all that belong to the dataset's sample
-// (see Sequence::revolutions()).
+// The revolutions of each sensor that get a shot in a frame: only the one that begins with the frame, or all
+// revolutions in the dataset's sample (see Sequence::revolutions()).
 enum class Revolutions { First, All };
 
 struct Frame {
@@ -146,7 +146,7 @@ class ShotSource {
   VehicleHits vehicleHits_;                        // with the mounts of the first frame of the first sequence
   std::shared_ptr<const FrameSettings> settings_;  // settings of that frame
   std::mutex mutex_;                               // guards the members below
-  // For sequences with random mounts or effects, by index: the settings of the frame that was used last.
+  // Settings of the last used frame of each sequence with random mounts or effects, with the sequence's index.
   RecentlyUsed<std::pair<std::size_t, std::shared_ptr<const FrameSettings>>> drawn_;
   // Trajectories that depend on scenes, by index of their sequence.
   std::map<std::size_t, std::shared_ptr<const Trajectory>> trajectories_;
