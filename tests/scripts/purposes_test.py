@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 CORE = Path(__file__).resolve().parents[2] / "src/core"
-HEADERS = {"Kind": CORE / "models/models.h", "Field": CORE / "town/geometry.h"}
+HEADERS = {"Kind": CORE / "models/models.h", "Field": CORE / "town/relief.h"}
 
 
 def names_of(enum):
