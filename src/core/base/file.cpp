@@ -30,7 +30,7 @@ std::string reason() {
   return std::strerror(errno);
 }
 
-// Returns the ending of a temporary name. Its random part distinguishes equal process ids in several containers.
+// Returns the ending of a temporary name. The random part differs even if two containers have processes of the same id.
 std::string temporarySuffix() {
   std::string host = hostName().substr(0, 32);
   std::ranges::replace_if(
@@ -81,7 +81,7 @@ std::string readFile(const std::filesystem::path& path) {
 }
 
 AtomicFile::AtomicFile(const std::filesystem::path& folder, std::filesystem::path path) : path_(std::move(path)) {
-  // A rename would replace a device such as /dev/null. A rename onto a folder would fail only after all the work.
+  // A rename would replace a device such as /dev/null, and fail onto a folder only after all the work: refuse both.
   struct stat status {};
   if (::stat(path_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
     throw Error("{}: cannot be written: it exists and is not a file", path_.string());

@@ -75,8 +75,8 @@ class [[nodiscard]] AtomicFile {
   bool flushed_ = false;
 };
 
-// Writes a complete file through an AtomicFile. The first function creates a missing folder. Throws Error as AtomicFile
-// does.
+// Write a complete file through an AtomicFile; the first function also creates missing folders. Throw Error as
+// AtomicFile does.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 void writeFile(const std::filesystem::path& folder, const std::filesystem::path& path, std::string_view bytes);
 

@@ -43,7 +43,7 @@ class [[nodiscard]] FolderLock {
 
  private:
   FolderLock() = default;
-  // Takes the lock as tryTake() does. Returns false if another process holds it.
+  // Takes the lock as tryTake() does. Returns false and sets `holder` if another process holds the lock.
   [[nodiscard]] bool take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind,
                           std::string& holder);
   void open();

@@ -50,8 +50,8 @@ class LeftOut {
   const std::map<std::string, std::uint64_t>& counts() const { return counts_; }
   // Returns, for example, "2 polylines, 1 heightmaps".
   std::string text() const;
-  // Warns "FILE: left out: 2 polylines, 1 heightmaps", if anything was added. For files of one folder with the same
-  // text, warns of the first three and then once of all further ones.
+  // Warns "FILE: left out: 2 polylines, 1 heightmaps", if anything was added. If many files of a folder have the same
+  // text, warns of the first three files, and then once of all others.
   void warn(const std::string& file) const;
 
  private:

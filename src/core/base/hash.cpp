@@ -73,7 +73,7 @@ std::string base64(std::string_view bytes) {
 }
 
 std::optional<std::string> fromBase64(std::string_view text) {
-  // Refuses what OpenSSL accepts: white space at both ends, "-" at the end, and padding in the middle (as zeroes).
+  // OpenSSL would accept white space at both ends, "-" at the end, and padding in the middle (as zeroes): refuse them.
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
   if (text.size() % 4 == 1 || text.find_first_of("= \t\r\n-") != std::string_view::npos) return std::nullopt;
   const std::size_t padding = (4 - text.size() % 4) % 4;

@@ -45,7 +45,7 @@ constexpr std::uint32_t fnv1a(std::string_view text) {
   return hash;
 }
 
-// The largest size that the next two functions accept. They throw Error for longer input.
+// The largest size (bytes) that the next two functions accept. They throw Error for longer input.
 inline constexpr std::size_t kMostBase64 = std::size_t{1} << 30;
 std::string base64(std::string_view bytes);
 // Returns the bytes that the text encodes; nullopt if the text is not base64. Padding at the end may be left out.

@@ -49,7 +49,7 @@ void chargePixels(double pixels, const Location& where);
 // Checks only the limit of time, ten minutes of this thread's CPU time, and only at every 256th call.
 void chargeTime(const Location& where);
 
-// Thrown by the functions above. Readers that go on without a damaged file, such as an image, must not catch it.
+// Thrown by the functions above. A reader that continues without a damaged image or other file must not catch it.
 class InputLimitError : public InputError {
  public:
   using InputError::InputError;

@@ -18,7 +18,7 @@
 namespace scanmill {
 namespace {
 
-// Writes values to bytes, or reads values from bytes that a process of the same build has written.
+// Serializes values: writes them to bytes, or reads them from bytes that a process of the same build has written.
 class Archive {
  public:
   // An archive that writes.
@@ -93,8 +93,8 @@ class Archive {
   std::optional<std::string_view> unread_;  // the bytes that are not read yet; nullopt: this archive writes
 };
 
-// Limits of the child process, chosen far above what real files take: memory (bytes) for an empty file and for each
-// byte of a file, and time.
+// Limits of the child process, chosen far above the needs of real files: memory for an empty file (bytes), further
+// memory for each byte of a file, and CPU time (s).
 constexpr std::uint64_t kLeastMemory = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMemoryPerByte = 64;
 constexpr unsigned kMostSeconds = 300;

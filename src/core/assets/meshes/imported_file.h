@@ -1,7 +1,7 @@
 #pragma once
 
 // The contents of a mesh file as its reader returns them: plain data, which a child process can send to its parent.
-// Also declares the readers: of OBJ, PLY and STL, and, by the assimp library, of COLLADA and AC3D.
+// Also declares the readers of OBJ, PLY and STL, and the readers of COLLADA and AC3D, which use assimp.
 
 #include <array>
 #include <cstdint>

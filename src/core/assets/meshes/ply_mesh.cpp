@@ -1,9 +1,9 @@
-// Meshes of PLY, in text and binary, whose properties may have any type.
+// Reads meshes from PLY files, text or binary. Properties may have any type.
 //
-//   element vertex     x y z; s t, u v or texture_u texture_v: texture coordinates
-//   element face       vertex_indices or vertex_index; texcoord: texture coordinates of its corners; texnumber: index
-//                      of its image
-//   comment TextureFile NAME    an image, as MeshLab writes it
+// element vertex     x y z; s t, u v or texture_u texture_v: texture coordinates
+// element face       vertex_indices or vertex_index; texcoord: texture coordinates of its corners; texnumber: index
+// of its image
+// comment TextureFile NAME    an image, as MeshLab writes it
 
 #include <fmt/format.h>
 
@@ -222,8 +222,8 @@ class PlyMeshReader {
     return imported_.parts[index->second];
   }
 
-  // Gives the parts their vertices. Before this call, triangles have the file's indices of vertices, and a part with
-  // texture coordinates has one pair for each corner of its triangles.
+  // Gives each part its own vertices. Before this call, the triangles of all parts hold the file's vertex indices, and
+  // AssetPart::uvs is empty or has an entry for each corner of the part's triangles.
   void addVerticesToParts() {
     imported_.up = options_.up.value_or('z');
     const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
@@ -250,7 +250,7 @@ class PlyMeshReader {
     }
   }
 
-  // True if coordinates are doubles or texts, which float32 stores more exactly relative to an origin.
+  // True if the file has coordinates as doubles or text: relative to an origin, float32 stores them more exactly.
   bool hasExactVertices() const {
     const auto isExact = [](const PlyProperty& p) { return p.name.size() == 1 && p.value.size == 8; };
     const auto vertex = std::ranges::find(header_.elements, "vertex", &PlyElement::name);

@@ -19,8 +19,8 @@ double areaOf(const Point& a, const Point& b, const Point& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// Projects the corners, three at least, along the axis of the greatest component of the polygon's area vector, so that
-// they are counter-clockwise.
+// Projects at least three corners to 2D along the main axis of the polygon's area vector, with x and y swapped if the
+// outline would run clockwise.
 std::vector<Point> flattened(const std::vector<Vec3d>& corners) {
   Vec3d area;
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
@@ -49,10 +49,10 @@ class EarCutter {
     std::iota(uncut_.begin(), uncut_.end(), 0u);
   }
 
-  // Appends the triangles. Returns false, with triangles missing, if there were more than `mostTests` comparisons.
+  // Appends the polygon's triangles. Returns false, with some missing, if `tests_` exceeds `mostTests`.
   bool cut(double mostTests) {
-    // The first ear is sought at corner 1: a convex polygon becomes the usual fan about corner 0. Corners between
-    // collinear edges are cut off if no ear is left, in a second round over all corners.
+    // The search begins at corner 1, so that a convex polygon becomes the usual fan about corner 0. Only after a round
+    // over all corners without an ear, corners between collinear edges are cut off too.
     for (std::size_t at = 1, rejected = 0; uncut_.size() > 3 && rejected < 2 * uncut_.size();) {
       if (tests_ > mostTests) return false;
       if (!isDouble(at) && !isEar(at) && !(rejected >= uncut_.size() && isFlat(at))) {

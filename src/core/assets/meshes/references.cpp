@@ -84,7 +84,7 @@ std::string decodeUri(std::string_view uri) {
 std::optional<fs::path> findInModelFolders(const fs::path& file, const std::string& name) {
   for (const fs::path& folder : modelFolders(file)) {
     for (const std::string& spelling : {name, decodeUri(name)}) {
-      // A file may name the model in whose folder it is: this name is found in the folder above, not in its own.
+      // A file in the folder of the model M may itself name M, which is found in the folder above.
       if (!spelling.empty() && pathExists(folder / spelling)) return folder / spelling;
     }
   }

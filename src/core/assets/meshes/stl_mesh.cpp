@@ -157,7 +157,7 @@ class StlReader {
     imported_.materials.emplace_back().stated = false;
     const Mat3 frame = assetFromFile(imported_.up, options_.metresPerUnit);
     for (Vec3d& corner : corners_) corner = frame * corner;
-    // An origin makes only texts more exact: the coordinates of binary files are in single precision.
+    // Only text files gain precision by an origin: binary files have coordinates in float32.
     if (line_ > 0) imported_.origin = originNear(corners_.size(), [this](std::size_t i) { return corners_[i]; });
     for (std::size_t k = 0; k < solids_.size(); ++k) {
       AssetPart& part = imported_.parts.emplace_back();

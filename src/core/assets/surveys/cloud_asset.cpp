@@ -75,7 +75,7 @@ class CloudAsset {
     for (Vec3f* const p : misses) *p = {NAN, NAN, NAN};
   }
 
-  // Moves the points to the pose that the file states.
+  // Transforms the points by the pose that the file states.
   void applyPose() {
     if (cloud_.worldFromFile == Pose{}) return;
     std::vector<Vec3d> positions;
@@ -112,7 +112,7 @@ class CloudAsset {
     }
   }
 
-  // Thins the chosen points out, if the options state a spacing.
+  // If the options state a spacing, keeps only the chosen points that thinned() returns.
   void thin() {
     if (options_.points.spacing <= 0) return;
     std::size_t count = 0;
@@ -168,7 +168,7 @@ class CloudAsset {
     return values;
   }
 
-  // Fills normals_, if the file has normals.
+  // Fills normals_ with unit normals in the asset's frame; zero for unknown ones. Does nothing if the file has none.
   void readNormals(const Mat3& assetFromNormals) {
     const auto x = numbers("nx"), y = numbers("ny"), z = numbers("nz");
     if (!x || !y || !z) return;
@@ -179,8 +179,8 @@ class CloudAsset {
   }
 
   // Guesses the intensity that means a reflectance of 1: 1 if intensities are at most 1, 255 if they are at most 255,
-  // else the greatest one. `greatest`: the greatest intensity of all points. Ignores outliers: intensities above four
-  // times the 99.9th percentile. The factor is chosen by eye.
+  // else the greatest intensity. Ignores outliers above four times the 99.9th percentile (chosen by eye). `greatest`:
+  // the greatest intensity of all points, outliers included.
   double guessedFullIntensity(double greatest) const {
     constexpr std::size_t kSamples = 1'000'000;
     constexpr double kPercentile = 0.999, kOutlierFactor = 4;

@@ -66,7 +66,7 @@ class HeightAsset {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(heights_.width) + static_cast<std::size_t>(column);
   }
 
-  // Returns the earth-centred position (m) of a point of a raster in degrees.
+  // Returns the earth-centred position (m) of raster coordinates x, y in degrees or other angles, and a height z (m).
   Vec3d onEarth(double x, double y, double z) const {
     return earthCentred(radians(x * heights_.system.perUnit), radians(y * heights_.system.perUnit), z);
   }
@@ -101,8 +101,8 @@ class HeightAsset {
     }
   }
 
-  // Throws InputError if latitudes cannot be on the earth. If a raster that declares no degrees seems to be in degrees
-  // (read as metres, they would make needles of hills), throws InputError or, if it has a coordinate system, warns.
+  // Throws InputError if a latitude is beyond a pole. If a raster seems to be in undeclared degrees, since hills would
+  // be needles in metres, warns if the raster has a coordinate system, else throws InputError.
   void checkCoordinates() const {
     constexpr double kPole = 90 + 1e-6;  // degrees, with rounding
     constexpr double kSteepest = 3;      // largest ratio of height range to horizontal extent of a raster in metres
@@ -156,7 +156,7 @@ class HeightAsset {
                      file_.string());
   }
 
-  // Sets classes_. Throws InputError for classes that are no whole numbers.
+  // Reads the class raster into classes_. Throws InputError if a class is not a whole number.
   void readClasses() {
     classes_ = readBeside(classFile_, RasterUse::Classes, 1);
     const auto isFraction = [](float value) { return std::isfinite(value) && value != std::round(value); };
@@ -181,7 +181,7 @@ class HeightAsset {
     return bounds;
   }
 
-  // Returns the value that means white, 1, 255 or 65535, guessed from the greatest value of all channels.
+  // Guesses from the greatest value of all channels whether white is 1, 255 or 65535, and returns this value.
   double whiteOf(const std::array<std::vector<float>, 3>& channels) const {
     double greatest = 0;
     bool areIntegers = true;
@@ -203,7 +203,7 @@ class HeightAsset {
     return kWhite;
   }
 
-  // Sets image_ and imageGrid_.
+  // Reads the colour raster into image_ and its grid into imageGrid_.
   void readImage() {
     const std::array<int, 3> bands = colorBands(imageFile_);
     std::array<std::vector<float>, 3> channels;  // green or blue is empty if it is the same as red
@@ -272,7 +272,7 @@ class HeightAsset {
     }
   }
 
-  // The triangles of one class. They share vertices only with each other.
+  // The triangles of one class. Meshes of different classes share no vertices.
   struct ClassMesh {
     std::size_t part = 0;  // index into asset_.parts
     // Indices of the vertices of the two latest rows of samples, by column, and the numbers of these rows. Both arrays

@@ -27,7 +27,7 @@ struct Surfel {
 std::vector<Surfel> surfelsOf(const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals,
                               const SurfelOptions& options);
 
-// Thins points to one in each cube of a grid of this spacing (m): the point nearest to the cube's centre. Returns the
+// Keeps one point in each cube of a grid of this spacing (m): the point nearest to the cube's centre. Returns the
 // indices of the kept points, ascending.
 std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spacing);
 
@@ -37,9 +37,9 @@ inline constexpr const char* kPointColor = "color";
 
 // Reads a file for which isCloud() is true (formats/cloud_file.h). Each point becomes a square with the area of its
 // surfel's disc: two triangles, which every method can trace. The points with the same label and instance form a part.
-// Its material and AssetPart::ownClass are the label's name in AssetOptions::points or else in the file, or its number.
-// If the options state no names, noise is dropped. The node of instance 7 is "instance 7". The reflectance comes from
-// the intensities of the points, else from their colours. Throws an InputError that names the file.
+// The part's material and AssetPart::ownClass are the label's name in AssetOptions::points, else in the file, else its
+// number. If the options state no names, noise is dropped. The node of instance 7 is "instance 7". The reflectance
+// comes from the points' intensities, else from their colours. Throws an InputError that names the file.
 Asset readCloudAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 // Reads band 1 of a raster as heights in metres. Each square of four samples becomes two triangles, split along the

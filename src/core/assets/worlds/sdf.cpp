@@ -23,7 +23,7 @@ namespace {
 constexpr int kDeepestModel = 24;        // largest depth of nested models
 constexpr double kBytesPerModel = 4096;  // memory of a model without parts
 
-// A model of a file, or the contents of a world, which has no parts.
+// A model of a file, or the contents of a world as a model without parts.
 struct Model {
   std::string name;
   std::string nameInFile;            // name that the file of an included model gives it; empty: it is not included
@@ -161,8 +161,8 @@ class SdfReader {
   }
 
   // Reads the frames of a <world> or a <model> and the models in it, and returns them as a model without parts.
-  // `depth`: the number of models and worlds around it, 0 for a world. `state`: the state of the <model>; a <world>
-  // contains its own state.
+  // `depth`: the number of models and worlds that contain the element, 0 for a world. `state`: the state of the
+  // <model>; a <world> contains its own state.
   Model contentsOf(const XmlNode& around, const std::filesystem::path& file, int depth, State state) {
     if (depth > kDeepestModel) {
       around.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
@@ -268,7 +268,7 @@ class SdfReader {
     }
   }
 
-  // Adds the visuals of a link. If the state gives the pose of the link, moves them there.
+  // Adds the visuals of a link, at the pose that the state gives the link or, without one, at the link's own pose.
   void addLink(const XmlNode& node, const SdfLink& link, const State& state, std::vector<WorldPart>& parts) {
     const std::size_t first = parts.size();
     for (const XmlNode& visual : node.children) {
@@ -316,7 +316,7 @@ class SdfReader {
     return model;
   }
 
-  // Returns a model without contents, which replaces a model whose file is missing.
+  // Notes the missing file in world_, and returns an empty model in place of the one that the file would define.
   Model missingModel(const XmlNode& include, const std::string& name, const MissingFileError& error) {
     world_.missing.push_back(error);
     Model model;
@@ -343,7 +343,7 @@ class SdfReader {
     root.fail(fmt::format("has no model, but {} includes it", include.where.text()));
   }
 
-  // Returns the file name that model.config in a folder states for the highest version; model.sdf if it states none.
+  // Returns the existing file that model.config in a folder lists with the highest version; without any, model.sdf.
   static std::string newestSdf(const std::filesystem::path& folder) {
     std::string newest = "model.sdf", highestVersion;
     std::error_code ignored;
@@ -364,7 +364,7 @@ class SdfReader {
     return newest;
   }
 
-  // Returns the file that defines a model: `uri`, or the newest one in the folder `uri`.
+  // Returns the file that defines a model: the file `uri` or, if `uri` is a folder, newestSdf() of the folder.
   static std::filesystem::path definitionOf(const XmlNode& node, const std::filesystem::path& file,
                                             const std::string& uri) {
     const XmlNode* const uriNode = node.child("uri");

@@ -16,7 +16,7 @@ float fractionIn(const XmlNode& node) {
   return static_cast<float>(std::clamp(numbersIn(node, node.text, 1).front(), 0.0, 1.0));
 }
 
-// Returns the scale of a shape whose model the world's state scales by `scale`: round shapes stay round, as in Gazebo.
+// Returns a shape's scale if the world's state scales its model by `scale`. Round shapes stay round, as in Gazebo.
 Mat3 scaleOf(const XmlNode& shape, const Vec3d& scale) {
   const double across = std::max(scale.x, scale.y);
   if (shape.name == "sphere") return Mat3::scale(Vec3d{1, 1, 1} * std::max(across, scale.z));
@@ -24,7 +24,7 @@ Mat3 scaleOf(const XmlNode& shape, const Vec3d& scale) {
   return Mat3::scale(scale);
 }
 
-// Returns the file of a <mesh> or a <heightmap>; nullopt if it is missing.
+// Returns the file of a <mesh> or a <heightmap>. If it is missing, adds its name to `world` and returns nullopt.
 std::optional<std::filesystem::path> fileOf(const XmlNode& shape, const std::filesystem::path& file, WorldFile& world) {
   const XmlNode* const uri = shape.child("uri");
   if (uri == nullptr) shape.fail("has no <uri>");
@@ -129,7 +129,7 @@ SdfPose readSdfPose(const XmlNode& owner) {
   if (!isQuaternion && format != "euler_rpy") {
     element->fail(fmt::format("has the rotation_format '{}', but it must be euler_rpy or quat_xyzw", format));
   }
-  // The position, then the quaternion x, y, z, w or the roll, pitch and yaw.
+  // The numbers are the position, then the quaternion x, y, z, w or roll, pitch and yaw.
   const std::vector<double> n = numbersIn(*element, element->text, isQuaternion ? 7 : 6);
   const double unit = isSdfTrue(element->attributeOr("degrees", "false")) ? kPi / 180 : 1;
   read.pose.translation = {n[0], n[1], n[2]};

@@ -35,13 +35,13 @@ class SdfFrames {
   };
   std::map<std::string, Frame> byName;
   bool isWorld = false;
-  // If a file with frames is missing: the name of the frame that replaces all frames that `byName` lacks.
+  // Set if a file with frames is missing: the name of the frame that stands in for all frames that `byName` lacks.
   std::optional<std::string> substitute;
 
   // Adds a frame. If a joint, frame or model has the name of a link, which SDF 1.6 allows, the name means the link.
   void add(const std::string& name, const Frame& frame);
 
-  // Returns the pose of a frame in the frame of the world or model. Errors name the place of `from`.
+  // Returns the pose of a frame in the frame of the world or model. `from`: the element in error messages.
   Pose resolve(const std::string& name, const XmlNode& from) const;
 
  private:

@@ -43,7 +43,7 @@ void addPlane(Mesh& mesh, const XmlNode& shape) {
   const Vec3d normal = vectorIn(shape, sizeText(shape, "normal", "0 0 1"));
   if (!(length(normal) > 0)) shape.fail("has a normal of zeros");
   const Vec3d z = normalized(normal);
-  // The x axis after the shortest rotation from the z axis to the normal, as in Gazebo.
+  // `x` is the x axis after the shortest rotation of the z axis to the normal, as in Gazebo.
   constexpr double kRounding = 1e-9;
   const Vec3d x =
       z.z > -1 + kRounding ? Vec3d{1 - z.x * z.x / (1 + z.z), -z.x * z.y / (1 + z.z), -z.x} : Vec3d{-1, 0, 0};
@@ -106,13 +106,13 @@ void addCap(Mesh& mesh, const std::vector<Vec3d>& outline, const std::vector<std
   }
 }
 
-// True if the <size> of a heightmap, not its raster, states the range of its heights.
+// True if a heightmap's raster is a plain image, whose values are not heights in metres.
 bool isImage(const Raster& raster, const std::filesystem::path& file) {
   const std::string suffix = lowerExtension(file);
   return !raster.georeferenced || suffix == ".png" || suffix == ".jpg" || suffix == ".jpeg";
 }
 
-// Returns the size of a heightmap (m) whose heights reach from `low` to `high`.
+// Returns the size of a heightmap (m): its <size> or, without one, 1 m for an image, else the raster's extent.
 Vec3d sizeOf(const XmlNode& shape, const Raster& raster, bool isImage, double low, double high) {
   if (shape.child("size") != nullptr) return sizesOf(shape, "size");
   if (isImage) return {1, 1, 1};

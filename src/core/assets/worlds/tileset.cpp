@@ -216,8 +216,8 @@ class TilesetReader {
 
   const AssetOptions& options_;
   Affine metresFromUnits_;
-  // The transform from the earth frame to east, north, up at the middle of the first tile on the earth, which is the
-  // root unless its volume is the globe. It is metresFromUnits_ if a mesh comes before such a tile.
+  // The transform from the earth frame to east, north, up at the middle of the first tile on the earth (usually the
+  // root; not if the root's volume is the globe). If a mesh comes before such a tile, metresFromUnits_ instead.
   std::optional<Affine> assetFromEarth_;
   Asset asset_;
   std::set<std::filesystem::path> openTilesets_;  // the tileset that is being read, and all tilesets around it

@@ -14,7 +14,7 @@
 namespace scanmill {
 namespace {
 
-// Returns the <origin> of an element, the transform to the frame around it; the identity if it has none.
+// Returns an element's <origin> as the transform from its frame to the enclosing frame; the identity if it has none.
 Affine readOrigin(const XmlNode& owner) {
   const XmlNode* const origin = owner.child("origin");
   if (origin == nullptr) return {};
@@ -52,7 +52,7 @@ class UrdfReader {
   }
 
  private:
-  // Reads the joints, and the materials that visuals may name. Links must have different names.
+  // Reads the joints, and the materials that visuals may name. Throws InputError if two links have the same name.
   void readJoints() {
     for (const XmlNode& child : root_.children) {
       if (child.name == "material") readMaterial(child);
@@ -151,7 +151,7 @@ class UrdfReader {
     std::filesystem::path texture;
   };
 
-  // Returns the look of a material element. All materials of a name have the look of the first element that states one.
+  // Returns the look of a <material>. All materials of the same name have the first look that any of them states.
   Look readMaterial(const XmlNode& material) {
     const std::string name = material.attributeOr("name", "");
     if (looks_.contains(name)) return looks_.at(name);

@@ -92,7 +92,7 @@ class WorldAsset {
     ++nodes_;
   }
 
-  // Returns the parts of a visual in its frame, with its look.
+  // Returns the parts of a visual, with its look, in the visual's frame.
   std::vector<AssetPart> partsOf(const WorldPart& visual) {
     if (const Mesh* solid = std::get_if<Mesh>(&visual.shape)) {
       AssetPart part;

@@ -47,8 +47,8 @@ class MissingFileError : public InputError {
   Location where;
 };
 
-// Adds the names of missing files to `leftOut` if `leaveOut`. Otherwise, if any file is missing, throws one InputError:
-// the message about the first file, and the names and places of all others.
+// Adds the names of missing files to `leftOut` if `leaveOut`. Otherwise, if any file is missing, throws one InputError,
+// which gives the message about the first file, and the names and places of all others.
 void reportMissing(const std::vector<MissingFileError>& missing, bool leaveOut, LeftOut& leftOut);
 
 // Returns the file or folder that the element `from` of `file` calls `uri`: model://NAME/..., package://NAME/... (see

@@ -44,7 +44,7 @@ class Reader {
     return {file_, static_cast<int>(line - lineEnds_.begin()) + 1};
   }
 
-  // Converts an element and its descendants. `depth`: the number of elements around it.
+  // Converts an element and its descendants. `depth`: the number of the element's ancestors.
   XmlNode convert(const pugi::xml_node& element, int depth) const {
     XmlNode node;
     node.where = locationOf(element.offset_debug());

@@ -36,8 +36,8 @@ struct XmlNode {
 // a template or names a file to include, which other programs must expand first.
 XmlNode readXml(const std::filesystem::path& file);
 
-// Returns the numbers in a text, separated by white space. Throws InputError at `node` unless there are exactly `count`
-// and all are finite.
+// numbersIn() returns the `count` numbers in a text, separated by white space; vectorIn() expects three. Both throw
+// InputError at `node` if their number differs or one is not finite.
 std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::size_t count);
 Vec3d vectorIn(const XmlNode& node, std::string_view text);
 
@@ -48,8 +48,8 @@ struct ElementPlace {
   bool isMany = false;  // false: of all elements with these names, a parent may have one
 };
 
-// Counts the children of an element that stand in a wrong place, and all but the first where only one may stand.
-// Elements that are not in the table may stand anywhere.
+// Counts the children of an element that may not stand in it, and repeated ones where only one may stand. Elements that
+// are not in the table may stand anywhere.
 void countMisplaced(const XmlNode& parent, std::span<const ElementPlace> places, LeftOut& leftOut);
 
 }  // namespace scanmill

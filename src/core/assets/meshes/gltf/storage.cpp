@@ -83,7 +83,7 @@ Meshopt readMeshopt(const JsonObject& object) {
   }
   meshopt.decode = kModes.at(mode);
   meshopt.filter = kFilters.at(filter);
-  // The rules of EXT_meshopt_compression; meshoptimizer does not check them.
+  // EXT_meshopt_compression demands these strides; meshoptimizer does not check them.
   const std::uint64_t stride = meshopt.stride;
   const bool hasAttributes = mode == "ATTRIBUTES";
   const bool strideFits = hasAttributes ? stride % 4 == 0 && stride >= 4 && stride <= 256 : stride == 2 || stride == 4;

@@ -68,8 +68,8 @@ ImageOption takeValues(const Statements& statements, std::string_view name, int 
   return option;
 }
 
-// Reads options and the name of an image. The options -s and -o change its placement. Counts other options unless they
-// have their default values.
+// Reads the options and the name of an image into `map`. -s and -o set UvPlacement. Counts other options unless they
+// have their default values. Throws InputError if the name is missing.
 void readImage(const Statements& statements, ImportedMap& map, LeftOut& leftOut) {
   std::string_view unread = statements.rest();
   while (unread.starts_with('-')) {
@@ -95,7 +95,7 @@ void readImage(const Statements& statements, ImportedMap& map, LeftOut& leftOut)
   map.name = std::string(unread);
 }
 
-// Reads a statement of a material.
+// Reads a statement of a material. Counts statements other than those handled here in `leftOut`.
 void readKey(Statements& statements, ImportedMaterial& material, LeftOut& leftOut) {
   const std::string_view key = statements.keyword();
   if (key == "Kd") {
