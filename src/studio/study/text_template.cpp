@@ -98,8 +98,8 @@ class FormatContext : public kainjow::mustache::context<std::string> {
   }
 
  private:
-  // Returns the number with this name, or the ratio of two numbers if the path is "numerator/denominator"; a ratio with
-  // the denominator 0 is 0.
+  // Returns the number named `path`, or the ratio of two numbers if `path` is "numerator/denominator" (0 if the
+  // denominator is 0). Returns nothing if a number is absent.
   std::optional<double> numberAt(const std::string& path) const {
     const std::size_t slash = path.find('/');
     if (slash == std::string::npos) return numberOf(context::get(path));

@@ -24,13 +24,14 @@
 
 namespace scanmill {
 
-// Escapes a value before it is inserted; values in triple braces are inserted without escaping.
+// Escapes a value before it is inserted; not called for values in triple braces.
 using TextEscape = std::function<std::string(const std::string&)>;
 // Functions by name. {{#name}}text{{/name}} calls the function `name` with the text, and is replaced by the
 // template that the function returns.
 using TemplateMacros = std::map<std::string, std::function<std::string(const std::string& text)>>;
 
-// Returns the filled template. Throws Error if the template is invalid, which is an error in this program.
+// Returns the filled template. Without `escape`, values are inserted as they are. Throws Error if the template is
+// invalid.
 std::string fillTemplate(const std::string& text, const Json& values, const TextEscape& escape = {},
                          const TemplateMacros& macros = {});
 

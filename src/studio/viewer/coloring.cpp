@@ -36,14 +36,14 @@ ColorBy defaultFor(const Scan& scan) {
   return scan[kIntensity].empty() ? kByRange : kByIntensity;
 }
 
-// True if the legend counts the point.
+// True if the legend counts the point: its position is finite and in the close-up, if there is a close-up.
 bool isCounted(const Scan& scan, const ColorContext& context, std::size_t point) {
   const Vec3f& position = scan.position[point];
   return isFinite(position) && (!context.closeUp || context.closeUp->contains(Vec3d(position)));
 }
 
-// Appends a colour to `colors` for each point. idOf(point) returns the point's id, colorOf(id) the colour. Returns the
-// colour and the number of points of each id that the legend lists.
+// Appends a colour to `colors` for each point. idOf(point) returns the point's id, colorOf(id) the id's colour. Returns
+// the colour and the number of points for each id that the legend lists.
 std::map<std::uint32_t, ColorOfId> paintPoints(const Scan& scan, const ColorContext& context, const auto& idOf,
                                                const auto& colorOf, std::vector<Rgb>& colors) {
   return paint(
@@ -133,8 +133,8 @@ ScaleRange endsOf(const Scan& scan, const Scale& scale, const auto& valueOf) {
   return {low, scale.high ? *scale.high : endAt(1 - scale.clipped)};
 }
 
-// Colours points by a number. valueOf(point) returns the number; NaN: unknown. Uses the ends of the scale that the
-// context states; if it states none, computes them by endsOf().
+// Colours points by a number on the scale `context.scale` or, if this is absent, between the ends that endsOf()
+// returns. valueOf(point) returns the number; NaN: unknown.
 Coloring byNumber(const Scan& scan, const Scale& scale, const ColorContext& context, const auto& valueOf) {
   const ScaleRange ends = context.scale ? *context.scale : endsOf(scan, scale, valueOf);
   const double span = ends.high - ends.low;

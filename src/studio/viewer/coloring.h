@@ -126,8 +126,8 @@ struct ColorOfId {
   std::uint64_t count = 0;
 };
 
-// Appends to `colors` the colour of each of `elements` elements. idOf(i) returns the id of element i; colorOf(id) its
-// colour; isCounted(i) whether the legend counts the element. Returns colours and counts of the counted ids.
+// Appends to `colors` the colour of each of `elements` elements. idOf(i) returns the id of element i, and colorOf(id)
+// the id's colour. Returns the colours of ids with the numbers of elements for which isCounted(i) is true; omits zeros.
 std::map<std::uint32_t, ColorOfId> paint(std::size_t elements, const auto& idOf, const auto& colorOf,
                                          const auto& isCounted, std::vector<Rgb>& colors) {
   std::map<std::uint32_t, ColorOfId> ids;

@@ -62,7 +62,7 @@ ExrImage readExr(const std::filesystem::path& file) {
   return image;
 }
 
-// Returns the 1st and 99th percentile of the positive finite values. In large images only every 97th pixel is used.
+// Returns the 1st and 99th percentile of the positive finite values (of every 97th in large images); {1, 1} if none.
 ScaleRange percentilesOf(const std::vector<float>& values) {
   const std::size_t step = values.size() > 100'000 ? 97 : 1;
   std::vector<float> sorted;
@@ -130,7 +130,8 @@ class PlaneMaker {
         [&, low = low](std::size_t i) { return viridis(std::log(std::max(double{distance[i]}, 1e-9) / low) * scale); });
   }
 
-  // Adds a plane of ids. Its legend lists the names of the ids, the most frequent first; it is empty without `nameOf`.
+  // Adds a plane of ids if `ids` is not empty. The legend lists ids by name, the most frequent first; nothing without
+  // `nameOf`.
   template <class Id>
   void addIds(const char* name, const std::vector<Id>& ids, const auto& colorOf,
               const std::function<std::string(std::uint32_t)>& nameOf = {}) {

@@ -41,8 +41,8 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
   const Coloring coloring = colorScan(scan, colorBy, {ontology});
   const Legend& legend = coloring.legend;
   const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {}, beams);
-  // Returns the integer factor that enlarges a side of `size` pixels to at least `leastSize` pixels, or the largest
-  // factor with which the side stays within kMostPictureSide.
+  // Returns the least integer factor that enlarges a side of `size` pixels to at least `leastSize` pixels, but at most
+  // the largest factor with which the side stays within kMostPictureSide.
   const auto enlargement = [](double leastSize, int size) {
     return std::clamp(static_cast<int>(std::ceil(leastSize / size)), 1, std::max(kMostPictureSide / size, 1));
   };

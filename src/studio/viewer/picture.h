@@ -44,14 +44,15 @@ struct ExrSource {
   std::vector<std::string> materials{};  // names by material id; materials without a name are shown by id
 };
 
-// Finds an EXR file. `path`: the file, or the folder of a recording, in which `imageName` specifies the image; see
-// findKey(). Images are in the order of their names, with numbers in numerical order. Throws InputError.
+// Finds an EXR file. `path`: the file, or the folder of a recording, in which `imageName` specifies the image
+// (findKey()). Images are in the order of their names, numbers in numerical order. Throws InputError if no image is
+// found.
 ExrSource findExr(const std::filesystem::path& path, const std::string& imageName);
 
-// Draws the plane with this name and its legend beside it or, if `planeName` is empty, all planes side by side, in a
+// Draws the plane `planeName` with a legend beside it or, if `planeName` is empty, all planes side by side, in a
 // picture `width` pixels wide. Depth is coloured on a logarithmic scale, normals by their components (x red, y green, z
 // blue; 0.5 means zero), ids by one colour each, material properties on a scale from 0 to 1 (retroreflectance from 0 to
-// its maximum). Planes of hits have one row per ring, with ring 0 at the top. Throws InputError.
+// its maximum). Planes of hits have one row per ring, ring 0 at the top. Throws InputError if there is no such plane.
 Image drawExr(const ExrSource& source, const std::string& planeName, int width);
 
 }  // namespace scanmill

@@ -188,7 +188,8 @@ bool elevationsRise(const Scan& scan) {
   return sums.covariance() > 0;
 }
 
-// Returns the scan's numbers of rings and columns; if the scan is not organised, at least as many as its points need.
+// Returns the numbers of rings and columns of an organised scan, or those that the points need. Throws InputError if
+// the scan is not organised and lacks `ring` or `column`, or if the image would be larger than kMostPictureSide.
 GridSize gridOf(const Scan& scan) {
   GridSize size{std::max<std::size_t>(scan.rings, 1), std::max<std::size_t>(scan.columns, 1)};
   if (!scan.organised) {

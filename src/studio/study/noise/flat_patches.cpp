@@ -152,8 +152,8 @@ void countHoles(const BeamTable& beams, const Cells& cells, double deviation, Fl
   }
 }
 
-// Returns the number of groups of windows. Windows are compared only with windows of the same group, which have similar
-// range and similar incidence.
+// Returns the number of groups of windows. Only windows of similar range and incidence, which form a group, are
+// compared.
 std::size_t groups() {
   return 2 * rangeBandEdges().size();
 }
@@ -164,15 +164,15 @@ std::size_t groupOf(const FlatPatch& patch) {
   return groupIn(rangeBandOf(patch.range), patch.incidence < kSteep);
 }
 
-// Returns the standard deviation (m) that flat windows have in each group. It is taken from the smoothest tenth of the
-// group, since most windows may not be flat. A group may have no flat window at all, so neighbouring bands of range
-// bound its value: noise does not decrease with range, and grows at most with the square of the range, as the returned
-// power decreases. If the bounds are too tight, fewer patches are chosen. This causes no bias, since the choice does
-// not depend on the measured halves.
+// Returns the standard deviation (m) of flat windows for each group, taken from the group's smoothest tenth since most
+// windows may not be flat. A group may even have no flat window, so neighbouring range bands bound the value: noise
+// does not decrease with range, and grows at most with the squared range, as the returned power decreases. Bounds that
+// are too tight only reduce the number of patches. They cause no bias, since the choice does not depend on the measured
+// halves.
 std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   const std::size_t bands = rangeBandEdges().size();
-  // By group, for each window: the noise variance that follows if the window's variance is a 10 % quantile, as in the
-  // smoothest tenth, which is chosen. A group with fewer than kTelling windows does not bound other groups.
+  // By group, the noise variance that each window implies if the window's variance is the group's 10 % quantile, since
+  // this quantile is chosen below. A group with fewer than kTelling windows does not bound other groups.
   std::vector<std::vector<double>> impliedVariances(groups());
   std::vector<std::vector<double>> ranges(groups());
   for (const FlatPatch& p : candidates) {
@@ -193,7 +193,8 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
       usual[group] = std::min(fartherDeviation, std::sqrt(*tenth));
       if (v.size() >= kTelling) fartherDeviation = usual[group];
     }
-    // Noise grows at most with the square of the range: from near to far, its growth is limited.
+    // Noise grows at most with the square of the range: from near to far, a band gets at most the bound of nearer
+    // bands.
     double nearerRange = 0;
     double nearerDeviation = 0;
     for (std::size_t band = 0; band < bands; ++band) {
@@ -239,7 +240,7 @@ std::vector<FlatPatch> chooseFlat(const std::vector<FlatPatch>& candidates, cons
   return chosen;
 }
 
-// Sets the fits of the measured half and the number of points, if the half has enough returns.
+// Sets the measured half's fits and number of points; does nothing if too few returns, or no plane, can be fitted.
 void addMeasuredHalf(const BeamTable& beams, const std::vector<const Cell*>& measured, FlatPatch& patch) {
   constexpr double kLeastFree = 0.1;  // returns with a smaller value of 1 - leverage do not count
   if (measured.size() < kFewestMeasured) return;

@@ -52,9 +52,9 @@ std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& b
   return sensorRingOf;
 }
 
-// Returns the scan with the sensor's ring numbers instead of its own, and with a column number for each point, which
-// follows from the point's azimuth about the z axis of the scan's frame. This frame may be rotated relative to the
-// sensor's frame; alignedFrame() finds the rotation later. The scan must have the column ring, but not column.
+// Returns the scan with the sensor's ring numbers and a column number for each point, which follows from the point's
+// azimuth about the z axis of the scan's frame. This frame may be rotated relative to the sensor's frame;
+// alignedFrame() finds the rotation later. The scan must have the point attribute `ring`, but not `column`.
 Scan withColumns(const Scan& scan, const BeamTable& beams) {
   Scan assigned = scan;
   const std::vector<std::uint16_t> sensorRingOf = ringsByElevation(scan, beams);
@@ -74,8 +74,8 @@ Scan withColumns(const Scan& scan, const BeamTable& beams) {
   return assigned;
 }
 
-// Returns the first return of each beam, if it has a finite position. If the scan is not organised, the columns ring
-// and column give the beam of each point.
+// Returns the first return of each beam; omits positions that are not finite, and (0, 0, 0), which means no return.
+// Throws InputError if beams of points are unknown (the scan is not organised and lacks `ring`) or not the sensor's.
 std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, const Location& where) {
   if (!knowsBeams(scan)) {
     throw InputError(where,
@@ -106,8 +106,8 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
   return points;
 }
 
-// Returns the rotation of the points about the z axis relative to their beams (rad). It is the circular mean of the
-// points' rotations, weighted by their distance from the axis.
+// Returns the rotation of the points about the z axis relative to their beams (rad): the circular mean of the points'
+// rotations, weighted by the distances from the axis.
 double startingYaw(const std::vector<BeamPoint>& points, const BeamTable& beams) {
   double sine = 0, cosine = 0;
   for (const BeamPoint& p : points) {

@@ -20,15 +20,15 @@ struct RecordedScan {
   std::size_t returns = 0;
 };
 
-// Assigns each point of a scan to a beam: in an organised scan by its position in the image, otherwise by the columns
-// ring and column; if there is only the column ring, by ring and azimuth. Only the first return of a beam is used,
-// since later returns occur at edges and not on flat surfaces. The sensor's pose in the frame of the points is
-// estimated, since recordings often do not state it. Throws InputError if the scan has another size than the sensor, if
-// it has no rings or too few returns, or if its points are not on the sensor's beams; the message starts with `name`.
+// Assigns each point of a scan to a beam: in an organised scan by the position in the image, otherwise by the columns
+// `ring` and `column` or, without `column`, by ring and azimuth. Only the first return of a beam is used, since later
+// returns occur at edges and not on flat surfaces. The sensor's pose in the frame of the points is estimated, since
+// recordings often do not state it. Throws InputError if the scan's size is not the sensor's, if rings are unknown, if
+// returns are too few, or if points are not on the sensor's beams; the message starts with `name`.
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name);
 
-// Returns the step (m) to which the sensor rounds ranges; all ranges are multiples of it plus a constant. Returns 0 if
-// no step is found.
+// Returns the step (m) to which the sensor rounds ranges: all ranges differ by multiples of the step. 0: no step is
+// found.
 double rangeStep(const std::vector<RecordedScan>& scans);
 
 }  // namespace scanmill

@@ -61,8 +61,8 @@ double groundHeight(const Scan& scan) {
   return mostFrequent == counts.end() ? 0 : kStep * static_cast<double>(mostFrequent->first);
 }
 
-// Adds the returns and cells of a scan to `surfaces`. `measured`: the intensity or power of each point. The first
-// return in a cell determines the cell's kind.
+// Adds the returns and cells of a scan to `surfaces`. `measured`: the intensity or power of each point. A cell has the
+// kind of its first return.
 void addSurfaces(const Scan& scan, const std::vector<float>& measured, Surfaces& surfaces) {
   constexpr double kGroundSlack = 0.3, kGroundSlope = 0.03;  // height difference (m), and its growth per m of range
   const double ground = groundHeight(scan);
@@ -188,9 +188,8 @@ std::vector<double> zeroAndGeometric(double first, double factor, int count) {
 }
 
 // Returns the floor and the dark value with which the share of zeros in each kind of simulated surface is nearest to
-// the recorded share, by least squares over all returns. The ranges distinguish faint echoes, which are far, from dark
-// surfaces, which may be near. Larger values are chosen only if they fit clearly better. Both are 0 if the recording
-// has hardly any zeros.
+// the recorded share, by least squares over all returns. Faint echoes are far, dark surfaces may be near; hence the
+// ranges tell the two apart. A larger value must fit clearly better. Both are 0 if the recording has hardly any zeros.
 Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, ResponseModel model) {
   constexpr double kBetter = 0.98;  // a larger floor or dark value must reduce the sum of squares by this factor
   constexpr double kLeastZeroShare = 0.002;
@@ -225,7 +224,7 @@ Darkness darknessOf(const Surfaces& recorded, const Surfaces& simulated, Respons
   return best;
 }
 
-// Returns the median over a cell's returns of figureOf(return).
+// Returns the median of figureOf(return) over the returns in a cell.
 double medianIn(const SurfaceCell& cell, const auto& figureOf) {
   std::vector<double> figures;
   for (const SurfaceReturn& s : cell.samples) figures.push_back(figureOf(s));
@@ -240,7 +239,7 @@ double medianValue(const SurfaceCell& cell, double floor, ResponseModel model) {
   return medianIn(cell, [&](const SurfaceReturn& s) { return valueOf(s, floor, model); });
 }
 
-// Returns the intensity of a value, as the effect `intensity` computes it from a table.
+// Returns the intensity for a power or reflectivity, interpolated in the table as the effect `intensity` does.
 double respond(const ResponseTable& table, double value) {
   if (value <= 0) return 0;
   if (value <= table.front().first) return table.front().second;
@@ -253,7 +252,8 @@ double respond(const ResponseTable& table, double value) {
   return table.back().second;
 }
 
-// Returns for each kind of surface the weight of a simulated surface: the number of recorded ones per simulated one.
+// Returns, for each kind with enough surfaces in both sets, the weight of a simulated surface: recorded / simulated
+// number.
 std::map<SurfaceKind, double> weightsOf(const Surfaces& recorded, const Surfaces& simulated) {
   std::map<SurfaceKind, double> recordedCells, simulatedCells;
   for (const SurfaceCell& c : recorded.cells) ++recordedCells[c.kind];
@@ -267,7 +267,7 @@ std::map<SurfaceKind, double> weightsOf(const Surfaces& recorded, const Surfaces
   return weights;
 }
 
-// Adds a row to the table if its value and its intensity are larger than those of the last row.
+// Adds a row if the value is at least kApart times, and the intensity larger than, the last row's.
 void addRow(ResponseTable& table, double value, double intensity) {
   constexpr double kApart = 1.1;  // least ratio of two values of the table
   if (!(value > 0)) return;
@@ -351,7 +351,7 @@ void fillTable(const Surfaces& recorded, const Surfaces& simulated, const std::m
     if (share > recordedCells.zeroShare())
       addRow(fit.table, simulatedCells.quantile(share), recordedCells.quantile(share));
   }
-  // The brightest returns come from small objects, such as signs and plates, which fill no cell.
+  // The brightest returns come from small objects, such as signs and plates, which do not fill a cell.
   constexpr double kBrightest = 0.9997;  // quantile of the returns that is too high to be reached by noise alone
   addRow(fit.table, simulatedReturns.quantile(kBrightest), recordedReturns.quantile(kBrightest));
   limitSlope(fit.table);
@@ -402,7 +402,7 @@ double scatterOf(const std::vector<SurfaceCell>& cells, const auto& intensityOf)
   return medianOf(std::move(deviations));
 }
 
-// Sets whether the sensor writes bytes, and the step of intensities. Throws InputError if all intensities are equal.
+// Sets `bytes` and `step` of the fit. Throws InputError if all intensities are equal.
 void findScale(const std::vector<double>& intensities, ResponseFit& fit) {
   const auto [least, most] = std::ranges::minmax(intensities);
   if (least == most) throw InputError("the recorded intensities are all alike, so there is no response to find");

@@ -26,8 +26,7 @@ struct RingSystem {
     return Eigen::LDLT<Eigen::MatrixXd>(a + Eigen::MatrixXd(ridge.asDiagonal()));
   }
   Eigen::VectorXd solve() const { return factor().solve(b); }
-  // Returns the matrix that maps true errors to the solution. It differs from the identity, since the ridge shrinks
-  // errors.
+  // Returns the matrix that maps true errors to the solution; not the identity matrix, since the ridge shrinks errors.
   Eigen::MatrixXd resolution() const { return factor().solve(a); }
   bool contains(Eigen::Index ring) const { return a(ring, ring) > 0; }
 
@@ -60,7 +59,8 @@ PatchValues valuesOf(const BeamTable& beams, const BeamImage& image, const Recor
       const double onPlane = rangeOnPlane(beams, *beam, patch.plane);
       if (!(onPlane > 0)) continue;
       const std::uint32_t ring = *beam / beams.columns;
-      // The derivative of a range r by the plane is -r^2 times the beam's direction; the sign has no effect.
+      // The derivative of a range r with respect to the plane is -r^2 times the beam's direction; the sign has no
+      // effect.
       values.ranges.push_back({ring, scan.range[*beam] - onPlane, beams.direction[*beam] * (onPlane * onPlane)});
       distances.push_back(std::abs(values.ranges.back().value));
       if (!scan.intensity.empty() && scan.intensity[*beam] > 0) {
@@ -119,7 +119,7 @@ RingSpread ringSpreadOf(const std::array<RingSystem, 2>& halves) {
   }
   spread.rings = ringsInBoth.size();
   if (spread.rings < kFewestRings) return spread;
-  // Returns the errors that a half gives for the rings in both halves, minus the mean of these errors.
+  // Returns the errors, according to one half, of the rings in both halves, minus their mean.
   const auto centredErrors = [&](const RingSystem& half) -> Eigen::VectorXd {
     const Eigen::VectorXd ofRings = half.solve()(ringsInBoth);
     return ofRings.array() - ofRings.mean();

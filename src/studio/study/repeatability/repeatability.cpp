@@ -31,9 +31,8 @@ std::vector<BoxedObject> boxedObjects(const Scene& scene) {
   return objects;
 }
 
-// Returns the object with this name that is nearest to the sensor's position (world frame, m); if the name is empty,
-// the nearest of all objects. `scene`: the scene of the objects, which messages name. Throws InputError if no object
-// has the name, or if the scene has no objects.
+// Returns the object named `name` that is nearest to the sensor's position (world frame, m); if `name` is empty, the
+// nearest of all objects. Throws InputError, which names the scene's file, if there is no such object.
 const BoxedObject& objectToScan(const std::vector<BoxedObject>& objects, const std::string& name,
                                 const Vec3d& sensorPosition, const Scene& scene) {
   const BoxedObject* nearest = nullptr;
@@ -57,12 +56,13 @@ const BoxedObject& objectToScan(const std::vector<BoxedObject>& objects, const s
 
 using ObjectCloud = std::vector<Vec3f>;  // points relative to the object's centre, along the world's axes (m)
 
-// Returns the points of a scan that are within `margin` (m) of the object's bounding box. `shot`: the shot of the scan.
+// Returns the points of a scan that are at most `margin` (m) from the object's box. `shot`: the shot of the scan.
 ObjectCloud cropToObject(const Scan& scan, const Shot& shot, const BoxedObject& object, double margin) {
   ObjectCloud cloud;
   const Vec3d center = object.center();
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    // A point is in the sensor's frame at the time of its column, or at the start of the revolution if it is deskewed.
+    // Points of a deskewed scan are in the sensor's frame at the start of the revolution, others in that of their
+    // column.
     const std::size_t step = shot.deskew ? 0 : shot.stepOf(scan[kColumn][i]);
     const Vec3d p = shot.worldFromSensor[step] * Vec3d(scan.position[i]);
     if (object.distance(p) <= margin) cloud.push_back(static_cast<Vec3f>(p - center));
@@ -267,7 +267,7 @@ class RepeatabilityRun {
     for (std::size_t first = 0; first < clouds.size(); first += choice_.scans) {
       pose.points.push_back(countPoints(std::span(clouds).subspan(first, choice_.scans)));
     }
-    // The pairs of one source level and one target level follow each other.
+    // The pairs of one source level and one target level are consecutive.
     const std::size_t pairsOfLevels = std::size_t{choice_.scans} * (choice_.scans - 1);
     for (std::size_t first = 0; first < registered.size(); first += pairsOfLevels) {
       pose.fitness.push_back(fitnessOf(std::span(registered).subspan(first, pairsOfLevels)));
@@ -275,7 +275,8 @@ class RepeatabilityRun {
     return pose;
   }
 
-  // Returns the numbers of points on the object. `clouds`: its points in all scans with one noise level; not empty.
+  // Returns the numbers of points on the object. `clouds`: the object's clouds, one per scan, at one noise level; not
+  // empty.
   static PointCount countPoints(std::span<const ObjectCloud> clouds) {
     PointCount count{.mean = 0, .least = clouds.front().size(), .most = 0};
     for (const ObjectCloud& cloud : clouds) {
@@ -286,8 +287,8 @@ class RepeatabilityRun {
     return count;
   }
 
-  // Returns the statistics of pairs of scans. `pairs` counts all pairs. `unmoved` ignores pairs without a fitness, and
-  // `registered` also pairs for which ICP found no motion.
+  // Returns the statistics of pairs of scans. `pairs` counts all pairs. `registered` and `unmoved` ignore pairs without
+  // a fitness; `registered` also ignores pairs for which ICP found no motion.
   static LevelFitness fitnessOf(std::span<const Registered> pairs) {
     std::vector<std::optional<double>> registered, unmoved;
     for (const Registered& pair : pairs) {

@@ -101,7 +101,7 @@ struct RepeatabilityChoice {
   IcpOptions icp;
 };
 
-// Reads the key `repeatability` of a pipeline. Throws InputError with file and line.
+// Reads the key `repeatability` of a pipeline; absent keys have the defaults. Throws InputError with file and line.
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline);
 
 // Returns the layout of scans for the comparison: positions, and the column of each point.

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostLevels = 32;
 constexpr std::int64_t kMostScans = 100;
 
-// Reads the list `repeatability.noise`. The names of levels must differ, since `reference` names one of them.
+// Reads the list `repeatability.noise`. Throws InputError if two levels have one name, since `reference` names a level.
 std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
     throw InputError(list.where,

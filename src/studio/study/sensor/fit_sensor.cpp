@@ -51,8 +51,8 @@ struct RingLine {
   double residual(const Point& p) const { return p.position.z - intercept - slope * axisDistance(p); }
 };
 
-// Fits a line by least squares. Returns nothing if there are too few points, or if their distances from the axis differ
-// too little.
+// Fits the line by least squares. Returns nothing if there are too few points, or if the distances of the points from
+// the axis vary too little.
 std::optional<RingLine> fitRingLine(const std::vector<const Point*>& points) {
   const auto n = static_cast<double>(points.size());
   if (points.size() < kFewestInRing) return std::nullopt;
@@ -131,7 +131,7 @@ class SensorFitter {
   }
 
  private:
-  // Adds the finite first returns of a scan. Ignores points at the origin, which are misses in some formats.
+  // Adds the finite first returns of a scan. Ignores points at the origin, which in some formats mean no return.
   void addPoints(const Scan& scan) {
     const auto& time = scan[kTime];
     for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -223,8 +223,8 @@ class SensorFitter {
     fit_.azimuthSpread = medianOf(deviations);
   }
 
-  // Finds the beams' origin. In each ring, intercept = height + offset * x with x = -cos(azimuth offset) * slope: a
-  // linear equation for the height and the offset of the origin, which are fitted by weighted least squares.
+  // Finds the height and the offset of the beams' origin by weighted least squares. Each ring's line gives a linear
+  // equation: intercept = height + offset * x, where x = -cos(azimuth offset) * slope.
   void findOrigin() {
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;  // sums of weights, times x, times y = intercept and so on
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
@@ -274,8 +274,8 @@ class SensorFitter {
     fit_.elevationSpread = medianOf(deviations);
   }
 
-  // Sets the elevations of rings with too few points from the line (elevation over ring number) through the two nearest
-  // rings with enough points; if only one ring has enough points, sets its elevation.
+  // Sets the elevation of each ring with too few points from the line (elevation over ring number) through the two
+  // nearest rings with enough points. If only one ring has enough points, uses this ring's elevation.
   void fillBareRings() {
     for (const std::uint32_t bareRing : fit_.bareRings) {
       std::vector<std::uint32_t> nearest;  // rings with enough points, by distance from the bare ring
@@ -294,7 +294,7 @@ class SensorFitter {
     }
   }
 
-  // Returns the times (s) per column between points in the same ring that are `apart` columns apart.
+  // Returns the time difference per column (s) for each pair of points with times in one ring, `apart` columns apart.
   std::vector<double> timeSteps(std::uint32_t apart) const {
     std::vector<double> steps;
     forEachPair(apart, [&](const Point& a, const Point& b) {

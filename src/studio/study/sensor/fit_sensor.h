@@ -36,7 +36,7 @@ struct SensorFit {
 // do not suffice; the message says what is missing.
 SensorFit fitSensor(const std::vector<Scan>& scans);
 
-// Returns the text of a sensor file. `source`: description of the scans, which the file's comment names as its origin.
+// Returns the text of a sensor file. A comment in it names `source`, a description of the scans, as its origin.
 std::string sensorYaml(const SensorFit& fit, const std::string& source);
 
 }  // namespace scanmill

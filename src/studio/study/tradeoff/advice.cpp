@@ -58,7 +58,7 @@ double scanSecondsOf(const SettingResult& result) {
   return result.measured.cost.scanSeconds;
 }
 
-// Returns the largest ratio of an error to the need's limit: at most 1 if the errors keep all limits, infinite if a
+// Returns the largest ratio of an error to the limit of the need: at most 1 if all limits are kept, infinite if a
 // limited error is unknown.
 double largestRatio(const GroupErrors& e, const Need& need) {
   constexpr double kRounding = 1e-9;  // rounding error of fractions such as 1 - 0.9999
@@ -71,8 +71,8 @@ double largestRatio(const GroupErrors& e, const Need& need) {
   return largest;
 }
 
-// Returns the fastest of the results, which must not be empty. Among results about as fast, prefers default options,
-// then the fewest wrong beams, then the least range error.
+// Returns the fastest of the results, of which there must be one. Among results at most kSameTime slower, prefers
+// default options, then the fewest wrong beams, then the least range error.
 const SettingResult& fastestOf(Results results) {
   const double least = scanSecondsOf(*std::ranges::min(results, {}, [](const auto* r) { return scanSecondsOf(*r); }));
   std::erase_if(results, [&](const auto* r) { return scanSecondsOf(*r) > least * (1 + kSameTime); });

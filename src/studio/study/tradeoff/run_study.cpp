@@ -132,7 +132,7 @@ class StudyRun {
   // timed.
   int scansPerShot() const { return choice_.repeats + 1; }
 
-  // Returns how long the set-ups of all settings and the measurements of one frame probably take. Assumes that all
+  // Returns the time that the set-ups of all settings and the measurements of one frame probably take. Assumes that all
   // settings of a method take as long as the method's first setting.
   ExpectedTime expectedTime() {
     const std::vector<Shot> shots = source_.frame(choice_.sequence, sequence_.spreadFrames(1).front()).shots;
@@ -178,7 +178,8 @@ class StudyRun {
     study_.beamsPerShot = beams / truth_.size();
   }
 
-  // Measures the settings in their order until the budget is used up; lists the others in `leftOut`.
+  // Measures the settings, in order, until the budget is used up; `leftOut` then gets a line for each remaining
+  // setting.
   void measureSettings() {
     for (const MethodSetting& s : choice_.settings) {
       checkStopped();
@@ -234,8 +235,8 @@ class StudyRun {
     }
   }
 
-  // Measures simplified physics on one frame only, since its reference scan may have 127 rays per beam and then takes
-  // as long as 127 scans.
+  // Measures simplified physics on one frame only, since the reference may trace 127 rays per beam, which takes as long
+  // as 127 scans.
   void measureSimplifications() {
     std::vector<Shot> shots;
     for (const TrueShot& t : truth_) {
@@ -245,8 +246,8 @@ class StudyRun {
         plan_, scene_, shots, [this](const std::string& name) { progress_.say(name); }, measureOptions_.stop);
   }
 
-  // Draws pictures of the errors of two settings of each method: of the first setting with noticeable errors, and of
-  // the setting with the largest 99th percentile of the range error. Methods without noticeable errors get no picture.
+  // For each method with noticeable errors, draws pictures of the first setting that has such errors and of the setting
+  // with the largest 99th percentile of the range error.
   void drawPictures() {
     constexpr double kNoticeableError = 1e-3, kNoticeableMissRate = 1e-4;  // m; fraction of the beams
     if (!options_.drawErrors) return;

@@ -136,7 +136,7 @@ class SensingStudy {
     if (weather) truth.name += " weather,";
     truth.name.pop_back();  // removes the last comma
     std::vector<Variation> list{truth};
-    // Adds a variation that differs from the truth by these changes.
+    // Adds a variation that differs from the truth by `changes`.
     const auto add = [&](const std::string& name, const Changes& changes) {
       Variation& variation = list.emplace_back(Variation{name, changes});
       variation.changes.insert(truth.changes.begin(), truth.changes.end());  // does not overwrite `changes`
@@ -189,7 +189,7 @@ class SensingStudy {
     return result;
   }
 
-  // Returns the scan of a shot with the variation, and adds the times of its stages to the result.
+  // Returns the scan of a shot with the variation, and adds the times for tracing and effects to the result.
   Scan scan(const Variation& variation, const Shot& shot, SensingResult& result) const {
     if (stop_ && stop_()) throw Error("interrupted: nothing was written");
     if (say_) say_(variation.name);

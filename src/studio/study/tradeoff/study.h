@@ -26,8 +26,8 @@
 namespace scanmill {
 
 // Times and errors of a variation that simplifies the sensor's physics (fewer rays per beam, no glass, no mirrors,
-// clear air). The errors compare the nearest return of each beam with that of the truth, which has the complete
-// physics.
+// clear air). The errors are differences between a beam's nearest return and its nearest return in the truth, which has
+// the complete physics.
 struct SensingResult {
   std::string name;           // what the variation simplifies, such as "7 rays a beam"
   std::string failure{};      // why the variation could not be measured; then the members below are empty
@@ -136,7 +136,7 @@ struct Advice {
   std::string setting;  // name of the setting, see Setting::name; empty if none is good enough
   std::string text;     // speed and errors of the setting; if none is good enough, of the one nearest to the limits
 };
-// Returns the advice for all needs, in the order of the needs; nothing if no setting was measured.
+// Returns the advice for all needs, in order; needs with the same setting share an entry. Nothing if none was measured.
 std::vector<Advice> advise(const Study& study);
 
 // The options of a study are the key `tradeoff:` of a pipeline. All keys in it are optional.
@@ -173,9 +173,9 @@ StudyChoice readStudyChoice(const Pipeline& pipeline);
 // with one or several options changed.
 std::vector<MethodSetting> defaultSettings();
 
-// Encodes and decodes each scan `repeats` times on one thread and uses the shortest time of each scan. Rates and sizes
-// are per return; misses in organised scans need bytes, but do not count as points. The error is the distance between
-// decoded and original positions.
+// Encodes and decodes each scan `repeats` times on one thread; the shortest time of a scan counts. Rates and sizes are
+// per return; misses in organised scans need bytes, but do not count as points. The error is the distance between
+// decoded and original positions. If encoding fails, sets EncodingResult::failure.
 EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats);
 
 struct StudyOptions {
@@ -198,7 +198,7 @@ std::string toJson(const Study& study);
 // finer.
 inline constexpr double kExactRange = 1e-5;
 
-// The name of the group in BeamErrors::byEdge with the beams that are not near edges.
+// Name of the group in BeamErrors::byEdge that contains the beams away from edges.
 inline constexpr std::string_view kAwayFromEdges = "interior";
 
 // Returns the errors of the beams that are not near edges; null if edges are not known.
@@ -210,12 +210,12 @@ double wrongShare(const GroupErrors& errors);
 // truth and in the test.
 double rangeP99(const GroupErrors& errors);
 
-// Returns how many beams per second the setting traces, without the time for its set-up.
+// Returns the number of beams that the setting traces per second; the time for the set-up does not count.
 double beamsPerSecond(const Study& study, const SettingResult& result);
 // True if the setting gives no options, so that all have their defaults.
 bool isDefault(const Setting& setting);
 
-// Returns the indices in Study::settings of the measured settings of a method; of all methods if `method` is empty.
+// Returns the measured settings of a method, or of all methods if `method` is empty, as indices in Study::settings.
 std::vector<std::size_t> measuredSettings(const Study& study, const std::string& method = "");
 
 // Returns the Pareto front of time and an error, such as rangeP99(), as indices in Study::settings, the fastest first.
@@ -223,7 +223,7 @@ std::vector<std::size_t> measuredSettings(const Study& study, const std::string&
 // returned.
 std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&));
 
-// Returns the index of ray tracing with default options; nothing if it was not measured.
+// Returns the index in Study::settings of ray tracing with default options; nothing if it was not measured.
 std::optional<std::size_t> tracingDefault(const Study& study);
 // Returns the names of the methods, in the order in which their settings occur.
 std::vector<std::string> methodsOf(const Study& study);

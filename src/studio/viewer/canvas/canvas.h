@@ -141,15 +141,16 @@ class Canvas {
   // chosen, to be fast during motion.
   virtual void render(std::uint64_t maxPoints = 0) = 0;
   virtual Image read() = 0;  // returns the picture that was drawn last
-  // Shows the window and passes its events to `handle`, until `handle` returns false or the window is closed. `handle`
-  // may call all functions except run(). If `handle` throws, run() ends and rethrows the exception.
+  // Shows the window and passes its events to `handle`, and a Tick every `tickMilliseconds` (0: none), until `handle`
+  // returns false or the window is closed. `handle` may call all functions except run() and may throw; run() rethrows.
   virtual void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) = 0;
 };
 
 // Opens a window on the display that the environment variable DISPLAY names. `width`, `height`: in pixels. Throws
 // NoDisplay if there is no display; throws Error if there is no OpenGL or the plug-in is missing.
 std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height);
-// Creates a canvas without a window, which draws on the device that namedDevice() returns (gpu/device.h). Throws Error.
+// Creates a canvas without a window on the device namedDevice() (gpu/device.h). Throws Error if there is no such
+// device.
 std::unique_ptr<Canvas> openOffscreen(int width, int height);
 
 // Writes the picture that was drawn last to scanmill_view_000.png in the current folder, or to the file with the first

@@ -40,7 +40,8 @@ std::vector<BeamPoint> sortedByBeam(const Scan& scan) {
   return points;
 }
 
-// Returns at most 16 points of the key's beam, since damaged scans may have thousands. `sorted`: see sortedByBeam().
+// Returns the points of the key's beam, but only the first 16: damaged scans may have thousands. `sorted`: see
+// sortedByBeam().
 std::span<const BeamPoint> pointsOf(const std::vector<BeamPoint>& sorted, const PointKey& key) {
   constexpr std::size_t kMostReturns = 16;
   const auto points = std::ranges::equal_range(sorted, beamOf(key), {}, &BeamPoint::beam);
@@ -72,7 +73,7 @@ std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std:
   const bool areNumbered = numbersReturns(scan) && numbersReturns(reference);
   const std::vector<BeamPoint> referencePoints = sortedByBeam(reference);
   const std::vector<BeamPoint> scanPoints = areNumbered ? sortedByBeam(scan) : std::vector<BeamPoint>();
-  // True if return numbers identify surfaces: the beam has as many returns in the scan as in the reference, and no
+  // True if return numbers identify surfaces: the beam has equally many returns in the scan and the reference, and no
   // false positive.
   const auto numbersMatch = [&](const PointKey& key, std::size_t referenceReturns) {
     const std::span<const BeamPoint> returns = pointsOf(scanPoints, key);

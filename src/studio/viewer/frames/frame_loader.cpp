@@ -120,8 +120,8 @@ std::optional<std::size_t> FrameLoader::nextAhead() const {
   return std::nullopt;
 }
 
-// Caches the frame, and removes the frames that are farthest from the requested one until the others fit. If this
-// removes the new frame, no more frames are read ahead.
+// Caches the frame, then removes the frames farthest from the requested frame until the rest fit into `cacheBytes_`. If
+// the new frame is removed, stops reading ahead.
 void FrameLoader::cache(std::size_t frame, ViewFrame loaded) {
   const std::uint64_t bytes = frameBytes(loaded);
   cached_[frame] = {std::make_shared<const ViewFrame>(std::move(loaded)), bytes};

@@ -1,7 +1,7 @@
 #pragma once
 
-// Loads frames and scenes on a separate thread, so that the window never blocks. One thread makes the requests.
-// Indices of frames are less than the source's number of keys; want() and wait() do not check this.
+// Loads frames and scenes on a separate thread, so that the window never blocks. All requests must come from one
+// thread. Frame indices must be less than the source's number of keys; want() and wait() do not check this.
 
 #include <condition_variable>
 #include <cstddef>
@@ -20,7 +20,7 @@ namespace scanmill {
 
 class FrameLoader {
  public:
-  // Caches the requested frame and, up to `cacheBytes` bytes together, the frames nearest to the requested frame.
+  // The cache contains the requested frame and the frames nearest to it, as many as fit into `cacheBytes` bytes.
   explicit FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t cacheBytes = std::uint64_t{1} << 30);
   ~FrameLoader();                                  // waits until the current load is finished
   FrameLoader& operator=(FrameLoader&&) = delete;  // neither copied nor moved
@@ -34,7 +34,7 @@ class FrameLoader {
   // Waits until the frame is loaded and returns it; requests it unless it was requested last.
   std::shared_ptr<const ViewFrame> wait(std::size_t frame);
 
-  // Requests the mesh of a scene. It is loaded after the requested frames. Only one mesh is cached.
+  // Requests the mesh of a scene, which is loaded after the requested frame. Only the mesh loaded last is cached.
   void wantMesh(const SceneChoice& scene);
   // Returns the mesh; null if it is not loaded yet.
   std::shared_ptr<const ViewMesh> mesh(const SceneChoice& scene);

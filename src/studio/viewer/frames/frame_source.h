@@ -93,8 +93,8 @@ class FrameSource {
   // shard, a member that cannot be decoded, or a sample that is missing in a further dataset. These are reported in
   // ViewFrame::problems, with the file and what to do.
   virtual ViewFrame load(std::size_t frame) const = 0;
-  // Returns the sensor pose (worldFromSensor) of the first shown scan with a known pose in each frame of the sequence,
-  // in the order of frames; empty if the poses are unknown.
+  // Returns the trajectory of the sequence that contains the frame: in each frame, the pose worldFromSensor of the
+  // first shown scan with a known pose. Returns nothing if the poses are unknown.
   virtual std::vector<Pose> trajectory(std::size_t /*frame*/) const { return {}; }
   // Returns the scene in which the frame was scanned. If it is unknown or missing, returns nothing and sets `why`.
   virtual std::optional<SceneChoice> scene(std::size_t /*frame*/, std::string& /*why*/) const { return {}; }

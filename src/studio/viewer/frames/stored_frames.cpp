@@ -142,8 +142,8 @@ void StoredFrames::checkJoins() const {
   }
 }
 
-// Sets `ontology_` to the user's choice. Otherwise sets it to the ontology of the first store that has one, and sets
-// Store::classDifference of stores with other classes.
+// Sets `ontology_` to the file that the user chooses or, without a choice, to the first ontology of a store. Then also
+// sets Store::classDifference of each store whose classes differ.
 void StoredFrames::chooseOntology() {
   if (!input_.ontology.empty()) {
     ontology_ = readOntology(input_.ontology);
@@ -228,8 +228,8 @@ void StoredFrames::addReferenceError(ViewScan& scan, const std::string& key) con
   scan.whyNoError = "no partner in the reference";
 }
 
-// Sets the errors of a scan: from the reference if there is one, otherwise from the column `range_true` if the scan has
-// it. `sensorsDiffer`: the sample has scans of several sensors.
+// Sets the errors of a scan: from the reference if there is one, otherwise from the column `range_true`, if the scan
+// has it and was not moved to the start (movedToStart()). `sensorsDiffer`: the sample has scans of several sensors.
 void StoredFrames::addError(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   if (reference_ == nullptr) {
@@ -245,7 +245,7 @@ void StoredFrames::addError(Loading& loading, const std::string& key, bool senso
   addReferenceError(scan, key);
 }
 
-// Reads the points of a scan from findScans(), and sets its pose, beams and errors. Adds failures to loading.problems.
+// Reads the points of a scan that findScans() returned; sets pose, beams and errors. Adds failures to loading.problems.
 void StoredFrames::loadScan(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   scan.sensor = loading.stored.sensor;

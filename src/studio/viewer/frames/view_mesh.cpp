@@ -46,8 +46,8 @@ std::string shortLocation(const Scene& scene, const Location& where) {
                                        : fmt::format("{}, line {}", file.string(), where.line);
 }
 
-// Returns the key of a surface in the list of rules: the position of the rule or object that gives the class; without
-// such a position, "none" if the surface has no class, otherwise "own".
+// Returns a surface's key in the list of rules: the position of the rule or object that gives the class. Without such a
+// position, returns "none" if the surface has no class, otherwise "own".
 std::string ruleKey(const Surface& surface) {
   if (!surface.labelledBy.file.empty()) return surface.labelledBy.text();
   return surface.semantic == 0 ? "none" : "own";
@@ -140,8 +140,8 @@ void fillBoxes(ViewMesh& view) {
   }
 }
 
-// Clips `boxes` to the cells of a horizontal grid. Returns, for each cell with clipped boxes, the box around these.
-// `origin`: corner of the grid with the least x and y. `side`: side of a cell (m).
+// Clips `boxes` to the cells of a horizontal grid. Returns, for each cell that boxes overlap, the bounding box of the
+// clipped boxes. `origin`: corner of the grid with the least x and y. `side`: side of a cell (m).
 std::vector<Box> occupiedCells(const std::vector<Box>& boxes, const Vec3d& origin, double side) {
   std::map<std::pair<int, int>, Box> occupied;  // the keys are indices of cells along x and y
   for (const Box& box : boxes) {
@@ -186,7 +186,7 @@ Box coreOf(const ViewMesh& view) {
   std::vector<Box> cells = occupiedCells(parts, bounds.low, std::max(longestSide(bounds) / kCells, 1e-6));
   const std::size_t counted = std::min(cells.size(), view.partBoxes.size());
   const auto omitted = static_cast<std::ptrdiff_t>(kOmitted * static_cast<double>(counted));
-  // Returns the coordinate of a side of the box: `omitted` cells come before it in `order`. Reorders the cells.
+  // Returns the coordinate of a side of the box that excludes the first `omitted` cells in `order`. Reorders the cells.
   const auto sideWithoutOmitted = [&](Vec3d Box::*corner, double Vec3d::*axis, auto order) {
     const auto coordinate = [&](const Box& cell) { return cell.*corner.*axis; };
     std::ranges::nth_element(cells, cells.begin() + omitted, order, coordinate);
@@ -238,8 +238,8 @@ double distanceToBox(const Box& box, const Vec3d& origin, const Vec3d& direction
   return enter <= leave ? enter : kMissed;
 }
 
-// Returns the distance (m) at which a ray hits a triangle from either side; infinity if it misses. T. Moeller and B.
-// Trumbore, "Fast, minimum storage ray-triangle intersection", 1997, and their variable names; u and v are barycentric.
+// Returns the distance (m) at which a ray hits a triangle from either side; infinity if it misses. As T. Moeller and B.
+// Trumbore, "Fast, minimum storage ray-triangle intersection", 1997, with the paper's names; u, v: barycentric.
 double distanceToTriangle(std::span<const Vec3f, 3> corners, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d a(corners[0]);
   const Vec3d ab = Vec3d(corners[1]) - a;

@@ -23,8 +23,8 @@ struct ViewSurface {
 
 struct ViewMesh {
   std::string name;
-  // The reason why there is no mesh: the scene could not be read, or is too large. If it is not empty, all other
-  // members except `name` are empty.
+  // Why there is no mesh: the scene could not be read, or is too large. All other members except `name` are then empty.
+  // Empty if there is a mesh.
   std::string problem;
   Vec3d origin;                         // origin of all coordinates of this mesh, in the world frame (m)
   std::vector<Vec3f> corners;           // three per triangle, relative to `origin`, along the world's axes (m)
@@ -56,8 +56,8 @@ struct ViewMesh {
 
 constexpr std::uint64_t kMostViewTriangles = 30'000'000;
 
-// Builds the mesh of a scene with all threads; the result does not depend on their number. If the scene has more than
-// kMostViewTriangles triangles, returns a mesh without triangles whose `problem` states this.
+// Builds the mesh of a scene. Uses all threads; the result does not depend on the number of threads. If the scene has
+// more than kMostViewTriangles triangles, returns a mesh without triangles whose `problem` states this.
 ViewMesh makeViewMesh(const Scene& scene);
 
 // Reads a scene without its textures and builds its mesh. Moving objects are at their positions at `time` (s

@@ -4,8 +4,8 @@ namespace scanmill {
 
 namespace {
 
-// Returns the number of columns of a grid that divides `body` into `cells` rectangles about 1.4 times as wide as high.
-// The grid has one row, one column or, if this suits 4 cells, two rows and two columns.
+// Returns the number of columns of a grid that divides `body` into `cells` rectangles, which should be 1.4 times as
+// wide as high: 1 or `cells` columns, or, for 4 cells in a `body` of suitable shape, 2.
 int columnsFor(const PixelRect& body, int cells) {
   constexpr double kPleasing = 1.4;  // width of a view divided by its height; chosen by eye
   const double shape = body.width / (kPleasing * body.height);

@@ -18,8 +18,8 @@ struct PanelNeeds {
   int stripHeight = 0;  // height of the range image without its caption (pixels); 0: no range image
 };
 
-// Return the height of a line of text in pixels: for a picture of the given size in pixels, and for a window
-// (`displayScale`: see Canvas::scale()).
+// Return the height of a line of text (pixels): pictureLineHeight() in a picture of `width` x `height` pixels,
+// windowLineHeight() in a window. `displayScale`: see Canvas::scale().
 double pictureLineHeight(int width, int height);
 double windowLineHeight(double displayScale);
 

@@ -83,7 +83,7 @@ std::string fitted(const std::string& text, float width) {
 
 constexpr float kTextIndent = 1.25F;  // distance from a swatch's left end to its text, in heights of a line
 
-// Draws the colour of a row of text as a small square. `rowCorner`: upper left corner of the row.
+// Draws a small square with the colour of a row of text; only an edge unless `filled`. `rowCorner`: upper left corner.
 void drawSwatch(const ImVec2& rowCorner, const Rgb& color, bool filled) {
   const float side = std::floor(lineHeight() * 0.75F);
   const ImVec2 corner{std::floor(rowCorner.x), std::floor(rowCorner.y + (lineHeight() - side) / 2)};
@@ -432,7 +432,8 @@ bool drawMessages(const PixelRect& within, const std::vector<std::string>& probl
   const float maxWidth = std::min(static_cast<float>(within.width) - 2 * margin, lineHeight() * 36);
   float bottom = static_cast<float>(within.top + within.height) - margin;  // y of the lower edge of the next box
   if (maxWidth < lineHeight()) return false;
-  // Draws a box of texts at `bottom`, which it moves up. Returns true if the user has clicked a box of problems.
+  // Draws a box of texts above `bottom`, and moves `bottom` above the box. Returns true if a box of problems was
+  // clicked.
   const auto drawBox = [&](const char* name, const std::vector<std::string>& texts, bool areProblems) {
     constexpr std::size_t kMost = 6;
     if (texts.empty()) return false;

@@ -47,10 +47,11 @@ struct LegendClick {
   std::optional<std::size_t> entry;  // index of the clicked entry
   bool allEntries = false;           // true: the row for all entries was clicked
 };
-// Draws the entries of a legend, and returns what was clicked. `hidden`: true for hidden entries; empty: all are shown.
-// `clickable`: the user can hide and show entries.
+// Draws the entries of a legend and returns the entry that was clicked. `hidden`: whether each entry is hidden; empty:
+// none is. `clickable`: the user can hide and show entries.
 LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse use);
-// Draws a legend's scale, in an interactive panel with fields for its ends; returns the ends that the user enters.
+// Draws a legend's scale; if interactive, with fields for its ends. Returns ends that the user enters, otherwise
+// nothing.
 std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use);
 // Returns the rectangle of a legend with room for all entries: right of the picture's contents `body` or, if the
 // picture would be wider than `maxWidth` pixels, below. Empty if the legend has no entries and no scale.
