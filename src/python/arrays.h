@@ -1,7 +1,7 @@
 #pragma once
 
 // Converts between numpy arrays and values of C++. Arrays of scans take over the memory of the scan's columns; only
-// unsigned integers of 16 bits and more are copied, to signed ones, because PyTorch before 2.3 lacks these types.
+// unsigned integers of 16 bits and more are copied, to signed integers, because PyTorch before 2.3 lacks these types.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -81,7 +81,7 @@ inline pybind11::dict arraysOf(Scan&& scan) {
   return arrays;
 }
 
-// Returns the matrices of poses, shape (poses, 4, 4).
+// Returns the poses as 4 x 4 matrices, in an array of the shape (poses, 4, 4).
 inline pybind11::array_t<double> matricesOf(const std::vector<Pose>& poses) {
   std::vector<double> values;
   for (const Pose& pose : poses) {

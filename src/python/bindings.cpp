@@ -37,8 +37,8 @@ namespace scanmill {
 
 namespace {
 
-// Sets the environment variable SCANMILL_RESOURCES to the package's folder `share` beside this module, unless the
-// variable is already set.
+// Sets the environment variable SCANMILL_RESOURCES to the package's folder `share` beside this module, if the folder
+// exists and the variable is not yet set.
 void findResources() {
   Dl_info here{};
   if (::dladdr(reinterpret_cast<const void*>(&findResources), &here) == 0 || here.dli_fname == nullptr) return;
@@ -111,7 +111,7 @@ void keepColumns(const ScanStore& store, std::size_t sample, const std::vector<s
   });
 }
 
-// Returns the arrays of a scan of a sample. `sensor`: empty for the first sensor. `columns`: nothing for all columns.
+// Returns one scan of a sample as arrays. `sensor`: empty for the first sensor. `columns`: nothing for all columns.
 py::dict readScan(const ScanStore& store, std::size_t sample, const std::string& sensor,
                   const std::optional<std::vector<std::string>>& columns, std::uint32_t revolution) {
   Scan scan;

@@ -22,12 +22,12 @@ namespace {
 
 constexpr const char* kTrajectory = "cameras";
 
-// Returns the pose of a quaternion w, x, y, z and a translation.
+// Returns the pose from a quaternion w, x, y, z that a translation x, y, z follows.
 Pose poseOf(const std::array<double, 7>& p) {
   return {{p[0], p[1], p[2], p[3]}, {p[4], p[5], p[6]}};
 }
 
-// Writes the images of one sensor's frames, in their order.
+// Writes one sensor's frames, each with the images of its depth cameras, in the order of the calls.
 class PassRecorder {
  public:
   // `sensor`: the YAML text of a sensor, whose relative paths start at `here`.
@@ -62,7 +62,7 @@ class PassRecorder {
     images_.push_back(file.filename().string());
   }
 
-  // Ends the frame. `worldFromSensor`: the sensor's pose. `time`: s since the start of the drive.
+  // Writes the frame with its images. `worldFromSensor`: the sensor's pose. `time`: s since the start of the drive.
   void frame(const std::array<double, 7>& worldFromSensor, double time) {
     const Pose pose = poseOf(worldFromSensor);
     RecordedShot shot{key(), name_, time, {pose}, "", {}};

@@ -36,13 +36,13 @@ struct Footprint {
   std::vector<float> weight;  // by ray of a beam: fraction of the beam's power; the sum is 1
 };
 
-// Returns rays through the points of a hexagonal grid across each beam, the axis first. The weight of a ray is the
-// beam's power at the ray's point. Each beam's grid is rotated about the axis by a random angle, which is the same in
-// all frames. The grid is scaled to the second moment of the beam. The echo of a slanted plane therefore has the right
-// width for any number of rays above 1. Throws Error if `raysPerBeam` is not in kFootprintRays.
+// Returns rays through the points of a hexagonal grid across each beam; the first ray is the beam's axis. The weight of
+// a ray is the beam's power at the ray's point. Each beam's grid is rotated about the axis by a random angle, which is
+// the same in all revolutions. The grid is scaled to the second moment of the beam, so that the echo of a slanted plane
+// has the right width for any number of rays above 1. Throws Error if `raysPerBeam` is not in kFootprintRays.
 Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam);
 
-// Turns hits of the footprint's rays into hits of the sensor's beams: sets Hits::columns, beamOfRay and weightOfRay.
+// Assigns the hits of the footprint's rays to the sensor's beams: sets Hits::columns, beamOfRay and weightOfRay.
 void joinRays(const Footprint& footprint, Hits& hits);
 
 }  // namespace scanmill

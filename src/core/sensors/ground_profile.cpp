@@ -68,9 +68,9 @@ Quat onSlope(double yaw, double along, double left) {
   return fromYawPitchRoll(yaw, 0, 0) * fromMatrix({x, cross(z, x), z});
 }
 
-// Fits a line by least squares to the values of 2 * reach + 1 samples, over their distances along the path, and returns
-// the line's values at the sample in the middle. A line preserves constant slopes for any spacing of the samples.
-// `driven`: m along the path, by sample.
+// Fits a line by least squares to the samples middle - reach to middle + reach over the distance `driven` (m along the
+// path, by sample). Returns the line's values at the sample `middle`. A line preserves constant slopes for any spacing
+// of the samples.
 GroundSample fitAt(std::size_t middle, std::size_t reach, const std::vector<GroundSample>& samples,
                    const std::vector<double>& driven) {
   double sumD = 0, sumDD = 0;   // sums of the distances from the middle sample (m) and of their squares
@@ -91,7 +91,7 @@ GroundSample fitAt(std::size_t middle, std::size_t reach, const std::vector<Grou
   return {fitted(sum.height, sumTimesD.height), fitted(sum.along, sumTimesD.along), fitted(sum.left, sumTimesD.left)};
 }
 
-// Smooths each sample over its neighbours up to kSmooth before and after it. `driven`: m along the path, by sample.
+// Smooths each sample over up to kMostSmoothed neighbours on each side within kSmooth. `driven`: m along the path.
 std::vector<GroundSample> smoothed(const std::vector<GroundSample>& samples, const std::vector<double>& driven) {
   std::vector<GroundSample> means;
   means.reserve(samples.size());

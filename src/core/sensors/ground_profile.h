@@ -20,7 +20,7 @@ class Ground {
   // Returns the height (m) of the highest surface that is below `point` or at most 0.5 m above it. If no surface is
   // that low, returns the height of the lowest surface above `point`; nothing if there is no surface at all.
   virtual std::optional<double> under(const Vec3d& point) const = 0;
-  // Returns the height (m) of the surface nearest to `point`; nothing if none is within 1.5 m below or above it.
+  // How a vehicle is placed on the ground. In YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
   virtual std::optional<double> near(const Vec3d& point) const = 0;
 };
 
@@ -32,7 +32,7 @@ struct GroundOptions {
   Location where;
 };
 
-// Reads the options of the key `ground`. Throws InputError.
+// The height and the slopes of the ground under a vehicle at one position.
 GroundOptions readGround(const Value& value);
 
 // The ground under a vehicle.
@@ -54,15 +54,16 @@ class GroundProfile {
   GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> positions,
                 const Ground& ground);
 
-  // Returns positions on the path, at most 0.1 m apart, between ascending knots. Between two knots the path must be
-  // nearly straight and the speed nearly constant. Throws InputError at `where` for more than ten million positions.
+  // Returns a pose placed on the ground: with the horizontal position and heading of `pose`, the ground's pitch and
+  // roll, and GroundOptions::height above the ground. `position`: the position on the path.
   static std::vector<double> samplePositions(const PoseOnPath& poseOnPath, const std::vector<double>& knots,
                                              const Location& where);
 
   // Places a pose on the ground: the result has the pose's horizontal position and heading, the ground's pitch and
   // roll, and lies GroundOptions::height above the ground. `position`: the position on the path.
   [[nodiscard]] Pose place(const Pose& pose, double position) const;
-  // Returns the fraction of the path's samples for which no ground was found, and which copy another sample.
+  // Returns the pose placed on the ground, with its own pitch and roll added to the ground's. Throws InputError if
+  // there is no ground under the pose.
   double bareFraction() const { return bareFraction_; }
 
  private:

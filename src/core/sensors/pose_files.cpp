@@ -22,7 +22,7 @@ namespace {
 // Rounded numbers in files stay below this limit; larger deviations are mistakes in the file.
 constexpr double kMostRotationError = 1e-2;
 
-// Returns the numbers of a text, which blanks separate. `description` says in messages what the numbers are.
+// Returns the N numbers of `text`, separated by blanks; throws InputError otherwise. `description` is for the message.
 template <std::size_t N>
 std::array<double, N> numbersOf(std::string_view text, const Location& where, const char* description) {
   const std::vector<std::string_view> words = wordsOf(text);
@@ -80,7 +80,7 @@ void setHeadingsOfTravel(std::vector<StampedPose>& poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (mark + 1 < marks.size() && marks[mark + 1] <= i) ++mark;
     const std::size_t markAfter = std::min(mark + 1, marks.size() - 1);
-    // The mark before the pose: not a mark at the pose itself, and not the same as markAfter.
+    // Find the last mark before pose i. It must be neither pose i itself nor the mark `markAfter`.
     const std::size_t markBefore = (marks[mark] == i || markAfter == mark) && mark > 0 ? mark - 1 : mark;
     const Vec3d step = positionOf(marks[markAfter]) - positionOf(marks[markBefore]);
     poses[i].pose.rotation =
@@ -131,8 +131,8 @@ Rotations kindOfRotations(const TextTable& table) {
   return rotations;
 }
 
-// Returns an angle of a row (rad), from the columns `name` (rad), name_deg or name_rad; columns that are missing count
-// as 0. Throws InputError if the column without a unit holds more than a turn, which is probably meant in degrees.
+// Returns an angle (rad) of a row from the column `name` (rad), name_deg or name_rad; 0 if the table has none of them.
+// Throws InputError if an angle in the column `name` exceeds a turn, because it is then probably in degrees.
 double angleOf(const TextTable& table, std::size_t row, const std::string& name) {
   constexpr double kTurn = 6.3;  // rad
   const double value = table.number(row, name);
@@ -212,7 +212,7 @@ Affine readKittiCalibration(const std::filesystem::path& file) {
 
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
-  // A comment may name the columns, and show that they are in the wrong order.
+  // Refuse a file with a comment that names the columns with qw before qx.
   if (bytes.find("qw") < bytes.find("qx") && bytes.find("qx") != std::string::npos) {
     throw InputError({file.string()},
                      "names qw before qx, but a line must be time x y z qx qy qz qw: make it a .csv table, whose first "

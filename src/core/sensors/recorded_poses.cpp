@@ -62,7 +62,7 @@ std::vector<StampedPose> readKitti(Fields& f, const std::filesystem::path& file)
   return poses;
 }
 
-// Moves all poses and rotates them about the vertical: the first pose gets this position (m) and heading (`yaw`, rad).
+// Moves all poses and rotates them about the vertical: the first pose gets `position` (m) and the heading `yaw` (rad).
 void startAt(const Vec3d& position, double yaw, std::vector<StampedPose>& poses) {
   const Pose first = poses.front().pose;
   const Quat rotation = fromYawPitchRoll(yaw - headingOf(first.rotation), 0, 0);
@@ -70,7 +70,7 @@ void startAt(const Vec3d& position, double yaw, std::vector<StampedPose>& poses)
   for (StampedPose& p : poses) p.pose = movedFromRecorded * p.pose;
 }
 
-// Throws InputError for fewer than two poses, positions and times out of bounds, and times that do not ascend.
+// Throws InputError if there are fewer than two poses, a position or time is out of bounds, or times do not ascend.
 void checkPoses(const std::vector<StampedPose>& poses, const std::filesystem::path& file) {
   if (poses.size() < 2) {
     throw InputError({file.string()}, "has {} poses, but a moving vehicle needs at least two", poses.size());
@@ -123,7 +123,7 @@ Pose RecordedPoses::at(double time) const {
   const StampedPose& b = poses_[i + 1];
   const double span = b.time - a.time;
   const double u = (time - a.time) / span;
-  // Cubic Hermite interpolation; `start` and `end` are the derivatives by u.
+  // Cubic Hermite interpolation; `start` and `end` are the derivatives with respect to u.
   const Vec3d start = velocityAt(i) * span;
   const Vec3d end = velocityAt(i + 1) * span;
   const Vec3d chord = b.pose.translation - a.pose.translation;

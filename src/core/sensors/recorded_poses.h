@@ -58,12 +58,12 @@ const FormatSupport& poseFormat();
 
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
 std::vector<double> readTimes(const std::filesystem::path& file);  // returns the times (s), one per line of the file
-// Returns cameraFromScanner, the row `Tr` of a calib.txt of KITTI's odometry.
+// Returns cameraFromScanner from the line `Tr` or `Tr_velo_to_cam` of KITTI's calib.txt. All these throw InputError.
 Affine readKittiCalibration(const std::filesystem::path& file);
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file);
 std::vector<StampedPose> readPoseTable(const std::filesystem::path& file);
-// Returns the poses of the vehicle at the times of a scene's scans. `file`: the table ego_pose.json, whose folder must
-// also contain scene.json, sample.json and sample_data.json.
+// Returns the poses of the vehicle at the lidar scans of the scene named `scene`. `file`: the table ego_pose.json,
+// whose folder must also contain scene.json, sample.json and sample_data.json.
 std::vector<StampedPose> readNuScenesPoses(const std::filesystem::path& file, const std::string& scene);
 
 }  // namespace scanmill

@@ -70,7 +70,7 @@ std::vector<double> listedElevations(const Value& value, const std::string& orde
   return elevation;
 }
 
-// Returns the azimuth offset of each ring (deg), from a list that is repeated over the rings.
+// Returns each ring's azimuth offset (deg): the list `value`, repeated over the rings; zeros if `value` is null.
 std::vector<double> readAzimuthOffsets(const Value* value, std::uint32_t rings) {
   if (value == nullptr) return std::vector<double>(rings, 0.0);
   const std::vector<double> pattern = readNumbers(*value, "azimuth_offset_deg", {-180, 180});
@@ -126,8 +126,8 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   return times;
 }
 
-// Returns the shift of the beams' origin by ring (m). The key has one value per ring or one for all rings. Empty if the
-// key is absent or all shifts are zero.
+// Returns the shift (m) of the beams' origin for each ring, from a key with one value per ring or one for all rings.
+// Returns an empty list if the key is absent or all shifts are zero.
 std::vector<double> readOrigins(Fields& fields, std::string_view key, std::uint32_t rings) {
   const Value* value = fields.find(key);
   if (value == nullptr) return {};
@@ -152,8 +152,8 @@ void readRange(Fields& fields, BeamTable& table) {
   table.maxRange = limits[1];
 }
 
-// Reads the beam's widths across and up, given as two values or one value for both, from 0 to `largest`, in thousandths
-// (mrad or mm). Returns them in rad or m; zeros if the key is absent.
+// Returns a beam's horizontal and vertical width (rad or m), from a key with two values or one value for both, each
+// from 0 to `largest` in mrad or mm. Returns zeros if the key is absent.
 std::array<double, 2> readWidths(Fields& fields, std::string_view key, double largest) {
   const Value* value = fields.find(key);
   if (value == nullptr) return {};
@@ -252,7 +252,7 @@ void readRasterBeams(Fields& fields, BeamTable& table) {
   table.topDown = true;
 }
 
-// Reads rings on cones about the sensor's axis. `description`: the map that `fields` reads.
+// Reads rings that scan cones about the sensor's axis into `table`. `description`: the map that `fields` reads.
 void readCones(Fields& fields, const Value& description, BeamTable& table) {
   fields.require("columns");
   table.clockwise = fields.choice("direction", {"clockwise", "counterclockwise"}, "counterclockwise") == "clockwise";

@@ -26,8 +26,8 @@ struct SensorSize {
 // keeps its location in its file. Throws InputError.
 [[nodiscard]] Value resolveSensor(const Value& value);
 
-// Both functions read a sensor map, which resolveSensor() returns or a sensor file contains. A sensor has 1 to 4096
-// rings and 1 to 65536 columns. They throw InputError with the place.
+// Both functions read a sensor map from resolveSensor() or from a sensor file. They throw InputError with the location,
+// also for more than 4096 rings or 65536 columns.
 SensorSize sensorSize(const Value& description);
 std::shared_ptr<const BeamTable> makeBeams(const Value& description);
 

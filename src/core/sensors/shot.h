@@ -1,7 +1,7 @@
 #pragma once
 
-// A shot: one revolution of one sensor at one time, from one pose or, if the sensor moves, several poses, with the
-// address of the shot's random numbers.
+// A shot: one revolution of one sensor at one time. It has one pose of the sensor or, if the sensor moves, several
+// poses, and the address of the shot's random numbers.
 //
 //   Shot shot;  // the sensor stands still, 1.9 m above the world's origin
 //   shot.beams = beams;
@@ -34,8 +34,8 @@ struct Shot {
   std::string sample;   // key of the sample; file names of the shot begin with it
   double time = 0;      // s since the start of the sequence, at column 0
   double duration = 0;  // s, time in which the scene's objects move; 0: objects keep their pose at `time`
-  // Time from `time` to the sensor's next revolution in the dataset (s). For a revolution that begins with its frame
-  // this is the time to the sequence's next frame; for the last frame, the time from the frame before it; for a single
+  // Time (s) from `time` to the sensor's next revolution in the dataset. For a revolution that begins with its frame,
+  // this is the time to the sequence's next frame; in the last frame, the time since the previous frame; in a single
   // frame, the sensor's period.
   double untilNext = 0;
   std::shared_ptr<const BeamTable> beams;
@@ -53,8 +53,8 @@ struct Shot {
   bool deskew = false;
 
   // Distance (m) along each ray of `beams` beyond which the ray's hits do not matter, for example because the ego
-  // vehicle blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore it. The array must outlive the
-  // shot.
+  // vehicle blocks the ray; may be infinite. Empty: all hits matter. Methods may ignore these distances. The array must
+  // outlive the shot.
   std::span<const float> blockedBeyond;
 
   // Poses of objects in this shot that replace the poses of the scene; null: all objects have the scene's poses. The

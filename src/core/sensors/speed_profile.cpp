@@ -80,7 +80,7 @@ double SpeedProfile::timeAt(double distance) const {
   if (next == nodes_.end()) return duration();
   const Node& a = *(next - 1);
   const Node& b = *next;
-  // Solve v t + a t^2 / 2 = s for t, in a form that is exact for small a too.
+  // Solve a.speed * t + acceleration * t^2 / 2 = driven for t, in a form that is exact for small accelerations too.
   const double acceleration = (b.speed - a.speed) / (b.time - a.time);
   const double driven = distance - a.distance;  // m since node a
   const double speed = std::sqrt(std::max(0.0, a.speed * a.speed + 2 * acceleration * driven));

@@ -62,7 +62,7 @@ double numberOf(std::string_view text, const Location& where) {
 }
 
 TextTable::TextTable(const std::filesystem::path& file) : bytes_(readFile(file)) {
-  // If the file begins with a comment that a line of numbers follows, the comment names the columns: remove its #.
+  // If the file begins with a comment and the next line with a number, the comment names the columns: remove its #.
   if (const std::size_t start = bytes_.find_first_not_of("\xEF\xBB\xBF");
       start < bytes_.size() && bytes_[start] == '#') {
     const std::string_view firstLine = linesOf(bytes_, file).front().text;

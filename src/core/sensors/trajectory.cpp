@@ -36,7 +36,7 @@ std::vector<Pose> readPoseList(const Value& value) {
 const std::initializer_list<std::string_view> kKeysOfDrives = {
     "speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep", "from", "to"};
 
-// Reads the key `stops` of a drive along a path of this length (m); no stops if the key is absent.
+// Reads the key `stops` of a drive along a path of `length` m. Returns no stops if the key is absent.
 std::vector<DriveStop> readStops(Fields& fields, double length) {
   constexpr double kApart = 1;  // m, least distance of a stop from other stops and from the path's ends
   std::vector<DriveStop> stops;
@@ -61,8 +61,8 @@ std::vector<DriveStop> readStops(Fields& fields, double length) {
   return stops;
 }
 
-// Returns the number of frames from the path's start to its end, `interval` s apart, or `limit` if that is less.
-// `length` (m) and `speed` (m/s) are only for the message if the frames are too many.
+// Returns the number of frames in a drive of `duration` s, `interval` s apart and at most `limit`. Throws InputError
+// for more than kMaxFrames frames; only its message uses `length` (m) and `speed` (m/s).
 std::uint32_t countFrames(double duration, double interval, double limit, double length, double speed,
                           const Location& where) {
   // A frame that falls exactly on the end of the path counts; the terms 1e-12 and 1e-9 absorb rounding errors.
@@ -155,7 +155,7 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
     for (Pose& pose : placed.poses_) pose = scanmill::onGround(*groundOptions_, pose, ground);
     return placed;
   }
-  // Positions on the path, in s if it is recorded, otherwise in m: see positionAt().
+  // All positions below are positions on the path: in s if it is recorded, otherwise in m (see positionAt()).
   const double end =
       std::min(positionAt(frameTime(frames_ - 1) + lastTurn_), recorded_ ? recorded_->duration() : path_->length());
   const GroundProfile::PoseOnPath onPath = [this](double position) { return poseOnPath(position); };

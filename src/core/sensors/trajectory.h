@@ -22,7 +22,6 @@ namespace scanmill {
 class Fields;
 class Path;
 
-// A stop of a vehicle on its path.
 struct DriveStop {
   double position = 0;  // m along the path
   double duration = 0;  // s
@@ -58,8 +57,8 @@ class SpeedProfile {
   std::vector<Node> nodes_;  // ascending in time and distance
 };
 
-// Roll, pitch and heave as sums of sinusoids of 0.6 to 2 Hz, the resonance frequencies of car bodies. Frequencies and
-// phases are random and follow from a seed. The sums are smooth and nearly normally distributed over time.
+// Random roll, pitch and heave of a vehicle: sums of sinusoids of 0.6 to 2 Hz, the resonance frequencies of car bodies.
+// A seed determines frequencies and phases. The sums are smooth and nearly normally distributed over time.
 class Sway {
  public:
   Sway() = default;  // no sway
@@ -67,8 +66,8 @@ class Sway {
   // full speed of its drive. Throws InputError.
   Sway(const Value& value, std::uint64_t seed);
 
-  // Returns the pose of the swaying vehicle in the frame of the vehicle without sway, at a time (s). `speedFraction`:
-  // the vehicle's speed as a fraction of the full speed, with which the sway is scaled.
+  // Returns the pose of the swaying vehicle in the frame of the vehicle without sway, at a time (s). The sway is
+  // proportional to `speedFraction`, the vehicle's speed divided by the full speed.
   Pose at(double time, double speedFraction) const;
 
  private:
@@ -125,14 +124,14 @@ class Trajectory {
   // Returns a warning about recorded poses that are possible but probably wrong; otherwise empty.
   std::string warning() const { return recorded_ ? recorded_->warning() : std::string(); }
 
-  // Return what the trajectory needs before it has poses: a random path, and ground on which the vehicle is placed.
-  // Null if the trajectory does not need it.
+  // If randomPath() is not null, the trajectory has poses only after along(); if ground() is not null, the poses are on
+  // the ground only after onGround().
   const RandomPath* randomPath() const { return random_ ? &*random_ : nullptr; }
   const GroundOptions* ground() const { return groundOptions_ ? &*groundOptions_ : nullptr; }
-  // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomPath() requires.
+  // Returns a copy that follows a path of waypoints (m). The path must be at least as long as randomPath() requires.
   [[nodiscard]] Trajectory along(const std::vector<Vec3d>& waypoints) const;
-  // Returns this trajectory placed on the ground. Throws InputError if a listed pose, or the complete path, has no
-  // ground.
+  // Returns a copy placed on the ground. Throws InputError if a listed pose has no ground, or if no part of the path
+  // has ground.
   [[nodiscard]] Trajectory onGround(const Ground& ground) const;
   // Returns the fraction of the path without ground; 0 before onGround().
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bareFraction() : 0; }
@@ -151,7 +150,7 @@ class Trajectory {
   void readPoses(Fields& fields, double period, double limit);
   void readRecorded(Fields& fields, double period, double limit);
   void readDrive(Fields& fields, double period, double limit, std::uint64_t seed, const SceneLanes* lanes);
-  // Read path and number of frames: readRandomDrive() for the key `on`, readPathDrive() for waypoints and lanes.
+  // readRandomDrive() reads a drive with the key `on`, readPathDrive() a drive with waypoints or along lanes.
   void readRandomDrive(Fields& fields, double limit, const Location& where);
   void readPathDrive(Fields& fields, double limit, const SceneLanes* lanes);
   void readPath(Fields& fields, const SceneLanes* lanes);
@@ -183,8 +182,8 @@ class Trajectory {
   std::shared_ptr<const GroundProfile> profileOfGround_;
 };
 
-// Returns the number of trajectories that an item of the YAML defines: the key `drives` of a random drive, otherwise 1.
-// Throws InputError.
+// Returns the number of trajectories that one map in the pipeline's list defines: the value of the key `drives` or, if
+// the key is absent, 1. Throws InputError.
 std::uint32_t countDrives(const Value& value);
 
 // Reads a trajectory. `period`: longest duration of a sensor's revolution (s). This is the default time between frames,

@@ -81,7 +81,7 @@ constexpr std::array<District, 16> kOrder{
     District::Motorway,   District::Suburban, District::OldTown,    District::Arterial,
     District::Suburban,   District::Rural,    District::Commercial, District::Dense};
 
-// Returns the index in kDistricts of the district that the key names or, for "any", that follows from the seed.
+// Returns the index in kDistricts of the district that `p` names or, for "any", of the district that the seed selects.
 std::size_t districtOf(const Parameters& p, std::uint64_t seed) {
   const auto* const district = std::ranges::find(kDistricts, p.district, &DistrictTraits::name);
   if (district != kDistricts.end()) return static_cast<std::size_t>(district - kDistricts.begin());
@@ -95,7 +95,7 @@ struct PropertyDraw {
 
   const Between& interval(const OfKinds& property) const { return property[district]; }
   double number(const OfKinds& property) const { return draw.in(interval(property).low, interval(property).high); }
-  // Returns a random integer of a property's interval, including both ends.
+  // Returns a random integer in a property's interval, both ends included.
   int integer(const OfKinds& property) const {
     const int low = static_cast<int>(interval(property).low);
     return low + draw.below(static_cast<int>(interval(property).high - low) + 1);
@@ -120,8 +120,8 @@ CrossSection drawMainSection(const PropertyDraw& random) {
   return s;
 }
 
-// Returns a random cross section of side roads: `s`, the main road's, with one lane in each direction, other parking
-// lanes, and narrower verges and sidewalks.
+// Returns a random cross section of side roads. `s`: the main road's cross section. Side roads differ from `s` by one
+// lane in each direction, other parking lanes, and narrower verges and sidewalks.
 CrossSection drawSideSection(const PropertyDraw& random, CrossSection s, bool country) {
   constexpr double kWidestLane = 3.6;  // m
   const bool hasBays = !country && random.interval(property::kBays).low > 0;

@@ -35,7 +35,7 @@ struct Parameters {
 
 Parameters readParameters(Fields& fields);
 
-// The traits of a district. The key `district` or the seed selects the district. character.cpp lists all.
+// The traits of a district, which the key `district` or the seed selects. character.cpp lists all districts.
 struct DistrictTraits {
   std::string_view name;    // value of the key
   bool country = false;     // outside of towns, with few lamps, without crossings and shelters

@@ -68,7 +68,7 @@ void placeRoadworks(Placer& placer, const Model& light) {
   Draw draw(l.seed, Kind::Roadworks);
   const bool rural = l.character.country;
   const Road& road = l.mainRoad();
-  // On a one-way road the ego vehicle needs the only lane.
+  // One-way roads have only the lane that the ego vehicle needs; motorways have no roadworks either.
   if (road.oneWay() || l.character.motorway) return;
   if (!draw.chance(rural ? 0.5 : 0.3)) return;
   const double length = draw.in(9, 18);
@@ -146,6 +146,7 @@ void placeSignals(Placer& placer, const Model& light) {
 }
 
 // Tries to place an object at a random position along a plot, `depth` m from its front. Returns true if it is placed.
+// Attempts on level ground increment `attempts`.
 bool tryPutInPlot(Placer& placer, const Plot& plot, Draw& draw, Clutter clutter, double depth, int& attempts) {
   const Layout& l = placer.layout;
   Spot spot = l.inPlot(plot, draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2)), depth);
@@ -193,7 +194,7 @@ void placeGardenThings(Placer& placer) {
   }
 }
 
-// Places benches and planters around the middle of each square, and fountains in the middle of about half of them.
+// Places benches and planters around the middle of each square, and a fountain in the middle of about half the squares.
 void placeSquares(Placer& placer) {
   const Layout& l = placer.layout;
   const auto isSquare = [](const MapArea& area) { return area.land == Land::Paved && area.square; };

@@ -58,7 +58,7 @@ std::optional<Spot> beyondEdge(const Layout& l, const Road& road, double along, 
   return spot;
 }
 
-// Places lamps at one side of each road, evenly spaced, with their arms over the road.
+// Places lamps at one side of each road that is not minor, evenly spaced, with the arms over the road.
 void placeLamps(Placer& placer, const std::vector<Model>& lamps) {
   const Layout& l = placer.layout;
   constexpr double kHalfPost = 0.12;  // m; only the post needs free ground, not the arm above
@@ -137,7 +137,7 @@ constexpr double kRailPanel = 2;  // m, length of a panel
 
 enum class Faces { Left, Right };  // side of the main road's line to which panels face
 
-// Places a row of panels `lateral` m to the left of the main road's line. `heightFactor`: factor on the panels' height.
+// Places panels over the interval `along` (m) of the main road, `lateral` m to the left of the road's line.
 void placeRow(Placer& placer, const Model& panel, const models::Span& along, double lateral, Faces faces,
               double heightFactor, const std::string& name) {
   const Road& road = placer.layout.mainRoad();
@@ -220,7 +220,7 @@ std::optional<TrafficSign> signAtMouth(const Layout& l, const Road& road) {
   return sign;
 }
 
-// Builds the models first, then places lamps, signs, shelters and furniture, in this order.
+// Places lamps, signs, shelters and furniture, in this order, after all their models have been built.
 void placeFixtures(Placer& placer) {
   const std::vector<Model> lamps = placer.forms(2, models::makeLamp);
   const auto signs = placer.forms(models::kSigns, [](SceneBuilder& builder, std::uint64_t seed, int form) {

@@ -24,7 +24,7 @@ struct State {
 // The states of all vehicles. step() advances them in time.
 class Flow {
  public:
-  // `begin`: s, time of the start of the simulation.
+  // `begin`: time (s) of the start of the simulation.
   Flow(const std::vector<Route>& routes, const std::vector<Driver>& drivers, double begin)
       : routes_(routes), drivers_(drivers) {
     for (const Driver& d : drivers) states_.push_back({d.at, d.starts <= begin ? firstSpeed(d) : 0});
@@ -64,8 +64,8 @@ class Flow {
     return speed;
   }
 
-  // Returns the acceleration (m/s^2) by equations (3) and (4) of the driver model. `gap`: m to the vehicle in front, or
-  // kNone if no vehicle is in front. `approach`: own speed minus the speed of the vehicle in front (m/s).
+  // Returns the acceleration (m/s^2) by equations (3) and (4) of the driver model. `gap`: distance (m) to the vehicle
+  // in front, or kNone without such a vehicle. `approach`: own speed minus the speed of the vehicle in front (m/s).
   double following(double speed, double desiredSpeed, double gap, double approach) const {
     const double freeTerm = std::pow(speed / desiredSpeed, 4);
     if (gap == kNone) return std::max(-kModel.braking, kModel.acceleration * (1 - freeTerm));

@@ -15,13 +15,13 @@ struct Leg {
   double shift = 0;
 };
 
-// When a stop line is closed: always, while a light is red, or while vehicles are on a lane with priority.
+// The rule AlwaysClosed, TrafficLight or GiveWay says when a stop line is closed.
 struct AlwaysClosed {};
 // The light is red during the first `red` seconds of each period of `period` seconds; a period begins at `offset` (s).
 struct TrafficLight {
   double period = 0, red = 0, offset = 0;
 };
-// The line is closed while a vehicle on `lane` is between `from` and `to` (m along the lane).
+// The stop line is closed while a vehicle on the lane `lane` is between `from` and `to` (m along the lane).
 struct GiveWay {
   std::uint32_t lane = 0;
   double from = 0, to = 0;
@@ -64,8 +64,8 @@ struct DriverModel {
 // that lateral acceleration and braking at bends are comfortable. `curvature`: 1/m, at the same distances.
 std::vector<double> inBends(const std::vector<double>& curvature, double fastest);
 
-// Returns for each driver the distances along the route (m) at the times 0, interval, ... up to `duration` (s). The
-// simulation starts `warmUp` seconds before time 0. No vehicle drives backwards or into another vehicle on its lane.
+// Returns, for each driver, the distances (m) along the driver's route at the times 0, interval, ... up to `duration`
+// (s). The simulation starts `warmUp` seconds before time 0. Vehicles neither drive backwards nor collide on a lane.
 std::vector<std::vector<double>> drive(const std::vector<Route>& routes, const std::vector<Driver>& drivers,
                                        double warmUp, double duration, double interval);
 

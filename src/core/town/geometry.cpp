@@ -102,7 +102,7 @@ Line smoothLine(const Line& line, double step) {
     }
     points = std::move(averaged);
   }
-  // Removes points that coincide after smoothing, where the line turns back.
+  // Remove points that nearly coincide: where the line turns back, smoothing moves points together.
   constexpr double kLeastDistance = 0.1;  // m between two points of the result
   Line apart;
   for (const Point2& p : points) {

@@ -36,9 +36,9 @@ Nearest nearestOn(const Line& line, const Point2& p);
 
 // Returns points on the line about `step` apart, including both ends.
 [[nodiscard]] Line evenLine(const Line& line, double step);
-// Returns the line with more points, about `step` apart, and without points less than 2 cm from their predecessor.
+// Returns the line's points and further points about `step` apart; omits points less than 2 cm from the previous point.
 [[nodiscard]] Line denseLine(const Line& line, double step);
-// Returns points on the line about `step` apart, averaged with their neighbours to round the corners; the ends stay.
+// Returns points on the line about `step` apart, averaged with their neighbours to round corners; end points are kept.
 [[nodiscard]] Line smoothLine(const Line& line, double step);
 // Returns the runs of successive points that are in the square from -half to half (m) in x and y.
 std::vector<Line> runsWithin(const Line& line, double half);
@@ -53,8 +53,8 @@ double areaOf(const Polygon& ring);  // m^2; negative if the ring is clockwise
 // Returns the smallest rectangle that contains a polygon and is parallel to one of the polygon's sides.
 models::Footprint rectangleAbout(const Polygon& ring);
 Polygon cornersOf(const models::Footprint& f);
-// Returns the part of a polygon in the square from -half to half (m) in x and y, by Sutherland and Hodgman,
-// "Reentrant polygon clipping", Communications of the ACM 17 (1974). Edges along the sides connect separated parts.
+// Returns the part of a polygon that lies in the square from -half to half (m) in x and y, by Sutherland and Hodgman,
+// "Reentrant polygon clipping", Communications of the ACM 17 (1974). Separate parts stay connected along the square.
 [[nodiscard]] Polygon clipped(Polygon ring, double half);
 
 }  // namespace scanmill::town

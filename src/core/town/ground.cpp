@@ -43,8 +43,8 @@ class GroundMaker {
     set(GroundKind::Paved, "sidewalk", "paving");
   }
 
-  // Makes the tiling. Cuts it along the roads' five borders and the edges of patches, water, parking lots and squares.
-  // Adds the triangles.
+  // Returns the model of the ground: makes the tiling, cuts it along the roads' five borders and the edges of patches,
+  // water, parking lots and squares, and adds its triangles.
   models::Model make() {
     tile();
     for (const Road& road : layout_.roads()) sections_.push_back(road.section);
@@ -65,7 +65,7 @@ class GroundMaker {
   }
 
  private:
-  // Makes the tiling. Cells are kSmallest / 8 at potholes, kSmallest near roads and sharp edges, elsewhere up to 8 m.
+  // Makes the tiling. Cells are kSmallest / 8 wide at potholes, kSmallest near roads and sharp edges, else up to 8 m.
   void tile() {
     tiling_ = makeTiling(layout_.halfSide, kSmallest / 8, [&](double x, double y, double size) {
       const double radius = 0.71 * size;  // m, half of the cell's diagonal, rounded up
@@ -100,7 +100,7 @@ class GroundMaker {
     }
   }
 
-  // Returns the index of a cross section in sections_: the road's number, or a new index for a mixture at a crossing.
+  // Returns an index in sections_: the number of the road whose cross section `b` has, or a new index at a crossing.
   std::uint32_t numberOf(const Beside& b) {
     if (b.section == sections_[b.road]) return b.road;
     sections_.push_back(b.section);
@@ -135,7 +135,7 @@ class GroundMaker {
     return layout_.kindAt(middle, p);
   }
 
-  // Returns the index of a point's vertex: low kinds (road, parking) share one vertex, all other kinds share another.
+  // Returns the index of a point's vertex, added if missing. Low kinds (road, parking) share one, other kinds a second.
   std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
     std::uint32_t& indexPlusOne = (isLow(kind) ? low_ : high_)[point];
     if (indexPlusOne == 0) {
@@ -197,7 +197,7 @@ class GroundMaker {
   Shape shape_;
   std::array<SurfaceIndex, 12> surfaces_{};
   Tiling tiling_;
-  // A point's Beside::edge (m) and the index of its section in sections_. A Beside needs five times the memory.
+  // A point's Beside::edge (m) and the index of its section in sections_. A Beside would take five times the memory.
   struct EdgeAndSection {
     double edge;
     std::uint32_t section;

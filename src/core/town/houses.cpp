@@ -48,7 +48,7 @@ class Boundaries {
       for (std::size_t k = first; k < panels.size(); ++k) sameKind.add(panels[k]);
     }
     for (const Footprint& f : panels) placer_.occupancy.add(f);
-    // The text is the same for all towns on the map, so that the warning is reported only once.
+    // The text is the same for all towns on the map, because warn() reports equal texts only once.
     if (!leftOut_) return;
     warn("{}: left out: pieces of walls, fences and hedges where the town has roads, paths, houses or trees",
          placer_.layout.parameters.map.string());

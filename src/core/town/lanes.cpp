@@ -61,7 +61,7 @@ LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double 
   return result;
 }
 
-// Chooses, among side roads at the right with long enough lanes, the first to leave and the last to enter.
+// Returns, of the side roads at the right with long enough lanes, the first as `from` and the last as `into`.
 EgoRoads egoRoads(const Layout& l) {
   constexpr double kLeastMain = 30;   // m, least length of the main road between two turns, or before the only turn
   constexpr double kLeastLanes = 20;  // m, least length of a side road's lanes
@@ -75,7 +75,7 @@ EgoRoads egoRoads(const Layout& l) {
       *ego.into->joins - *ego.from->joins < turnStart(*ego.from) + turnStart(*ego.into) + kLeastMain) {
     ego.from = nullptr;
   }
-  // Without `from`, the route begins on the main road: no turn in the first kLeastMain metres of the built-up part.
+  // Without `from`, the route begins on the main road and must not turn in the first kLeastMain metres built up.
   if (ego.into != nullptr && ego.from == nullptr && *ego.into->joins - turnStart(*ego.into) < l.mainFrom + kLeastMain) {
     ego.into = nullptr;
   }

@@ -38,7 +38,7 @@ struct LanePoints {
 // to the right of the centre line; on one-way roads, `out` m to the right of the centre line.
 LanePoints lanePoints(const Layout& l, const LanePath& path, double out, double leastLateral);
 
-// Return the distances (m) along a side road of the start and the end of its lanes, and of its stop line.
+// These functions return distances (m) along a side road: the start and the end of its lanes, and its stop line.
 inline double laneStart(const Layout& l) {
   return l.mainRoad().section.half + 7;
 }

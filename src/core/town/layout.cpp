@@ -196,7 +196,7 @@ double Layout::bankHeight(const Beside& beside, double edge, double hard, const 
   return flat * character.banks * smooth((edge - beside.section.curb) / kBanks) * field(Field::Banks, p, 45);
 }
 
-// Returns the fine unevenness (m) of the ground. Its amplitude varies over the land and is smaller on paved kinds.
+// Returns the fine unevenness (m) of the ground. The amplitude varies over the land and is smaller on paved kinds.
 double Layout::grainOf(GroundKind kind, const Beside& beside, double edge, const Point2& p) const {
   const double rough = character.plain ? 0 : 0.03 + 0.08 * std::max(0.0, field(Field::Roughness, p, 9));
   const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
@@ -210,7 +210,7 @@ double Layout::heightAt(GroundKind kind, const Beside& beside, const Point2& p) 
   if (kind == GroundKind::Road || kind == GroundKind::Parking) return carriagewayHeight(-edge, p);
   const double hard = areas.outsideHard(p);
   const double outer = beside.nearRoad ? beside.section.outer() : 0;
-  // The height of curb and pavement fades out far from roads; otherwise there is a step where `nearRoad` changes.
+  // The height of curb and pavement fades out far from roads; otherwise there would be a step where `nearRoad` changes.
   constexpr double kFadesFrom = 18, kFades = 15;  // m from the road's edge
   constexpr double kCrossfall = 0.015;            // slope of pavements towards the road
   const double near = beside.nearRoad ? 1 - smooth((edge - kFadesFrom) / kFades) : 0;

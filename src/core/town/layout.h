@@ -29,7 +29,8 @@ class Areas {
   void add(MapArea area);
   const std::vector<MapArea>& list() const { return areas_; }
 
-  // landAt() returns the kind, indexAt() the index in list(), of the smallest area that contains `p`; nullopt: no area.
+  // Both functions look for the smallest area that contains `p`: landAt() returns the area's kind, indexAt() the area's
+  // index in list(). They return nullopt if no area contains `p`.
   std::optional<Land> landAt(const Point2& p) const;
   std::optional<std::uint32_t> indexAt(const Point2& p) const;
   // Returns the distance (m) to the nearest edge of water, a parking lot or a square: negative inside, at most kReach.
@@ -48,7 +49,7 @@ enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway
 struct TurnedRectangle : models::Footprint {
   explicit TurnedRectangle(const models::Footprint& f) : Footprint(f), cosine(std::cos(yaw)), sine(std::sin(yaw)) {}
 
-  // Returns the larger of a point's two distances beyond the sides, along x and along y (m; negative inside).
+  // Returns how far (m) a point is beyond the rectangle's sides in x or in y, whichever is farther; negative inside.
   double outside(const Point2& p) const {
     const double dx = p.x - center.x;
     const double dy = p.y - center.y;
@@ -108,37 +109,37 @@ class Layout {
   Layout(const Parameters& keys, std::uint64_t townSeed);
   Layout(const Parameters& keys, std::uint64_t townSeed, const MapPlace& map);
 
-  // Returns half of the side length (m) of the square of ground that a town with these parameters needs.
+  // Returns half the side length (m) of the square ground that a town with these parameters needs.
   static double reachOf(const Parameters& parameters);
 
   const std::vector<Road>& roads() const { return network_.roads(); }  // the main road comes first
   const Road& mainRoad() const { return roads().front(); }
   Beside besideAt(const Point2& p) const { return network_.at(p); }
-  // Returns the spot `along` metres along a plot's road and `depth` metres into the plot; its yaw is the road's.
+  // Returns the spot `along` metres along a plot's road and `depth` metres into the plot, with the road's yaw.
   models::Spot inPlot(const Plot& plot, double along, double depth) const {
     const Road& road = roads()[plot.road];
     return besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth));
   }
-  // True if the point is in a pothole, or less than `reach` (m) from its rim.
+  // True if the point is in a pothole, or less than `reach` (m) from a pothole's rim.
   bool nearPothole(const Point2& p, double reach) const;
-  // kindAt() returns the kind of ground at a point, heightAt() the height of the ground (m). At a border between two
-  // kinds the height depends on `kind`, for instance above or below a curb.
+  // kindAt() returns the kind of ground at `p`, heightAt() the height (m) of the ground. At a border between two kinds
+  // the height depends on `kind`, for instance above or below a curb. `beside`: besideAt(p).
   GroundKind kindAt(const Beside& beside, const Point2& p) const;
   double heightAt(GroundKind kind, const Beside& beside, const Point2& p) const;
   double heightAt(const Point2& p) const;
-  // Returns the point `above` metres above the ground.
+  // Returns the point `above` metres above the ground at `p`.
   Vec3d onGround(const Point2& p, double above = 0) const { return {p.x, p.y, heightAt(p) + above}; }
 
   // Returns signed distances (m) to the lines between kinds of ground: the edges of the parking lane, the carriageway,
   // the curb, the verge and the paved ground. A distance is zero on its line. `edge`: Beside::edge.
   static std::array<double, 5> borders(double edge, const CrossSection& section);
-  // Returns the distance to the nearest patch (m): negative inside a patch, at most kPatchReach.
+  // Returns the distance (m) to the nearest patch: negative inside a patch, at most kPatchReach.
   double outsidePatches(const Point2& p) const;
 
   Parameters parameters;
   std::uint64_t seed;
   Character character;
-  // Description of the town: district and season, and with a map the main road and the origin's latitude and longitude.
+  // Describes the town: district and season and, for towns from a map, the main road and the origin's coordinates.
   std::string about;
   std::vector<Plot> plots;
   std::vector<models::House> houses;  // the height of a house's pose is the height of the ground at the door
@@ -168,8 +169,8 @@ class Layout {
   void addGroundInFront(const models::House& house, double yaw, double width, double outer, Draw& draw);
   bool addDriveway(const models::House& house, double yaw, double outer, Draw& draw);
   models::Fencing drawFencing(Draw& draw, double setback) const;
-  // Adds a strip of ground from `inner`, on a plot or area whose -y axis points to the road, towards the road.
-  // `yaw`: yaw of the plot's house or of the area; `half`: half of the strip's width (m).
+  // Adds a strip of ground that begins at `inner` and extends `length` m towards the road. `yaw`: yaw of the plot's
+  // house or of the area, whose -y axis points to the road; `half`: half of the strip's width (m).
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
   // Sets the water level of each area that is water: the level is below the lowest point of the area's shore.
   void findWaterLevels();

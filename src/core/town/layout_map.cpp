@@ -26,8 +26,8 @@ Parameters inDistrict(Parameters parameters, const std::string& district) {
   return parameters;
 }
 
-// Returns the cross section of a road on the map. If the map gives no width, it is usual for the road's class or,
-// for residential roads, random. Service roads, tracks and roundabouts have neither sidewalks nor parking lanes.
+// Returns the cross section of a road on the map. A width that the map lacks is the usual width for the road's class
+// or, for residential roads, random. Service roads, tracks and roundabouts have neither sidewalks nor parking lanes.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};  // m, by RoadClass, estimates; 0: not used
   constexpr double kRingWidth = 6.5, kOneWayShare = 0.65;   // m, width of a roundabout; fraction of a two-way road

@@ -296,8 +296,8 @@ struct Layout::PlotHouse {
   bool wanted = false, hasDriveway = false;
 };
 
-// Adds the plots at one side of a road, from `from` to `to` (m along the road). Each plot has one random stream, so the
-// order of draws counts: the plot, its house, its fence, whether it is built, its driveway, ground in front, garage.
+// Adds the plots at one side of a road, from `from` to `to` (m along the road). Each plot has one random stream, whose
+// order must not change: the plot, its house, its fence, whether it is built, its driveway, ground in front, garage.
 void Layout::addPlots(const Road& road, int side, double from, double to) {
   constexpr double kLeastPlot = 8;  // m; a shorter interval at the end of a road gets no plot
   constexpr double kIntoPlot = 6;   // m from the plot's front to the point at which areas are tested
@@ -352,7 +352,7 @@ Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot
 // Adds the house of a plot, with driveway and garage. Returns false if no house is wanted or the house does not fit.
 bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHouse, Draw& draw) {
   House house = plotHouse.house;
-  // The ends of the line at the setback, left and right as seen from the road.
+  // The left and the right end of the building line, seen from the road.
   const Point2 left = inPlot(plot, plot.side > 0 ? plot.from : plot.to, plot.setback).at;
   const Point2 right = inPlot(plot, plot.side > 0 ? plot.to : plot.from, plot.setback).at;
   const double yaw = std::atan2(right.y - left.y, right.x - left.x);
@@ -377,7 +377,7 @@ bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHo
   return true;
 }
 
-// Adds a paved forecourt or a path to the road. `width`: the plot's (m); `outer`: m from the plot to the carriageway.
+// Adds a paved forecourt, or a path to the road. `width`: width of the plot; `outer`: distance to the carriageway (m).
 void Layout::addGroundInFront(const House& house, double yaw, double width, double outer, Draw& draw) {
   constexpr double kUnder = 0.4;   // m, overlap of the forecourt with the house
   constexpr double kParkable = 7;  // m, least depth of a forecourt on which cars park

@@ -86,7 +86,7 @@ MapRoad roadOf(const OsmTags& tags, const std::vector<OsmNode>& nodes, RoadClass
   return road;
 }
 
-// Returns the ring through the nodes, without points on straight walls. Rings keep their direction if mirrored.
+// Returns the ring of the nodes without points on straight walls. Mirrored rings are reversed to stay clockwise or not.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   constexpr double kShortest = 0.25;     // m, least length of a wall
   constexpr double kLeastOffset = 0.05;  // m between a corner and the straight line through its neighbours
@@ -200,7 +200,7 @@ class MapMaker {
     return lines;
   }
 
-  // Adds a building, a building part or land. Counts areas that are left out: damaged, off the ground, or open roofs.
+  // Adds a building, building part or land. Counts as left out: damaged areas, open roofs, and areas off the ground.
   void addArea(const OsmArea& area) {
     const OsmTags& tags = area.tags;
     if (isAbsent(tags)) return;
@@ -245,7 +245,7 @@ class MapMaker {
     map_.areas.push_back({land, std::move(outline), std::move(holes), square});
   }
 
-  // Adds a node that is a tree. Counts other nodes of objects with a shape as left out.
+  // Adds a node that is a tree. Counts another node as left out if its tags say that it is an object with a shape.
   void addPoint(const OsmPoint& point) {
     if (!point.tags["ele"].empty()) map_.leftOut.add("heights of nodes (ele)");
     if (isAbsent(point.tags)) return;

@@ -38,7 +38,7 @@ struct MapRoad {
   std::optional<double> width;  // m, width of the carriageway without parking lanes
   std::optional<bool> sidewalk;
   std::optional<bool> parking;
-  // For side roads: start of this road, in m along the main road, and whether this road is at the main road's left.
+  // Set for side roads: where the road starts (m along the main road), and whether it is at the main road's left.
   std::optional<double> joins;
   bool joinsLeft = false;
 
@@ -64,7 +64,7 @@ struct MapBuilding {
   std::int64_t relation = 0;  // see OsmArea::building
   std::string difference;     // how the roof of the town differs from the map's; empty: no difference
 
-  // Returns the height of the top of the walls (m); nullopt if the map does not give the top of the roof.
+  // Returns the height (m) of the top of the walls; nullopt if the map does not give the top of the roof.
   std::optional<double> eaves() const;
   // Returns the number of floors: the map's number, limited to what fits into the height. If the map gives no number,
   // returns the usual number for the height; nullopt if the map gives neither floors nor height.
@@ -129,7 +129,7 @@ const FormatSupport& osmFormat();
 // Returns the latitude and longitude (degrees) of a point in the map's frame.
 OsmNode degreesAt(const Map& map, const Point2& p);
 
-// Returns the map in a file. Warns of features left out. Throws InputError at `where` if unreadable or without roads.
+// Returns the map in a file; warns of omitted features. Throws InputError at `where` if no roads can be read.
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
 // Builds a map from an extract in memory. `mirrored`: y points south.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
@@ -176,9 +176,9 @@ MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polyg
 // True if the outline covers more than 90 % of the rectangle `about`, or 98 % if it does not have four corners.
 bool isRectangular(const Polygon& outline, const models::Footprint& about);
 
-// Moves each part into its building, found by relation or position; a part outside of all buildings becomes a
-// building. If the parts of a building do not cover its outline, adds the uncovered regions as further parts. Removes
-// buildings and parts without a height. Counts removed buildings and parts, and those unlike the map, in `leftOut`.
+// Moves each part into its building, found by relation or position; a part outside of all buildings becomes a building.
+// If the parts of a building do not cover its outline, adds the uncovered regions as further parts. Removes buildings
+// and parts without a height. Counts in `leftOut` those removed and those that will differ from the map.
 void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> parts, LeftOut& leftOut);
 
 }  // namespace scanmill::town

@@ -55,7 +55,8 @@ struct RoofDirection {
   double highSide;  // 1 or -1: end of this axis at which a skillion (single-slope) roof is high
 };
 
-// Returns the map's direction of slope; by default, towards the longer sides (orientation `across`: the shorter sides).
+// Returns the direction of slope from the tag roof:direction; without the tag, towards the longer sides or, if
+// roof:orientation is `across`, towards the shorter sides.
 RoofDirection roofDirection(const OsmTags& tags, const models::Footprint& about, bool mirrored, TagNumbers& numbers) {
   const auto direction = numbers.read(tags, "roof:direction", compassOf, 0, 360);
   if (!direction) return {(about.halfX < about.halfY) != (tags["roof:orientation"] == "across"), 1};
@@ -207,7 +208,7 @@ Polygon polygonOf(const Ring& ring, const Point2& origin) {
   return polygon;
 }
 
-// Adds a part for each uncovered region of the outline. Returns false if parts cover nearly the complete outline.
+// Adds a part for each uncovered region of the outline; if parts cover nearly all of it, adds none and returns false.
 bool addUncoveredRegions(MapBuilding& b) {
   constexpr double kCovered = 0.9;    // fraction of an outline; parts that cover more leave nothing to add
   constexpr double kLeastRegion = 1;  // m^2
@@ -254,8 +255,8 @@ class OwnerFinder {
     std::sort(byWest_.begin(), byWest_.end());
   }
 
-  // Returns the index of a part's building: of the buildings in the part's relation, the building with the largest
-  // overlap; if there are none, the building that contains most of the part, at least half; otherwise nullopt.
+  // Returns the index of a part's building. If buildings are in the part's relation, this is the one with the largest
+  // overlap; otherwise the building that contains most of the part and at least half. Returns nullopt if there is none.
   std::optional<std::size_t> operator()(const MapBuilding& part) const {
     std::optional<std::size_t> owner;
     double largestOverlap = 0;
@@ -345,8 +346,8 @@ void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> par
     building.parts.push_back(std::move(part));
   }
   buildings.insert(buildings.end(), std::make_move_iterator(unowned.begin()), std::make_move_iterator(unowned.end()));
-  // If the base is above the ground, sets a missing top. Returns true if the building then has no height; otherwise
-  // counts b.difference.
+  // If the base is above the ground, sets a missing top. Returns true, and counts the building as left out, if the top
+  // is not above the base; otherwise counts b.difference and returns false.
   const auto countAndTestHeight = [&](MapBuilding& b) {
     if (b.base > 0 && !b.top) b.top = b.base + kStorey;
     const bool flat = b.base > 0 && *b.top < b.base + 0.05;

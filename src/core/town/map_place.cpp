@@ -36,8 +36,8 @@ constexpr double kAroundLand = 30;    // m by which areas of land may extend bey
   throw InputError(where, "{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest, kLeastLength);
 }
 
-// Returns the index of a random main road among the roads that are at least kLeastLength long and have the wanted name
-// or, if no name is wanted, at least residential class. The probability is proportional to the length.
+// Returns the index of a random main road: at least kLeastLength long and with the wanted name or, if none is wanted,
+// of at least residential class. The probability is proportional to the length. Throws InputError if no road fits.
 std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
   std::vector<std::size_t> candidates;
   double totalLength = 0;
@@ -60,7 +60,7 @@ std::size_t drawMainRoad(const Map& map, const Parameters& parameters, Draw& dra
   return candidates.back();
 }
 
-// Returns the key `district` that fits the buildings at the main road: their density and mean number of floors.
+// Returns the value of the key `district` that fits the density and the floors of the buildings at the main road.
 std::string districtAbout(const MapPlace& place) {
   constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
   const std::vector<Point2>& main = place.roads.front().line;
@@ -139,7 +139,8 @@ class Cutter {
     return low.x < reach_ && high.x > -reach_ && low.y < reach_ && high.y > -reach_;
   }
 
-  // Adds the main road's parts in the square. The part through the origin comes first: it is the town's main road.
+  // Adds the main road's parts in the square. The part through the origin comes first, as the town's main road; throws
+  // InputError if this part is too short.
   void addMain(const MapRoad& main) {
     std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(relative(main.line), kRoadStep), reach_);
     std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });

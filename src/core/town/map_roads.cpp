@@ -83,7 +83,7 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
   const bool sameName = !p.name.empty() && p.name == q.name;
   const bool minor = p.kind >= RoadClass::Service;
   if (minor != (q.kind >= RoadClass::Service) && !sameName) return std::nullopt;
-  // At a sharp corner, joins only roundabouts, or roads of the same name and class where no third road ends.
+  // At a sharp corner, only roundabouts are joined, or roads of the same name and class where no third road ends.
   const bool corner = p.ring || (alone && p.kind == q.kind && p.name == q.name);
   if (turn > (corner ? kSharpest : kSharpestCrossing)) return std::nullopt;
   const int classSteps = std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));

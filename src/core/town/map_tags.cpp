@@ -36,7 +36,7 @@ constexpr std::string_view kShapeless =
     "landuse=industrial landuse=education landuse=institutional landuse=religious leisure=nature_reserve "
     "natural=valley natural=cape natural=peninsula natural=strait natural=peak natural=saddle natural=spring "
     "man_made=survey_point";
-// Tags with keys in kPlaceKeys that stand for objects with a shape.
+// Tags that stand for objects with a shape, although their keys are in kPlaceKeys.
 constexpr std::string_view kObjects =
     "amenity=parking amenity=parking_space amenity=bench amenity=waste_basket amenity=recycling amenity=post_box "
     "amenity=fountain amenity=shelter amenity=telephone amenity=vending_machine amenity=bicycle_parking "
@@ -59,7 +59,7 @@ std::optional<bool> featureOf(const OsmTags& tags, std::initializer_list<std::st
   return feature;
 }
 
-// Removes the unsigned number at the start of a text, with the blanks around it, and returns it; nullopt: none.
+// Removes the unsigned number at the start of `text` and the blanks around it. Returns the number; nullopt if none.
 std::optional<double> takeNumber(std::string_view& text) {
   text = trimmed(text);
   if (text.empty() || std::string_view("0123456789.").find(text.front()) == text.npos) return std::nullopt;
@@ -210,7 +210,7 @@ std::string shapeTagOf(const OsmTags& tags) {
   const bool node = tags.element.starts_with("node");
   for (const auto& [key, value] : tags.pairs) {
     if (std::ranges::find(kMappedKeys, key) == std::end(kMappedKeys) || value == "no") continue;
-    // On ways, traffic_sign is a rule and not a sign; on nodes, place is only the name of a place.
+    // The key traffic_sign of a way is a rule and not a sign; the key place of a node is only the name of a place.
     if (key == (node ? "place" : "traffic_sign")) continue;
     if (node && isOneOf(key, {"landuse", "landcover", "leisure"})) continue;
     std::string tag = key + "=" + value;

@@ -45,13 +45,13 @@ std::uint32_t paintStopLines(const Placer& placer, Shape& s, models::SurfaceInde
   return pieces;
 }
 
-// True where another road joins the road: no dashes or repairs are placed there.
+// True if another road joins `road` at `middle`: no dashes or repairs are placed there.
 bool isJoint(const Layout& l, const Road& road, const Point2& middle) {
   constexpr double kInside = 0.5;  // m; at joints, the edge is farther away by more than this
   return l.besideAt(middle).edge < -road.section.half - kInside;
 }
 
-// Paints a dash in pieces that follow the ground. `start`: m along the road; `lateral`: m to the left of its line.
+// Paints a dash in pieces that follow the ground. `start`: m along the road's line; `lateral`: m to the line's left.
 void paintDash(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double start, double length,
                double lateral, int pieces) {
   for (int k = 0; k < pieces; ++k) {

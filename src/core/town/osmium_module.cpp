@@ -116,7 +116,7 @@ class ExtractReader : public osmium::relations::RelationsManager<ExtractReader, 
     return member.type() == osmium::item_type::way;
   }
 
-  // Called by libosmium when all ways of a relation have been read.
+  // Called by libosmium when all ways of a relation have been read. Adds the relation's areas.
   void complete_relation(const osmium::Relation& relation) {
     OsmTags tags = tagsOf(relation);
     std::vector<const osmium::Way*> ways;

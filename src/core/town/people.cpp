@@ -92,7 +92,7 @@ std::vector<Vec3d> walkingPath(const Placer& placer, const PavementPosition& sta
   return points;
 }
 
-// Places a pedestrian who walks to and fro along a road. Returns false if the free length is too short.
+// Places a pedestrian who walks to and fro along a road. Returns false without a position or enough free length.
 bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const std::string& name) {
   constexpr double kLeast = 12;           // m, least free length
   constexpr double kHalfWidth = 0.4;      // m, half of the width of the free ground
@@ -119,7 +119,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   return true;
 }
 
-// Places a cyclist who rides along a pavement to the end of the free length. Returns false if the length is too short.
+// Places a cyclist who rides along a pavement to the end of the free length. Returns false as placeWalker() does.
 bool placeCyclist(Placer& placer, Draw& draw, const Model& bicycle, const Model& rider, const std::string& name) {
   constexpr double kLeast = 20;  // m, least free length
   const std::optional<PavementPosition> start = drawPosition(placer, draw);

@@ -86,7 +86,7 @@ class Placer {
   };
   std::vector<Light> lights;
 
-  // Returns the model of a form of a kind of object. The first call for a form builds the model with `make`.
+  // Returns the model for `kind` and `form`. The first call for these builds the model with `make`.
   template <class Make>
   const Model& model(models::Kind kind, int form, const Make& make) {
     const auto [found, isNew] = models_.try_emplace({kind, form});

@@ -25,7 +25,7 @@ constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods
 
 enum class Trees { Broadleaf, Any };
 
-// Returns a random model of a tree. All trees of a town share a few models, which are built when first needed.
+// Returns a random tree model, with less detail if `far`. A town's trees share a few models, built on demand.
 const TreeModel& randomTree(Placer& placer, Draw& draw, Trees kind, bool far) {
   const int form = draw.below(kind == Trees::Broadleaf ? models::kBroadleafForms : models::kTreeForms);
   const int variant = draw.below(kTreesOfAForm);
@@ -155,7 +155,7 @@ void plantGarden(Placer& placer, const Plot& plot) {
   }
 }
 
-// Builds a tuft of grass. Its blades bend outwards; the highest are at most 0.12 to 0.4 m high, at random.
+// Builds a tuft of grass with blades that bend outwards. The largest height of the blades is random, 0.12 to 0.4 m.
 Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
   Draw draw(seed, Kind::Tuft, form);
   models::Shape s(builder, "tuft of grass");
@@ -197,7 +197,7 @@ void placeMapTrees(Placer& placer) {
     const std::string name = fmt::format("tree {}", treeNumber);
     leftOut |= onRoad || !plant(placer, draw, {.at = tree.at}, Trees::Broadleaf, INFINITY, name, tree);
   }
-  // The text is the same for all towns on the map, so that the warning is reported only once.
+  // The text is the same for all towns on the map, because warn() reports equal texts only once.
   if (leftOut) {
     warn("{}: left out: trees where the town has roads, paths, houses or other trees", l.parameters.map.string());
   }

@@ -110,8 +110,8 @@ void RoadNetwork::findNearest(double x, double y, std::vector<NearestPoint>& nea
   }
 }
 
-// Finds the run's nearest point within kReach. Appends this point to `nearest` or, if the last point there is on the
-// same road, keeps only the nearer of the two points. Of equally near points, the first along the road counts.
+// Finds the run's nearest point within kReach. Appends this point to `nearest` or, if the last point in `nearest` is on
+// the same road, keeps only the nearer of the two points. Of equally near points, the first along the road counts.
 void RoadNetwork::findNearestOnRun(const Run& run, double x, double y, std::vector<NearestPoint>& nearest) const {
   const Road& road = roads_[run.road];
   for (std::uint32_t i = run.first; i < run.last; ++i) {

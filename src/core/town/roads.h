@@ -29,7 +29,7 @@ struct CrossSection {
 
   double outer() const { return curb + verge + sidewalk; }               // width from the road's edge to the plots
   double paved() const { return outer() + (sidewalk > 0 ? apron : 0); }  // width from the road's edge to unpaved ground
-  // Returns the width from the road's edge to fences: they are at the plots' edge, or behind an apron below 3 m.
+  // Returns the distance (m) from the carriageway's edge to fences: at the plots' edge or behind an apron below 3 m.
   double fenced() const { return outer() + (apron < 3 ? apron : 0); }
   double laneWidth() const { return (half - parking - shoulder - median) / lanes; }
   bool operator==(const CrossSection&) const = default;
@@ -43,7 +43,7 @@ struct Road {
   bool main = false;
   bool minor = false;  // true: a service road or track, without lamps and without parked or waiting vehicles
   bool ring = false;   // true: a roundabout
-  // For side roads: start of this road, in m along the main road, and whether this road is at the main road's left.
+  // Set for side roads: where the road starts (m along the main road), and whether it is at the main road's left.
   std::optional<double> joins{};
   bool joinsLeft = false;
   // `along` is true if vehicles may drive in the direction of the line, `against` if they may drive against it.
@@ -51,16 +51,16 @@ struct Road {
 
   double length() const { return at.back(); }
   bool oneWay() const { return !along || !against; }
-  // Returns the distance of the rightmost lane's middle from the centre line (m): 0 on one-way roads.
+  // Returns the distance (m) of the rightmost lane's middle from the centre line; 0 on one-way roads.
   double laneMiddle() const { return oneWay() ? 0 : section.median + (section.lanes - 0.5) * section.laneWidth(); }
   Point2 point(double distance) const;
-  // Returns the direction of the line (unit length) at a distance along it (m).
+  // Returns the direction of the line, a unit vector, `distance` metres along the line.
   Point2 heading(double distance) const;
 };
 
 constexpr double kRoadStep = 2;  // m between the points of a road's line
 
-// Returns the spot at a distance along a road and `lateral` metres to its left; its yaw is the line's direction.
+// Returns the spot `along` m along a road and `lateral` m to the left of its line, with the line's direction as yaw.
 models::Spot besideRoad(const Road& road, double along, double lateral);
 
 // The position of a point relative to the nearest road. If `nearRoad` is false, the other members are not set.
@@ -72,7 +72,7 @@ struct Beside {
   double lateral = 0;    // m to the left of the centre line
   CrossSection section;  // at a crossing, a mixture of the roads' cross sections
 
-  // True if the point is on a road or its sidewalk, or less than `gap` metres beyond them.
+  // True if the point is on a road or its sidewalk, or less than `gap` metres beyond the sidewalk.
   bool isOnRoadOrSidewalk(double gap = 0) const { return nearRoad && edge < section.outer() + gap; }
 };
 
@@ -97,7 +97,7 @@ class RoadNetwork {
     std::uint32_t first, last;  // indices of the first and the last point in the line
     Point2 low, high;
 
-    // Returns the distance of a point from the bounding box along x and along y (m).
+    // Returns a point's distances (m) from the bounding box: along x and along y.
     Point2 outside(double x, double y) const {
       return {std::max({0.0, low.x - x, x - high.x}), std::max({0.0, low.y - y, y - high.y})};
     }

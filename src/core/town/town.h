@@ -15,8 +15,8 @@ namespace scanmill {
 // first: the materials have the builder's reflectances. Throws InputError with the place in the file.
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& place);
 
-// Returns two routes of the ego vehicle in the town's frame: along the main road, and from a side road at the right
-// along the main road into another side road at the right; a side road that the town lacks is left out.
+// Returns two routes of the ego vehicle in the town's frame: along the main road; and from a side road at the right
+// into the main road and from there into another side road at the right, as far as the town has these side roads.
 SceneLanes townLanes(Fields& fields, std::uint64_t seed);
 
 }  // namespace scanmill

@@ -35,8 +35,8 @@ struct VehiclePath {
   std::shared_ptr<const Path> path;
   LanePoints lane;  // `points` are in the world's frame
 
-  // Returns the distance along the path (m) at which the path passes `along` (m) on a road. Otherwise returns
-  // the distance of the path's last point on the road, or 0 if the path has no point on the road.
+  // Returns the distance (m) along the path at which the path passes `along` (m) on a road. If the path does not pass
+  // there, returns the distance of its last point on the road, or 0 if no point is on the road.
   double distanceAt(std::uint32_t road, double along) const {
     const auto distanceOf = [&](std::size_t i) { return path->distanceOfPoint(lane.firstOnRoad + i); };
     std::optional<std::size_t> previous;  // index of the previous point on the road
@@ -95,11 +95,11 @@ class Traffic {
   };
 
   const Road& road(std::uint32_t r) const { return l_.roads()[r]; }
-  // Return the number of the lane of side road `r` towards or away from the main road. The main road's lane is 0.
+  // Return the number of the lane of side road `r` that leads to, or away from, the main road, whose lane has number 0.
   static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
   static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
 
-  // Adds a route `out` m to the right of the rightmost lane's middle, without legs and stops. Returns the index.
+  // Adds a route without legs and stops, `out` m to the right of the rightmost lane's middle. Returns its index.
   std::uint32_t addRoute(const LanePath& lanePath, double out = 0) {
     lanePaths_.push_back(lanePath);
     paths_.push_back(vehiclePath(l_, lanePath, out, 0, placer_.worldFromTown));
@@ -297,7 +297,7 @@ class Traffic {
     }
   }
 
-  // Adds the vehicles of a passing lane, which are faster than on the rightmost lane. `out`: see Participant.
+  // Adds the vehicles of a passing lane, which are faster than those on the rightmost lane. `out`: see Participant.
   void addPassingVehicles(Draw& draw, std::uint32_t route, double out) {
     const double per100m = l_.character.traffic;
     const double end = routes_[route].length - kBeyond;
