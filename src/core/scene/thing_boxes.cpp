@@ -51,7 +51,7 @@ struct ObjectFacts {
   std::set<std::string> nodes;  // names of the nodes that contain the object
 };
 
-// Returns the facts of the objects of a mesh: object n has the index n - 1.
+// Returns facts about each object of a mesh; object n has the index n - 1.
 std::vector<ObjectFacts> objectFactsOf(const Mesh& mesh) {
   std::vector<ObjectFacts> facts(mesh.objects);
   for (const std::uint16_t surfaceIndex : mesh.surfaceOf) {

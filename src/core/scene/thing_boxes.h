@@ -1,6 +1,6 @@
 #pragma once
 
-// The things of a scene, which have instance ids, and their bounding boxes at any time.
+// Oriented bounding boxes, at any time, of the things of a scene: the objects with instance ids.
 
 #include <cstdint>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// A box around a thing: the smallest one with the axes of `worldFromBox`.
+// The smallest box around a thing that has the axes of `worldFromBox`.
 struct OrientedBox {
   Pose worldFromBox;  // pose of the box's centre; x forward, y left, z up for the thing
   Vec3d size;         // m: length along x, width along y, height along z
@@ -20,9 +20,9 @@ struct OrientedBox {
   std::vector<Vec3d> corners() const;
 };
 
-// Returns the direction (rad) of the longer sides of the smallest rectangle around the points. The rectangle has a side
-// along one of the sides of their hull (Freeman and Shapira, "Determining the minimum-area encasing rectangle for an
-// arbitrary closed curve", Communications of the ACM 18 (1975)).
+// Returns the direction (rad) of the longer sides of the smallest rectangle around the points. A side of this rectangle
+// lies along a side of the points' convex hull (Freeman and Shapira, "Determining the minimum-area encasing rectangle
+// for an arbitrary closed curve", Communications of the ACM 18 (1975)).
 double longSideOf(std::vector<Vec2d> points);
 
 struct Thing {
@@ -31,15 +31,15 @@ struct Thing {
   std::string name;                // name of the instance with most of the thing's triangles
   std::vector<std::string> parts;  // names of the thing's nodes, sorted, without duplicates; "": a node without a name
   // True: the box has the axes of the placed object, turned so that x is the direction in which the object faces
-  // (Instance::facing). False if the mesh has several things and `facing` is not set: then the box is the one with the
-  // smallest footprint, its length is the longer side, and front and back are unknown.
+  // (Instance::facing). False if the mesh has several things and `facing` is not set: then the box has the smallest
+  // possible footprint, x lies along the footprint's longer side, and front and back are unknown.
   bool headingKnown = true;
   bool moves = false;
 };
 
-// Computes the boxes of the things of a scene, which must outlive this object. Several threads may use it. Boxes are
-// computed in double from the corners of the triangles. They are exact, unless the parts of a thing move differently.
-// If a thing consists of several objects, the object with the most triangles gives the axes.
+// Computes the boxes of the things of a scene, which must outlive this object. Safe to use from several threads. Boxes
+// are computed in double from the corners of the triangles. They are exact, unless the parts of a thing move
+// differently. If a thing consists of several objects, the object with the most triangles gives the axes.
 class ThingBoxes {
  public:
   explicit ThingBoxes(const Scene& scene);

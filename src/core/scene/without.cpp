@@ -16,7 +16,7 @@
 namespace scanmill {
 namespace {
 
-// Drops the triangles of a mesh whose surface satisfies the condition.
+// Drops each triangle of `mesh` whose surface satisfies `condition`.
 void dropTriangles(Mesh& mesh, const std::function<bool(const Surface&)>& condition) {
   std::vector<bool> isDropped;  // by surface
   for (const Surface& surface : mesh.surfaces) isDropped.push_back(condition(surface));

@@ -21,10 +21,10 @@ constexpr std::uint64_t kMostMissesInRow = 30'000;  // with `count`, the search 
 constexpr double kCoverHeight = 0.05;  // m; a surface is covered if another surface lies more than this above it
 constexpr double kSameHeight = 1e-3;   // m; surfaces whose heights differ by less are the same surface
 
-// Purposes of the random numbers of an object's copy. The values are part of their addresses and never change.
+// Purposes of random numbers. The values are part of the addresses of the random numbers and never change.
 enum class Draw : std::uint32_t { Place = 0, Pose = 1, Direction = 2, Variant = 3 };
 
-// Returns the random numbers of an object's n-th try (Draw::Place) or n-th copy.
+// Returns the random numbers for an object's n-th try (Draw::Place) or n-th copy (all other purposes).
 RandomBlock draw(std::uint64_t seed, std::uint32_t object, std::uint64_t n, Draw purpose) {
   return randomBlock({seed, object, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(purpose),
                       static_cast<std::uint32_t>(n >> 32), 0, Purpose::Placement});
@@ -160,7 +160,7 @@ bool keepsDistances(const std::vector<Arrangement::Distance>& limits, const std:
   return true;
 }
 
-// Returns the number of copies that `count` or `density` gives for an area. Throws InputError if it is 0 or too large.
+// Returns the number of copies that `count` or `density` gives for an area. Throws InputError for 0 or too many copies.
 std::uint64_t requestedCopies(const Arrangement::Scatter& scatter, double squareMetres) {
   const double copies = scatter.count ? static_cast<double>(*scatter.count) : scatter.density * squareMetres;
   refuseTooMany(copies, scatter.where);
@@ -244,7 +244,7 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
   }
 }
 
-// Returns the poses of the scatter: random positions on the surfaces, with random yaws.
+// Returns poses at random positions on the surfaces of the scatter, with random yaws.
 std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
                                          std::uint32_t object) const {
   const Scatter& scatter = *scatter_;
@@ -258,8 +258,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   const std::uint64_t copies =
       requestedCopies(scatter, scatter.within ? (highX - lowX) * (highY - lowY) : area.squareMetres());
   const std::vector<SurfaceDistance> distances = classDistances(scene, scatter.distances);
-  // With a density, each copy has one try and is left out if that fails. With a count, there are several tries for each
-  // copy, and the search ends after kMostMissesInRow failures in a row.
+  // With a density, each copy has one try; a copy whose try fails is left out. With a count, there are several tries
+  // for each copy, and the search ends after kMostMissesInRow failures in a row.
   const std::uint64_t triesPerCopy = !scatter.count ? 1 : scatter.distances.empty() ? kTriesPerCopy : kMostMissesInRow;
   const std::uint64_t mostMisses = scatter.count ? kMostMissesInRow : std::numeric_limits<std::uint64_t>::max();
   std::uint64_t misses = 0;  // since the last accepted position

@@ -159,7 +159,7 @@ std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std
   const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
   std::vector<const Concept*> nameConcepts;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    // Two successive words may be one entry: a "street lamp" is neither a street nor a lamp.
+    // Two successive words may be one word of a concept: a "street lamp" is neither a street nor a lamp.
     if (i + 1 < words.size()) {
       const std::string pair = words[i] + " " + words[i + 1];
       const auto entry = std::ranges::find_if(concepts, [&](const Concept& c) { return hasWord(c, pair); });

@@ -13,7 +13,7 @@
 
 namespace scanmill {
 
-// Ground, a complete object, a part of objects, or geometry to drop, which does not belong to the world.
+// What a concept names: ground, a complete object, a part of objects, or geometry to drop, such as collision shapes.
 enum class ConceptKind { Ground, Whole, Detail, Drop };
 
 struct Concept {
@@ -21,7 +21,7 @@ struct Concept {
   std::vector<std::string> classes;  // in order of preference: the first that the ontology has is used
   std::string material;              // a name in labels/materials.yaml; empty: none
   ConceptKind kind = ConceptKind::Whole;
-  // Only for a detail: names of the concepts that have this detail. A detail without classes gets their classes.
+  // Only for a detail: names of the concepts that have it. A detail without classes gets the classes of these concepts.
   std::vector<std::string> wholes;
   std::optional<Range> size;       // m, usual lengths of the longest edge of a thing's bounding box
   std::vector<std::string> words;  // words that state this concept in names, as foldedName() returns them
@@ -37,8 +37,8 @@ const SemanticClass* classOf(const Concept& nameConcept, const Ontology& ontolog
 // "BusStop2" and "grass.001" become "haupt strasse", "bus stop" and "grass".
 [[nodiscard]] std::string foldedName(std::string_view name);
 
-// Returns the concept whose word ends last in a name. If several words end at the same place, the longest counts. Null
-// if the name contains no word of a concept.
+// Returns the concept whose word ends last in a name; of several words with the same end, the longest word decides.
+// Null if the name contains no word of a concept.
 const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view name);
 
 // Returns the concepts of a name's words, in the order of the words; words without a concept are skipped. Two

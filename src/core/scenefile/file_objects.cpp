@@ -24,7 +24,7 @@ struct Clip {
   std::optional<double> time;  // time (s) at which the clip is frozen; absent: the clip loops
 };
 
-// Reads {clip: NAME, time_s: t}.
+// Reads the key `animation`: {clip: NAME, time_s: t}; nothing if the key is absent.
 std::optional<Clip> clipOf(Fields& f) {
   const Value* const value = f.find("animation");
   if (value == nullptr) return std::nullopt;
@@ -145,7 +145,7 @@ std::vector<FileObjects::NamedFile> FileObjects::filesOf(Fields& object) const {
   return files;
 }
 
-// Reads the keys that say how a file is read as an asset and that apply to all kinds of files.
+// Reads those options of AssetOptions that apply to all kinds of files.
 AssetOptions FileObjects::assetOptions(Fields& object) const {
   AssetOptions options;
   options.textures = textures_;
@@ -336,7 +336,7 @@ std::shared_ptr<const Animation> FileMeshes::playing(LabelledFile labelled, cons
 
 // If some rule sets a material and no rule tests colours, the asset is first read without textures, and read again with
 // textures only if some part shows its own texture. Decoding textures can cost more than all other work on the file,
-// and materials of the library seldom use them.
+// and materials of the library seldom show a file's texture.
 Asset FileMeshes::load(const LabelledFile& labelled, const Location& where) const {
   const std::filesystem::path& file = labelled.file;
   const AssetOptions& options = labelled.asset;
@@ -349,7 +349,7 @@ Asset FileMeshes::load(const LabelledFile& labelled, const Location& where) cons
       colored.textures = true;
       return readAsset(file, colored);
     }
-    // Colours and intensities of surveys are stored as textures.
+    // Surveys are read with textures, which store their colours and intensities.
     if (isCloud(file) || readerOf(file) == AssetReader::Heights) return readAsset(file, options);
     const bool rulesSetMaterials = anyRule([](const Rule& rule) { return !rule.materialName.empty(); });
     if (!options.textures || !rulesSetMaterials) return readAsset(file, options);

@@ -42,8 +42,7 @@ class FileMeshes {
  public:
   explicit FileMeshes(SceneBuilder& builder) : builder_(builder) {}
 
-  // Returns the meshes of a file. Throws InputError at `where` if the file cannot be read, and the errors of
-  // addAsset().
+  // Returns the meshes of a file. Throws InputError at `where` if the file cannot be read, and as addAsset() does.
   const std::vector<PlacedMesh>& read(const LabelledFile& labelled, const Location& where);
 
   // Warns if a survey does not fit an earlier survey at the same position: their coordinate systems differ, or one has

@@ -34,7 +34,7 @@ Material withTextureOf(const Material& fileMaterial, const Material& material) {
   return adapted;
 }
 
-// The first of the rules that match a triangle and give it a class or a material.
+// The rules that decide on a triangle: the first matching rule with a class, and the first with a material.
 struct DecidingRules {
   const Rule* classRule = nullptr;     // gives the class, or drops the triangle; null: no rule does
   const Rule* materialRule = nullptr;  // gives the material; null: no rule does
@@ -161,8 +161,8 @@ double lowestZ(const std::vector<AssetPart>& parts) {
   return lowest;
 }
 
-// Appends the triangles of a part to the mesh, with the surface of this index. If `withUvs` is true, each vertex of the
-// mesh has texture coordinates, which are zero for parts without.
+// Appends the triangles of a part to the mesh, with the surface index `surface`. If `withUvs` is true, each vertex of
+// the mesh has texture coordinates; they are zero for parts that have none.
 void append(Mesh& mesh, AssetPart part, std::uint16_t surface, bool withUvs) {
   const auto firstVertex = static_cast<std::uint32_t>(mesh.positions.size());
   const auto moveTo = [](auto& target, auto& source) {
@@ -195,7 +195,7 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   }
 }
 
-// If a point cloud's file states labels or instances, warns of points of thing classes that have no instance.
+// If a point cloud's file states labels or instances, warns of points with a thing class but without an instance.
 void warnOfPointsWithoutInstance(const std::vector<ThingTriangles>& cloudParts, const std::string& file) {
   constexpr std::uint64_t kTrianglesPerPoint = 2;  // each point is a square of two triangles
   std::uint64_t pointCount = 0;

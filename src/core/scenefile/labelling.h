@@ -27,7 +27,7 @@ struct ThingBounds {
   bool operator==(const ThingBounds& o) const { return by == o.by && pattern == o.pattern && byClass == o.byClass; }
 };
 
-// Reads `instances: object | node | part | /regular expression/`. Throws InputError with the place.
+// Reads `instances: object | node | part | /regular expression/`; `fallback` if the key is absent. Throws InputError.
 ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback);
 
 // An asset part whose triangles all have the same thing class.
@@ -61,9 +61,9 @@ ConnectedParts connect(const std::vector<const AssetPart*>& parts);
 // Groups connected parts into things by their bounds (m). Returns, for each connected part, the number of its thing,
 // from 0 in the order of the connected parts.
 // A part is grouped with a larger part if their boxes are at most 5 cm apart and one of two conditions is true: at
-// least a quarter of the smaller box's footprint (as seen from above) lies within the larger one's, as with the wheels
-// of a car and the tiers of a tree; or the smaller box's diagonal is less than 0.15 of the larger one's, as with
-// mirrors of a car.
+// least a quarter of the smaller box's footprint (as seen from above) lies within the larger box's footprint, as with
+// the wheels of a car and the tiers of a tree; or the smaller box's diagonal is less than 0.15 times the larger box's
+// diagonal, as with mirrors of a car.
 std::vector<std::uint32_t> groupIntoThings(const std::vector<Box>& boxes);
 
 struct Labelling {

@@ -17,7 +17,7 @@ constexpr double kFarthest = 1e9;  // m, largest coordinate; UTM coordinates rea
 constexpr double kLeastScale = 1e-9;
 constexpr double kLargestScale = 1e9;
 
-// Reads a number, or [x, y, z].
+// Reads one scale factor for all axes, or [x, y, z].
 Vec3d readScale(const Value& value) {
   Vec3d scale;
   if (value.kind == Value::Kind::Sequence) {
@@ -175,7 +175,7 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
     return *loaded[variant];
   };
   // An object's random numbers depend only on the scene's seed, the object's name, and how many earlier objects have
-  // that name. Other objects do not change them. Objects with the same `thing` share their numbers, so that their n-th
+  // that name, not on objects with other names. Objects with the same `thing` share their numbers, so that their n-th
   // copies stay together.
   const std::uint32_t object = copies.thing.empty() ? fnv1a(fmt::format("{}\n{}", name, objectsByName_[name]++))
                                                     : fnv1a("thing\n" + copies.thing);
@@ -194,8 +194,8 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
     throw InputError(where, "with these {} copies the scene has {} placed objects, but {}", meshCount, placedMeshes_,
                      Placement::mostCopiesText());
   }
-  // A single copy has the name of the object, further ones NAME#1, NAME#2 and so on; meshes that the asset's file
-  // places several times are called NAME/NODE 1 or NAME#1/NODE 1.
+  // A single copy has the name of the object; several copies are called NAME#1, NAME#2 and so on. Meshes that the
+  // asset's file places several times are called NAME/NODE 1 or NAME#1/NODE 1.
   std::uint64_t number = 0;
   for (const auto& [worldFromAsset, variant, copyNumber] : arranged) {
     for (std::size_t m = 0; m < perCopy; ++m) {

@@ -40,7 +40,7 @@ struct Placement {
   Vec3d gridSpacing;
 
   // Returns how many copies a scene may have: ten million, or fewer if they would take more than half of the memory
-  // that is allowed (base/memory.h).
+  // limit (base/memory.h).
   static std::uint64_t mostCopies();
   // Returns the end of an error message about too many copies: "at most 10,000,000 are possible".
   static std::string mostCopiesText();
@@ -52,8 +52,8 @@ struct Placement {
 };
 
 // Reads `position`, the keys of rotations, `scale`, `copies.at` and `copies.grid` from an object's map (docs/keys.md).
-// Throws InputError with the place; if there are more than mostCopies(), the message gives the number of copies and the
-// factors whose product it is.
+// Throws InputError with the place. For more than mostCopies() copies, the message shows their number as a product:
+// cells of the grid times positions in `at`.
 Placement readPlacement(Fields& object);
 
 // Reads [[x, y], [x, y]], two corners of a rectangle; returns the least x and y, then the greatest. Throws InputError.
@@ -141,7 +141,7 @@ class Arrangement {
 struct Copies {
   Placement placement;
   Arrangement arrangement;
-  // The n-th copies of all objects with the same `thing` are one thing. If it is empty, each copy is a thing.
+  // The n-th copies of all objects with the same `thing` are one thing. If `thing` is empty, each copy is a thing.
   std::string thing;
   // Each copy is placed once for each of these movements; empty: it is placed once and stands still.
   std::vector<std::shared_ptr<const Movement>> movements = {};

@@ -22,7 +22,7 @@ std::size_t endOfSet(std::string_view glob, std::size_t open) {
   return close == std::string_view::npos ? open : close + 1;
 }
 
-// Returns the regular expression for a set of a glob, such as [a-z] or [!abc], whose end endOfSet() has found.
+// Returns the regular expression for a set of a glob, such as [a-z] or [!abc]. `set`: the text from '[' to ']'.
 std::string regexOfSet(std::string_view set) {
   const bool negated = set[1] == '!' || set[1] == '^';
   const std::string_view items = set.substr(negated ? 2 : 1, set.size() - (negated ? 3 : 2));
@@ -142,7 +142,7 @@ std::vector<Rgb> readColors(const Value* value) {
 
 constexpr Range kLengths{-1e7, 1e7};  // m, limits of boxes, heights and sizes; deg, limits of slopes
 
-// Returns the box with the corners [[x, y, z], [x, y, z]] (m), the lower one first; none if `value` is null.
+// Reads a box [[x, y, z], [x, y, z]] (m): its corners with the least and the greatest coordinates; none for null.
 std::optional<Box> readBox(const Value* value) {
   if (value == nullptr) return std::nullopt;
   std::vector<std::vector<double>> corners;

@@ -101,7 +101,7 @@ std::string appendPrimitive(Fields& object, const std::string& kind, Mesh& mesh)
   return fmt::format("{} {} {} {}", kind, radius, height, segments);
 }
 
-// Adds the objects that are shapes. Equal shapes of one class and material share a mesh.
+// Adds the objects with the key `primitive`. Equal shapes of one class and material share a mesh.
 class PrimitiveObjects {
  public:
   PrimitiveObjects(SceneBuilder& builder, ObjectPlacer& placer) : builder_(builder), placer_(placer) {}
@@ -157,7 +157,7 @@ Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& 
   return withDraws(*objects, "objects", {.seed = seed}, draws);
 }
 
-// Reads the file of a scene and refuses keys that scenes do not have.
+// Reads the file of a scene. Throws InputError for keys that scenes do not have.
 Value readSceneYaml(const std::filesystem::path& path) {
   Value root = readYaml(path);
   expectKind(root, FileKind::Scene);

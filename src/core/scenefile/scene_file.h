@@ -19,15 +19,15 @@ struct SceneOptions {
   std::filesystem::path ontology;  // if not empty, replaces the ontology that the scene file names
   int wavelengthNm = 905;          // nm, wavelength for which the material table is read
   bool textures = true;            // false: only textures for cut-outs and for rules about colours are loaded
-  // If not null, called after the file's objects are added, to add others; the file's list may then be empty.
+  // If not null, adds further objects after the objects of the file, whose list of objects may then be empty.
   std::function<void(SceneBuilder&)> add = nullptr;
 };
 
 // Reads a scene file, such as those in scenes/, with all the files that it names. Throws InputError with the place.
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 
-// Returns the lanes of the first town of a scene file, and the turns between them, in the world frame. Builds no
-// geometry. Returns nothing if the scene has no town. Throws InputError with the place.
+// Returns the lanes of a scene file's town and the turns between them (m, world frame); nothing if the scene has no
+// town. Builds no geometry. Throws InputError with the place.
 std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed);
 
 // Reads only the ontology that a scene file names. Throws InputError with the place.

@@ -43,8 +43,8 @@ Numbers numberByKey(const std::vector<ThingTriangles>& parts, bool byClass, cons
   return numbers;
 }
 
-// Numbers the things of groupIntoThings() from 1, in ascending order of their class ids. Returns the number of each
-// triangle's thing, by part and triangle.
+// Groups the connected parts of each class into things by groupIntoThings(). Returns the number of each triangle's
+// thing, by part and triangle; things are numbered from 1, in ascending order of their class ids.
 Numbers numberByConnection(const std::vector<ThingTriangles>& parts) {
   std::map<std::uint16_t, std::vector<std::size_t>> indicesByClass;  // indices of the parts of each class
   for (std::size_t i = 0; i < parts.size(); ++i) indicesByClass[parts[i].semantic].push_back(i);
@@ -269,7 +269,7 @@ std::vector<std::uint32_t> groupIntoThings(const std::vector<Box>& boxes) {
     const Vec3d& low = boxes[i].low;
     return std::tuple(-diagonal(i), low.x, low.y, low.z);
   });
-  // A part joins the main part that covers most of its footprint; if none is suitable, it becomes a main part itself.
+  // A part joins the main part that covers most of its footprint. A part that no main part suits becomes a main part.
   std::vector<std::uint32_t> mainPartOf(boxes.size());
   BoxGrid mainParts(bounds);
   for (const std::uint32_t i : bySize) {

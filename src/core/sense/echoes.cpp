@@ -24,7 +24,7 @@ struct HitRay {
 constexpr std::size_t kGroup = 64;            // number of beams whose echoes are computed together
 constexpr std::uint32_t kMostGroupRays = 19;  // largest number of rays per beam in a group
 
-// A group of beams whose echoes are computed together. Each beam forms one echo, and all have equally many rays.
+// A group of beams whose echoes are computed together. Each beam forms one echo; all beams have equally many rays.
 struct BeamGroup {
   template <class T>
   using PerBeam = std::array<T, kGroup>;
@@ -160,7 +160,7 @@ class EchoFinder {
     group_.count = 0;
   }
 
-  // Returns true if the rays first to end - 1 hit several classes.
+  // Returns true if the rays first to end - 1 hit several classes; false if the classes are not in the hits.
   bool hitSeveralClasses(std::uint32_t first, std::uint32_t end) const {
     if (!hits_.channels.has(Channel::Semantic)) return false;
     std::uint32_t differences = 0;  // bits in which a class differs from the first ray's
