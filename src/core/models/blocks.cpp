@@ -87,8 +87,7 @@ class BlockMaker {
  private:
   bool hasParapet() const { return b_.floors > 0 && b_.parapet && b_.rise <= 0; }
 
-  // Returns the first corner of the wall at least 2 m wide whose middle is nearest to the entrance; if all are
-  // narrower, the outline's first corner. The result points into the outline.
+  // Returns the first corner (in the outline) of the wall nearest to the entrance, among walls at least 2 m wide.
   const Point2* nearestWall() const {
     const Point2* nearest = b_.outline.data();
     double leastDistance = 1e18;

@@ -220,8 +220,7 @@ class HouseMaker {
     s_.frame = outer;
   }
 
-  // Adds up to three skylights to the front slope of a gable roof. `eaves`: z of its lower edge, `overhang` m before y
-  // = 0.
+  // Adds up to three skylights to a gable roof's front slope, whose lower edge is at z = `eaves`, y = -`overhang` (m).
   void skylights(double width, double depth, double eaves, double overhang) {
     const int count = draw_.below(4);
     const double angle = std::atan(slope_);

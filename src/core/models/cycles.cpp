@@ -104,8 +104,7 @@ void appendBicycleFrame(Shape& s, const BicycleFrame& f, bool stepThrough) {
   s.ball(black, f.saddle + Vec3d{0.09, 0, 0.02}, {0.1, 0.03, 0.028}, 10);
 }
 
-// Appends chain wheel, chain guard, cranks and pedals. `crank`: vector (m, y = 0) from the bracket to the left crank's
-// end.
+// Appends chain wheel, guard, cranks and pedals. `crank`: vector (m, y = 0) from the bracket to the left crank's end.
 void appendCranks(Shape& s, const BicycleFrame& f, const Vec3d& crank, const Vec3d& leftPedal,
                   const Vec3d& rightPedal) {
   const auto [metal, black] = s.surfaces("bicycle", "metal_bare", "plastic_black");

@@ -154,8 +154,7 @@ class Details {
     }
   }
 
-  // Adds a bay with a roof in front of a random column of windows without the door. The bay has one storey or all
-  // storeys.
+  // Adds a bay with a roof in front of a random column of windows without the door. The bay has one or all storeys.
   void bay() {
     const int column = (h_.doorColumn + 1 + draw_.below(h_.columns - 1)) % h_.columns;
     const double middle = windowMiddle(column);

@@ -131,8 +131,7 @@ struct Cluster {
   double radius;
 };
 
-// Appends a slightly leaning and bent trunk and returns its axis. The crown has its lower end at z = `base` and is
-// `crown` m high.
+// Appends a slightly leaning and bent trunk and returns its axis. The crown begins at z = `base` and is `crown` m high.
 TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, double crown) {
   constexpr int kSegments = 7;
   const double leanX = draw.in(-0.25, 0.25);
@@ -149,8 +148,7 @@ TrunkAxis appendTrunk(Shape& s, Draw& draw, const Habit& habit, double base, dou
   return axis;
 }
 
-// Returns the clusters of a broadleaf's crown, in a spiral from z = `base` upwards. `crown`, `radius`: its height,
-// radius.
+// Returns a broadleaf's clusters in a spiral upwards. The crown begins at z = `base`; `crown`, `radius`: its size (m).
 std::vector<Cluster> drawClusters(Draw& draw, const Habit& habit, const TrunkAxis& trunk, double base, double crown,
                                   double radius, Raggedness ragged) {
   std::vector<Cluster> clusters;
@@ -200,7 +198,7 @@ struct Bough {
   double reach;
 };
 
-// Returns the boughs of a conifer, in whorls. Boughs droop at the lower end of the crown and rise at the top.
+// Returns the boughs of a conifer, in whorls from z = `base` to the tree's top at z = `height`. `radius`: crown radius.
 std::vector<Bough> drawBoughs(Draw& draw, double base, double height, double radius) {
   constexpr double kWhorlDistance = 0.42;  // m
   std::vector<Bough> boughs;

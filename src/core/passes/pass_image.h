@@ -151,7 +151,7 @@ class ImageSource : public PixelSource {
 // text if nothing can replace the pass.
 std::string_view insteadOf(std::string_view pass);
 
-// Returns all images of a source.
+// Returns all images of a source, with the requested passes.
 std::vector<PassImage> readAll(PixelSource& source, PassChoice requested);
 
 }  // namespace scanmill

@@ -79,9 +79,8 @@ std::optional<Interval> crossing(const ThingExtent& extent, const Vec3d& origin,
 }
 
 // Returns the half angle (rad) of a cone in the sensor's frame that contains all beams that may hit the thing during
-// the revolution; pi if the sensor is in the thing or close to it. `axis`: the cone's axis, the direction to the
-// thing's centre from the sensor's first pose. `farthestOrigin`: largest distance (m) of a beam's origin from the
-// sensor's.
+// the revolution; pi if the sensor is in the thing or close to it. `axis`: the cone's axis, towards the thing's centre
+// from the sensor's first pose. `farthestOrigin`: largest distance (m) of a beam's origin from the sensor's origin.
 double coneAngle(const ThingExtent& extent, const ShotFrame& frame, const Vec3d& axis, double farthestOrigin) {
   constexpr double kOutside = 1.01;  // radii; a sensor this near to the thing may see it in any direction
   const double radius = extent.radius + farthestOrigin;

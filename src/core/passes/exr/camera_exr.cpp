@@ -60,7 +60,7 @@ class CameraReader {
     throw InputError({file_.name()}, "attribute '{}': {}", attribute, why);
   }
 
-  // Returns an attribute's value; null if the file lacks the attribute. Throws InputError if it has another type.
+  // Returns the value of an attribute; null if the file lacks it. Throws InputError if the value is not of type T.
   template <class T>
   const T* optional(const char* attribute, const char* type) const {
     const ExrValue* value = file_.attribute(attribute);
@@ -69,7 +69,7 @@ class CameraReader {
     refuse(attribute, fmt::format("must be of type {}", type));
   }
 
-  // Returns the value of a numeric attribute. If the file lacks it, throws InputError that contains `meaning`.
+  // Returns the value of an attribute. Throws InputError if the attribute is absent, not of type T or not finite.
   template <class T>
   const T& require(const char* attribute, const char* type, const char* meaning) const {
     const T* value = optional<T>(attribute, type);

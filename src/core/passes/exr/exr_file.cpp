@@ -162,7 +162,7 @@ std::string windowText(const Imath::Box2i& box) {
   return fmt::format("({}, {}) to ({}, {})", box.min.x, box.min.y, box.max.x, box.max.y);
 }
 
-// Returns width and height of a box in pixels, or throws InputError. The corners of the box may be any 32-bit integers.
+// Returns width and height of a box (px), whose corners may be any 32-bit integers. Throws InputError if too large.
 std::pair<std::uint32_t, std::uint32_t> sizeOf(const std::string& name, const Imath::Box2i& box) {
   const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
   const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
@@ -197,7 +197,7 @@ void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
   input.readPixels(window.min.y + static_cast<int>(first), window.min.y + static_cast<int>(end) - 1);
 }
 
-// Returns true if a part has uncompressed values of 4 bytes, line by line, and channel by channel in each line.
+// Returns true if copyRows() can read a part: scan lines of uncompressed 4-byte values, on a little-endian CPU.
 bool isPlain(const Imf::Header& header) {
   if (header.hasTileDescription() || header.compression() != Imf::NO_COMPRESSION) return false;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {

@@ -19,7 +19,7 @@ namespace scanmill {
 // Throws Error if it cannot be written.
 void writeHits(const std::filesystem::path& path, const Hits& hits);
 
-// Returns the channels that a file of hits has. Throws InputError if it is not EXR.
+// Returns the channels that a file of hits has. Throws InputError if the file is not EXR.
 Channels channelsIn(const std::filesystem::path& path);
 
 // Reads the requested channels, and also the surface parameters and the unresolved beams if the file has them, bit for

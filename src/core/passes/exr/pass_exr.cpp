@@ -101,7 +101,7 @@ const ExrChannel* findPass(const ExrReader& file, std::string_view pass) {
   return nullptr;
 }
 
-// Returns the channels N.X, N.Y and N.Z; three nulls if one of them is absent.
+// Returns the channels of the normal: N.X, N.Y and N.Z, or Normal.X and so on; three nulls if one of them is absent.
 std::array<const ExrChannel*, 3> findNormal(const ExrReader& file) {
   for (const std::string name : {"N.", "Normal."}) {
     const std::array axes{findInAnyLayer(file, name + "X"), findInAnyLayer(file, name + "Y"),
@@ -111,7 +111,7 @@ std::array<const ExrChannel*, 3> findNormal(const ExrReader& file) {
   return {};
 }
 
-// These functions throw InputError that lists the file's channels if the pass is absent. They do not check types.
+// The functions require...() throw InputError that lists the file's channels if the pass is absent. They ignore types.
 const ExrChannel& requirePass(const ExrReader& file, std::string_view pass) {
   if (const ExrChannel* channel = findPass(file, pass)) return *channel;
   refuseAbsence(file, pass, fmt::format("the pass '{}'{}", pass, insteadOf(pass)));
@@ -361,7 +361,7 @@ class PassReader {
 void writePasses(const std::filesystem::path& path, const PassImage& image) {
   const PassPlanes& passes = image.planes;
   std::vector<ExrPlane> planes;
-  // Adds the channel of a pass whose first value is at `data`, unless the pass is empty.
+  // Adds a channel with the values of `pass` from `data` on, `stride` bytes apart, unless the pass is empty.
   const auto add = [&](const char* channel, ExrType type, const auto& pass, const void* data, std::size_t stride) {
     if (pass.empty()) return;
     if (pass.size() != image.camera.pixels()) {

@@ -29,7 +29,7 @@ struct Corner {
   Vec2f uv;
 };
 
-// A triangle of a mesh, or a part of one.
+// A triangle of a mesh, or a part of a triangle.
 struct Piece {
   std::array<Corner, 3> corners;
   std::uint32_t original = 0;  // index into Mesh::triangles
@@ -58,8 +58,8 @@ double originOf(double low, double high) {
   return std::abs(middle) > 2 * (high - low) ? double{static_cast<float>(middle)} : 0.0;
 }
 
-// Halves the longest edge until no edge is longer than `longest` (m), and appends the parts to `pieces`. Triangles that
-// share an edge split it at the same points, whatever their other edges are, so that no gap opens between them.
+// Halves a piece at its longest edge until no edge is longer than `longest` (m), and appends the parts to `pieces`. Two
+// triangles split a common edge at the same points, whatever their other edges are, so that no gap opens between them.
 void splitLongEdges(const Piece& piece, float longest, std::vector<Piece>& pieces) {
   const auto squaredLength = [&](std::size_t edge) {
     const Vec3f along = piece.corners[(edge + 1) % 3].position - piece.corners[edge].position;

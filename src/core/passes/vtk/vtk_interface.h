@@ -46,7 +46,7 @@ struct VtkImage {
   std::span<const VtkDraw> cut;
 };
 
-// The addresses of pixels. They count all pixels row by row, from the image of slot 0 to the image of slot 7.
+// Defines the addresses of pixels, which number all pixels row by row, from the image of slot 0 to the image of slot 7.
 struct VtkPixels {
   std::uint32_t firsts[kVtkImages + 1];  // address of each image's first pixel; last entry: number of all pixels
   std::uint32_t widths[kVtkImages];      // px, width of each image

@@ -48,7 +48,7 @@ struct HalfSpace {
 
 enum class Side { Outside, Across, Inside };
 
-// Returns Outside if the box from `low` to `high` is outside of a half-space, Inside if it is in all, otherwise Across.
+// Returns Outside if the box from `low` to `high` is outside of a space, Inside if it is in all six, otherwise Across.
 Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3f& high) {
   const Vec3d center = (Vec3d(low) + Vec3d(high)) * 0.5;
   const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
@@ -196,7 +196,7 @@ class DrawnView {
     const Affine& worldFromMesh = instance.worldFromMesh;
     const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
     const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
-    // Transforms points relative to mesh.origin, since the bounds of meshes and chunks are relative to it.
+    // `map` transforms points relative to mesh.origin, as the bounds of the mesh and its chunks are.
     const CameraFromMesh map{transposed(linear), cameraFromWorld_ * offset + linear * mesh.origin};
     const std::array<HalfSpace, 6> volume = viewVolume(map, camera_, limits_);
     const Side side = sideOf(volume, mesh.low, mesh.high);

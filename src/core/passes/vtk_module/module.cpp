@@ -40,7 +40,7 @@ enum StorageBinding : GLuint { kCutouts = 0, kWords = 1 };
 // The depth buffer contains the near clipping distance divided by w: the value decreases with distance. The relative
 // precision of float32 is the same for small and large numbers, so the relative precision of the depth is the same near
 // and far (Reed, "Depth precision visualized", 2015). There is no far clipping plane. If clip space has depths from -1
-// to 1, OpenGL's mapping to 0 to 1 loses that precision. Solid triangles have no textureUv and no cutoutIndex.
+// to 1, OpenGL's mapping to 0 to 1 loses precision. Solid triangles have no textureUv and no cutoutIndex.
 constexpr const char* kVertex = R"(#version 430 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 rows[3];
@@ -161,7 +161,7 @@ class TriangleStore {
     placements_.fill(placements.data(), placements.size_bytes(), GL_STREAM_DRAW);
   }
 
-  // Draws triangles by the current program: of the batch with cut-outs if `cut` is true, otherwise of the solid batch.
+  // Draws triangles of the batch with cut-outs if `cut` is true, otherwise of the solid batch, by the current program.
   void draw(bool cut, std::span<const VtkDraw> draws) {
     if (draws.empty()) return;
     std::vector<Command> commands(draws.size());
@@ -265,8 +265,8 @@ class ImagePass {
     frame_->SetContext(window);
   }
 
-  // Gives the texture of numbers the size of the image; an image of the same size reuses it. Enlarges the depth buffer,
-  // which all images share, if it is too small.
+  // Gives the texture `numbers` the size of the image, unless it has this size. Enlarges the depth buffer, which all
+  // images share, if the buffer is too small.
   void prepareTextures(vtkOpenGLRenderWindow* window, const VtkImage& image, vtkTextureObject* numbers) {
     if (numbers->GetWidth() != image.width || numbers->GetHeight() != image.height) {
       numbers->SetContext(window);
@@ -299,7 +299,7 @@ constexpr std::uint32_t kGroup = 64;                              // local_size_
 constexpr std::size_t kMostAtOnce = std::size_t{kGroup} * 65535;  // most addresses per dispatch; OpenGL guarantees
                                                                   // 65535 groups
 
-// Reads pixels from several images. Loops over all images: a sampler's index must be the same for all invocations.
+// Reads pixels from several images. Loops over all images, because all invocations must use the same sampler index.
 constexpr const char* kGather = R"(#version 430 core
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Addresses { uint addresses[]; };

@@ -23,11 +23,11 @@ struct BoxContact {
   Vec3d position;        // m, world frame: contact point, across the box the middle of the touched part
 };
 
-// Sweeps boxes, which move together, along the steps and returns the surfaces that they touch first; nothing if they
-// touch none. A step is straight: each box is extended by the motion between the step's two poses, and has the rotation
-// halfway between them. A box travels along its x axis, forwards or backwards. `boxes`: m, in the frame of the poses,
-// not flat along any axis. `isObstacle`: true for triangles that may not be touched, given their instance, surface and
-// unit normal in the world frame. All objects are at their positions at time 0.
+// Sweeps all boxes together along the steps and returns the surfaces that a box touches first; nothing if no box
+// touches a surface. A step is straight: each box is extended by the motion between the step's two poses, and has the
+// rotation halfway between these poses. A box travels along its x axis, forwards or backwards. `boxes`: m, in the frame
+// of the poses, not flat along any axis. `isObstacle`: true for triangles that may not be touched, given their
+// instance, surface and unit normal in the world frame. All objects are at their positions at time 0.
 std::optional<BoxContact> sweepBoxes(
     const Scene& scene, const std::vector<Box>& boxes, const std::vector<std::pair<Pose, Pose>>& steps,
     const std::function<bool(const Instance&, const Surface&, const Vec3d&)>& isObstacle);

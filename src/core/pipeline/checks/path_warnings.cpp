@@ -22,8 +22,8 @@ namespace {
 constexpr double kMostHeight = 50;       // m above the surface; a sensor that is higher causes a warning
 constexpr double kOnSurface = 0.05;      // m; a sensor at most this far from a surface causes a warning
 constexpr double kMostBareShare = 0.02;  // a path causes a warning if a larger fraction of it has no ground
-// Height of the vehicle's underside above the ground (m), at most half of the vehicle's height. The vehicle can drive
-// over lower obstacles.
+// Height (m) of the vehicle's underside above the ground, unless half of the vehicle's height is less. The vehicle can
+// drive over lower obstacles.
 constexpr double kClearance = 0.1;
 constexpr double kDefaultHeight = 0.6;    // m, of a vehicle without a model whose sensors are all on the ground
 constexpr double kLeastHalfWidth = 0.01;  // m, least half width and half length of a vehicle

@@ -34,7 +34,7 @@ double largestExtent(const Box& box, const Mat3& linear) {
                    size.z * length(linear * Vec3d{0, 0, 1})});
 }
 
-// Returns the first kMostLines lines and, if there are more, a line with the number of the others and `description`.
+// Returns the first kMostLines lines and, if there are more lines, a line such as "scene a: 7 more `description`".
 std::vector<std::string> shortened(std::vector<std::string> lines, const Scene& scene, std::string_view description) {
   if (lines.size() <= kMostLines) return lines;
   const std::size_t hidden = lines.size() - kMostLines;

@@ -38,8 +38,8 @@ std::vector<std::string> withoutWarnings(const Scene& scene);
 // all seeds.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
 
-// Warns if all drives with `along: turns` are straight (a single straight drive is normal), of implausible recorded
-// drives, and of frames closer together than the slowest sensor's revolution.
+// Warns if all drives with `along: turns` are straight (a single straight drive is normal), if a recorded drive is
+// implausible, and if the time between frames is shorter than the slowest sensor's revolution.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
 // Warns of values that effects assume because a sensor's file does not give them, and of effects that the pipeline

@@ -233,8 +233,8 @@ void Plan::requireOneRay() const {
 }
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {
-  // Counts hits, returns, the scan, the encoders' buffers, and the encoded bytes of this sample and of a second one
-  // that waits to be written. Beam tables are not counted, since all frames share them.
+  // Adds up the bytes of hits, returns, the scan and the encoders' buffers, and the encoded bytes of this sample and of
+  // another sample that waits to be written. Beam tables are not counted, since all frames share them.
   constexpr std::uint64_t kReturnBytes = 40;  // bytes of a row of Returns
   constexpr std::uint64_t kVoxelBytes = 20;   // bytes of a voxel: labels, area, flags, part of the encoded archive
   std::uint64_t bytesPerPoint = sizeof(Vec3f);

@@ -33,7 +33,7 @@ struct Plan {
   // power if no effect sets them.
   ColumnSet columns() const;
 
-  // Throws InputError if a sample may have several revolutions of a sensor, or none, since recordings hold exactly one.
+  // Throws InputError unless each sample has exactly one revolution of each sensor, as recordings do.
   void requireOneRevolution() const;
   // Throws InputError if the pipeline's passes cannot be saved. The pipeline must have a method.
   void requirePasses() const;

@@ -58,7 +58,7 @@ void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectCl
   }
 }
 
-// Returns the effects that the items name, in their order. The items must no longer contain the word `sensor`.
+// Returns the effects that the items name, in the order of the items, which must no longer contain the word `sensor`.
 // `classes`: null if no ontology is known; then labels are not checked.
 std::vector<ListedEffect> listedEffects(const std::vector<Value>& items, const EffectClasses* classes) {
   std::vector<ListedEffect> effects;

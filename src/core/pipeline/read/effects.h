@@ -55,7 +55,7 @@ void checkSensorEffects(const Value& sensor, const EffectClasses* classes);
 // Returns the effects of a sensor. `list`: the value of the key `effects`; Null: no effects. Throws InputError.
 Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor);
 
-// Returns an effect as an item of an effects list, with its options replaced or extended by those of `change`.
+// Returns `effect` as an item of an effects list. Options in `change` replace or extend the effect's options.
 [[nodiscard]] Value withKeysOf(const NamedOptions& effect, const NamedOptions& change);
 
 // Returns the effects list `items` with the word `sensor` replaced by the effects in the sensor's file. Each returned

@@ -32,8 +32,8 @@ std::string commented(const std::string& text) {
   return comment;
 }
 
-// Returns the recording's sensor with the name of `sensor`. Throws InputError at `where` if there is none, or if its
-// numbers of rings and columns differ, since recorded hits or images were computed for its beams.
+// Returns the recording's sensor with the name of `sensor`. Throws InputError at `where` if no sensor has the name, or
+// if the numbers of rings and columns differ, since recorded hits or images fit only the recorded sensor's beams.
 const RecordedSensor& recordedSensor(const Recording& recording, const MountedSensor& sensor, const Location& where) {
   std::vector<std::string> recordedNames;
   for (const RecordedSensor& recorded : recording.sensors) {
@@ -48,7 +48,7 @@ const RecordedSensor& recordedSensor(const Recording& recording, const MountedSe
                    suggestion(sensor.name, recordedNames));
 }
 
-// Sets the mounts of the sensors to the recorded ones. Throws InputError if the pipeline gives other sensors or mounts.
+// Sets the sensors' mounts to the recorded mounts, if any. Throws InputError if the pipeline gives others.
 void takeRecordedMounts(Pipeline& pipeline, const Recording& recording, const Value& list) {
   for (std::size_t i = 0; i < pipeline.sensors.size(); ++i) {
     MountedSensor& sensor = pipeline.sensors[i];
@@ -125,8 +125,8 @@ void readVehicle(Fields& fields, Pipeline& pipeline) {
   pipeline.dropVehicle = keys.choice("returns", {"keep", "drop"}, "keep") == "drop";
 }
 
-// Throws InputError if the frames have more rays than Pipeline::maxRays. `perFrame`: rays per frame; `unit`: their name
-// in the message. `atLeast`: "at least " if there may be more frames, otherwise empty.
+// Throws InputError if the frames have more rays than Pipeline::maxRays. `perFrame`: rays per frame; `unit`: what the
+// message calls these rays. `atLeast`: "at least " if there may be more frames, otherwise empty.
 void checkRays(const Pipeline& pipeline, std::uint64_t frameCount, double perFrame, std::string_view unit,
                std::string_view atLeast = "") {
   const double rays = static_cast<double>(frameCount) * perFrame;
@@ -168,8 +168,8 @@ void readPeriods(Pipeline& pipeline) {
   pipeline.periods = {shortest->period, longest->period};
 }
 
-// Sets each sensor's greatest number of revolutions in a sample. In a sample of a recording, every sensor has one
-// revolution, whatever its rate.
+// Sets each sensor's greatest number of revolutions in a sample. A sample of a recording has one revolution of each
+// sensor, whatever its rate; all periods are then set to the longest.
 void countRevolutions(Pipeline& pipeline) {
   if (pipeline.recording != nullptr) {
     for (MountedSensor& sensor : pipeline.sensors) sensor.period = pipeline.periods.longest;

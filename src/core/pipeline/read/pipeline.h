@@ -91,7 +91,7 @@ struct MountedSensor {
   Pose vehicleFromSensor = {};
   double period = 0.1;            // s, duration of a revolution
   std::uint32_t revolutions = 1;  // greatest number of revolutions in one sample
-  // Never null; all sensors share one list unless the pipeline's list contains `sensor`.
+  // Never null. All sensors share one list, unless the pipeline's key `effects` contains the word `sensor`.
   std::shared_ptr<const Effects> effects;
 
   std::uint64_t beams() const { return size.rings * size.columns; }  // in a revolution
@@ -166,7 +166,7 @@ struct Pipeline {
   // Returns the light paths that the effect `light_paths` of a sensor describes; null if the sensor does not have this
   // effect.
   const LightPaths* lightPaths(std::size_t sensor) const;
-  // Returns the effects of a sensor in the first frame and, if they are random, those of DrawnSensors::cases().
+  // Returns the effects of a sensor in the first frame, then its effects in each of DrawnSensors::cases(), if any.
   std::vector<const Effects*> effectCases(std::size_t sensor) const;
   std::uint32_t mostReturns() const;  // maximum number of returns of a beam
   std::string methodName() const;     // name of the method that computes the hits, or that computed the recorded hits
@@ -187,9 +187,8 @@ bool setsIntensity(const Pipeline& pipeline);
 Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                       std::shared_ptr<const Recording> recording = nullptr);
 
-// Reads a pipeline from a text such as Pipeline::text or the one in a manifest, and applies the overrides in the
-// comments at its end. `file`: the path that is assumed for the text; relative paths in it start at the folder of
-// `file`.
+// Reads a pipeline from a text, such as Pipeline::text or a manifest's text, and applies the overrides in the comments
+// at the text's end. `file`: the path that the text is assumed to have; the text's relative paths start at its folder.
 Pipeline readPipelineText(const std::string& text, const std::filesystem::path& file);
 
 // Returns the overrides in the comments at the end of a pipeline's text.

@@ -26,12 +26,12 @@ namespace {
 
 constexpr double kStartSeconds = 0.1;  // s, for reading the pipeline and finishing the dataset
 constexpr double kLowMount = 0.5;      // m above the vehicle's origin; lower sensors count as mounted on the ground
-// Beams and rays of a frame of the small town; larger frames are thinned to these.
+// Largest numbers of beams and rays in a frame of the small town. The columns of larger frames are reduced.
 constexpr double kMostBeams = 5e5;
 constexpr double kMostRays = 3e6;
 
-// For a kind of scene: factors that multiply the costs of the small town, and spreads, by which measured values were
-// above or below forecasts. All were fitted to the pipelines that come with the program (2 cores of an AMD EPYC;
+// Factors of a kind of scene. Three multiply the costs of the small town; spreads are the factors by which measured
+// values were above or below forecasts. All were fitted to the program's pipelines (2 cores of an AMD EPYC;
 // tests/benchmarks/forecast.cpp). Set-up factors are small, since the small town is the first scene of the process and
 // its set-up therefore includes one-time work.
 struct SceneFactors {
@@ -228,8 +228,7 @@ std::uint64_t scenesOf(const Pipeline& pipeline) {
 }
 
 Forecast forecast(const SampleCosts& costs, std::uint64_t frames, std::uint64_t scenes) {
-  // The frames of a scene cannot start before the scene is set up. If there are several scenes, each thread sets up
-  // one.
+  // The frames of a scene cannot start before the scene is set up. Several scenes are set up at a time, one per thread.
   const double setup =
       std::max(static_cast<double>(scenes) * costs.sceneSeconds / costs.cores, costs.slowestSceneSeconds);
   const double framesPerThread = std::max(static_cast<double>(frames) / costs.threads, 1.0);

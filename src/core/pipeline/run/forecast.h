@@ -41,9 +41,9 @@ struct SampleCosts {
 // Reads the plan's pipeline again with additional arguments of --set, which override all others.
 using Reread = std::function<Pipeline(const std::vector<std::string>&)>;
 
-// Measures the costs of samples by making one sample of the small town for each thread. If the pipeline has recorded
-// hits or passes, makes its first samples instead. Throws InputError if the small town cannot replace the pipeline's
-// scenes, for instance because an effect needs a class that towns do not have.
+// Measures the costs of samples by making one sample of the small town for each thread. If the pipeline has a
+// recording, makes the recording's first samples instead. Throws InputError if the small town cannot replace the
+// pipeline's scenes, for instance because an effect needs a class that towns do not have.
 SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread);
 
 // True if a scene file of the pipeline contains a town, a street or values that are random for each seed. Other scenes

@@ -106,13 +106,13 @@ class DatasetRun {
     return chosen;
   }
 
-  // Returns the number of samples to make: 0 if the shard is complete, or if another process is making it.
+  // Opens a shard for writing and returns its number of samples; 0 if it is complete, or if another process makes it.
   std::size_t open(std::size_t job) {
     const ShardJob& shard = jobs_[job];
     // Kind::Any checks sizes only: checking bytes would make each process read the shards of all others.
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
-    // Claims first: otherwise another process could complete the shard between the look and the claim.
+    // Claims the shard before looking for its record; otherwise another process could complete the shard in between.
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(shard.file) : nullptr;
     if (const std::optional<DatasetPart> complete = folder_.findRecord(shard.file, check)) {
       for (const SampleAddress& sample : shard.samples) maker_.scenes().release(sample.sequence);

@@ -51,7 +51,8 @@ struct GenerateSummary {
   bool complete = false;        // the dataset is complete, whichever process completed it
   std::size_t shards = 0;       // number of shards that this process has made
   std::size_t samplesMade = 0;  // number of samples in the shards that this process has made
-  // Number of samples in the shards that this process has made or found; `beams`, `points` and `bytes` count these.
+  // Number of samples in the shards that this process made or found. `beams`, `points`, `bytes`: sums over these
+  // shards.
   std::size_t samples = 0;
   double seconds = 0;
   std::uint64_t beams = 0;
@@ -64,12 +65,12 @@ struct GenerateSummary {
   std::vector<std::string> warnings;  // lines about the scenes and sequences, see pipeline/checks/warnings.h
 };
 
-// Throws the errors of generate() about the output folder, before anything is computed: another process writes it, or
-// its contents do not allow what `options` ask for.
+// Throws, as generate() does before it computes anything, if another process writes the output folder, or if the
+// folder's contents do not allow what `options` ask for.
 void checkFolder(const GenerateOptions& options);
 
-// Returns the manifest of a plan's dataset if the folder holds the complete dataset, else nothing. Throws InputError if
-// shards of it are missing or have the wrong size.
+// Returns the manifest of a plan's dataset if the folder holds the complete dataset, otherwise nothing. Throws
+// InputError if a shard is missing or has the wrong size.
 [[nodiscard]] std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder);
 
 // Makes the dataset of a plan, or some of its shards. Throws InputError for an unusable scene or folder, and Error if
