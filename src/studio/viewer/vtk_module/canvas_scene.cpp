@@ -173,8 +173,8 @@ void CanvasScene::setOverlay(Overlay overlay) {
   overlay_.set(std::move(overlay));
 }
 
-// Draws the views, if they have changed, and then the overlay. VTK draws the views to one framebuffer, which keeps
-// them. They are copied to a second framebuffer, where the overlay is drawn on top.
+// Draws the views, if they have changed, to VTK's render framebuffer, which keeps them. Then copies them to the display
+// framebuffer and draws the overlay on top. `maxPoints`: see Canvas::render().
 void CanvasScene::draw(std::uint64_t maxPoints) {
   vtkOpenGLState* state = window_->GetState();
   if (!viewsDrawn_ || drawnMaxPoints_ != maxPoints) {

@@ -96,7 +96,7 @@ class CanvasScene {
   void setOverlay(Overlay overlay);
 
   void draw(std::uint64_t maxPoints);
-  // Copies the picture to `pixels`, which has width * height entries, row by row from top to bottom.
+  // Copies the picture to `pixels` (width * height entries), row by row from the top. Throws if nothing has been drawn.
   void read(std::span<Rgb> pixels);
   // Copies the picture to the context's default framebuffer.
   void showPicture();

@@ -50,7 +50,8 @@ void connectToDisplay() {
                   display, firstError(), kInstead));
 }
 
-// Creates an invisible window with OpenGL 4.5, 4.3 or 3.2, the newest that the display has. Throws NoDevice.
+// Creates an invisible window with the newest of OpenGL 4.5, 4.3 and 3.2 that the display has. Throws NoDevice if it
+// has none.
 GLFWwindow* createWindow(const std::string& title, int width, int height) {
   constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 2}}};
   for (const auto& [major, minor] : kVersions) {
@@ -72,8 +73,8 @@ GLFWwindow* createWindow(const std::string& title, int width, int height) {
   throw NoDevice(fmt::format("there is no OpenGL 3.2 for a window on this display: {}", firstError()));
 }
 
-// Returns the name of a key that types no character; empty for other keys. Without num lock, keys of the number pad
-// have the functions printed below their digits.
+// Returns the name of a key that types no character, such as "Left"; empty for other keys. `numLock`: if false, keys of
+// the number pad have the functions printed below their digits.
 std::string nameOf(int key, bool numLock) {
   if (!numLock && key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) {
     constexpr std::array<std::string_view, 10> kPad{"", "End",   "Down", "Page_Down", "Left",

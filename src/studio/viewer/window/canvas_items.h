@@ -1,6 +1,6 @@
 #pragma once
 
-// The ids of the viewer's items and images on its canvas.
+// The ids of the viewer's items and images on its canvas, and functions that make lines for the canvas.
 
 #include <array>
 #include <cstddef>

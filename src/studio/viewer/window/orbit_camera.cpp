@@ -23,7 +23,7 @@ double sideOf(int width, int height) {
   return std::min(width / 16.0 * 9.0, static_cast<double>(height));
 }
 
-// Return unit vectors of the line of sight and to the right of the picture.
+// Unit vectors in the canvas frame: forwardOf() along the line of sight, rightOf() to the right of the picture.
 Vec3d forwardOf(double yaw, double pitch) {
   return {std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), -std::sin(pitch)};
 }

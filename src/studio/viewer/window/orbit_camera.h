@@ -27,15 +27,15 @@ struct OrbitCamera {
   Vec3d eye() const;
   // Rotates around the target for a drag by `right` and `down` pixels in a view of `height` pixels; stops at vertical.
   void orbit(double right, double down, int height);
-  // Moves the target parallel to the image plane by a drag of the pointer (pixels); the picture follows the pointer.
+  // Moves camera and target parallel to the image plane for a drag by these pixels; the picture follows the pointer.
   void pan(double right, double down, int width, int height);
-  // Moves towards the target, a tenth of the distance per step; the distance stays between 0.1 m and 10 km.
+  // Moves towards the target by a tenth of the distance per step; the distance stays between 0.1 m and 10 km.
   void zoom(double steps);
   // Makes `position` the target. A pinhole camera keeps its position and turns; an orthographic camera only moves.
   void lookAt(const Vec3d& position);
   // Moves the camera, without turning it, so that the points are centred and nearly fill a picture of this size
-  // (pixels). A camera of View::Chase also looks down more steeply, up to 45 degrees, at points that would leave much
-  // of the picture's height empty. `middle`: the point at whose depth the target is.
+  // (pixels). The camera of View::Chase also looks down more steeply, up to 45 degrees, until the points fill the
+  // picture's height. The target gets the depth of the point `middle`.
   void fillWith(const std::vector<Vec3d>& points, const Vec3d& middle, View view, int width, int height);
   // Returns this camera or, if a picture of this size would show less than a fifth of the points, a moved camera that
   // shows nearly all of them. This camera must be that of `view`; the camera of View::Driver is never moved.

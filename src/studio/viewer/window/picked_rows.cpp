@@ -84,7 +84,7 @@ void addPosition(NamedTexts& rows, const std::string& frame, const Vec3d& p) {
   }
 }
 
-// Returns the title of the errors without its unit, such as "range error" for "range error (m)".
+// Returns the title of the errors without the unit, such as "range error" for "range error (m)"; default: "error".
 std::string errorRow(const ViewScan& viewed) {
   const std::string& title = viewed.errorTitle;
   if (title.empty()) return "error";

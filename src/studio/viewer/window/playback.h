@@ -34,7 +34,7 @@ class Playback {
   void stop() { playing_ = false; }
   // Requests the next frame if it is due. Returns true if playing has ended, a frame was requested or busy() changed.
   bool tick(double now);
-  // Starts reading frames ahead: loads the frames after the requested frame in advance.
+  // Starts reading ahead the frames after the requested frame; only the first call has an effect.
   void readAhead();
 
   std::size_t count() const { return source_->keys().size(); }
@@ -46,7 +46,6 @@ class Playback {
   const std::string& busy() const { return busy_; }
   void clearBusy() { busy_.clear(); }
 
-  // Returns the loader, which also loads scenes.
   FrameLoader& loader() { return *loader_; }
 
  private:

@@ -224,7 +224,7 @@ void Pointer::updateHover(bool isOverPanel, const std::optional<PixelRect>& stri
       picked = pick(x, y);
     }
   }
-  // False for triangles, since the position on a triangle changes with each move.
+  // True for the same point; false for triangles, since the position on a triangle changes with each move.
   const auto isSamePoint = [](const PickedElement& a, const PickedElement& b) {
     return a.isPoint() && a.scan == b.scan && a.point == b.point && a.position == b.position && a.brief == b.brief;
   };

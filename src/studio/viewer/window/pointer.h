@@ -37,7 +37,7 @@ struct PointerDrag {
 struct Pointer {
   Pointer(SessionContext& context, const ShownClouds& clouds, SceneView& sceneView);
 
-  // Resets everything that belongs to the current frame.
+  // Resets the hovered and the selected element and the measured positions, which belong to the current frame.
   void leaveFrame();
   // Transforms the marked positions when the canvas frame changes.
   void moveBy(const Affine& newFromOld);
@@ -55,16 +55,16 @@ struct Pointer {
 
   // Returns the point or triangle at a pixel of the canvas; nothing if there is none.
   std::optional<PickedElement> pick(int px, int py) const;
-  // Returns the point at a pixel of the range image. `rect`: rectangle of the canvas in which the image is drawn.
+  // Returns the point of the range image, drawn in `rect`, at a pixel of the canvas; nothing if there is none.
   std::optional<PickedElement> pickStrip(const PixelRect& rect, int px, int py) const;
   // Describes a point. `cloudIndex`: index of its cloud in ShownClouds::list.
   PickedElement pickedPoint(std::size_t cloudIndex, std::size_t point) const;
-  // Returns `picked`; if other scans are shown, adds the name of its scan and the points of its beam in the others.
+  // Returns `picked`; with several shown scans, adds the name of its scan and the other scans' points of the same beam.
   PickedElement withOtherScans(PickedElement picked) const;
   // True if the point or triangle is not hidden and its scan is shown.
   bool isShown(const PickedElement& picked) const;
-  // Finds the point or triangle under the pointer. `isOverPanel`: a panel covers it. `strip`: rectangle of the range
-  // image if the pointer is over it.
+  // Sets `hover` to the point or triangle under the pointer. `isOverPanel`: the pointer is over a panel. `strip`:
+  // rectangle of the range image if the pointer is over this image.
   void updateHover(bool isOverPanel, const std::optional<PixelRect>& strip);
   Rgb colorOf(const PickedElement& picked) const;
   // Returns the instance id; nothing if the point or triangle is of no instance.

@@ -52,8 +52,8 @@ struct SceneView {
   double farthest(const Vec3d& eye) const;  // returns an upper bound of the distance from the eye to what is drawn (m)
 
   OrbitCamera preset(View view) const;
-  // Returns the camera that the options choose. A named view is fitted to the first frame or the scene's mesh, so the
-  // result may change when these have been loaded.
+  // Returns the camera that the options choose. A named view is fitted to the first frame or the scene's mesh; the
+  // result may change when the frame or mesh has been loaded.
   OrbitCamera firstCamera() const;
   // When the first points are shown, moves the camera to firstCamera(), or to the close-up if the options have one.
   void lookAtFirstPoints();
@@ -63,7 +63,7 @@ struct SceneView {
 
   // Functions for the scene's mesh, most of them in scene_view_mesh.cpp:
   bool isMeshOn() const { return context_.options.mesh || context_.source->isScene(); }
-  // True if the mesh has triangles and its pose on the canvas is known.
+  // True if the mesh is switched on and has triangles, and its pose on the canvas is known.
   bool isMeshVisible() const {
     return mesh && isMeshOn() && mesh->size() > 0 && (context_.source->isScene() || worldFromAnchor);
   }
@@ -85,7 +85,7 @@ struct SceneView {
   // Returns the shown objects that the first scan's sensor sees, with their views: at most 30, the nearest first.
   std::vector<std::pair<const ObjectRecord*, const ObjectView*>> nearestSeenObjects() const;
   void addObjectRows(PickedElement& picked, std::uint32_t instance) const;
-  // Returns the instances of the first scan that is shown.
+  // Returns summaries of the instances in the first shown scan.
   const std::vector<InstanceSummary>& instances();
 
   OrbitCamera camera;

@@ -170,7 +170,7 @@ bool SceneView::isBoxShown(const ObjectRecord& object) const {
       context_.options.boxes == BoxChoice::RoadUsers && !roadUsers_.empty() && context_.filter.instances.empty();
   if (onlyRoadUsers && !roadUsers_.contains(object.semantic)) return false;
   if (const auto& closeUp = context_.filter.closeUp) {
-    // The point of the box that is nearest to the middle of the close-up, both in the frame of the box.
+    // The close-up's centre and the point of the box that is nearest to this centre, both in the frame of the box.
     const Vec3d middle = inverse(canvasFromBox(object)) * (clouds_.list.front().canvasFromScan * closeUp->center);
     const Vec3d half = object.size * 0.5;
     const Vec3d nearest{std::clamp(middle.x, -half.x, half.x), std::clamp(middle.y, -half.y, half.y),
@@ -192,8 +192,7 @@ void SceneView::placeBoxes() {
   context_.changes.items = context_.changes.panels = true;
 }
 
-// Adds the box of an object. If the sensor does not see the object, the box is paler; if the object is also far, there
-// is no box.
+// Adds the box of an object: paler if the sensor does not see the object; no box if the object is also far.
 void SceneView::addObjectBox(LineSet& lines, const ObjectRecord& object) const {
   const Ontology* const ontology = context_.source->ontology();
   const SemanticClass* const found = ontology == nullptr ? nullptr : ontology->find(object.semantic);
@@ -253,7 +252,8 @@ const std::vector<InstanceSummary>& SceneView::instances() {
   return instances_;
 }
 
-// Adds the smallest upright box around each instance's points, in the colour of the instance's most frequent class.
+// Adds the smallest upright box around each shown instance's points, in the colour of the instance's most frequent
+// class. Adds nothing if these boxes are off or the frame lists objects.
 void SceneView::addInstanceBoxes(LineSet& lines) {
   if (!instanceBoxes || clouds_.list.empty() || !context_.frame->objects.empty()) return;
   for (const InstanceSummary& instance : instances()) {
@@ -265,7 +265,7 @@ void SceneView::addInstanceBoxes(LineSet& lines) {
 
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
   Coloring out;
-  // Adds the colours of all triangles. idOf(triangle) returns the triangle's id, colorOf(id) its colour.
+  // Adds the colours of all triangles. idOf(triangle) returns the triangle's id, colorOf(id) the id's colour.
   const auto addColors = [&](const auto& idOf, const auto& colorOf) {
     return paint(
         mesh.size(), idOf, colorOf, [](std::size_t) { return true; }, out.colors);

@@ -33,7 +33,7 @@ class ViewSession {
 
   const OrbitCamera& camera() const { return sceneView_.camera; }
   void setCamera(const OrbitCamera& camera) { sceneView_.setCamera(camera); }
-  // Returns the point or the triangle at a pixel of the canvas.
+  // Returns the point or the triangle at a pixel of the canvas; nothing if there is none.
   std::optional<PickedElement> pick(int x, int y);
   // Selects a point or a triangle as a click does.
   void pin(const PickedElement& picked);

@@ -69,7 +69,7 @@ std::string ClassFilter::text(const Ontology* ontology) const {
 
 namespace {
 
-// Returns the summary of an instance with these points. Other parameters: see summarizeInstance().
+// Returns an instance's summary. `points`: indices of its points. Other parameters: see summarizeInstance().
 InstanceSummary summaryOf(const Scan& scan, std::span<const Vec3f> positions, std::uint32_t instance,
                           std::vector<std::uint32_t> points, const Affine& levelFromPoints) {
   InstanceSummary summary;

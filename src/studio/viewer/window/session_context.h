@@ -100,8 +100,8 @@ struct InstanceSummary {
   Affine levelFromBox;
 };
 
-// Summarises one instance. `positions`: positions of the scan's points (m). `levelFromPoints`: transform from their
-// frame to a frame whose z axis is vertical.
+// Summarises one instance. `positions`: positions of the scan's points (m). `levelFromPoints`: transform from the frame
+// of `positions` to a frame whose z axis is vertical.
 InstanceSummary summarizeInstance(const Scan& scan, std::span<const Vec3f> positions, std::uint32_t instance,
                                   const Affine& levelFromPoints);
 // Summarises all instances except 0, in the order of their ids.

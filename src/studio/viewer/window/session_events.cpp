@@ -231,7 +231,7 @@ void ViewSession::nextBoxes() {
   return context_.notify(fmt::format("boxes {}", kBoxTexts[static_cast<std::size_t>(context_.options.boxes)]));
 }
 
-// Activates the next view; after the last view, all views are active if they show different scans.
+// Activates the next view. After the last view, activates all views or, if they show the same scan, the first view.
 void ViewSession::nextView() {
   if (clouds_.viewCount() < 2) return context_.notify("there is one view only; s splits it");
   clouds_.activeView = clouds_.activeView ? *clouds_.activeView + 1 : 0;
@@ -257,7 +257,8 @@ void ViewSession::switchOption(bool ViewOptions::*option) {
   sceneView_.placeMesh();
 }
 
-// Ends the first of these that is on: menus, the help, measuring, the selection, a single shown instance, and playing.
+// Ends the first of these that is on: menus, help, measuring, selection, one instance alone, playing. Else says how to
+// quit.
 void ViewSession::escape() {
   context_.changes.panels = true;
   if (panels_.imgui.closeMenus()) return;
@@ -297,7 +298,7 @@ void ViewSession::toggleWorld() {
   context_.notify(sceneView_.staysInWorld ? "standing in the world" : "following the sensor");
 }
 
-// Shows only the instance under the pointer, or all instances again.
+// Shows only the instance under the pointer, else the clicked one; if one is shown alone already, shows all again.
 void ViewSession::toggleInstanceAlone() {
   if (!context_.filter.instances.empty()) {
     context_.filter.instances.clear();

@@ -104,7 +104,8 @@ void ViewSession::drawMenus() {
   ImGui::EndMainMenuBar();
 }
 
-// Draws the menu of quantities that colours can show: those of colorsOf() that the scan has, or kMeshColorNames.
+// Draws the menu of quantities for colours: kMeshColorNames for a scene, otherwise those of colorsOf() that the scan
+// has.
 void ViewSession::drawColorMenu() {
   std::vector<ColorBy> quantities;
   std::string shown;  // name of the quantity that colours show now

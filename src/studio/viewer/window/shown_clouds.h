@@ -56,7 +56,7 @@ struct ShownClouds {
   // changes no colours and sets `colorProblem`.
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);
-  // Computes the ends of the scales from the values again.
+  // Resets the scale of the active view, or of all views; the ends are then computed from the values again.
   void resetScales();
   // Computes the colours of a view's points again.
   void recolor(std::size_t view);
