@@ -171,9 +171,9 @@ class LasReader {
     }
   }
 
-  // Sets metres_ and Cloud::system by the coordinate system at the first point, and warns if the system cannot be read,
-  // is not in metres or stretches lengths. Throws InputError if the coordinates are no lengths. `first`: offset of the
-  // first point (bytes).
+  // Sets metres_ and Cloud::system from the coordinate system at the first point, and warns if the system cannot be
+  // read, is not in metres or stretches lengths. Throws InputError if coordinates are not lengths. `first`: offset of
+  // the first point (bytes).
   void applyUnit(std::uint64_t first, std::uint64_t points) {
     if (wkt_.empty() && geoKeys_.empty()) return;
     const bool byWkt = !wkt_.empty() && ((at<std::uint16_t>(kEncoding) & kWktBit) != 0 || geoKeys_.empty());
@@ -256,7 +256,7 @@ class LasReader {
     chooseLabels(std::move(labels));
   }
 
-  // Sets the column intensity to the extra bytes in which our exports store exact intensities, else to `intensities`.
+  // Sets the column `intensity` to the exact intensities that our exports have as extra bytes, else to `intensities`.
   void chooseIntensities(std::vector<float> intensities) {
     for (ForeignColumn& column : cloud_.scan.foreign) {
       if (column.name != kLasExactIntensity) continue;
@@ -281,7 +281,7 @@ class LasReader {
     }
   }
 
-  // Adds extra bytes as foreign columns, as described_ describes them.
+  // Adds a foreign column for each field of extra bytes that described_ describes.
   void readExtraBytes(const std::vector<std::uint64_t>& records) {
     constexpr std::size_t kDescription = 192;
     std::uint64_t firstByte = kLeastRecord[format_];

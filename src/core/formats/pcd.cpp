@@ -35,7 +35,7 @@ constexpr std::size_t storedSize(std::string_view name) {
   return name == kLabel.row.name ? sizeof(std::uint32_t) : sizeof(T);
 }
 
-// Return the size of a point (bytes) in a scan with these columns.
+// Returns the size of a point (bytes) in a scan with these columns.
 std::size_t rowSize(ColumnSet columns) {
   std::size_t size = sizeof(Vec3f);
   forEachColumn(

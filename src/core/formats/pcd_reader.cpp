@@ -145,7 +145,7 @@ class HeaderReader {
     header_.worldFromFile = {{w / norm, x / norm, y / norm, z / norm}, {tx, ty, tz}};
   }
 
-  // Calls set(field, word) for each field and its word on a line that has one word per field behind the key.
+  // Calls set(field, word) for each field. Throws InputError unless the line has one word per field after its key.
   template <class Set>
   void perField(const Words& words, Set&& set) {
     if (header_.fields.empty() || words.size() - 1 != header_.fields.size()) {
@@ -195,7 +195,7 @@ class BodyReader {
   BodyReader(PcdHeader header, const std::string& what, bool exact)
       : header_(std::move(header)), where_{what, 0, 0}, exact_(exact) {
     if (!exact_ || header_.data != "ascii") return;
-    // Numbers of a text may have more digits than the header's type holds: read coordinates as doubles.
+    // Numbers in a text may have more digits than a float32 can represent: read coordinates as doubles.
     for (PcdField& field : header_.fields) {
       const bool isCoordinate = field.type == 'F' && (field.name == "x" || field.name == "y" || field.name == "z");
       if (isCoordinate) field.size = sizeof(double);
@@ -241,7 +241,7 @@ class BodyReader {
     return &*field;
   }
 
-  // Returns the field that becomes a column of the table; null if there is none.
+  // Returns the field with this name if it becomes a column of the table, otherwise null.
   const PcdField* findColumn(std::string_view name) const {
     const PcdField* const field = find(name);
     return field == nullptr || isForeign(*field) ? nullptr : field;

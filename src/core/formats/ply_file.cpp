@@ -36,7 +36,7 @@ PlyHeader::Format formatOf(std::string_view name, const Location& where) {
   throw InputError(where, "unknown PLY format '{}'", name);
 }
 
-// Adds to `header` what a line between `ply` and end_header states. `line`: the words of the line.
+// Parses a line between `ply` and end_header, and adds its content to `header`. `line`: the words of the line.
 void readLine(PlyHeader& header, const std::vector<std::string_view>& line, std::uint64_t fileSize,
               const Location& where) {
   if (line.empty() || line[0] == "comment" || line[0] == "obj_info") return;

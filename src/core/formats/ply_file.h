@@ -43,9 +43,9 @@ struct PlyHeader {
 // end_header, a line or type is unknown, or an element has a larger count than the file has bytes.
 PlyHeader readPlyHeader(const std::filesystem::path& file);
 
-// Reads the numbers behind the header of a PLY file, one after the other. In text, each row of an element is a line.
-// All calls throw an InputError that names the file, the line of a text, and the row: the file ends too early, or a
-// word is no number.
+// Reads the numbers behind the header of a PLY file, one after the other. In text, each row of an element is a line. If
+// the file ends too early or a word is not a number, all functions throw an InputError that names the file, the row
+// and, in text, the line.
 class PlyBody {
  public:
   // `header` and `bytes`, the whole file, must outlive this object.
@@ -56,7 +56,7 @@ class PlyBody {
   void beginRow(const PlyElement& element, std::uint64_t row);
   // Returns the next number of a row: the property's value or, if the property is a list, its next member.
   double number(const PlyProperty& property) { return next(property, property.value); }
-  // Returns the length of a list.
+  // Returns the length of a list. Must be called before the list's members are read.
   std::uint64_t length(const PlyProperty& property);
   // Skips a property. In a binary file, a list is skipped as fast as a single value.
   void skip(const PlyProperty& property);

@@ -75,7 +75,7 @@ class PlyReader {
     return *column;
   }
 
-  // Makes the cloud of `count` points from columns_. Foreign columns are renamed to columnMeant(), if that is free.
+  // Builds the cloud of `count` points from columns_. Foreign columns get the name columnMeant() unless it is taken.
   void build(std::uint64_t count) {
     const PlyColumn& x = require("x");
     const PlyColumn& y = require("y");

@@ -1,7 +1,7 @@
 #pragma once
 
-// Readers of the kinds of files in which scans and point clouds are stored, and the makers of the formats of formats().
-// Each is defined in the file of its kind: readPcd() in pcd_reader.cpp, makePcd() in pcd.cpp.
+// Functions that read files of scans and point clouds, and functions that create the formats in formats(). Each is
+// defined in the file that is named after its format: readPcd() in pcd_reader.cpp, makePcd() in pcd.cpp.
 
 #include <filesystem>
 #include <memory>
@@ -28,7 +28,7 @@ std::unique_ptr<Format> makePcd(Fields& options);
 std::unique_ptr<Format> makeDraco(Fields& options);
 std::unique_ptr<Format> makeCsv(Fields& options);
 
-// Return, for each kind of file, the table of what its reader reads and leaves out.
+// Each of these functions returns the table of the contents that a reader reads and leaves out.
 const FormatSupport& pcdFormat();
 const FormatSupport& csvFormat();
 const FormatSupport& dracoFormat();
@@ -37,10 +37,10 @@ const FormatSupport& plyCloudFormat();
 const FormatSupport& pointRecordsFormat();
 
 // The readers below find columns by the names in cloudColumns(); other columns become foreign. All throw an InputError
-// that begins with `what`, the name of the bytes, and names the line of a text.
+// that begins with `what`, the name of the bytes, and states the line if the bytes are text.
 //
-// `exact`: positions are read in double precision and made relative to cloudOrigin() of the first finite point
-// (cloud_file.h); false: positions are the file's numbers in float32, and the origin is zero.
+// If `exact` is true, positions are read in double precision and are relative to cloudOrigin() of the first finite
+// point (cloud_file.h). If it is false, positions are the file's numbers in float32, and the origin is zero.
 
 // Reads any valid PCD. Fields may be in any order and of any numeric type whose values fit the column. Fields of
 // several values a point are left out. Cloud::worldFromFile is the VIEWPOINT, or the identity if its numbers are all 0.
@@ -68,16 +68,16 @@ Cloud readPly(const std::filesystem::path& file);
 // case, without CloudCompare's prefix `scalar_`. Rows of Use::Unused are columns that a scene does not need.
 const FormatSupport& cloudColumns();
 
-// Returns the column that a name means ("label" for "scalar_Classification"); for names that no row of Use::Read has,
-// the name in lower case and without `scalar_`.
+// Returns the name of the column that `name` stands for ("label" for "scalar_Classification"). If no row of Use::Read
+// has the name, returns it in lower case and without `scalar_`.
 std::string columnMeant(std::string_view name);
 
-// Turns foreign columns into those columns of the table that their names mean and the scan lacks; an intensity column
-// of zeros alone is replaced, too. Of several columns with the same meaning, the column that has the table's name is
-// used, else the first; the others stay foreign. Negative instance numbers mean "no instance" and become 0; if there
-// are any, all other instance numbers increase by 1. The labels -1 and -100 become 0, or 65535 if the column has a 0,
-// which may be a class. Throws an InputError at `where` if a number does not fit the type of a column with the table's
-// name, and `where` names a file. Otherwise the column stays foreign and is counted in cloud.leftOut.
+// Converts foreign columns whose names stand for columns of the table (see columnMeant()) to these columns, if the scan
+// lacks them; an intensity column of zeros counts as lacking. Of several foreign columns for the same column, the first
+// with the table's own name or, if there is none, the first is converted. Negative instance numbers mean "no instance"
+// and become 0; if there are any, all other instance numbers increase by 1. The labels -1 and -100 become 0, or 65535
+// if the column has a 0, which may be a class. If a number does not fit the column's type, the foreign column stays and
+// is counted in cloud.leftOut; if it has the table's own name and `where` names a file, throws an InputError instead.
 void adoptColumns(Cloud& cloud, const Location& where);
 
 // Sets the positions of a scan to `exact` (m) and the cloud's origin to cloudOrigin() of the first finite position.

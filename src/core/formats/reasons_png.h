@@ -11,10 +11,10 @@
 
 namespace scanmill {
 
-// Suffix of the images of reasons in shards; the scans there have the suffix of their format.
+// Suffix of the members of shards that are images of reasons.
 inline constexpr std::string_view kReasonsSuffix = "reasons.png";
 
-// Encodes the image. Throws Error if there are not rings * columns values.
+// Returns the bytes of the image. Throws Error unless reasonOfBeam has rings * columns values.
 std::string encodeReasons(const std::vector<std::uint8_t>& reasonOfBeam, std::uint32_t rings, std::uint32_t columns);
 
 struct ReasonsImage {

@@ -23,7 +23,7 @@ std::size_t longestRowOf(const Scan& scan) {
   return length;
 }
 
-// Writes a number and the separator to `to`, and returns the end of what it has written.
+// Writes a number and the separator to `to`. Returns the position after the separator.
 template <class T>
 char* append(char* to, T value, char separator) {
   // A NaN's sign means nothing, and readers do not expect "-nan".

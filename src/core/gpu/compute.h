@@ -100,7 +100,7 @@ class ComputeBuffer {
   std::uint64_t bytes_ = 0;
 };
 
-// Permanently mapped host memory into which a device copies a buffer, while later programs may already run.
+// Permanently mapped host memory. A device copies a buffer into this memory, while later programs may already run.
 class ComputeReadback {
  public:
   explicit ComputeReadback(const ComputeDevice& device);

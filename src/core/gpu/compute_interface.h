@@ -47,12 +47,12 @@ class ComputeBackend {
   // Gives the buffer this size (bytes). Its contents are undefined afterwards.
   virtual void resize(GlBuffer& buffer, std::uint64_t bytes) = 0;
   virtual void write(GlBuffer& buffer, std::uint64_t offset, std::span<const std::byte> bytes) = 0;
-  // Creates host memory into which the device copies (see ComputeReadback).
+  // Creates the host memory of a ComputeReadback.
   virtual OwnedObject<MappedCopy> makeReadback() = 0;
   virtual void startCopy(MappedCopy& readback, const GlBuffer& buffer, std::uint64_t bytes) = 0;
   // Returns the readback's copy; null if it is not complete yet.
   virtual const std::byte* copied(MappedCopy& readback) = 0;
-  // Calls the program's invoke() for 0 to invocations - 1. The data that it writes is visible to later runs and reads.
+  // Calls the program's invoke() for 0 to invocations - 1. Later runs and reads see the data that invoke() has written.
   virtual void run(const ComputeRun& run) = 0;
   // Calls `work` on the OpenGL thread, so that calls of this backend in `work` do not each switch threads.
   virtual void atOnce(const std::function<void()>& work) = 0;

@@ -84,7 +84,7 @@ class MappedCopy {
 
 namespace {
 
-// Loads OpenGL's functions with GLEW. Ignores the error that GLEW reports if there is no X display.
+// Loads OpenGL's functions. Throws NoDevice if some are missing. GLEW's error without an X display is ignored.
 void findFunctions() {
   glewExperimental = GL_TRUE;
   glewInit();
@@ -254,7 +254,7 @@ class GlCompute final : public ComputeBackend {
     });
   }
 
-  // Makes an object that is destroyed while the context is current, on the OpenGL thread.
+  // Creates an object. It is created and destroyed on the OpenGL thread while the context is current.
   template <class Object, class... Arguments>
   OwnedObject<Object> makeOwned(const Arguments&... arguments) {
     std::unique_ptr<Object> object;

@@ -82,8 +82,8 @@ auto withReason(const std::string& name, const char* verb, const Work& work) {
   }
 }
 
-// Opens an image: `bytes` or, if they are empty, the file `kind`. The suffix of `kind` also tells OpenImageIO the
-// format of images other than PNG and JPEG. `name`: the image's name in messages.
+// Opens the image in `bytes` or, if `bytes` is empty, in the file `kind`. OpenImageIO takes the format of images other
+// than PNG and JPEG from the suffix of `kind`. `name`: the image's name in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   return withReason(name, "read", [&] {
     const std::string kindOfBytes = kindOf(bytes);
@@ -112,8 +112,8 @@ bool isBoundedByBytes(const std::string& kind) {
   return std::ranges::find(kKinds, kind) != kKinds.end();
 }
 
-// Throws InputError for an image without pixels, for one that is too large to decode, and for a size that an image of
-// this kind cannot have in a file of so many bytes. Charges the pixels to the input budget (base/input_budget.h).
+// Throws InputError if an image has no pixels, is too large to decode, or has more pixels than a file of `bytes` bytes
+// and this kind can encode. Charges the pixels to the input budget (base/input_budget.h).
 void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t bytes, const std::string& name) {
   const auto fail = [&](const std::string& problem) { throw InputError({name}, problem); };
   if (header.width < 1 || header.height < 1 || header.channels < 1) fail("the image has no pixels");
@@ -232,7 +232,7 @@ class RgbaConverter {
     greatestAlpha_ = greatest;
   }
 
-  // The least and the greatest alpha so far.
+  // The least and the greatest alpha of all pixels that were converted.
   std::uint8_t leastAlpha() const { return leastAlpha_; }
   std::uint8_t greatestAlpha() const { return greatestAlpha_; }
 

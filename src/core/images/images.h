@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-// Returns what is read of images, and what is left out.
+// Returns the table of the contents of images that are read or left out.
 const FormatSupport& imageFormat();
 
 // 8-bit RGBA in sRGB, top row first. Colours are not multiplied by alpha.

@@ -1,7 +1,6 @@
 #pragma once
 
-// The interface of libscanmill_images.so, the module that links OpenImageIO (base/module.h), and what it shares with
-// the readers of PNG and JPEG. All functions are inline, since modules use them too.
+// The interfaces of libscanmill_images.so, the module that links OpenImageIO (base/module.h), and of the other readers.
 
 #include <cstdint>
 #include <memory>

@@ -25,7 +25,7 @@ namespace scanmill {
 
 namespace {
 
-// Turns the jump by which both libraries report an error into an exception.
+// Converts errors of both libraries to exceptions. The libraries report an error by a jump (longjmp).
 class JumpGuard {
  public:
   // Calls `work`, which must not contain objects that need to be destroyed, since the libraries jump out of it. Throws
@@ -112,7 +112,7 @@ class PngReader final : public ImageReader {
                .alphaChannel = channels == 2 || channels == 4 ? channels - 1 : -1};
   }
 
-  // Fills allRows_, unless an earlier call did.
+  // Decodes all rows of an interlaced image into allRows_, unless an earlier call has done so.
   void readInterlaced(std::size_t rowBytes) {
     if (!allRows_.empty()) return;
     allRows_.resize(std::size_t(header_.height) * rowBytes);
@@ -232,8 +232,8 @@ std::string encodePng(const std::uint8_t* rgb, int width, int height) {
   image.width = static_cast<png_uint_32>(width);
   image.height = static_cast<png_uint_32>(height);
   image.format = PNG_FORMAT_RGB;
-  // No filters, and zlib's level 3: images of points, which have no gradients, are mostly smaller than with filters.
-  // Level 9, which this interface does not offer, makes them 1/8 to 1/2 smaller, but takes six to ten times as long.
+  // This flag turns filters off and selects zlib's level 3. Images of points have no gradients, so filters mostly make
+  // them larger. Level 9, which this interface does not offer, makes them 1/8 to 1/2 smaller in 6 to 10 times the time.
   image.flags = PNG_IMAGE_FLAG_FAST;
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
   png_alloc_size_t size = bytes.size();

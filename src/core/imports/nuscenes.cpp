@@ -68,7 +68,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   if (tablesAsGiven.empty()) return {};
   const fs::path tables = fs::absolute(tablesAsGiven).lexically_normal();
   const fs::path root = (tables.has_filename() ? tables : tables.parent_path()).parent_path();
-  // Returns a map from a table's column `key` to its column `value`; empty if an optional table is missing.
+  // columnOf() returns a map from a table's column `key` to its column `value`; empty if an optional table is missing.
   enum class Table { Required, Optional };
   using Texts = std::map<std::string, std::string>;
   const auto columnOf = [&](const char* table, const char* value, const char* key, Table need) {
@@ -80,7 +80,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   };
   Texts sceneNames = columnOf("scene.json", "name", "token", Table::Required);
   Texts sceneTokens = columnOf("sample.json", "scene_token", "token", Table::Required);  // tokens of scenes, by sample
-  // Files of labels, by token of sample_data.
+  // Names of the label files, by the token of the scan's row in sample_data.
   Texts lidarseg = columnOf("lidarseg.json", "filename", "sample_data_token", Table::Optional);
   Texts panoptic = columnOf("panoptic.json", "filename", "sample_data_token", Table::Optional);
   const auto pathOf = [&](const Texts& labels, const std::string& token) {

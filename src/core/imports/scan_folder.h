@@ -28,7 +28,7 @@ struct ScanFolder {
 };
 
 // Finds the scans in a folder, with the first layout that fits. The folder may be a dataset's root or a part of the
-// dataset, such as one sequence. Returns nothing if the folder contains no scans. Throws InputError.
+// dataset, such as one sequence. Returns nothing if the folder has no scans. Throws InputError for damaged files.
 std::optional<ScanFolder> scanFolderIn(const std::filesystem::path& folder);
 
 // Reads a scan with its labels, in the coordinate frame of its file. Warns of what the reader leaves out, but only once

@@ -59,7 +59,7 @@ std::vector<Candidate> candidates() {
   return devices;
 }
 
-// Returns the devices to try for a value of SCANMILL_GL_DEVICE (gpu/device.h); throws if there are none.
+// Returns the devices to try for `device`, a value of SCANMILL_GL_DEVICE (gpu/device.h). Throws if no device has it.
 std::vector<Candidate> candidatesFor(const std::string& device) {
   std::vector<Candidate> devices = candidates();
   if (device.empty()) return devices;
@@ -93,7 +93,7 @@ EGLContext newContext(EGLDisplay display, EGLConfig config) {
   return EGL_NO_CONTEXT;
 }
 
-// Creates a context on the device and makes it current. Returns an empty text, or the reason if this fails.
+// Creates a context on the device and makes it current. Returns the reason if this fails, otherwise an empty text.
 std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLContext& context) {
   const auto getDisplay = entry<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (getDisplay == nullptr) return "it knows no platforms";

@@ -308,8 +308,8 @@ class DepthCameraMethod : public DepthCamera {
 
   std::uint64_t memoryBytes() const override {
     if (scene_ == nullptr) return 0;
-    // The layout "auto" is counted as three square images, more than most sensors need. For a
-    // moving sensor, only the images of one step are in memory.
+    // The layout "auto" is counted as three square images, more than most sensors need. If the sensor moves, only the
+    // images of one step are in memory.
     const std::uint64_t width = options_.layout.resolution;
     const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
                                  : options_.layout.layout == CameraLayout::Four90 ? 4
@@ -362,8 +362,8 @@ class DepthCameraMethod : public DepthCamera {
     return *renderer_;
   }
 
-  // Renders a step and calls `use` with its pixels. Only one thread at a time does this; the time that a thread waits
-  // for the renderer is not added to `clock`.
+  // Renders a step and calls `use` with its pixels. Only one thread renders at a time; the time in which a thread waits
+  // for another to finish is not added to `clock`.
   template <class Use>
   void renderStep(const Shot& shot, const StepView& view, const Pose& worldFromRig, PassChoice choice,
                   StageClock& clock, const Use& use) const {

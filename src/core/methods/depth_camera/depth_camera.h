@@ -36,8 +36,8 @@ class DepthCamera : public Method {
   virtual TraceAccount sample(const Shot& shot, const PassStep& step, Hits& hits) const = 0;
 };
 
-// YAML: depth_camera: {renderer: vtk, layout: auto, resolution: 2048, sampling: plane, depth: float32,
-//                      near_m: 0.01, far_m: 120, renders_per_turn: auto}
+// Creates the method. YAML: depth_camera: {renderer: vtk, layout: auto, resolution: 2048, sampling: plane,
+//                                          depth: float32, near_m: 0.01, far_m: 120, renders_per_turn: auto}
 std::unique_ptr<Method> makeDepthCamera(const Scene& scene, Fields& options);
 
 // Returns the depth camera with the renderer that the function `renderer` creates when it is first needed. The key

@@ -162,7 +162,8 @@ struct Spread {
   }
 };
 
-// `sides` side cameras, a camera that looks up and a camera that looks down. Each direction belongs to one camera.
+// A candidate layout: `sides` side cameras, one camera that looks up and one that looks down. A camera has the beams
+// whose directions belong to it.
 class Candidate {
  public:
   // Beams with a slope of more than `steep` upwards or downwards belong to the camera that looks up or down. `pitch`:
@@ -235,7 +236,7 @@ Candidate cheapestCandidate(const Spread& spread, double focal) {
   const double pitchToMiddle = -(std::atan(spread.lowest) + std::atan(spread.highest)) / 2;
   std::optional<Candidate> best;
   double bestCost = INFINITY;
-  // Beams with a larger absolute elevation (deg) belong to the cameras that look up or down; 90: only side cameras.
+  // Beams with an absolute elevation above this limit (deg) belong to the cameras that look up or down.
   for (const double steepElevation : {90.0, 35.0, 45.0, 55.0, 65.0}) {
     const bool hasSidesOnly = steepElevation == 90;
     const double steep = hasSidesOnly ? 2 * kSteepest : std::tan(radians(steepElevation));

@@ -36,7 +36,7 @@ double asHalf(double value) {
   return std::clamp(std::nearbyint(value / step) * step, -kLargest, kLargest);
 }
 
-// Rounds a depth (m) as a fixed-point z-buffer of `bits` bits with these near and far planes (m) does.
+// Returns a depth (m) as a fixed-point z-buffer of `bits` bits stores it. `nearest`, `farthest`: near, far plane (m).
 double asUnorm(double depth, int bits, double nearest, double farthest) {
   const double steps = std::ldexp(1.0, bits) - 1;
   const double clamped = std::clamp(depth, nearest, farthest);
@@ -168,7 +168,7 @@ class Sampler {
     }
   }
 
-  // Fetches the batch's pixels, and rounds depths as a z-buffer would. Half500 is applied later: it rounds points.
+  // Fetches the batch's pixels, and rounds depths as a z-buffer would. Half500 rounds points and is applied later.
   void fetch(const Batch& batch) {
     addresses_.resize(batch.count);
     parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
@@ -217,8 +217,8 @@ class Sampler {
     }
   }
 
-  // Sets the pixel of the next round to the pixel of the hit point, if that differs from the pixel of this round. If
-  // the first round shows no surface, the next pixel is the pixel of a point far away on the beam.
+  // If a beam's hit point is in another pixel than the pixel of this round, sets the beam's pixel for the next round to
+  // that pixel. If the first round shows no surface, takes a point far away on the beam instead of the hit point.
   void findNextPixels(Batch& batch, std::size_t first, bool isFirstRound, const BeamBlock& block, ImageHits& hits) {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];

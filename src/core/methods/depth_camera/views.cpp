@@ -76,7 +76,7 @@ void usePlaneRanges(std::size_t begin, std::size_t end, const BeamBlock& block, 
                           hits.nz[i] * (hits.pz[i] - block.oz[i]);
     const double range = height / hits.cosine[i];
     const double pointRange = hits.range[i];
-    // False too if the beam does not hit the plane in front of the sensor: `range` then is NaN, infinite or negative.
+    // Also false if the beam does not hit the plane in front of the sensor: `range` is then NaN, infinite or negative.
     const bool isReliable = (range <= pointRange * kPlaneErrorBound) & (range * kPlaneErrorBound >= pointRange);
     hits.range[i] = isReliable ? range : pointRange;
   }

@@ -96,7 +96,8 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
   }
 }
 
-// Sets `triangleOrList`, by corner: the nearest triangle or, in a field with lists, the start of the list in listed_.
+// Sets triangleOrList[corner] to the nearest triangle or, in a field with lists, to the list's start in listed_; sets
+// kNoTriangle if the corner is too far from all triangles.
 void BrickMaker::fillTrianglesOrLists(const std::uint16_t* distance, std::uint32_t* triangleOrList) const {
   const auto farthest = static_cast<std::uint16_t>((lists_ ? kListLimit : kNearestLimit) / kDistanceStep);
   const auto& entries = lists_ ? list_ : nearest_;

@@ -98,7 +98,7 @@ class BrickMaker {
 // Constants and functions that the parts of BrickMaker share; lengths are in voxels.
 namespace brick {
 
-// Twice the largest float32 error of distances (voxels). Distances are reduced by it, so that none is too large.
+// Twice the largest float32 error of distances (voxels). Stored distances are less by this, so none is too large.
 constexpr float kRounding = 2e-5f;
 constexpr float kShortened = 1 - 1e-5f;  // factor on distances of bricks' centres, so that they are never too large
 constexpr float kRadius = 6.93f;         // distance from a brick's centre to its corners, rounded up: 4 sqrt(3)
@@ -106,7 +106,7 @@ constexpr float kListRadius = 0.9536f;   // radius of a ball that contains a cub
                                          // than sqrt(3) kListHalfSide
 constexpr float kBlockRadius = 1.7322f;  // distance from a block's centre to its corners, rounded up: sqrt(3)
 static_assert(kListRadius * kListRadius > 3 * kListHalfSide * kListHalfSide);
-// Triangles that are at most kExactLimit from a corner of the brick are at most this far from the brick's centre.
+// A triangle at most kExactLimit from a corner of the brick is at most kGatherRadius from the brick's centre.
 constexpr float kGatherRadius = kRadius + kExactLimit;
 
 // Positions relative to the brick's centre: the corners of each block, by lane, and the centres of the blocks.

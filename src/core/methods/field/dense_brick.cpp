@@ -17,10 +17,10 @@ constexpr std::size_t kFewOfBlock = 128;
 
 }  // namespace
 
-// Adds a triangle to listings_ for each corner of crowded blocks whose cube the triangle intersects, and updates the
-// distances of these corners. The cube test is rarely needed: most triangles of foliage are completely inside one cube,
-// and most others have a corner in each cube that they intersect. The exact distance is also rarely needed: few
-// triangles are nearer to a corner than all earlier triangles.
+// If a triangle intersects the cube around a corner of a crowded block, adds the triangle to listings_ for this corner
+// and updates the corner's distance. The cube test is rarely needed: most triangles of foliage are completely inside
+// one cube, and most others have a corner in each cube that they intersect. The exact distance is also rarely needed:
+// few triangles are nearer to a corner than all earlier triangles.
 void BrickMaker::addListings(const BrickFrame& frame, std::uint32_t triangle) {
   const TriangleCorners corners = cornersAt(world_.baked, triangle, frame);
   Box box;
@@ -122,7 +122,7 @@ bool BrickMaker::makeBlock(const BrickFrame& frame, int block) {
 // Sets the distances and nearest triangles of the corners of a crowded block, by a search for each corner.
 void BrickMaker::searchBlock(const BrickFrame& frame, int block) {
   const Points& p = brick::kBlockCorners[block];
-  // All triangles this near are in the corner's list, and addListings() has compared them with the corner already.
+  // addListings() has already compared a corner with all triangles that are at most kCompared (voxels) away.
   constexpr float kCompared = kListHalfSide - kMargin;
   const float compared2 = lists_ ? kCompared * kCompared : -1.0f;
   for (int i = 0; i < kBlock; ++i) {

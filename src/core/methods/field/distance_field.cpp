@@ -66,7 +66,7 @@ constexpr std::size_t withRoom(std::size_t count) {
   return count + count / 2;
 }
 
-// Returns the table entry of a brick whose centre has this distance from surfaces (voxels).
+// Returns the table entry of a brick. `distance`: from the brick's centre to the nearest surface (voxels).
 constexpr std::uint32_t tableEntry(float distance) {
   return distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kNewBrick;
 }

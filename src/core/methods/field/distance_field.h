@@ -97,8 +97,8 @@ struct World;  // methods/world/world.h
 struct DistanceField {
   FieldShape shape;
   std::vector<FieldLevel> levels;
-  // One entry per brick. Full brick: kFullBrick + index of the brick in the arrays below. Empty brick: the bits of a
-  // float: the distance from the brick's centre to surfaces (voxels of the level, rounded down, at least kEmptyBrick).
+  // One entry per brick. A full brick has kFullBrick + the brick's index in the arrays below. An empty brick has the
+  // bits of a float, the centre's distance to surfaces (voxels of the level, rounded down, at least kEmptyBrick).
   std::vector<std::uint32_t> table;
   // kBrickStride values per full brick: the distances at its corners, in units of kDistanceStep voxels.
   std::span<const std::uint16_t> distance;

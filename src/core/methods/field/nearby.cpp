@@ -37,8 +37,8 @@ class Ball {
   float radius() const { return radius_; }
   Float4 point() const { return point_; }
 
-  // Returns true if a triangle's bounding box is within the ball's radius of the cube of half side `halfSide` (m)
-  // around the point.
+  // Returns true if the distance from a triangle's bounding box to a cube around the ball's point is at most the ball's
+  // radius. `halfSide`: half the side of the cube (m); 0 means the point itself.
   bool overlaps(const TriangleBlock& block, std::uint32_t triangle, float halfSide = 0) const {
     const Triangle& corners = block.corners[triangle];
     const Float4 a = vertexOf(block, corners[0]);
@@ -93,7 +93,8 @@ double reachOf(const BrickFrame& frame, float distance2) {
   return (double{std::sqrt(distance2)} + kReachMargin) * frame.voxel;
 }
 
-// Compares a triangle with the nearest triangle of a PointSearch. Returns true if the query's radius has changed.
+// Makes a triangle the result of a PointSearch if it is nearer than the result so far or, at the same distance, earlier
+// by orderOf(). Returns true if the query's radius has changed.
 bool visitNearest(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<PointSearch*>(arguments->userPtr);
   const std::uint32_t triangle = search.block.indexOf(arguments->geomID, arguments->primID);
