@@ -28,7 +28,7 @@ namespace py = pybind11;
 namespace scanmill {
 namespace {
 
-// Objects of a scene that Python gives as arrays. The module scanmill.parts checks the arrays before they come here.
+// Parts of a scene that Python gives as arrays, which the module scanmill.parts has checked.
 
 // The class, material and thing that some of a part's triangles share.
 struct ArraySurface {
@@ -80,9 +80,9 @@ class Simulator {
   Simulator(const std::string& pipeline, const std::filesystem::path& folder, std::vector<ArrayPart> parts = {},
             bool placeable = false);
 
-  // Returns one scan per sensor. If all objects are where the scene places them and stand still during the revolution,
-  // `scanmill generate` makes equal scans with this pipeline in the frame number `frame` if the vehicle has the same
-  // poses there. Throws InputError for an unknown object.
+  // Returns one scan per sensor. They equal the scans of `scanmill generate` with this pipeline in the frame `frame` if
+  // the vehicle has the same poses, and all objects have the scene's poses and stand still during the revolution.
+  // Throws InputError for an unknown object.
   std::vector<SimulatedScan> scan(const SimulatedShot& simulated) const;
 
   // Returns the objects of the scene, by their names, at a time (s since the drive began).
@@ -136,8 +136,8 @@ std::vector<Vec3d> velocitiesOf(const std::vector<Pose>& poses, double duration)
   return velocities;
 }
 
-// Adds the parts to a scene. Throws an InputError that names the part, for a name that the scene or another part has
-// already, and for unknown classes and materials.
+// Adds the parts to a scene. Throws an InputError that names the part if the scene or another part already has the
+// part's name, or if a class or material is unknown.
 void addParts(SceneBuilder& builder, const std::vector<ArrayPart>& parts) {
   std::unordered_set<std::string> names;
   for (const Instance& i : builder.soFar().instances) names.insert(i.name);
@@ -263,7 +263,7 @@ std::unordered_map<std::string, SceneObject> Simulator::objects(double time) con
   return objects;
 }
 
-// Returns the transform of a matrix of 4 x 4, which is stored row by row.
+// Returns the transform from a 4 x 4 matrix that is stored row by row.
 Affine affineOf(const double* m) {
   const auto column = [&](int k) { return Vec3d{m[k], m[4 + k], m[8 + k]}; };
   return {{column(0), column(1), column(2)}, column(3)};
@@ -297,8 +297,8 @@ ArrayPart partOf(const py::dict& given) {
   return part;
 }
 
-// Returns the poses of objects by their names, from arrays: matrices (n, 4, 4), linear and angular velocities (n, 6),
-// and whether they are left out (n,).
+// Returns the poses of the objects `names` from arrays: matrices (n, 4, 4), linear and angular velocities (n, 6), and
+// whether the objects are left out (n,).
 std::vector<ObjectPose> objectPosesOf(const std::vector<std::string>& names, const Array<double>& matrices,
                                       const Array<double>& velocities, const Array<bool>& hidden) {
   const auto v = velocities.unchecked<2>();

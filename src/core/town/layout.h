@@ -130,8 +130,8 @@ class Layout {
   // Returns the point `above` metres above the ground at `p`.
   Vec3d onGround(const Point2& p, double above = 0) const { return {p.x, p.y, heightAt(p) + above}; }
 
-  // Returns signed distances (m) to the lines between kinds of ground: the edges of the parking lane, the carriageway,
-  // the curb, the verge and the paved ground. A distance is zero on its line. `edge`: Beside::edge.
+  // Returns signed distances (m) from the lines between kinds of ground: the edges of the parking lane, the
+  // carriageway, the curb, the verge and the paved ground. A distance is zero on its line. `edge`: Beside::edge.
   static std::array<double, 5> borders(double edge, const CrossSection& section);
   // Returns the distance (m) to the nearest patch: negative inside a patch, at most kPatchReach.
   double outsidePatches(const Point2& p) const;

@@ -27,7 +27,7 @@ ChartScale::ChartScale(const ChartAxis& axis, const std::vector<double>& values,
   for (const double v : values) {
     if (!log_ || v > 0) mappedValues.push_back(mapped(v));
   }
-  // The name with index i covers the values from i - 0.5 to i + 0.5, so that the value i is in its middle.
+  // The name with index i covers the values from i - 0.5 to i + 0.5; the value i is in the middle.
   if (!axis.names.empty()) mappedValues = {-0.5, static_cast<double>(axis.names.size()) - 0.5};
   if (includesZero || mappedValues.empty()) mappedValues.push_back(0);
   const auto [least, greatest] = std::ranges::minmax(mappedValues);
@@ -61,7 +61,7 @@ double ChartScale::positionOf(double value) const {
 void ChartScale::widen(bool includesZero) {
   constexpr double kEndMargin = 0.04;  // fraction of the axis's length
   if (!(high_ > low_)) {
-    // If all values are equal, extends the axis to both sides by the factor 10 (logarithmic), 10 %, or 1 (at 0).
+    // If all values are equal, both ends move: by one decade (logarithmic axis), by 10 % of the value or, for 0, by 1.
     const double halfLength = log_ || low_ == 0 ? 1 : std::abs(low_) * 0.1;
     low_ -= halfLength, high_ += halfLength;
   }

@@ -181,7 +181,8 @@ class SvgDrawing {
                        hasEmphasis_ && !s.emphasised ? " dim" : "");
   }
 
-  // Draws the legend below y `top`; returns y of its lower edge. Series with the same name and colour share an entry.
+  // Draws the legend below y `top`; returns y of the legend's lower edge. Series with equal name and colour share one
+  // entry.
   double drawLegend(double top) {
     constexpr double kBetweenEntries = 18;  // pixels
     double x = kMargin, y = top + kFont;
@@ -207,7 +208,7 @@ class SvgDrawing {
     return entries.empty() ? top : y + 12;
   }
 
-  // Draws the mark, line or bar of a series in the legend. `x`: left end of the drawing. `y`: its middle.
+  // Draws the mark, line or bar of a series in the legend. `x`: left end of the drawing. `y`: middle of its height.
   void drawSwatch(const ChartSeries& s, double x, double y) {
     constexpr double kLength = 26, kBarIndent = 8, kBarSide = 11;  // pixels; a bar is shown as a square
     const std::size_t color = s.color % kChartColors;
@@ -243,7 +244,7 @@ class SvgDrawing {
   }
 
   // Draws the axes and the series below the y `top`. Sets `area_`, `y_` and `x_`, which all functions below use. The y
-  // axis is set before the width of the plot and the x axis, since its labels limit the width.
+  // axis is set first, because its labels determine the width that is left for the x axis.
   void drawPlot(double top) {
     std::vector<double> xs, ys;
     addCoordinates(xs, ys);
@@ -306,7 +307,7 @@ class SvgDrawing {
   }
   Vec2d pixel(const Vec2d& point) const { return {xAt(x_->positionOf(point.x)), yAt(y_->positionOf(point.y))}; }
 
-  // Exchanges x and y if bars are horizontal. Converts a point of a bar to {name, value} and back.
+  // Exchanges x and y if bars are horizontal: this converts a point of a bar to {name, value} and back.
   Vec2d swapped(const Vec2d& p) const { return horizontal_ ? Vec2d{p.y, p.x} : p; }
   const ChartAxis& valueAxis() const { return horizontal_ ? chart_.x : chart_.y; }
 
@@ -372,8 +373,8 @@ class SvgDrawing {
     }
   }
 
-  // Draws the label of a bar at its end, unless it would overlap another label or leave the picture. `end`: pixel at
-  // the end of the bar, at the position of its name.
+  // Draws the label of a bar at its end, unless the label would overlap another label or leave the picture. `end`:
+  // pixel at the bar's end, at the position of the bar's name.
   void drawBarLabel(const std::string& label, const ChartBox& bar, const Vec2d& end) {
     const double halfWidth = svgTextWidth(label, kFont) / 2;
     const ChartBox box = horizontal_ ? ChartBox{end.x + 4, bar.top, end.x + 4 + 2 * halfWidth, bar.bottom}
@@ -397,7 +398,7 @@ class SvgDrawing {
   }
 
   // Draws the line of a series, interrupted at points that are not finite. Records the segments of emphasised lines as
-  // boxes, which labels avoid: such lines are staircases, so the boxes have no width or no height.
+  // boxes, which labels avoid. Emphasised lines are staircases, so the boxes have no width or no height.
   void drawLine(const ChartSeries& s) {
     std::string commands;
     Vec2d previous;  // pixel of the previous point

@@ -10,7 +10,7 @@
 namespace scanmill {
 
 // Returns text that is safe between tags and in quoted attributes of XML and HTML. Characters that XML does not allow,
-// and controls that nobody sees (isUnseenControl()), are replaced by U+FFFD.
+// and invisible control characters (isUnseenControl()), are replaced by U+FFFD.
 std::string escapeXml(std::string_view text);
 
 enum class FontWeight { Normal, Bold };
@@ -23,8 +23,8 @@ double svgTextWidth(std::string_view text, double fontSize, FontWeight weight = 
 std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width,
                                      FontWeight weight = FontWeight::Normal);
 
-// Returns the text; if it has more than `maxCharacters` characters (at least 11), replaces some in its middle by an
-// ellipsis, since names often differ only at their ends.
+// Returns the text; if it has more than `maxCharacters` characters (at least 11), an ellipsis replaces characters in
+// the middle, since names often differ only at their ends.
 std::string shortened(const std::string& text, std::size_t maxCharacters);
 
 // Formats a number with at most two decimals, without trailing zeros.

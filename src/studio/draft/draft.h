@@ -54,7 +54,7 @@ struct GuessedFile {
   std::uint64_t guessed() const {
     return trianglesOf([](const GuessedPart& part) { return part.shows != nullptr && !part.byFolder; });
   }
-  // Returns the number of triangles whose concept is the one in the file's name. guessed() counts these, too.
+  // Returns the number of triangles whose concept the file's name states too. guessed() also counts these triangles.
   std::uint64_t byFile() const {
     if (fileConcept == nullptr || conceptByFolder) return 0;
     return trianglesOf([&](const GuessedPart& part) { return part.shows == fileConcept; });

@@ -190,7 +190,7 @@ std::vector<SizedObject> sizedObjects(const Asset& asset, const std::vector<cons
 }
 
 // Returns an object of a place that would have an unusual size in metres; the unit is guessed from this object. Returns
-// nothing unless a common unit gives usual sizes to most objects, and to more than twice as many as metres do.
+// nothing unless a common unit gives usual sizes to most objects, and to more than twice as many objects as the metre.
 std::optional<SizedObject> objectNotInMetres(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
   const std::vector<SizedObject> objects = sizedObjects(asset, partConcepts);
   const auto fittingWith = [&](double unit) {
@@ -225,7 +225,7 @@ const Concept* ownerOf(const Concept* node, const Concept* file) {
 // Returns the concept of one part; see guessParts() for the rules.
 const Concept* guessPart(const Vocabulary& words, const AssetPart& part, const Concept* file) {
   const Concept* node = words.conceptOf(part.node);
-  // A ground concept without classes, such as the one that "World" states, says nothing about the part's class.
+  // A ground concept without classes, such as the concept of "World", says nothing about the part's class.
   if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
   if (node != nullptr && node->kind == ConceptKind::Drop) return node;
   const Concept* const material = words.conceptOf(part.material);
@@ -258,9 +258,9 @@ void doubtUnit(FrameGuess& guess) {
                                           nameOf(guess.object), longest, unit, longest * unit);
 }
 
-// Considers the files whose concepts have usual sizes. If there are at least `leastFiles`, and one unit gives usual
-// sizes to most of them, sets this unit for all files and returns true; files whose objects this unit would make far
-// too large or small get a unit of their own. Otherwise returns false.
+// Considers the files whose concepts have usual sizes. If at least `leastFiles` files do, and one unit gives usual
+// sizes to most of them, sets this unit for all files and returns true; a file whose object this unit would make far
+// too large or small gets its own unit. Otherwise returns false.
 bool guessSharedUnit(const std::vector<FrameGuess*>& files, std::ptrdiff_t leastFiles) {
   constexpr double kMost = 0.8;  // fraction of the files that a shared unit must suit
   const auto sizedFiles = std::ranges::count_if(files, hasUsualSize, &FrameGuess::object);
@@ -297,7 +297,7 @@ std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
   constexpr std::size_t kFewest = 3;
   constexpr double kAlike = 0.1;  // largest difference of two lengths divided by the shorter
   const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
-  // Returns the other horizontal extent: y, or z if the guessed up axis is not the one that was assumed for reading.
+  // Returns a file's horizontal extent beside x: y, or z if the guessed up axis is not the axis assumed for reading.
   const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->readUp ? 1 : 2]; };
   std::vector<FrameGuess*> tiles;
   for (const FrameGuess* f : files) {

@@ -45,7 +45,7 @@ std::string patternWithoutDigits(const std::string& name) {
 // The keys of a rule that match names of parts. Patterns and names below are in this order.
 constexpr std::array<const char*, 3> kKeys{"node", "material", "texture"};
 
-// Returns the part's name for the key with this index in kKeys.
+// Returns the part's name for kKeys[key].
 std::string nameOf(const GuessedPart& part, std::size_t key) {
   return key == 0 ? part.node : key == 1 ? part.material : std::string(textureName(part.texture));
 }

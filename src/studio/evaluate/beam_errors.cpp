@@ -49,8 +49,8 @@ struct BeamOutcome {
   float nearestFrom = kUnknown;  // distance from the tested point to the nearest true point (m); NaN if not known
 };
 
-// Counts and errors of a group of beams. All individual errors are stored, since percentiles need them. Their type
-// is float, since seven digits are enough.
+// Counts and errors of a group of beams. All individual errors are stored, since percentiles need them; they are stored
+// as float, since seven digits are enough.
 struct GroupSum {
   GroupErrors counts;
   std::vector<float> range, intensity, nearestTo, nearestFrom;
@@ -78,7 +78,7 @@ struct GroupSum {
   }
 };
 
-// Returns a group, without spreads, for each band up to the last band with beams. `sums`: one per band.
+// Returns a group for each band up to the last band with beams; the groups' spreads are not set. `sums`: one per band.
 template <std::size_t N>
 std::vector<ErrorGroup> bands(const std::array<double, N>& edges, const char* unit,
                               const std::array<GroupSum, N - 1>& sums) {

@@ -38,7 +38,7 @@ struct GroupErrors {
   double labels() const { return shareOf(sameLabel, bothHit, 1); }
   double classAgreed() const { return shareOf(sameClass, bothHit, 1); }
   double instanceAgreed() const { return shareOf(sameInstance, bothHit, 1); }
-  // Returns the largest distance in nearestTo and nearestFrom (m); 0 if there are no points.
+  // Returns the largest distance (m) in nearestTo and nearestFrom; 0 if there are no points.
   double hausdorff() const { return std::max(nearestTo.max, nearestFrom.max); }
 };
 

@@ -231,8 +231,8 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     requireOneRay(hits);
     timedAccount += timeScans(*method, truth.shot, options, hits, secondsOfSensor[truth.shot.sensor]);
     checkStop(options);
-    // All scans of a shot have equal hits. If the timed scans have all channels that are compared, the last of them is
-    // used; otherwise the shot is traced again.
+    // All scans of a shot have equal hits. If the timed scans have all channels that are compared, the hits of the last
+    // timed scan are used; otherwise the shot is traced again.
     if (timed != compared) untimedAccount += method->trace(truth.shot, compared, hits);
     const bool comparesIntensity = options.intensity && !truth.intensity.empty();
     const std::vector<float> intensity = comparesIntensity ? options.intensity(truth.shot, hits) : std::vector<float>();

@@ -77,7 +77,7 @@ std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, con
 Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const Scene& scene,
                     std::span<const TrueShot> shots, const MeasureOptions& options);
 
-// Returns the points of all hits in the sensor's frame (m), in the order of beams. Misses have no point.
+// Returns the points (m) of all hits in beam order, in the frame that Shot::deskew states. Misses have no point.
 std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits);
 
 // The distances between the points of a true and of a tested cloud. Points that are not finite are ignored.

@@ -97,7 +97,7 @@ class PclPair {
   }
 
   // Returns the fitness (m^2) of the source as moved by the last align(); nothing if no point of the source is within
-  // `within` (m) of the target. PCL's argument is a squared distance; its result is then DBL_MAX.
+  // `within` (m) of the target. PCL's function expects a squared distance, and returns DBL_MAX if no point is near.
   std::optional<double> fitness(double within) {
     if (source_->empty() || target_->empty()) return std::nullopt;
     const double score = icp_.getFitnessScore(within * within);

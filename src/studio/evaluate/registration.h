@@ -31,7 +31,7 @@ struct Registered {
   std::optional<double> fitness{};  // fitness after the motion; without a motion the same as `unmoved`
 };
 
-// Returns the motion that ICP finds from `source` onto `target`, starting from their given positions.
+// Registers `source` to `target` with ICP, starting from the given positions. Returns the motion and the fitness.
 Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, const IcpOptions& options = {});
 
 // Statistics of the fitness over repeated measurements (m^2). All values are zero if there are no measurements.

@@ -26,7 +26,7 @@ struct Setting {
   std::string assignment() const;
 };
 
-// A setting with the YAML values from which it was read; messages take file and line from them.
+// A setting with the YAML values from which it was read. Messages take the file and the line from these values.
 struct MethodSetting {
   Setting setting;
   MethodChoice choice;

@@ -64,7 +64,7 @@ class ShearedBeam {
     scale_ = 1 / along;
   }
 
-  // Returns where the beam hits the triangle with these corners; the range 0 if it misses the triangle.
+  // Returns where the beam hits the triangle with these corners; the range is 0 if the beam misses the triangle.
   TriangleHit intersect(const Vec3d& a, const Vec3d& b, const Vec3d& c) const {
     const Vec3d p = sheared(a);
     const Vec3d q = sheared(b);
@@ -311,8 +311,8 @@ class ExactTracer::Impl {
     std::copy_n(resolved.range, tile.width, &out.range[std::size_t{tile.ring} * out.hits.columns + tile.column]);
   }
 
-  // Returns the world whose origin is the grid point nearest to the sensor; builds the world if it is not cached. Its
-  // radius includes all points from which beams of the shot start.
+  // Returns the world whose origin is the grid point nearest to the sensor; builds the world if it is not cached. The
+  // world's radius includes all points from which beams of the shot start.
   std::shared_ptr<const ExactWorld> worldNear(const Shot& shot) const {
     const auto cell = [](double d) { return std::round(d / kGrid) * kGrid; };
     const Vec3d offset = shot.worldFromSensor.front().translation - anchor_;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Traces the hits of beams completely in double precision. Methods are measured against these exact hits. This is slow,
-// and cannot be used as the method of a pipeline.
+// Traces the hits of beams completely in double precision. Methods are measured against these exact hits. The exact
+// tracer is slow, and cannot be used as the method of a pipeline.
 
 #include <memory>
 #include <vector>

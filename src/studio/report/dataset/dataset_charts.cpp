@@ -182,7 +182,7 @@ Chart intensitiesChart(const DatasetSummary& summary) {
 }
 
 // Returns a chart with a line for each sensor: points per scan over the samples. If there are more than kMostMarks
-// samples, each mark is the mean of several.
+// samples, each mark is the mean of several samples.
 Chart scanPointsChart(const Manifest& manifest) {
   constexpr std::size_t kMostMarks = 400;  // maximum number of marks of a line
   constexpr std::size_t kMostDots = 80;    // a line with more marks has no dots

@@ -111,7 +111,7 @@ class DatasetPage {
     }
   }
 
-  // Adds the warnings and the notes, each with at most kMostPlaces places.
+  // Adds the warnings and the notes, each with at most kMostPlaces of the affected samples, instances or shards.
   void warnings() {
     for (const DatasetWarning& w : report_.warnings) {
       Json remark{{"text", w.text}};

@@ -38,7 +38,7 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanIndex& index, const S
       pictured.pictures.emplace_back(
           color.name(), encodePng(drawScan(scan, coloring, kPictureWidth, kPictureHeight, pictured.title)));
     } catch (const Error& e) {
-      // Pictures need OpenGL, which may be missing; the figures do not need it.
+      // Pictures need OpenGL, which may be missing; the other contents of the page do not need OpenGL.
       warn(std::string("the page has no pictures: ") + e.what());
     }
   }
@@ -114,7 +114,7 @@ class Examination {
     report_.objects = scanmill::countObjects(store_, samples, faults_.scans);
   }
 
-  // Returns the largest position error of all formats (m), since it is not known from which format a scan was read.
+  // Returns the largest position error (m) of all formats, since the format from which a scan was read is not known.
   double largestError() const {
     double error = 0;
     for (const FormatRecord& f : report_.manifest.formats) error = std::max(error, f.maxErrorMetres);

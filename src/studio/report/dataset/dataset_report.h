@@ -98,7 +98,7 @@ DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanIndex>&
 // sensor's scans.
 inline constexpr double kFewPointsShare = 0.5;
 
-// Returns all charts of the report. If there are no data for a chart, it has no points.
+// Returns all charts of the report; a chart without data has no points.
 std::vector<Chart> datasetCharts(const Manifest& manifest, const DatasetSummary& summary);
 
 // Returns a colour as "#rrggbb".
@@ -117,7 +117,7 @@ struct ReadingFaults {
   std::vector<std::string> mistaken;  // scans that contradict the manifest
 };
 
-// Returns the lines without repetitions. Lines that are equal except for their numbers become one: the names
+// Returns the lines without repetitions. Lines that are equal except for their numbers become one line: the names
 // "Bauble.001" to "Bauble.050" become "Bauble.001 and 49 alike".
 std::vector<std::string> alikeLines(const std::vector<std::string>& lines);
 

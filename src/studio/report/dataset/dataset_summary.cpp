@@ -32,7 +32,7 @@ double medianOf(std::vector<std::uint64_t> values) {
   return values.size() % 2 == 1 ? upper : (static_cast<double>(values[middle - 1]) + upper) / 2;
 }
 
-// Returns the name of a sample's sequence; the sample's key if the key names none.
+// Returns the name of a sample's sequence; the sample's key if the key names no sequence.
 std::string sequenceOf(const SampleRecord& sample) {
   const std::string sequence = partsOfKey(sample.key).sequence;
   return sequence.empty() ? sample.key : sequence;
@@ -158,7 +158,7 @@ class SummaryMaker {
     pointsOfSensor_[scan.sensor].push_back(scan.points);
   }
 
-  // Lists scans with few points for their sensor. addRecord() must have been called for all scans.
+  // Lists scans with few points, compared to other scans of the same sensor. Call addRecord() for all scans before.
   void findScansOfFewPoints() {
     std::map<std::string, double> medians;
     for (const SensorSummary& s : sum_.sensors) medians[s.name] = medianOf(pointsOfSensor_[s.name]);
@@ -198,8 +198,7 @@ class SummaryMaker {
   }
 
   // Finds instances with points of several classes, whose labels are probably wrong. Ignores instances whose classes
-  // are usual in one object, such as tree and trunk: most instances with the rarer of the two classes also have the
-  // other.
+  // are usual in one object, such as tree and trunk: most instances with the rarer class also have the other class.
   void findMixedInstances() {
     // A pair of classes is usual if this many instances have both; two suffice if one class never occurs alone.
     constexpr std::uint64_t kFewest = 3;

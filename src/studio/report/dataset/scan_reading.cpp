@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kBatchScans = 64;  // number of scans that are read between two reports of progress
 
-// Returns what is wrong with a shard; empty if nothing is.
+// Returns what is wrong with a shard, as a predicate; empty if nothing is. `hashed`: also compares the SHA-256.
 std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed) {
   std::error_code failure;
   if (!fs::is_regular_file(file, failure)) return "is missing";

@@ -34,8 +34,8 @@ struct ScanIndex {
 std::vector<ScanIndex> spreadScans(const Manifest& manifest, std::size_t most);
 
 // Returns one scan from each of at most `count` random samples. Splits and sensors alternate, so that a few samples
-// include all of them. Skips scans without points and scans in damaged shards. `sound`: for each shard, whether it is
-// undamaged. The same seed chooses the same scans.
+// include all splits and sensors. Skips scans without points and scans in damaged shards. `sound`: for each shard,
+// whether it is undamaged. The same seed chooses the same scans.
 std::vector<ScanIndex> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
                                    std::uint64_t seed);
 
@@ -76,8 +76,8 @@ struct RangeSteps {
 // larger ranges.
 RangeSteps rangeStepsFor(double farthest);
 
-// Returns the key under which an intensity is counted: the upper 16 bits of its float32 value; 0 if it is not positive.
-// Integers up to 255 have different keys; other intensities are distinguished to within 1/128 of their value.
+// Returns the key under which an intensity is counted: the upper 16 bits of the float32 value; 0 if the value is not
+// positive. Integers up to 255 have different keys; other intensities are distinguished to within 1/128 of the value.
 std::uint16_t intensityKey(float intensity);
 float intensityOfKey(std::uint16_t key);  // returns the smallest intensity with this key
 
@@ -102,8 +102,8 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps);
 inline constexpr std::array<const char*, 5> kVisibilitySteps{"no point", "to 40 %", "to 60 %", "to 80 %", "to 100 %"};
 using VisibilityCounts = std::array<std::uint64_t, kVisibilitySteps.size()>;
 
-// Upper ends of the bins of distance from the sensor to the centre of the object's box (m). A last bin without upper
-// end follows.
+// Upper ends (m) of the bins of the distance from the sensor to the centre of the object's box. A last bin without
+// upper end follows.
 inline constexpr std::array<double, 6> kDistanceSteps{10, 20, 30, 50, 80, 120};
 
 struct ObjectCounts {
@@ -112,8 +112,8 @@ struct ObjectCounts {
   std::array<VisibilityCounts, kDistanceSteps.size() + 1> ofDistance{};
 };
 
-// Reads the object lists of samples. `samples`: indices in Manifest::samples, ascending. Adds a line to `faults` for
-// each list that cannot be read.
+// Counts the objects in the object lists of samples. `samples`: indices in Manifest::samples, ascending. Adds a line to
+// `faults` for each list that cannot be read.
 ObjectCounts countObjects(const ScanStore& store, const std::vector<std::size_t>& samples,
                           std::vector<std::string>& faults);
 
