@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the least limit of a control group and the groups above it. A missing file or "max" means no limit.
+// Returns the least limit that `file` states in a control group and its ancestors; UINT64_MAX if none states a number.
 std::uint64_t leastLimit(const fs::path& root, const std::string& group, const char* file) {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   for (fs::path folder = fs::path(group).relative_path();; folder = folder.parent_path()) {

@@ -27,7 +27,7 @@ std::uint64_t residentBytes();
 bool memoryIsScarce();
 
 // Returns freed memory to the system if memory is scarce. Otherwise the allocator retains freed memory, because new
-// pages cost more than reused ones: for a town, returning memory took a quarter of the set-up.
+// pages cost more than reused ones: for a town, returning memory took a quarter of the set-up time.
 void returnFreedMemoryIfScarce();
 
 }  // namespace scanmill

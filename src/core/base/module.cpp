@@ -25,7 +25,7 @@ std::string lastError() {
 }  // namespace
 
 // Returns the folders in which the dynamic linker looks for the program's libraries. dlopen() alone does not suffice:
-// with a sanitizer, the sanitizer's library calls dlopen(), which then searches the RUNPATH of this library.
+// with a sanitizer, the sanitizer's library makes the call, and its RUNPATH is searched instead.
 std::vector<std::string> programLibraryFolders() {
   void* program = ::dlopen(nullptr, RTLD_LAZY);
   Dl_serinfo header{};  // states the size of the list of folders, and how many there are

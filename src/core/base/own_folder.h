@@ -22,7 +22,7 @@ class ForeignFile : public InputError {
   using InputError::InputError;
 };
 
-// Throws an Error "PATH: WHAT: REASON". The reason is why the latest system call failed, as errno states it.
+// Throws an Error "PATH: WHAT: REASON", whose REASON is the text of errno after a failed system call.
 [[noreturn]] void failBySystem(const std::filesystem::path& path, std::string_view what);
 
 // True if `path`, after links are followed, is `folder` or lies in it. Neither path needs to exist. Throws Error if

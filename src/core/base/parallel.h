@@ -8,8 +8,8 @@
 namespace scanmill {
 
 // Calls body(first, last) for disjoint ranges [first, last) that together cover [0, count). Each range has at least
-// `grain` indices, except the last. Returns when all calls have returned. The split differs from run to run: what
-// body() does for an index must not depend on the range, and body() may write only to what belongs to its range.
+// `grain` indices, except the last. Returns when all calls have returned. The ranges differ from run to run: body()
+// must compute the same for an index in every range, and may write only to what belongs to its range.
 void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
 // Calls work(), in which a library runs loops of oneTBB. While this thread waits for such a loop, it starts no

@@ -5,7 +5,7 @@
 
 namespace scanmill {
 
-// Integrates the derivative's length by Gauss-Legendre quadrature with five points (Abramowitz and Stegun, table 25.4).
+// Integrates the derivative's length by Gauss-Legendre quadrature, five points (Abramowitz and Stegun, table 25.4).
 double Path::Segment::lengthOf(double from, double to) const {
   constexpr std::array<double, 5> kNode = {0.0, -0.538469310105683, 0.538469310105683, -0.906179845938664,
                                            0.906179845938664};
@@ -21,7 +21,7 @@ double Path::Segment::lengthOf(double from, double to) const {
 
 Path::Path(const std::vector<Vec3d>& points) {
   const std::size_t count = points.size() - 1;
-  // Centripetal knots: the parameter grows by the square root of the chord.
+  // The knots are centripetal: between two points the parameter grows by the square root of the chord's length.
   std::vector<double> knot(count);  // growth of the parameter from each point to the next
   std::vector<Vec3d> slope(count);  // chord divided by the growth of the parameter
   for (std::size_t i = 0; i < count; ++i) {

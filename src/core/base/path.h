@@ -19,8 +19,8 @@ class Path {
   // back.
   explicit Path(const std::vector<Vec3d>& points);
   // Creates the straight lines through at least two points (m). A parabola rounds each corner: it begins and ends
-  // `rounding` metres (above 0) from the corner, or half the distance to the nearer of the two neighbouring points if
-  // that is less. A right-angled corner is missed by 0.35 times this length.
+  // `rounding` metres (above 0) from the corner, or at half the distance to the nearer neighbouring point if this half
+  // is shorter. A right-angled corner is missed by 0.35 times this length.
   static Path lines(const std::vector<Vec3d>& points, double rounding);
 
   double length() const { return distances_.back(); }  // length of the path (m)

@@ -28,7 +28,7 @@ namespace {
 constexpr std::size_t kMostLineBytes = std::size_t{16} << 20;
 constexpr double kLongestPoll = 0.05;  // s; after this time without output it is checked whether the child has ended
 
-// Creates a temporary file without a name.
+// Creates an unnamed temporary file, whose descriptor is above those of the standard streams. Throws Error.
 Descriptor makeFile() {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
   if (file == nullptr) throw Error("no temporary file: " + std::string(std::strerror(errno)));
@@ -59,7 +59,7 @@ struct SpawnActions {
   SpawnActions& operator=(SpawnActions&&) = delete;  // neither copied nor moved
 };
 
-// Returns pointers to the texts, which must outlive them, in the form that execve() takes.
+// Returns pointers to the texts, and a null pointer, as execve() takes them. The texts must outlive the pointers.
 std::vector<char*> pointersTo(std::vector<std::string>& texts) {
   std::vector<char*> pointers(texts.size() + 1, nullptr);
   std::ranges::transform(texts, pointers.begin(), [](std::string& text) { return text.data(); });
@@ -112,7 +112,7 @@ Process::Process(const std::vector<std::string>& command, const std::map<std::st
     throw Error("no socket: " + std::string(std::strerror(errno)));
   const Descriptor ownEnd(ends[0]);
   const Descriptor childEnd(ends[1]);
-  // The socket may have the number of a closed standard stream; our own output would then go into the socket.
+  // If a standard stream was closed, the socket has its number and would get this program's output: take a higher one.
   socket_ = Descriptor(::fcntl(ownEnd.number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   if (!socket_.open()) throw Error("no socket: " + std::string(std::strerror(errno)));
   SpawnActions actions;
@@ -133,7 +133,7 @@ Process::~Process() {
   reap(true);
 }
 
-// True if the child has ended. Processes that the child started and left running are then killed.
+// True if the child has ended; then kills the processes that it left running. `block`: waits for the child's end.
 bool Process::reap(bool block) {
   if (pid_ < 0) return true;
   siginfo_t ended{};

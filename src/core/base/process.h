@@ -46,7 +46,7 @@ class Process {
   // has ended. Throws TimeOut after `seconds`, and Error for a line of over 16 MiB.
   std::optional<std::string> readLine(double seconds);
   // Waits until the child has ended and returns how it ended: "exit code 3", "signal 11 (Segmentation fault)". Throws
-  // TimeOut after `seconds`. Output that was not read is kept, up to 16 MiB; what comes after that is dropped.
+  // TimeOut after `seconds`. Output that was not read is kept, up to 16 MiB; further output is dropped.
   std::string wait(double seconds);
   // Returns the last lines of the child's standard error, at most twelve lines and 4 KiB.
   std::string lastLines() const;

@@ -58,7 +58,7 @@ constexpr std::pair<double, const char*> kSiPrefixes[]{{1e12, "T"},        {1e9,
                                                        {1e3, "k"},         {1.0, ""},   {1e-3, "m"},
                                                        {1e-6, "\xC2\xB5"}, {1e-9, "n"}, {1e-12, "p"}};
 
-// Returns a number with up to six digits; exponents have no leading zero.
+// Returns a number with up to six significant digits. Exponents have no leading zero.
 std::string plainNumber(double value) {
   std::string text = fmt::format("{:.6g}", value);
   if (const std::size_t e = text.find("e-0"); e != std::string::npos) text.erase(e + 2, 1);

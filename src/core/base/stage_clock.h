@@ -45,7 +45,7 @@ void addSeconds(const StageSeconds& from, StageSeconds& to);
 class StageClock {
  public:
   StageClock() = default;
-  // The stages appear in seconds() even if no time is added to them.
+  // Makes `stages` appear in seconds() even if no time is added to them.
   StageClock(std::initializer_list<const char*> stages);
   void add(const std::string& stage, double seconds);
   StageSeconds seconds() const;
@@ -55,7 +55,7 @@ class StageClock {
   StageSeconds seconds_;
 };
 
-// Returns the CPU time that the calling thread, or all threads of the process, have taken so far (s).
+// Return the CPU time (s) that the calling thread or all threads of the process have taken so far.
 double threadSeconds();
 double processSeconds();
 

@@ -6,7 +6,7 @@ namespace {
 
 enum class LineFeeds { Kept, Escaped };  // what to do with line feeds and tabs
 
-// Returns the text with escapes in place of bytes that are not UTF-8 and of characters that control a terminal.
+// Escapes bytes that are not UTF-8, characters that control a terminal, carriage returns and, if asked for, line feeds.
 std::string escaped(std::string_view text, LineFeeds lineFeeds) {
   std::string safe;
   safe.reserve(text.size());

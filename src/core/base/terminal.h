@@ -44,7 +44,7 @@ struct Utf8Character {
 // Writes a text through forTerminal().
 void writeTo(std::FILE* stream, std::string_view text);
 
-// Formats like fmt::print() and writes the result through forTerminal().
+// Format like fmt::print(), and write the result through forTerminal() to standard output or standard error.
 template <class... T>
 void printText(fmt::format_string<T...> format, T&&... values) {
   writeTo(stdout, fmt::format(format, std::forward<T>(values)...));

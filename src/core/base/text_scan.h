@@ -72,8 +72,8 @@ inline bool containsWord(std::string_view words, std::string_view word) {
   return false;
 }
 
-// Sets `cells` to the cells of a table's line, which `separator` separates, without surrounding blanks and quotation
-// marks. The separator ' ' stands for any number of blanks. Separators between quotation marks belong to the cell.
+// Splits a table's line at `separator` and sets `cells` to the cells, without surrounding blanks and quotation marks.
+// The separator ' ' stands for any number of blanks. Separators between quotation marks belong to the cell.
 inline void splitCells(std::string_view line, char separator, std::vector<std::string_view>& cells) {
   cells.clear();
   line = trimmed(line);

@@ -98,7 +98,7 @@ inline bool isSingular(const Mat3& m) {
   return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
 
-// Returns the inverse matrix, which is undefined for a singular matrix: check determinant() first.
+// Returns the inverse matrix. The matrix must not be singular: check isSingular() first.
 [[nodiscard]] constexpr Mat3 inverse(const Mat3& m) {
   const double s = 1.0 / determinant(m);
   return transposed({cross(m.y, m.z) * s, cross(m.z, m.x) * s, cross(m.x, m.y) * s});
@@ -142,7 +142,7 @@ constexpr Mat3 toMatrix(const Quat& q) {
           {2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
 }
 
-// Returns the rotation of a quaternion of any length above 0.
+// Returns the unit quaternion of the same rotation. The length of `q` must be above 0.
 [[nodiscard]] inline Quat normalized(const Quat& q) {
   const double n = 1 / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   return {q.w * n, q.x * n, q.y * n, q.z * n};
@@ -254,7 +254,7 @@ constexpr double radians(double degrees) {
 constexpr double degrees(double radians) {
   return radians * (180.0 / kPi);
 }
-// Returns the same angle, from -kPi to kPi (rad).
+// Returns the equivalent angle from -kPi to kPi (rad).
 inline double wrapped(double angle) {
   return std::remainder(angle, 2 * kPi);
 }

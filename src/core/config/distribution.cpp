@@ -63,7 +63,7 @@ Normal readNormal(Fields& fields) {
   return {mean, deviation, ends};
 }
 
-// Returns the quantile `random` (0 to 1) of the cut-off distribution. If `random` is uniform, the result is a sample.
+// Returns the quantile `random` (0 to 1) of the truncated normal distribution: a sample if `random` is uniform.
 double sampleNormal(const Normal& normal, double random) {
   const double low = normalProbability((normal.ends.low - normal.mean) / normal.deviation);
   const double high = normalProbability((normal.ends.high - normal.mean) / normal.deviation);
@@ -71,7 +71,7 @@ double sampleNormal(const Normal& normal, double random) {
                     normal.ends.high);
 }
 
-// Returns a scalar with this text. It has the file position and the key of `distribution`, which it replaces.
+// Returns a scalar with this text, which replaces `distribution` and keeps its key and its position in the file.
 Value scalar(const Value& distribution, std::string text) {
   Value value = distribution;
   value.kind = Value::Kind::Scalar;
@@ -89,7 +89,7 @@ std::vector<PlacedInteger> readSpan(const Value& list) {
   return spans ? readIntegers(list, "choice", -kMost, kMost) : std::vector<PlacedInteger>{};
 }
 
-// Returns the item `index` of the choice `list`. Its key position is that of the distribution, for use in messages.
+// Returns the item `index` of the choice `list`, with the key position of `distribution` for messages.
 Value itemOf(const Value& distribution, const Value& list, std::size_t index) {
   Value item = list.items[index];
   item.keyLine = distribution.keyLine;
@@ -170,8 +170,8 @@ Value sample(Fields& fields, double random) {
   return scalar(fields.value(), fmt::format("{}", number));
 }
 
-// Returns the end (see countCases()) by which the case `caseNumber` replaces a distribution. If the end is an item of a
-// choice, sets `caseNumber` to the case number to use for distributions within the item.
+// Returns the end (see countCases()) that the case `caseNumber` puts in place of a distribution. If the end is an item
+// of a choice, sets `caseNumber` to the case number for the distributions within this item.
 Value endOf(const Value& value, std::size_t& caseNumber) {
   Fields fields = fieldsOf(value);
   const bool isLowEnd = caseNumber % 2 == 0;
@@ -254,7 +254,7 @@ void addValues(const Value& value, const std::string& key, std::vector<DrawnValu
   draws.push_back(isNumber ? DrawnValue{key, fmt::format("{}", number), true} : DrawnValue{key, flowText(value)});
 }
 
-// Returns the first distribution within the value for which matches(its keys) is true; null if there is none.
+// Returns the first distribution within the value for whose keys `matches` returns true; null if there is none.
 const Value* findDistribution(const Value& value, bool (*matches)(Fields&)) {
   if (isDistribution(value)) {
     Fields fields = fieldsOf(value);
@@ -294,7 +294,7 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
   if (isDistribution(value)) {
     Value sampled = value;
     RandomAddress numbered = address;
-    // An item of a choice may be a distribution, too. Each nested one gets the next of the address's 16 numbers.
+    // An item of a choice may be a distribution, too. Nested distributions get successive RandomAddress::number below 16.
     for (numbered.number = 0; isDistribution(sampled); numbered.number = (numbered.number + 1) % 16) {
       Fields fields = fieldsOf(sampled);
       sampled = sample(fields, randomNumberOf(key, numbered, fields, place));

@@ -66,10 +66,10 @@ const Value* findStratified(const Value& value);
 Value withDraws(const Value& value, const std::string& key, const RandomAddress& address,
                 std::vector<DrawnValue>& draws, const PlaceInSplit& place = {});
 
-// A distribution has ends: its least and greatest number, also for a choice such as [1, ..., 9]; or each item of any
-// other choice. withCase() replaces each distribution within the value by one of its ends, and over the cases 0 to
-// countCases(value) - 1 every end occurs. If a reader accepts all cases, it therefore accepts all random values, unless
-// it checks two values against each other. A value without distributions has one case.
+// The ends of a distribution are its least and greatest number, also for a choice such as [1, ..., 9]; the ends of any
+// other choice are its items. withCase() replaces each distribution within the value by one of its ends; over the cases
+// 0 to countCases(value) - 1, every end occurs. A reader that accepts all cases therefore accepts all random values,
+// unless it checks two values against each other. A value without distributions has one case.
 std::size_t countCases(const Value& value);
 [[nodiscard]] Value withCase(const Value& value, std::size_t caseNumber);
 

@@ -30,7 +30,7 @@ std::string description(const Value& value) {
   return quotedForMessage(value.text);
 }
 
-// Throws an InputError that says what the value must be and what it is. `what`: name of the value.
+// Throws an InputError that says what the value must be (`expected`) and what it is. `what`: name of the value.
 [[noreturn]] void refuse(const Value& value, std::string_view what, const std::string& expected) {
   if (isDistribution(value)) {
     throw InputError(value.where,
@@ -396,8 +396,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     const std::size_t distance = editDistance(foldedWord, foldedName);
     const std::size_t longest = std::max(foldedWord.size(), foldedName.size());
     const bool hasPrefix = isPrefix(foldedWord, foldedName);
-    // A name is near if the edit distance is at most a third of the longer word's length, or 1; or if one word is a
-    // prefix of the other. It is not near if all letters differ.
+    // A name is near if its edit distance is at most a third of the longer word, or 1; or if one word is a prefix of
+    // the other. A name of which all letters differ is not near.
     if ((distance > std::max<std::size_t>(1, longest / 3) && !hasPrefix) || distance == longest) continue;
     // A name that is a prefix of the word, or starts with it, is nearer than another at the same edit distance.
     const std::size_t cost = 2 * distance - (distance > 0 && hasPrefix ? 1 : 0);

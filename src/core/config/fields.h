@@ -41,8 +41,8 @@ bool readBool(const Value& value, std::string_view what);  // only `true` or `fa
 std::string readText(const Value& value, std::string_view what);
 Vec3d readVec3(const Value& value, std::string_view what);                      // [x, y, z]
 const std::vector<Value>& readList(const Value& value, std::string_view what);  // a list with at least one item
-// An integer of a list, and its place in the file. "..." between two integers stands for all integers between them: [1,
-// ..., 20].
+// An integer of a list, with its place in the file. In a list, "..." stands for all integers between its two
+// neighbours, as in [1, ..., 20].
 struct PlacedInteger {
   std::int64_t value = 0;
   Location where;
@@ -108,7 +108,7 @@ class Fields {
   // Marks keys as known, since they are read later or by other code. If also() and finish() are called before any key
   // is read, an unknown key is reported before a missing key.
   Fields& also(std::initializer_list<std::string_view> keys);
-  // Marks as known the keys in a description: step_m and gain in "step_m: 1 m, what it is\ngain: 2, ...".
+  // Marks the keys that a description explains: step_m and gain in "step_m: 1 m, what it is\ngain: 2, ...".
   Fields& alsoDescribed(std::string_view keys);
 
   // Throws an InputError for the first of the keys that the map has. `why` follows the key in the message, such as "is

@@ -98,7 +98,7 @@ class TreeBuilder : public YAML::EventHandler {
     refuseAsKey(mark, "is empty");
     Value value;
     value.where = locationOf(mark);
-    // yaml-cpp marks the empty value of a key at the next token. If this is on another line, use the key's position.
+    // yaml-cpp marks a key's empty value at the next token. If this token is on another line, use the key's position.
     if (!open_.empty() && open_.back().value.kind == Value::Kind::Map && open_.back().keyWhere.line != mark.line + 1) {
       value.where = open_.back().keyWhere;
     }

@@ -25,14 +25,14 @@ bool isPlainName(const std::string& name);
 // names existing files. For names within YAML files see resolveResource().
 std::filesystem::path namedResource(const std::string& name, const std::string& subfolder);
 
-// Returns the name of the file in a subfolder of resourceFolder() that is nearest to the wrong name `name`; empty if
+// Returns the name of the file in a subfolder of resourceFolder() that is nearest to the unknown name `name`; empty if
 // none is near, or if `name` is a path or has another suffix than .yaml.
 std::string nearestResource(const std::string& name, const std::string& subfolder);
 
 // Returns a file's path as datasets store it, which is the same on all machines: "scanmill:scenes/street.yaml" for one
 // of the program's own files, and for other files the path relative to `folder`, the pipeline file's folder.
 std::string savedPath(const std::filesystem::path& file, const std::filesystem::path& folder);
-// Returns the path of the file that savedPath() stored as `saved`.
+// Returns the file that savedPath() stored as `saved`. Other files than the program's own are relative to `folder`.
 std::filesystem::path fileOfSavedPath(const std::string& saved, const std::filesystem::path& folder);
 
 // Kinds of YAML files. A file's kind is recognised by keys that only this kind has, so that a message about a wrong

@@ -27,7 +27,7 @@ std::vector<std::string> split(std::string_view path) {
   }
 }
 
-// Returns the index in `list` that a part of a dotted path gives. `parent`: the list's name in messages.
+// Converts a part of a dotted path to an index of `list`; throws InputError for others. `parent`: the list's name.
 std::size_t readIndex(const std::string& part, const Value& list, const std::string& parent, const Location& where) {
   std::size_t index = 0;
   const char* end = part.data() + part.size();
@@ -44,8 +44,8 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
                                             part, parent, list.items.size() - 1));
 }
 
-// Returns the value of a key in a map or list; adds the key to a map that does not have it. An empty value becomes a
-// map. `parentName`: what `parent` is, for messages.
+// Returns the value of a key in a map or list; adds the key to a map that does not have it. An empty `parent` becomes a
+// map; a scalar `parent` is refused. `parentName`: name of `parent` in messages.
 Value& childOf(Value& parent, const std::string& key, const std::string& parentName, const Location& where) {
   if (parent.kind == Value::Kind::Scalar) {
     throw InputError(where, "{} is a single value and has no {}: set it to a map, such as {{key: value}}", parentName,

@@ -190,7 +190,7 @@ struct FileSet {
   const char* mediaType;
 };
 
-// Returns the files of the dataset, and the members of its shards as sets of files.
+// Returns the shards as files in Croissant's JSON-LD, and the members of the shards as sets of files.
 OrderedJson croissantFiles(const Manifest& manifest) {
   OrderedJson files = OrderedJson::array(), shards = OrderedJson::array();
   for (const ShardRecord& shard : manifest.shards) {
@@ -274,7 +274,7 @@ MountSpans mountSpans(const Manifest& manifest, const SensorRecord& sensor) {
   const auto extendBy = [&](const Pose& mount) {
     const Vec3d& t = mount.translation;
     const Quat& q = mount.rotation;
-    // The angles from which fromYawPitchRoll() computes the rotation.
+    // These are the angles from which fromYawPitchRoll() computes the rotation.
     const double yaw = std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
     const double pitch = std::asin(std::clamp(2 * (q.w * q.y - q.z * q.x), -1.0, 1.0));
     const double roll = std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y));

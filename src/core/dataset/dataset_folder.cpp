@@ -210,7 +210,7 @@ DatasetFolder::Identity DatasetFolder::identityOf(const fs::path& path) {
 }
 
 // Releases the lock. Removes the hidden folder if it is empty, and also the dataset's folder if the constructor has
-// created it and it is empty.
+// created this folder and nothing is in it.
 void DatasetFolder::leave() {
   std::error_code ignored;
   lock_.reset();
@@ -242,7 +242,7 @@ void DatasetFolder::share() {
   }
 }
 
-// Takes the lock under which a process starts a dataset in a shared folder. Waits for the lock, up to kProcessWait.
+// Takes the lock under which a process starts a shared dataset. Throws InputError after kProcessWait.
 std::unique_ptr<FolderLock> DatasetFolder::lockStart() const {
   const auto deadline = std::chrono::steady_clock::now() + kProcessWait;
   std::string holder;  // the process that has the lock

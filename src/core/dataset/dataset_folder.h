@@ -40,10 +40,10 @@ class DatasetFolder {
   ~DatasetFolder();
   DatasetFolder& operator=(DatasetFolder&&) = delete;  // neither copied nor moved
 
-  // Makes the checks of the constructor and throws the same errors, but does not compare plans. Changes no dataset.
+  // Makes the constructor's checks, except the comparison of plans, and throws the same errors. Changes no dataset.
   static void check(const std::filesystem::path& folder, FolderUse use);
 
-  // Removes the hidden folder if it is left over from a process that was killed after it had written the manifest.
+  // Removes the hidden folder of a complete dataset, which a process leaves if it is killed after writing the manifest.
   static void tidy(const std::filesystem::path& folder);
 
   // Returns the plan of the unfinished dataset in the folder. Throws InputError if the folder has none.

@@ -38,7 +38,7 @@ std::vector<std::string> filesIn(const fs::path& folder) {
   return names;
 }
 
-// Returns true if a split could have the folder's name, and the folder contains no folders.
+// Returns true if a split could have the folder's name, and if the folder is readable and contains no folders.
 bool couldBeSplit(const fs::path& folder) {
   if (!isSplitName(folder.filename().string())) return false;
   std::error_code unreadable;

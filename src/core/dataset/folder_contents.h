@@ -25,7 +25,7 @@ struct FolderContents {
 // True if a dataset was started in the folder and not completed.
 bool isUnfinished(const std::filesystem::path& folder);
 
-// Throws InputError if the folder has no manifest; the message says what the folder is instead. If the folder is not a
+// Throws InputError if the folder has no manifest; the message says what the folder is instead. Unless the folder is a
 // recording or an unfinished dataset, the message ends with `alternatives`, a text on what else the caller could read.
 void requireDataset(const std::filesystem::path& folder, const std::string& alternatives = "");
 

@@ -27,7 +27,7 @@ namespace scanmill {
 
 inline const OrderedJson kAbsent(OrderedJson::value_t::discarded);
 
-// Data that the function describe() of a sample or scan needs beside the record itself.
+// Data that describe() needs beside a record of a sample or scan.
 struct RecordContext {
   const Ontology* ontology = nullptr;  // null: names of classes are left out
   const Manifest* head = nullptr;      // the manifest without its samples
