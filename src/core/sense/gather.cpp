@@ -11,8 +11,8 @@
 namespace scanmill {
 namespace {
 
-// Beams are stored ring by ring, dense scans column by column. Processing in tiles keeps both in the first-level cache:
-// for each ring a tile reads a few consecutive beams, and for each column it writes consecutive points.
+// Beams are stored ring by ring, dense scans column by column. Processing in tiles keeps their data in the first-level
+// cache: for each ring a tile reads a few consecutive beams, and for each column it writes consecutive points.
 constexpr std::uint32_t kTileRings = 16;
 constexpr std::uint32_t kTileColumns = 64;
 constexpr std::size_t kTilePoints = std::size_t{kTileRings} * kTileColumns;
@@ -208,8 +208,8 @@ class Gathering {
 
   // Collects the points of a tile that are return number `plane` of their beam, for any number of rows per beam. In a
   // dense scan the returns of a beam are consecutive. The scan's row of a return is therefore the row at which the
-  // column continues, plus the number of earlier returns: those of the same beam, and those of the column's beams in
-  // the tile's earlier rings.
+  // column continues, plus the number of earlier returns: earlier returns of the same beam, and all returns of the
+  // column's beams in the tile's earlier rings.
   void collectReturn(std::uint32_t firstRing, std::uint32_t plane) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);

@@ -40,18 +40,18 @@ struct Echo {
 // has more echoes, the strongest are kept.
 constexpr std::uint32_t kMostReturns = 16;
 
-// Returns the echoes of all beams, ordered by beam and then by range. Rays without a hit give none. Neighbouring rays
-// of a beam, sorted by range, belong to the same echo if their ranges differ by at most `pulseLength` (m); if it is 0,
-// each ray is an echo. The range of an echo is the mean of its rays' ranges, weighted by power. If an echo is longer
-// than the pulse, the mean is only over the interval of one pulse length that contains most power, because a receiver
-// finds the peak. `power`: power of each ray, in any unit; if it is empty, the rays' weights are used. Classes are read
-// only if the hits have the channel Semantic.
+// Returns the echoes of all beams, ordered by beam and then by range. Rays without a hit give no echo. Neighbouring
+// rays of a beam, sorted by range, belong to the same echo if their ranges differ by at most `pulseLength` (m); if
+// `pulseLength` is 0, each ray is an echo. The range of an echo is the mean of its rays' ranges, weighted by power. If
+// an echo is longer than the pulse, the mean is only over the interval of one pulse length that contains most power,
+// because a receiver finds the peak. `power`: power of each ray, in any unit; if it is empty, the rays' weights are
+// used. Classes are read only if the hits have the channel Semantic.
 std::vector<Echo> findEchoes(const Hits& hits, std::span<const float> power, double pulseLength);
 
 // Value of Returns::hit() for a row that an effect has added and that has no hit.
 constexpr std::uint32_t kNoHit = 0xFFFFFFFF;
 
-// A row that an effect adds. It has no intensity and belongs to no instance.
+// A row that an effect adds: without an intensity, and on no instance.
 struct AddedReturn {
   std::uint32_t beam = 0;
   float range = 0;  // m along the beam
@@ -106,9 +106,9 @@ class Returns {
   // Returns true if each beam has exactly one row, and row i belongs to beam i and hit i.
   bool onePerBeam() const { return onePerBeam_; }
   std::uint32_t beam(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : beam_[row]; }
-  // Returns the index of the row among its beam's rows, from 0. Together with seed, scene, frame, sensor and beam this
-  // is the address of the row's random numbers, so it does not change when rows are removed. The scan's column `return`
-  // counts the remaining returns anew, the nearest first.
+  // Returns the index of the row among its beam's rows, from 0. It does not change when rows are removed, since the
+  // address of the row's random numbers consists of seed, scene, frame, sensor, beam and this index. The scan's column
+  // `return` counts the remaining returns anew, the nearest first.
   std::uint32_t number(std::size_t row) const { return onePerBeam() ? 0 : number_[row]; }
   // Returns the index of the row's hit in Hits, or kNoHit.
   std::uint32_t hit(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : hit_[row]; }
@@ -133,7 +133,7 @@ class Returns {
   void recordFaint(std::span<const float> measured, float least);
   // Returns why the row was lost. Reason::None: the row was not lost, or its ray missed.
   Reason reasonLost(std::size_t row) const { return row < lost_.size() ? lost_[row] : Reason::None; }
-  // Returns true if the beam has kMostReturns rows, so that none can be added.
+  // Returns true if the beam has kMostReturns rows, so that no further row can be added.
   bool full(std::uint32_t beam) const { return !rowsOfBeam_.empty() && rowsOfBeam_[beam] == kMostReturns; }
   // Appends a row; the indices of other rows do not change. `hits`: the hits from which the table was started.
   void add(const AddedReturn& added, const Hits& hits);

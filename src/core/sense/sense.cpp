@@ -51,8 +51,8 @@ void setReasonsOfEmptyBeams(const Hits& hits, std::vector<std::uint8_t>& reasons
   std::ranges::replace(reasons, std::uint8_t{0}, static_cast<std::uint8_t>(Reason::NothingInRange));
 }
 
-// Returns true if a beam's reason comes from `row` rather than from `other`: rows with a return precede lost ones; of
-// two returns the nearer precedes, of two lost rows the stronger.
+// Returns true if a beam's reason comes from `row` rather than from `other`. A row with a return precedes a lost row;
+// of two returns the nearer one precedes, of two lost rows the one with more power.
 bool givesReasonBefore(const Returns& returns, std::uint32_t row, std::uint32_t other) {
   if (returns.returned(row) != returns.returned(other)) return returns.returned(row);
   if (returns.returned(row)) return returns.range[row] < returns.range[other];

@@ -39,8 +39,8 @@ class InstanceMotions {
   // Computes the motion of each instance that moves. The scene must outlive this object.
   InstanceMotions(const Scene& scene, const Shot& shot);
 
-  // Returns the class of points on an instance whose class is `semantic`: for an instance that moves, the ontology's
-  // class for moving objects of this kind ("moving-car" for "car"); otherwise, or if there is no such class,
+  // Returns the class of points on an instance that has the class `semantic` in the scene: for an instance that moves,
+  // the ontology's class for moving objects of this kind ("moving-car" for "car"), if there is one; otherwise
   // `semantic`.
   std::uint16_t classOf(std::uint16_t semantic, std::uint32_t instanceId) const;
   bool haveMovingClasses() const { return !motionOf_.empty() && !movingClasses_.empty(); }
@@ -78,8 +78,8 @@ class InstanceMotions {
 // Returns the channels of Hits that the effects and the columns need.
 Channels channelsFor(EffectList effects, ColumnSet columns);
 
-// Starts the table of returns. If beams fire one ray, each ray becomes a row. If they fire several, each echo becomes a
-// row (sense/returns.h), with the power that the effects compute; without a pulse length, each ray is an echo.
+// Starts the table of returns. If each beam fires one ray, each ray becomes a row. If beams fire several rays, each
+// echo is a row (sense/returns.h), with the power that the effects compute; without a pulse length each ray is an echo.
 void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
             Returns& returns);
 
@@ -97,7 +97,7 @@ void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns
 
 // Returns one value of Reason per beam. All effects must have run, on a table that records reasons
 // (Returns::recordReasons()). A beam without a return has the reason of its strongest echo. If the hits have the
-// channel Material, echoes of mirrors, metals and glass that are too faint get other reasons than TooFaint.
+// channel Material, too faint echoes have the reason LostInGlass on glass, MirroredAway on mirrors and metals.
 std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns);
 
 // Fills the scan's columns that the layout asks for; intensity and power only if an effect has set them or the table

@@ -24,7 +24,7 @@ DropSizes snowFlakes(double rate);
 
 struct Weather {
   double extinction = 0;  // 1/m; exp(-extinction * r) of the light remains after r m (Beer and Lambert)
-  // Sizes of particles so sparse that a beam hits at most one of them at a range; intercept 0: there are none.
+  // Sizes of sparse particles, such as raindrops: a beam hits at most one of them at a range. Intercept 0: none exist.
   DropSizes drops = {};
   // Echo of a drop (m^2 / mm^2): a drop of diameter D (mm) in a beam of area A (m^2) returns dropEcho * D^2 / A of the
   // power that a white Lambertian target filling the beam returns.
@@ -51,7 +51,7 @@ Weather snowOf(double rate);
 Weather fogOf(double visibility);
 Weather dustOf(double visibility);
 
-// Returns the echo of mist that fills `length` m of a beam, relative to a white Lambertian target at the same range.
+// Returns the echo of fog or dust along `length` (m) of a beam, relative to a white Lambertian target at this range.
 double mistEcho(const Weather& weather, double length);
 
 // Returns the reflectance of a surface that is soaked with water, divided by the reflectance of the dry surface

@@ -43,7 +43,7 @@ class BeamGrid {
   static constexpr std::uint32_t kAcross = 360;
   static constexpr std::uint32_t kUp = 180;
 
-  // Return the row of cells at an elevation (rad), and the column of cells at an azimuth (rad; full turns are ignored).
+  // rowOf() returns the row of cells at an elevation (rad), columnOf() the column at an azimuth (rad, of any turn).
   static std::uint32_t rowOf(double elevation);
   static std::uint32_t columnOf(double azimuth);
   // Rows from firstRow to lastRow; in each row `columns` cells from firstColumn on, which may extend across azimuth 0.

@@ -55,8 +55,8 @@ BeamRow readRow(const TextTable& table, std::size_t row) {
   };
 }
 
-// Returns the beams sorted by ring and column. There must be as many rows as rings * columns. Throws InputError if two
-// rows have the same ring and column.
+// Returns the beams sorted by ring and column. `rows`: as many rows as rings * `columns`. Throws InputError if two of
+// them have the same ring and column.
 ListedBeams sortedBeams(const std::vector<BeamRow>& rows, std::uint32_t columns) {
   ListedBeams beams;
   beams.azimuth.resize(rows.size());
@@ -133,7 +133,7 @@ namespace {
 constexpr Range kTurnsHz{-1e4, 1e4};
 constexpr Range kPhasesDeg{-360, 360};
 
-// Reads the deflections of the lasers, {laser_azimuth_deg: [...], laser_elevation_deg: [...]}; both keys are optional.
+// Reads laser_azimuth_deg and laser_elevation_deg, both optional lists. Throws InputError if they differ in length.
 void readLaserDeflections(Fields& f, Rosette& rosette) {
   if (f.has("laser_azimuth_deg")) rosette.left = scaledBy(radians(1), f.numbers("laser_azimuth_deg", {-60, 60}));
   if (f.has("laser_elevation_deg")) rosette.up = scaledBy(radians(1), f.numbers("laser_elevation_deg", {-60, 60}));

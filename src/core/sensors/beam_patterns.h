@@ -27,7 +27,7 @@ std::vector<double> scaledBy(double factor, std::vector<double> values);
 // Returns the pixels of a flash sensor, which all fire at once. The beams form an even grid in the plane perpendicular
 // to the middle of the field of view, as the pixels of a pinhole camera do. `azimuth` (rad): middle of the field of
 // view. `field` (rad, below pi): angle from the middle of the first column to the middle of the last column. Columns go
-// from left to right if `clockwise`. `elevation` (rad): elevation of each row at the middle of the field of view.
+// from left to right if `clockwise`, else from right to left. `elevation` (rad): per row, at the field's middle.
 ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32_t columns,
                        const std::vector<double>& elevation);
 
@@ -47,9 +47,9 @@ struct RasterScan {
 // Reads the key `raster` of a sensor, which docs/keys.md explains. Throws InputError.
 RasterScan readRasterScan(const Value& value);
 
-// Returns the beams of a raster with a ring for each zone. The columns are numbered in the order in which they fire:
-// all of the first line, from left to right, then those of the next line (from right to left if lines alternate).
-// `columns`: a multiple of the lines. `period`: time in which all lines are scanned (s).
+// Returns the beams of a raster, with one ring per zone. The columns are numbered in the order in which they fire: the
+// first line from left to right, then the next line (from right to left if lines alternate), and so on. `columns`: a
+// multiple of the number of lines. `period`: time in which all lines are scanned (s).
 ListedBeams rasterBeams(const RasterScan& raster, std::uint32_t columns, double period);
 
 }  // namespace scanmill

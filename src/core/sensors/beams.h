@@ -137,8 +137,8 @@ void fillBeams(BeamTable& table);
 [[nodiscard]] std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time);
 
 // Computes the column of a range image for each beam, such that every column looks in one direction. The lasers that
-// fire as one column of the sensor look in directions that differ by the rings' azimuth offsets; in an image of rings
-// and columns upright edges are therefore zigzags. Shifting each row straightens them, which vendors call destaggering.
+// fire as one column of the sensor look in directions that differ by the rings' azimuth offsets. Without correction,
+// upright edges are therefore zigzags in the image; shifting each row straightens the edges (destaggering).
 //
 //   const Destagger image = destagger(*beams);
 //   const std::uint32_t x = image.columnOf(ring, column);  // row: ring; 0 <= x < image.width
@@ -151,10 +151,9 @@ struct Destagger {
 };
 
 // Returns shifts that place each beam in the column of the image nearest to its direction, at most half a column away.
-// `offset`: azimuth of each ring (rad) relative to the others. `step`: azimuth from a column to the next one (rad),
-// negative if the sensor turns clockwise. In a full turn the image is as wide as the sensor has columns, and a ring
-// with the offset 0 is not shifted. In a partial field the image is wider by the largest difference of two shifts, and
-// the least shift is 0.
+// `offset`: azimuth offset of each ring (rad). `step`: azimuth from a column to the next one (rad), negative if the
+// sensor turns clockwise. In a full turn the image is as wide as the sensor has columns, and a ring with the offset 0
+// is not shifted. In a partial field the image is wider by the largest difference of two shifts; the least shift is 0.
 Destagger destagger(std::span<const double> offset, double step, std::uint32_t columns, bool fullTurn);
 
 // Returns the shifts of a sensor by its azimuth offsets; only the compact description of the beams is needed. Sensors

@@ -106,7 +106,7 @@ void setEntry(Value::Entry entry, Value& map) {
   map.entries.push_back(std::move(entry));
 }
 
-// Returns a list of one value of each laser, in the lasers' order.
+// Returns a YAML list of the values of `member` of all lasers, in the lasers' order.
 Value listOf(const std::vector<Laser>& lasers, double Laser::*member, const Location& where) {
   Value list;
   list.kind = Value::Kind::Sequence;
@@ -246,7 +246,7 @@ const FormatSupport& beamTableFormat() {
 
 std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   const TextTable table(file);
-  // A table of Hesai's, whose azimuths are clockwise, has the column elevation instead of elevation_deg.
+  // Hesai's tables, whose azimuths are clockwise, have the column elevation instead of elevation_deg.
   const bool hesai = !table.has("elevation_deg");
   if (hesai && !table.has("elevation")) {
     throw InputError(table.head(),
@@ -263,7 +263,7 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   table.expectOnly(columns);
   std::vector<Laser> lasers;
   for (const std::size_t row : rowsByChannel(table)) {
-    // Returns 0 for a column that the table lacks.
+    // Returns the row's number in a column; 0 if the table lacks the column.
     const auto number = [&](const char* name, double limit) { return table.number(row, name, {-limit, limit}); };
     const double elevation = number(hesai ? "elevation" : "elevation_deg", 90);
     const double azimuth = hesai ? 0 - number("azimuth", 360) : number("azimuth_offset_deg", 360);

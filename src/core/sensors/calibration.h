@@ -34,7 +34,7 @@ struct Laser {
   double firing = 0;     // us, firing time after the start of the column
 };
 
-// Reads the lasers of a table, Hesai's or one of the user's own: see beamTableFormat(). The rows may come in any order
+// Reads the lasers of a table, by Hesai or written by the user: see beamTableFormat(). The rows may come in any order
 // if the table has channels, which become the rings. Throws InputError with the line.
 std::vector<Laser> readBeamTable(const std::filesystem::path& file);
 

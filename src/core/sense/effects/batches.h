@@ -92,7 +92,7 @@ const T* valuesOfBeams(const Returns& returns, const std::vector<T>& values, std
 }
 
 // Two independent standard normal numbers, computed from two words: Box and Muller, "A note on the generation of random
-// normal deviates", 1958. Their largest absolute value is sqrt(-2 log(2^-33)) = 6.76.
+// normal deviates", 1958. Absolute values are at most sqrt(-2 log(2^-33)) = 6.76.
 struct NormalPair {
   double first, second;
 };

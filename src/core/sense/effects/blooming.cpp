@@ -3,14 +3,14 @@
 //   blooming: {share: 0.001, angle_deg: 0.5}
 //
 // A small part of the light is scattered in the optics, and a retroreflector, hundreds of times as bright as a white
-// target, returns enough of it to be detected. A beam at the angle t to a beam that hits a retroreflector gets one more
-// echo, at the same range and with the strength
+// target, returns enough of this light to be detected. A beam at the angle t to a beam that hits a retroreflector gets
+// one more echo, at the same range and with the strength
 //
 //   retroreflectance cos(incidence) share exp(-2 t^2 / angle^2)
 //
-// in units of a white target at this range, with cause 7 (StrayLight). If several retroreflectors are near, only the
-// strongest of these echoes is added. An echo within a pulse length of another return of the beam would merge with that
-// return: it is not added.
+// in units of a white target at this range, with cause 7 (StrayLight). If several retroreflectors are near, a beam gets
+// only the strongest of these echoes. An echo within a pulse length of another return of the beam is not added, since
+// the two would merge.
 
 #include <algorithm>
 #include <cmath>

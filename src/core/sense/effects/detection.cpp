@@ -97,7 +97,7 @@ class Detection : public Effect {
   }
 
  private:
-  // Returns the standard deviation of the noise of each row.
+  // Returns the standard deviation of each row's noise, which includes the shot noise of sunlight.
   std::vector<float> noiseInDaylight(const Hits& hits, const Returns& returns) const {
     std::vector<float> noise(returns.size(), static_cast<float>(o_.noise));
     for (std::size_t row = 0; row < returns.size(); ++row) {

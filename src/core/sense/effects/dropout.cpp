@@ -70,7 +70,7 @@ class DropOut : public Effect {
     }
   }
 
-  // Removes all returns of the fraction o_.rings of the rings, namely of the rings with the smallest random numbers.
+  // Removes all returns of some rings: of all rings, the fraction o_.rings with the smallest random numbers is lost.
   void loseRings(const Shot& shot, Returns& returns) const {
     const std::uint32_t rings = shot.beams->rings;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> lostRings;  // random number, ring

@@ -15,8 +15,8 @@ struct SinCos {
   double sin, cos;
 };
 
-// Returns sine and cosine of `a` (rad), from -pi / 4 to pi / 4. Taylor series to the 15th and 16th power; errors <
-// 3e-16.
+// Returns sine and cosine of `a` (rad), which must be from -pi / 4 to pi / 4, by Taylor series to the 15th and 16th
+// power; errors are below 3e-16.
 inline SinCos sinCosSmall(double a) {
   const double z = a * a;
   const double sinTail =
@@ -38,8 +38,8 @@ inline double toDouble(std::uint32_t bits) {
   return std::bit_cast<double>(0x4330000000000000u | bits) - 0x1p52;
 }
 
-// Returns sine and cosine of a random angle of the full circle, from 32 random bits. They are computed for a quarter of
-// the angle, which is then doubled twice; this avoids a case for each quadrant.
+// Returns sine and cosine of a random angle of the full circle, from 32 random bits: computes sine and cosine of a
+// quarter of the angle and doubles this angle twice, which avoids a case for each quadrant.
 inline SinCos sinCosRandom(std::uint32_t bits) {
   const SinCos quarter = sinCosSmall((toDouble(bits) + (0.5 - 0x1p31)) * (kPi * 0x1p-33));
   const SinCos half{2 * quarter.sin * quarter.cos, 1 - 2 * quarter.sin * quarter.sin};

@@ -29,9 +29,9 @@
 // The reported value is the power or, with `model: reflectivity`, the power of the same surface at the reference range
 // in clear air; other effects read the received power in both cases. The value is then multiplied by the fraction of
 // the received power that exceeds `floor`. The response to v = gain * value is min(v, saturation)^gamma for floats, and
-// 255 (min(v, saturation) / saturation)^gamma for bytes. With retro_full_scale it is 100 v up to v = 1, and 100 + 155
-// log(v) / log(retro_full_scale) above (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1). With `table` it is
-// interpolated over log(value). Then `noise` is added, and the sum is rounded to multiples of `step`.
+// 255 (min(v, saturation) / saturation)^gamma for bytes. With retro_full_scale the response is 100 v up to v = 1, and
+// 100 + 155 log(v) / log(retro_full_scale) above (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1). With
+// `table` the response is interpolated over log(value). Then `noise` is added, and the sum rounded to the unit `step`.
 
 #include <algorithm>
 #include <cfloat>
@@ -176,7 +176,7 @@ class Intensity : public Effect {
     });
   }
 
-  // Sets the power of all rows and the intensity that the sensor reports for it.
+  // Sets the power and the reported intensity of all rows.
   SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, const Shot& shot, std::span<const Material> materials,
                                          Returns& returns) const {
     const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);
@@ -228,7 +228,7 @@ class Intensity : public Effect {
     applyRangeLoss(valuesOfHits(returns, hits.range, first, rangesOfHits, kMiss), count, power);
   }
 
-  // Sets the intensity of a batch of rows. Overwrites `reflectivity`.
+  // Sets the intensity of a batch of rows from their power or from `reflectivity`, which may be overwritten.
   void report(const Shot& shot, std::size_t first, std::size_t count, Returns& returns, float* reflectivity) const {
     const float* const power = returns.power.data() + first;
     float* const intensity = returns.intensity.data() + first;

@@ -12,8 +12,8 @@
 // arbitrary polygonal surfaces", I3D 2005). Grazing beams therefore hit the tips of tufts, with gaps behind them, and
 // beams from above hit heights whose mean is 0.
 //
-// A beam averages over its width: as in reflectance_variation, the variance is divided by 1 + area / size^2. The area
-// is what the beam illuminates on the slanted surface.
+// A beam averages over its width: as in reflectance_variation, the variance is divided by 1 + area / size^2, with the
+// area that the beam illuminates on the inclined surface.
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-// ring_bias: the errors of each laser that remain after the calibration of a sensor: errors of its range, its elevation
-// and its gain. They are the same for all beams of a ring and all frames of a dataset.
+// ring_bias: the errors of each laser's range, elevation and gain that remain after the calibration of a sensor. A ring
+// has the same errors in all its beams and in all frames of a dataset.
 //
 //   ring_bias: {range_sigma_m: 0.02, elevation_sigma_deg: 0.02, gain_sigma: 0.2}
 //   ring_bias: {range_m: [0.01, -0.02, ...], elevation_deg: [...], gain: [...]}   # one value per ring
@@ -117,7 +117,7 @@ class RingBias : public Effect {
   PerRing gain_;
 };
 
-// Reads one kind of error: its standard deviation from `sigmaKey`, or its values from `listKey`.
+// Reads one kind of error: its standard deviation from `sigmaKey`, or its values from `listKey`; else no error.
 PerRing readPerRing(Fields& options, const char* sigmaKey, Range sigmaLimits, const char* listKey, Range valueLimits) {
   PerRing errors;
   if (const Value* list = options.find(listKey)) {

@@ -17,8 +17,8 @@ struct LatticePosition {
   double upperWeight;
 };
 
-// Returns the lattice position of a coordinate from -2^51 to 2^51, in cubes. Uses no std::floor(), so that loops are
-// vectorised: the sum with 1.5 * 2^52 has the integer nearest to the coordinate in its last bits.
+// Returns the lattice position of a coordinate (in units of cubes, -2^51 to 2^51). Uses no std::floor(), so that loops
+// are vectorised: the sum with 1.5 * 2^52 has the integer nearest to the coordinate in its last bits.
 LatticePosition latticePosition(double coordinate) {
   const double shifted = coordinate + 0x1.8p52;
   const double offset = coordinate - (shifted - 0x1.8p52);  // distance from the nearest integer, -0.5 to 0.5
@@ -102,7 +102,7 @@ void SpatialField::lookUp(const CubeIndices& cubes, CornerNumbers& numbers) {
   Batch<std::uint32_t> numbersOf;  // by row of the batch: index in numbers_
   for (std::size_t i = 0; i < kBatch; ++i) entryOf[i] = (cubes.x[i] + 32 * cubes.y[i] + 5 * cubes.z[i]) % kEntries;
   // The numbers of new cubes are first stored at the end of numbers_, because earlier rows of this batch may still need
-  // the numbers that the new ones will replace.
+  // the numbers that the new cubes will replace.
   CubeIndices added;
   Batch<std::uint32_t> entryOfAdded;
   std::size_t count = 0;

@@ -56,7 +56,7 @@ constexpr double kPuddleSize = 1.2;         // m, size of the patches of standin
 constexpr double kUsualDivergence = 3e-3;  // rad, full angle of a Gaussian beam to 1/e^2 of its power
 constexpr double kUsualPulse = 5e-9;       // s
 
-// Returns the area (m^2) that a beam illuminates at a range (m).
+// Returns the area (m^2) that a beam illuminates at a range (m); assumes kUsualDivergence if no beam width is known.
 double litArea(const BeamTable& beams, double range) {
   const double area = beamArea(beams, range);
   if (area > 0) return area;
@@ -72,7 +72,7 @@ struct WeatherOptions {
   std::uint16_t label = 0;  // class of the particles' returns
 };
 
-// How the receiver sees particles.
+// The properties of the receiver on which the returns of particles depend.
 struct Reception {
   Falloff falloff;
   double least = 0;  // power below which particles are ignored
@@ -136,7 +136,7 @@ std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Re
     float& openRange = open[returns.beam(row)];
     if (returns.returned(row)) openRange = std::min(openRange, returns.range[row]);
   }
-  // A beam that the ego vehicle blocks nearer than the sensor's minimum range has no hit; its range is 0.
+  // A beam that the ego vehicle blocks nearer than the sensor's minimum range has no hit; its open range is 0.
   for (std::size_t ray = 0; ray < hits.pathOfRay.size(); ++ray) {
     if (hits.pathOfRay[ray] != RayPath::EgoVehicle || hits.hit(ray)) continue;
     open[hits.beamOfRay.empty() ? ray : hits.beamOfRay[ray]] = 0;
