@@ -238,6 +238,11 @@ struct Box {
     }
   }
   Vec3d center() const { return (low + high) * 0.5; }
+  // Returns the distance to a point; 0 inside of the box.
+  double distanceTo(const Vec3d& p) const {
+    const auto beyond = [](double x, double least, double most) { return std::max({least - x, x - most, 0.0}); };
+    return length(Vec3d{beyond(p.x, low.x, high.x), beyond(p.y, low.y, high.y), beyond(p.z, low.z, high.z)});
+  }
   // Returns the corners: bit 2 of a corner's index is set for high.x, bit 1 for high.y, and bit 0 for high.z.
   std::array<Vec3d, 8> corners() const {
     std::array<Vec3d, 8> all;

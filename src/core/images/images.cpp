@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/input_budget.h"
 #include "base/memory.h"
+#include "base/text_scan.h"
 #include "config/resources.h"
 #include "config/text.h"
 #include "images/images_interface.h"
@@ -104,13 +105,9 @@ std::array<float, 256> divisionByAlpha(double gamma) {
 }
 
 // Maximum number of pixels that a byte of a file can encode: deflate expands a byte to at most 1032 bytes, and a byte
-// contains at most 8 pixels. The bound exposes headers with a false size. It holds for the kinds in isBoundedByBytes().
+// contains at most 8 pixels. The bound exposes headers with a false size. It holds for kKindsBoundedByBytes.
 constexpr double kMostPixelsPerByte = 8 * 1032;
-
-bool isBoundedByBytes(const std::string& kind) {
-  static constexpr std::array<std::string_view, 8> kKinds{"png", "jpg", "jpeg", "bmp", "gif", "sgi", "tga", "dds"};
-  return std::ranges::find(kKinds, kind) != kKinds.end();
-}
+constexpr std::string_view kKindsBoundedByBytes = "png jpg jpeg bmp gif sgi tga dds";
 
 // Throws InputError if an image has no pixels, is too large to decode, or has more pixels than a file of `bytes` bytes
 // and this kind can encode. Charges the pixels to the input budget (base/input_budget.h).
@@ -122,7 +119,7 @@ void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t
     fail(fmt::format("the image of {} is larger than {} x {}: scale it down", size, kMostFileSide, kMostFileSide));
   }
   const double pixels = static_cast<double>(header.width) * header.height;
-  if (isBoundedByBytes(kind) && pixels > kMostPixelsPerByte * static_cast<double>(bytes)) {
+  if (containsWord(kKindsBoundedByBytes, kind) && pixels > kMostPixelsPerByte * static_cast<double>(bytes)) {
     fail(fmt::format("the image is damaged: its {} bytes cannot hold {}", bytes, size));
   }
   // Most readers decode the complete image at once, with up to four bytes per channel.

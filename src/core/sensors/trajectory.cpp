@@ -176,10 +176,6 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
   return placed;
 }
 
-double Trajectory::pathLength() const {
-  return path_ ? path_->length() : 0;
-}
-
 std::vector<Trajectory::LaneChange> Trajectory::readLaneChanges(const Value& value, double length) {
   if (value.kind != Value::Kind::Sequence) {
     throw InputError(value.where, "lane_changes must be a list such as [{at: 80, left: 3, over: 30}]");

@@ -115,7 +115,6 @@ class Trajectory {
   Pose pose(std::uint32_t frame, double dt) const;
 
   bool still() const { return !poses_.empty(); }  // true if the vehicle stands still in each frame
-  double pathLength() const;                      // m; 0 for listed or recorded poses, or if the path is not known yet
   const std::string& name() const { return name_; }
   // Returns how often a drive with `along: turns` turns off at a junction of its town; nullopt for other drives.
   std::optional<int> turns() const { return turns_; }

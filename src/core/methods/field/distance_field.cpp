@@ -168,19 +168,12 @@ class Builder {
     return nullptr;
   }
 
-  // Returns the triangle nearest to a brick's centre. `guess`: any triangle; a near one makes the search fast.
-  NearestFacet nearestToCentre(const BrickFrame& frame, std::uint32_t guess, FacetCache& facets) const {
-    facets.startBrick();
-    const float distance2 = facets.facetOf(world_.baked, guess, frame).distance2(0, 0, 0);
-    return nearestFacet(world_, frame, {}, {distance2, guess}, facets);
-  }
-
   // Fills the table entries of a row of bricks along x. Copies the entry of a brick that an earlier field has.
   // Otherwise the entry is the distance of an empty brick, or kNewBrick for a full brick.
   void fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
     const LevelBox& box = field_->shape.levels[level];
     const auto first = static_cast<std::uint32_t>(field_->levels[level].firstEntry + row * box.bricks[0]);
-    std::uint32_t nearest = 0;  // triangle nearest to the centre of the previous brick
+    std::uint32_t nearest = 0;  // triangle nearest to the centre of the previous brick: a first guess for the next one
     for (std::uint32_t i = 0; i < box.bricks[0]; ++i) {
       const Corner brick = brickOf(level, first + i);
       std::uint32_t& entry = field_->table[first + i];
@@ -189,7 +182,10 @@ class Builder {
       } else if (world_.baked.triangles.empty()) {
         entry = tableEntry(kEmptyWorldDistance);
       } else {
-        const NearestFacet facet = nearestToCentre(frameOf(level, brick), nearest, facets);
+        const BrickFrame frame = frameOf(level, brick);
+        facets.startBrick();
+        const float guess2 = facets.facetOf(world_.baked, nearest, frame).distance2(0, 0, 0);
+        const NearestFacet facet = nearestFacet(world_, frame, {}, {guess2, nearest}, facets);
         nearest = facet.triangle;
         entry = tableEntry(std::sqrt(facet.distance2) * brick::kShortened);
       }

@@ -40,12 +40,6 @@ double rangeOf(const MarchJob& job, const HitRecords& records, std::size_t i) {
   return double{records.travelled[i]} * job.field().shape.voxel;
 }
 
-// Returns true if the hit at `point` (m, relative to the world's origin) is in a hole of the triangle's texture.
-bool isInHole(const MarchJob& job, std::uint32_t triangle, const Vec3d& point) {
-  const Vec2d at = barycentric({&job.triangles(), nullptr, triangle}, point);
-  return transparentAt(*job.sensorField.world, job.triangles(), triangle, at.x, at.y);
-}
-
 // Lets each particle that hits a hole of a triangle's texture continue behind the hole, until it hits no more holes.
 void passHoles(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, HitRecords& records) {
   const TriangleBlock& block = job.triangles();
@@ -63,7 +57,8 @@ void passHoles(const MarchJob& job, std::span<const Tile> tiles, Particles& part
       tileOfRays = tile;
       const auto lane = static_cast<int>(i % kPacket);
       const Vec3d point = rays.origin(lane) + rays.direction(lane) * rangeOf(job, records, i);
-      if (!isInHole(job, records.triangle[i], point)) continue;
+      const Vec2d at = barycentric({&block, nullptr, records.triangle[i]}, point);
+      if (!transparentAt(*job.sensorField.world, block, records.triangle[i], at.x, at.y)) continue;
       const float travelled = records.travelled[i];
       particles.begin[i] = travelled + std::max(kHoleSkip, travelled * kHoleSkipShare);
       passing.push_back(i);

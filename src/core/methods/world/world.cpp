@@ -43,12 +43,6 @@ void bake(World& world, const std::vector<bool>& instanced) {
   fillBlock(block, scene, sources);
 }
 
-// Returns the distance of a box from the origin (m).
-double distanceFromOrigin(const Box& box) {
-  const auto gap = [](double low, double high) { return std::max({low, -high, 0.0}); };
-  return length(Vec3d{gap(box.low.x, box.high.x), gap(box.low.y, box.high.y), gap(box.low.z, box.high.z)});
-}
-
 // Sets World::placed, without blocks, to the parts of instanced meshes that are within Revolution::reach at some time
 // of the revolution. Returns, for each element of World::placed, the number of its part in `shared`.
 std::vector<std::size_t> placeParts(World& world, const std::vector<bool>& instanced, const SharedMeshes& shared) {
@@ -77,7 +71,7 @@ std::vector<std::size_t> placeParts(World& world, const std::vector<bool>& insta
       if (bounds.empty()) continue;
       Box box = boxAround(placed.originFromMesh, bounds);
       if (placed.moves) box.add(boxAround(placed.atEnd, bounds));
-      if (distanceFromOrigin(box) > revolution.reach) continue;
+      if (box.distanceTo({}) > revolution.reach) continue;
       world.placed.push_back(placed);
       parts.push_back(part);
     }

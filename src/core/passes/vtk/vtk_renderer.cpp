@@ -64,17 +64,6 @@ Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3
   return side;
 }
 
-// Returns the distance of a point from a box; 0 if the point is inside.
-double distanceTo(const Vec3f& low, const Vec3f& high, const Vec3d& point) {
-  const auto gap = [](double least, double most, double p) { return std::max({least - p, p - most, 0.0}); };
-  return length(Vec3d{gap(low.x, high.x, point.x), gap(low.y, high.y, point.y), gap(low.z, high.z, point.z)});
-}
-
-// Converts a distance (m) to the steps of Candidate::distance.
-int distanceStep(double distance) {
-  return static_cast<int>(4 * std::log2(1 + distance));
-}
-
 // A transform of mesh points to the camera's axes (m). `rows.x` is the first row of its matrix, and so on.
 struct CameraFromMesh {
   Mat3 rows;
@@ -214,8 +203,8 @@ class DrawnView {
         const ViewChunk& chunk = batch.chunks[c];
         if (side == Side::Across && sideOf(volume, chunk.low, chunk.high) == Side::Outside) continue;
         if (isOutOfReach(chunk.low, chunk.high)) continue;
-        const double distance = scale * distanceTo(chunk.low, chunk.high, cameraInMesh - mesh.origin);
-        candidates.push_back({distanceStep(distance), c, frame});
+        const double distance = scale * Box{Vec3d(chunk.low), Vec3d(chunk.high)}.distanceTo(cameraInMesh - mesh.origin);
+        candidates.push_back({static_cast<int>(4 * std::log2(1 + distance)), c, frame});
       }
     };
     addVisible(geometry_.solid, mesh.solid, solid);

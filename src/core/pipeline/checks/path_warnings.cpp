@@ -101,13 +101,6 @@ class PathCheck {
     return (trajectory_->pose(frame, 0) * settings_->sensors[sensor].vehicleFromSensor).translation;
   }
 
-  // Returns the distance to the scene's bounding box (m); 0 inside of it.
-  double distanceFromScene(const Vec3d& p) const {
-    const auto beyond = [](double x, double low, double high) { return std::max({low - x, x - high, 0.0}); };
-    return length(Vec3d{beyond(p.x, bounds_.low.x, bounds_.high.x), beyond(p.y, bounds_.low.y, bounds_.high.y),
-                        beyond(p.z, bounds_.low.z, bounds_.high.z)});
-  }
-
   std::string className(std::uint16_t id) const {
     const SemanticClass* const semantic = probe_.scene().ontology.find(id);
     return semantic == nullptr ? "unlabeled" : semantic->name;
@@ -147,7 +140,7 @@ class PathCheck {
         continue;
       }
       if (!below[i] && above[i]) underground.push_back(i);
-      if (distanceFromScene(positions[i]) > plan_.sensors[sensor].beams->maxRange) outOfRange.push_back(i);
+      if (bounds_.distanceTo(positions[i]) > plan_.sensors[sensor].beams->maxRange) outOfRange.push_back(i);
       if (below[i] && below[i]->distance > kMostHeight) high.push_back(i);
     }
     const std::string& name = plan_.pipeline.sensors[sensor].name;
@@ -170,7 +163,7 @@ class PathCheck {
     }
     if (!outOfRange.empty()) {
       report(fmt::format("'{}' is {} away from the scene {}, which is beyond its range", name,
-                         shortLength(distanceFromScene(positions[outOfRange.front()])), where(outOfRange)));
+                         shortLength(bounds_.distanceTo(positions[outOfRange.front()])), where(outOfRange)));
     }
     if (outOfRange.empty() && 2 * high.size() > positions.size()) {
       report(fmt::format("'{}' is more than {:g} m above the surface below it {} ({}): is the unit of the scene right?",

@@ -39,13 +39,6 @@ std::unordered_map<std::uint32_t, ThingHits> hitsByThing(const Hits& hits, const
   return things;
 }
 
-// Returns the distance (m) from a box to a point in the box's frame; 0 inside of the box. `size`: edge lengths of the
-// box (m).
-double distanceTo(const Vec3d& size, const Vec3d& point) {
-  const auto beyond = [](double p, double extent) { return std::max(std::abs(p) - extent / 2, 0.0); };
-  return length(Vec3d{beyond(point.x, size.x), beyond(point.y, size.y), beyond(point.z, size.z)});
-}
-
 // Returns the fraction of a box that is outside of the field of view or out of range, measured as solid angle of the
 // faces that the sensor sees; 0 if the sensor is inside of the box. `maxRange`: in m.
 double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRange, const BeamGrid& grid) {
@@ -117,7 +110,8 @@ void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hi
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
     const auto thingHits = hitThings.find(objects_.boxes().things()[i].id);
     const Vec3d sensor = inverse(boxes_[i].worldFromBox) * shot.worldFromSensor.front().translation;
-    if (thingHits == hitThings.end() && distanceTo(boxes_[i].size, sensor) > reach) continue;
+    const Box extent{boxes_[i].size * -0.5, boxes_[i].size * 0.5};
+    if (thingHits == hitThings.end() && extent.distanceTo(sensor) > reach) continue;
     const Unobstructed::View unoccluded = objects_.unobstructed().viewOf(i, shot, *grid);
     ObjectView view;
     view.sensor = shot.sensorName;
