@@ -70,8 +70,7 @@ class FormatContext : public kainjow::mustache::context<std::string> {
  public:
   explicit FormatContext(const data* values) { context::push(values); }
 
-  // Returns the value that stands for a name in the template, formatted if the name has a format; null if the value is
-  // empty.
+  // Returns the value for a name in the template, formatted if the name has a format; null if the value is empty.
   const data* get(const std::string& name) const override {
     const std::size_t colon = name.find(':');
     if (colon == std::string::npos) return context::get(name);

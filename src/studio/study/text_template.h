@@ -30,8 +30,7 @@ using TextEscape = std::function<std::string(const std::string&)>;
 // template that the function returns.
 using TemplateMacros = std::map<std::string, std::function<std::string(const std::string& text)>>;
 
-// Returns the filled template. Without `escape`, values are inserted as they are. Throws Error if the template is
-// invalid.
+// Returns the filled template. Without `escape`, inserts values as they are. Throws Error if the template is invalid.
 std::string fillTemplate(const std::string& text, const Json& values, const TextEscape& escape = {},
                          const TemplateMacros& macros = {});
 

@@ -130,8 +130,7 @@ class PlaneMaker {
         [&, low = low](std::size_t i) { return viridis(std::log(std::max(double{distance[i]}, 1e-9) / low) * scale); });
   }
 
-  // Adds a plane of ids if `ids` is not empty. The legend lists ids by name, the most frequent first; nothing without
-  // `nameOf`.
+  // Adds a plane of ids if there are any. Its legend lists named ids, the most frequent first; empty without `nameOf`.
   template <class Id>
   void addIds(const char* name, const std::vector<Id>& ids, const auto& colorOf,
               const std::function<std::string(std::uint32_t)>& nameOf = {}) {

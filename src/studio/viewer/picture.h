@@ -45,8 +45,7 @@ struct ExrSource {
 };
 
 // Finds an EXR file. `path`: the file, or the folder of a recording, in which `imageName` specifies the image
-// (findKey()). Images are in the order of their names, numbers in numerical order. Throws InputError if no image is
-// found.
+// (findKey()). Images are in the order of their names, numbers in numerical order. Throws InputError if there is none.
 ExrSource findExr(const std::filesystem::path& path, const std::string& imageName);
 
 // Draws the plane `planeName` with a legend beside it or, if `planeName` is empty, all planes side by side, in a

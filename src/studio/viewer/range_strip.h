@@ -36,9 +36,9 @@ struct RangeStrip {
 
 // Draws the range image of a scan, with a separate pixel for each beam. `colors`: one per point. `shown`: for each
 // point, whether it is drawn; empty: all are drawn. If several points are in the same pixel, the nearest is drawn.
-// `beams`: beam table of the sensor; null if unknown. If azimuths do not increase or decrease with the column, columns
-// are in the sensor's order. Throws InputError if the scan is too large for a picture, or if it is not organised and
-// has no columns ring and column.
+// `beams`: beam table of the sensor; null if unknown. If azimuths neither increase nor decrease with the column,
+// columns are in the sensor's order. Throws InputError if the scan is too large for a picture, or if it is not
+// organised and lacks `ring` or `column`.
 RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const std::vector<bool>& shown,
                           const BeamTable* beams = nullptr);
 

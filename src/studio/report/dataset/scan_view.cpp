@@ -177,8 +177,7 @@ void addRareGroups(const std::vector<Value>& values, const std::vector<std::size
   }
 }
 
-// Returns a point's squared distance from the sensor (m²), to which the probability of keeping the point is
-// proportional.
+// Returns a point's weight: the squared distance (m²), to which the probability of keeping the point is proportional.
 double weightOf(const Vec3f& position) {
   constexpr double kLeastWeight = 1e-3;  // a point at the sensor must not have the weight zero
   const Vec3d p(position);

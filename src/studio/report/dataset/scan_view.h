@@ -1,7 +1,6 @@
 #pragma once
 
-// Writes scans for the 3D view of a report's page, in which users can rotate them. scan_view.js draws the view with
-// three.js.
+// Writes scans for a report's 3D view, in which users can rotate them. scan_view.js draws the view with three.js.
 
 #include <cstddef>
 #include <string>
@@ -42,8 +41,8 @@ extern const std::string_view kDatasetStyle;     // dataset.css
 // Returns the indices, ascending, of the finite points to show: all if they are at most `most`, otherwise `most` of
 // them. Instances and classes with few points are kept complete, the smallest first, as long as they take at most half
 // of `most`. The other points are thinned evenly along the scan; the fraction kept is proportional to the squared
-// distance. Since the density of LiDAR points on a surface decreases with the squared distance, mainly near surfaces
-// lose points.
+// distance. As the density of points on a surface decreases with the squared distance, mainly near surfaces lose
+// points.
 std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most);
 
 }  // namespace scanmill

@@ -112,8 +112,7 @@ std::string figuresTemplate(const std::string& text) {
   return "<div class=\"figures\">" + figures + "</div>";
 }
 
-// Returns the source expression that allows a script in a Content-Security-Policy: its SHA-256 in base64 (W3C, CSP
-// level 3, 2.3.1).
+// Returns a script's source expression for a Content-Security-Policy (CSP 3, 2.3.1): its SHA-256 in base64.
 std::string scriptSource(const std::string& script) {
   const std::string hex = sha256(script);
   std::string bytes;

@@ -166,8 +166,7 @@ Chart bandChart(const Study& study, Chart chart, const char* bands, GroupsOfErro
   });
 }
 
-// Returns `chart` with a line for each shown setting: the share of object instances found, by size. `sizes`: x axis
-// title.
+// Returns `chart` with a line per shown setting: the share of objects found, by size. `sizes`: title of the x axis.
 Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vector<SizeRecall> BeamErrors::*recall) {
   const std::vector<std::size_t> settings = shownSettings(study, kMostLines);
   chart.note = "share of the things with a true hit that at least one beam hits";

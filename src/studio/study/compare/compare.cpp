@@ -221,8 +221,7 @@ std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   return {std::move(bySimulated.ofOther), std::move(bySimulated.ofOwner)};
 }
 
-// Adds the groups, with shares and separations, to the result. `real`, `simulated`: group of each patch of the set.
-// `sums`: one per feature.
+// Adds the groups with shares and separations. `real`, `simulated`: each patch's group. `sums`: one per feature.
 void addGroups(SetComparison& result, const Groups& real, const Groups& simulated,
                const std::vector<SeparationSums>& sums) {
   std::map<std::uint16_t, std::pair<std::uint64_t, std::uint64_t>> counts;

@@ -18,8 +18,7 @@
 namespace scanmill {
 namespace {
 
-// A key of an effect, and a figure to which a power of the key's value is proportional if other influences stay the
-// same.
+// A key of an effect, and a figure that is proportional to a power of the key's value if other influences stay equal.
 struct KeyInfluence {
   std::string_view figure;  // name of an entry in kPatchFeatures, kSetFigures or both
   double leastFigure = 1;   // if both sets' figures (as shown to users) are below, they may differ by chance
@@ -124,8 +123,7 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
   list.items = pipelineItems;
   for (const KeyChange& change : advice) {
     const auto index = static_cast<std::size_t>(effectNamed(list.items, change.effect) - list.items.begin());
-    // If the pipeline's list lacks the effect, the sensor's file has it; an item at the end of the list overrides the
-    // key.
+    // If the pipeline's list lacks the effect, the sensor's file has it; an item added to the list overrides the key.
     if (index == list.items.size()) list.items.emplace_back();
     if (list.items[index].kind != Value::Kind::Map) list.items[index] = {};  // setValue() makes a map of it
     setValue(list, fmt::format("{}.{}.{}={:g}", index, change.effect, change.key, change.suggestedValue));

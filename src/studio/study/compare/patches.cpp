@@ -106,8 +106,7 @@ class PatchMeter {
   static std::size_t indexOf(int dr, int dc) {
     return static_cast<std::size_t>((dr + kPatchRowReach) * kWide + dc + kPatchReach);
   }
-  // Returns the pixel `dr` rows below and `dc` columns to the right of the patch's middle; kNone beyond the grid's
-  // edges.
+  // Returns the pixel `dr` rows below and `dc` columns right of the patch's middle; kNone beyond the grid's edges.
   std::uint32_t pixelAt(int dr, int dc) const { return window_[indexOf(dr, dc)]; }
 
   // Fits a plane to the window's points on the surface; sets the patch's kind, incidence, thicknesses and steepness.
@@ -139,8 +138,7 @@ class PatchMeter {
     const std::uint32_t pixel = pixelAt(0, dc);
     return hasReturn(pixel) ? static_cast<double>(grid_.range[pixel]) : std::numeric_limits<double>::quiet_NaN();
   }
-  // True if the ranges of the beams from `first` to `last`, in columns from the patch's middle, are known and have no
-  // jump.
+  // True if the beams from `first` to `last` (columns from the patch's middle) have known ranges without a jump.
   bool isSmooth(int first, int last) const {
     for (int dc = first; dc < last; ++dc) {
       if (!(std::fabs(rangeAt(dc + 1) - rangeAt(dc)) < kJump)) return false;
@@ -162,7 +160,7 @@ class PatchMeter {
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
   }
 
-  // Sets Feature::Mixed if the middle's range lies between the ranges of its left and right neighbours: the smaller
+  // Sets Feature::Mixed if the middle's range is between the ranges of its neighbours in the row: the smaller
   // difference from either, as a fraction of the step. Ignores small steps, and sides that are not smooth, such as
   // foliage.
   void addMixed(Patches& out) const {

@@ -1,7 +1,6 @@
 #pragma once
 
-// Arranges a scan's points as an image of the sensor's beams, so that the neighbours of a beam are known for scans of
-// any sensor or program.
+// Arranges the points of any scan as an image of the sensor's beams, so that the neighbours of a beam are known.
 
 #include <cstddef>
 #include <cstdint>

@@ -47,8 +47,7 @@ double withoutStep(double deviation, double step) {
 
 // Returns the bootstrap standard error of `measure`: its standard deviation over samples of the patches with
 // replacement (Efron, "Bootstrap methods: another look at the jackknife", 1979); 0 for fewer than two patches. Complete
-// patches are sampled, since a patch's points share a surface and are not independent. `stream`: selects the random
-// numbers.
+// patches are sampled, since points of one patch are not independent. `stream`: selects the random numbers.
 double bootstrapError(const FlatPatches& patches, std::uint32_t stream,
                       const std::function<double(const FlatPatches&)>& measure) {
   if (patches.size() < 2) return 0;
@@ -147,8 +146,7 @@ std::vector<PatchGroup> measureBands(const FlatPatches& patches, double step) {
   return bands;
 }
 
-// Returns the weight of a band's equation in the fit (1/m): 1 / the standard error of its sigma, but at most 1 /
-// kLeastError.
+// Returns the weight of a band's equation in the fit (1/m): 1 / the standard error of sigma, at most 1 / kLeastError.
 double weightOf(const PatchGroup& band) {
   return 1 / std::max(band.error, kLeastError);
 }
@@ -257,9 +255,8 @@ std::string linesOf(const std::vector<std::string>& lines, LineSpan span) {
   return text;
 }
 
-// Returns the lines of the file's effects that are not replaced by `newEffects` (see withEffects()), with the comments
-// above each. Throws InputError if two effects are on one line. `list`: the file's effects. `key`: lines of the key
-// `effects`.
+// Returns the lines of the file's effects that `newEffects` does not replace (see withEffects()), and the comments
+// above them. Throws InputError if two effects are on one line. `list`: the file's effects. `key`: lines of `effects`.
 std::string keptEffects(const Value& list, const std::vector<std::string>& lines, LineSpan key,
                         const std::string& newEffects) {
   std::vector<std::string> replaced;

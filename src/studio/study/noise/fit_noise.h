@@ -1,7 +1,6 @@
 #pragma once
 
-// Measures the noise of a real sensor on flat patches in its recordings, and writes the noise as effects for a
-// pipeline.
+// Measures a real sensor's noise on flat patches in its recordings, and writes the noise as effects for a pipeline.
 
 #include <cstddef>
 #include <cstdint>
@@ -102,8 +101,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
 // the noise was measured up to the sensor's maximum range.
 std::vector<std::string> beyondMeasured(const NoiseFit& fit);
 
-// Returns the YAML text of the items of the key `effects` for a sensor file, with comments about the origin of the
-// figures. Ends with a newline.
+// Returns the YAML items of the key `effects` for a sensor file, with comments about their origin. Ends with a newline.
 std::string effectsYaml(const NoiseFit& fit, const std::string& date);
 
 // Returns the text of a sensor file with new effects. `effects`: lines that start with "effects:". They replace the

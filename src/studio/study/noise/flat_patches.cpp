@@ -152,8 +152,7 @@ void countHoles(const BeamTable& beams, const Cells& cells, double deviation, Fl
   }
 }
 
-// Returns the number of groups of windows. Only windows of similar range and incidence, which form a group, are
-// compared.
+// Returns the number of groups of windows. Windows of similar range and incidence form a group and are compared.
 std::size_t groups() {
   return 2 * rangeBandEdges().size();
 }
@@ -167,8 +166,7 @@ std::size_t groupOf(const FlatPatch& patch) {
 // Returns the standard deviation (m) of flat windows for each group, taken from the group's smoothest tenth since most
 // windows may not be flat. A group may even have no flat window, so neighbouring range bands bound the value: noise
 // does not decrease with range, and grows at most with the squared range, as the returned power decreases. Bounds that
-// are too tight only reduce the number of patches. They cause no bias, since the choice does not depend on the measured
-// halves.
+// are too tight reduce the number of patches, but cause no bias: the choice does not depend on the measured halves.
 std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   const std::size_t bands = rangeBandEdges().size();
   // By group, the noise variance that each window implies if the window's variance is the group's 10 % quantile, since
@@ -193,8 +191,7 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
       usual[group] = std::min(fartherDeviation, std::sqrt(*tenth));
       if (v.size() >= kTelling) fartherDeviation = usual[group];
     }
-    // Noise grows at most with the square of the range: from near to far, a band gets at most the bound of nearer
-    // bands.
+    // Noise grows at most with the squared range: from near to far, a band gets at most the bound of nearer bands.
     double nearerRange = 0;
     double nearerDeviation = 0;
     for (std::size_t band = 0; band < bands; ++band) {

@@ -38,8 +38,7 @@ struct PatchWindow {
   std::uint32_t tested = 0;  // parity of row + column of the tested beams: 0 or 1
 };
 
-// The plane of a patch in the sensor's frame: dot(plane, point) = 1 for its points. Its distance from the origin is 1 /
-// length(plane).
+// The plane of a patch in the sensor's frame: dot(plane, point) = 1. The distance from the origin is 1 / length(plane).
 using PatchPlane = Vec3d;
 
 // How well a surface fits the ranges of half of a patch.

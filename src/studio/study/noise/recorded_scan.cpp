@@ -175,8 +175,7 @@ Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) 
   return scanFromSensor;
 }
 
-// Returns half of the smallest angle between neighbouring beams (rad). A point with a larger angle to its beam belongs
-// to another beam.
+// Returns half of the least angle between neighbouring beams (rad), the largest angle of a point to its own beam.
 double halfBeamSpacing(const BeamTable& beams) {
   double least = beams.field / std::max(beams.columns, 2u);
   std::vector<double> elevation = beams.elevation;

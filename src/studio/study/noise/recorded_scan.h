@@ -27,8 +27,7 @@ struct RecordedScan {
 // returns are too few, or if points are not on the sensor's beams; the message starts with `name`.
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name);
 
-// Returns the step (m) to which the sensor rounds ranges: all ranges differ by multiples of the step. 0: no step is
-// found.
+// Returns the step (m) to which the sensor rounds ranges: all ranges differ by multiples of it. 0: no step is found.
 double rangeStep(const std::vector<RecordedScan>& scans);
 
 }  // namespace scanmill

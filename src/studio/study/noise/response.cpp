@@ -48,8 +48,7 @@ std::optional<std::size_t> bandOf(double range) {
   return static_cast<std::size_t>(std::ranges::upper_bound(kBands, range) - kBands.begin()) - 1;
 }
 
-// Returns the ground's z coordinate (m): the most frequent z coordinate of the returns near the sensor; 0 if no return
-// is near.
+// Returns the ground's z (m): the most frequent z of the returns near the sensor; 0 if no return is near.
 double groundHeight(const Scan& scan) {
   constexpr double kStep = 0.1, kNearest = 5, kFarthest = 15;  // m: step of heights; ranges of the counted returns
   std::map<long, std::size_t> counts;
@@ -252,8 +251,7 @@ double respond(const ResponseTable& table, double value) {
   return table.back().second;
 }
 
-// Returns, for each kind with enough surfaces in both sets, the weight of a simulated surface: recorded / simulated
-// number.
+// Returns, for each kind with enough surfaces in both sets, the number of recorded surfaces per simulated surface.
 std::map<SurfaceKind, double> weightsOf(const Surfaces& recorded, const Surfaces& simulated) {
   std::map<SurfaceKind, double> recordedCells, simulatedCells;
   for (const SurfaceCell& c : recorded.cells) ++recordedCells[c.kind];

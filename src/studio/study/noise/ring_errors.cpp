@@ -59,8 +59,7 @@ PatchValues valuesOf(const BeamTable& beams, const BeamImage& image, const Recor
       const double onPlane = rangeOnPlane(beams, *beam, patch.plane);
       if (!(onPlane > 0)) continue;
       const std::uint32_t ring = *beam / beams.columns;
-      // The derivative of a range r with respect to the plane is -r^2 times the beam's direction; the sign has no
-      // effect.
+      // The derivative of a range r by the plane's vector is -r^2 times the beam's direction; the sign has no effect.
       values.ranges.push_back({ring, scan.range[*beam] - onPlane, beams.direction[*beam] * (onPlane * onPlane)});
       distances.push_back(std::abs(values.ranges.back().value));
       if (!scan.intensity.empty() && scan.intensity[*beam] > 0) {

@@ -61,8 +61,7 @@ ObjectCloud cropToObject(const Scan& scan, const Shot& shot, const BoxedObject& 
   ObjectCloud cloud;
   const Vec3d center = object.center();
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    // Points of a deskewed scan are in the sensor's frame at the start of the revolution, others in that of their
-    // column.
+    // Points of deskewed scans are in the sensor's frame at the revolution's start, others at the time of their column.
     const std::size_t step = shot.deskew ? 0 : shot.stepOf(scan[kColumn][i]);
     const Vec3d p = shot.worldFromSensor[step] * Vec3d(scan.position[i]);
     if (object.distance(p) <= margin) cloud.push_back(static_cast<Vec3f>(p - center));
@@ -275,8 +274,7 @@ class RepeatabilityRun {
     return pose;
   }
 
-  // Returns the numbers of points on the object. `clouds`: the object's clouds, one per scan, at one noise level; not
-  // empty.
+  // Returns the numbers of points on the object. `clouds`: the object's points in each scan of a level; not empty.
   static PointCount countPoints(std::span<const ObjectCloud> clouds) {
     PointCount count{.mean = 0, .least = clouds.front().size(), .most = 0};
     for (const ObjectCloud& cloud : clouds) {

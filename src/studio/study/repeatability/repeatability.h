@@ -106,8 +106,7 @@ RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline);
 
 // Returns the layout of scans for the comparison: positions, and the column of each point.
 ScanLayout repeatabilityLayout();
-// Returns the channels that the effects of all noise levels read. A plan with these channels loads the textures that
-// they need.
+// Returns the channels that the effects of all noise levels read. A plan with these channels loads the textures.
 Channels repeatabilityChannels(const Pipeline& pipeline);
 
 // An object of a scene, with a bounding box along the axes of the object's mesh.

@@ -51,8 +51,7 @@ struct RingLine {
   double residual(const Point& p) const { return p.position.z - intercept - slope * axisDistance(p); }
 };
 
-// Fits the line by least squares. Returns nothing if there are too few points, or if the distances of the points from
-// the axis vary too little.
+// Fits the line by least squares. Returns nothing if the points are too few or their axis distances vary too little.
 std::optional<RingLine> fitRingLine(const std::vector<const Point*>& points) {
   const auto n = static_cast<double>(points.size());
   if (points.size() < kFewestInRing) return std::nullopt;
@@ -190,8 +189,7 @@ class SensorFitter {
 
   bool hasEnoughPoints(std::uint32_t ring) const { return rings_[ring].size() >= kFewestInRing; }
 
-  // Returns the angle (rad) of a point's beam relative to the head's azimuth. `originOffset`: distance of the beam's
-  // origin from the axis (m).
+  // Returns the angle (rad) from the head's azimuth to a point's beam, whose origin is `originOffset` m from the axis.
   double azimuthOffsetOf(const Point& p, double originOffset) const {
     const double headAzimuth = fit_.firstAzimuth + step_ * p.column;
     const double angle = azimuthOf(p) - headAzimuth;

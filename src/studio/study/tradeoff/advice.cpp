@@ -58,8 +58,7 @@ double scanSecondsOf(const SettingResult& result) {
   return result.measured.cost.scanSeconds;
 }
 
-// Returns the largest ratio of an error to the limit of the need: at most 1 if all limits are kept, infinite if a
-// limited error is unknown.
+// Returns the largest ratio of an error to its limit: at most 1 if all limits are kept, infinite for an unknown error.
 double largestRatio(const GroupErrors& e, const Need& need) {
   constexpr double kRounding = 1e-9;  // rounding error of fractions such as 1 - 0.9999
   double largest = 0;

@@ -13,8 +13,7 @@ double shortestSeconds(int repeats, const auto& work) {
   return shortest;
 }
 
-// Returns the largest distance (m) between corresponding points. Formats preserve the order of points. Throws Error if
-// points or misses were lost.
+// Returns the largest distance (m) between points with equal indices. Throws Error if points or misses were lost.
 double largestError(const Scan& scan, const Scan& decoded) {
   if (scan.size() != decoded.size()) {
     throw Error("{} of {} points were decoded", decoded.size(), scan.size());

@@ -178,8 +178,7 @@ class StudyRun {
     study_.beamsPerShot = beams / truth_.size();
   }
 
-  // Measures the settings, in order, until the budget is used up; `leftOut` then gets a line for each remaining
-  // setting.
+  // Measures the settings, in order, until the budget is used up; adds a line to `leftOut` for each other setting.
   void measureSettings() {
     for (const MethodSetting& s : choice_.settings) {
       checkStopped();
@@ -235,8 +234,7 @@ class StudyRun {
     }
   }
 
-  // Measures simplified physics on one frame only, since the reference may trace 127 rays per beam, which takes as long
-  // as 127 scans.
+  // Measures simplified physics on one frame only: with 127 rays per beam, the reference takes as long as 127 scans.
   void measureSimplifications() {
     std::vector<Shot> shots;
     for (const TrueShot& t : truth_) {

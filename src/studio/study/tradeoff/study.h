@@ -165,8 +165,7 @@ struct StudyChoice {
   double budgetSeconds = 300;
 };
 
-// Reads the key `tradeoff` of a pipeline and checks the options of all settings. Throws InputError with file
-// and line.
+// Reads the key `tradeoff` of a pipeline. Throws InputError, with file and line, also for wrong options of settings.
 StudyChoice readStudyChoice(const Pipeline& pipeline);
 
 // Returns the settings that are measured if the pipeline lists none: all methods with their defaults, and variations
@@ -194,8 +193,7 @@ Study runStudy(const Plan& plan, const StudyOptions& options);
 // Returns the study as JSON (the file tradeoff.json), without the contents of the pictures.
 std::string toJson(const Study& study);
 
-// Range errors below this (m) count as zero: scans are stored in single precision, whose resolution at 100 m is hardly
-// finer.
+// Range errors below this (m) count as zero; the single-precision positions of scans are hardly finer at 100 m.
 inline constexpr double kExactRange = 1e-5;
 
 // Name of the group in BeamErrors::byEdge that contains the beams away from edges.

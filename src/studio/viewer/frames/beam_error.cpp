@@ -40,8 +40,7 @@ std::vector<BeamPoint> sortedByBeam(const Scan& scan) {
   return points;
 }
 
-// Returns the points of the key's beam, but only the first 16: damaged scans may have thousands. `sorted`: see
-// sortedByBeam().
+// Returns the points of the key's beam, at most the first 16: damaged scans may have thousands. `sorted`: by beam.
 std::span<const BeamPoint> pointsOf(const std::vector<BeamPoint>& sorted, const PointKey& key) {
   constexpr std::size_t kMostReturns = 16;
   const auto points = std::ranges::equal_range(sorted, beamOf(key), {}, &BeamPoint::beam);

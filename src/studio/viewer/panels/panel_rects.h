@@ -37,8 +37,7 @@ PanelRects panelRects(int width, int height, const PanelNeeds& needs);
 // height is a multiple of `imageHeight`, unless `imageHeight` is too large for the canvas.
 int stripHeight(int imageHeight, int width, int height);
 
-// Divides `body` into a grid of `cells` equal rectangles, at least one pixel each, with gaps of `gap` pixels, row by
-// row.
+// Divides `body` into `cells` equal rectangles of at least one pixel, `gap` pixels apart, row by row.
 std::vector<PixelRect> gridRects(const PixelRect& body, std::size_t cells, int gap);
 
 }  // namespace scanmill

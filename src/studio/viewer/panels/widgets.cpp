@@ -432,8 +432,7 @@ bool drawMessages(const PixelRect& within, const std::vector<std::string>& probl
   const float maxWidth = std::min(static_cast<float>(within.width) - 2 * margin, lineHeight() * 36);
   float bottom = static_cast<float>(within.top + within.height) - margin;  // y of the lower edge of the next box
   if (maxWidth < lineHeight()) return false;
-  // Draws a box of texts above `bottom`, and moves `bottom` above the box. Returns true if a box of problems was
-  // clicked.
+  // Draws a box of texts above `bottom`, and moves `bottom` up. Returns true if a box of problems was clicked.
   const auto drawBox = [&](const char* name, const std::vector<std::string>& texts, bool areProblems) {
     constexpr std::size_t kMost = 6;
     if (texts.empty()) return false;

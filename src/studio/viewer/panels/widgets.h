@@ -50,8 +50,7 @@ struct LegendClick {
 // Draws the entries of a legend and returns the entry that was clicked. `hidden`: whether each entry is hidden; empty:
 // none is. `clickable`: the user can hide and show entries.
 LegendClick drawLegendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, PanelUse use);
-// Draws a legend's scale; if interactive, with fields for its ends. Returns ends that the user enters, otherwise
-// nothing.
+// Draws a legend's scale; if interactive, with fields for its ends. Returns the ends if the user changes them.
 std::optional<ScaleRange> drawScale(const Legend& legend, PanelUse use);
 // Returns the rectangle of a legend with room for all entries: right of the picture's contents `body` or, if the
 // picture would be wider than `maxWidth` pixels, below. Empty if the legend has no entries and no scale.

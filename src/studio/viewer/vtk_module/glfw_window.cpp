@@ -50,8 +50,7 @@ void connectToDisplay() {
                   display, firstError(), kInstead));
 }
 
-// Creates an invisible window with the newest of OpenGL 4.5, 4.3 and 3.2 that the display has. Throws NoDevice if it
-// has none.
+// Creates an invisible window with the display's newest OpenGL of 4.5, 4.3 and 3.2. Throws NoDevice if there is none.
 GLFWwindow* createWindow(const std::string& title, int width, int height) {
   constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 2}}};
   for (const auto& [major, minor] : kVersions) {

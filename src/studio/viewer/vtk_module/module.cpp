@@ -1,5 +1,4 @@
-// The plug-in libscanmill_viewer.so, which implements CanvasModule (viewer/canvas/canvas.h): canvases in a GLFW window
-// or, without a window, with EGL.
+// The plug-in libscanmill_viewer.so: canvases in a GLFW window or, without a window, with EGL (viewer/canvas/canvas.h).
 
 #include <vtkAutoInit.h>
 

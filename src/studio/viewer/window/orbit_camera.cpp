@@ -108,8 +108,7 @@ Vec3d OrbitCamera::eye() const {
 }
 
 ViewCamera OrbitCamera::camera(int width, int height) const {
-  // Least distance from an orthographic camera to the target (m); no LiDAR reaches so far, so no point is behind the
-  // camera.
+  // Least distance of an orthographic camera from the target (m). LiDAR reaches less: no point is behind the camera.
   constexpr double kOrthographicDistance = 1000;
   constexpr double kNearestShare = 0.05;  // depth of the nearest drawn points divided by the target's distance
   ViewCamera view;

@@ -17,8 +17,7 @@ class Playback {
   // Requests the frame that `sample` names, see findFrame(). Throws InputError if the sample does not exist.
   Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, const std::string& sample);
 
-  // Requests a frame, or the last frame if `frame` is too large. Then frames after it in the direction of `step` (1 or
-  // -1; 0: none) are read ahead.
+  // Requests a frame (at most the last frame), then reads ahead in the direction of `step` (1 or -1; 0: no frames).
   void goTo(std::size_t frame, int step);
   // Requests the frame that is `count` frames after the requested frame, or before it if `count` is negative. Stops at
   // the first and last frame. Returns false if the request does not change.

@@ -76,8 +76,7 @@ void ViewSession::handleButtonOrWheel(const CanvasEvent& event) {
   sceneView_.setCamera(zoomed);
 }
 
-// Handles a tick: shows what has been loaded, plays frames, removes old notices, and draws all points if nothing has
-// changed for a while.
+// Handles a tick: shows what is loaded, plays frames, removes old notices, and draws all points after a pause.
 void ViewSession::tick() {
   // Reads the time before takeWhatIsLoaded(), so that playback_.tick() does not replace a new frame before it is drawn.
   const double now = context_.redraw.now();
@@ -257,8 +256,7 @@ void ViewSession::switchOption(bool ViewOptions::*option) {
   sceneView_.placeMesh();
 }
 
-// Ends the first of these that is on: menus, help, measuring, selection, one instance alone, playing. Else says how to
-// quit.
+// Ends the first of these that is on: menus, help, measuring, selection, one instance alone, playing.
 void ViewSession::escape() {
   context_.changes.panels = true;
   if (panels_.imgui.closeMenus()) return;

@@ -104,8 +104,7 @@ void ViewSession::drawMenus() {
   ImGui::EndMainMenuBar();
 }
 
-// Draws the menu of quantities for colours: kMeshColorNames for a scene, otherwise those of colorsOf() that the scan
-// has.
+// Draws the menu of quantities for colours: those of colorsOf() that the scan has; for a scene, kMeshColorNames.
 void ViewSession::drawColorMenu() {
   std::vector<ColorBy> quantities;
   std::string shown;  // name of the quantity that colours show now
