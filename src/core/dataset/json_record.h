@@ -257,7 +257,7 @@ void describe(RecordKeys& keys, SensorRecord& sensor);
 void describe(RecordKeys& keys, ScanRecord& scan);
 void describe(RecordKeys& keys, SampleRecord& sample);
 
-// Describes a key with the name of the class `id` in the context's ontology; left out if there is no ontology.
+// Describes a key whose value is the name of the class `id`. The key is left out if the context has no ontology.
 void describeClassName(RecordKeys& keys, const char* key, const std::uint16_t& id);
 // Reads the list of modelled features. If `mayBeLines` is true, items may also be texts, as earlier versions wrote.
 void readModelled(const JsonNode& list, bool mayBeLines, std::vector<ModelledItem>& items);

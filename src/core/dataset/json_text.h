@@ -63,7 +63,7 @@ class JsonNode {
                      fmt::format(reason, std::forward<Values>(values)...));
   }
 
-  // Checks the keys of a map: all keys in `required` must exist, and all other keys must be in `optional`.
+  // Throws InputError unless the node is a map with all keys in `required` and other keys only from `optional`.
   const JsonNode& keys(std::span<const std::string_view> required, std::span<const std::string_view> optional) const {
     expect(value_.is_object(), "a map");
     for (const auto& entry : value_.items()) {  // checks unknown keys first, since a missing key may only be misspelt

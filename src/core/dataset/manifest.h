@@ -37,7 +37,7 @@ std::vector<FileRecord> recordsOf(const FilesRead& read, const std::filesystem::
 // different hashes; empty if there is none.
 std::string addFiles(const std::vector<FileRecord>& added, std::vector<FileRecord>& files);
 
-// Throws an InputError with the folder `dataset` if files are missing or changed. `folder`: of the pipeline file.
+// Throws an InputError that begins with `dataset` if any of the files is missing or changed. `folder`: see recordsOf().
 void requireUnchangedFiles(const std::vector<FileRecord>& files, const std::filesystem::path& folder,
                            const std::filesystem::path& dataset);
 
@@ -184,8 +184,8 @@ Manifest parseManifest(const std::string& text, const std::string& file);
 // InputError.
 Manifest readManifest(const std::filesystem::path& folder);
 // Reads manifest.json like the function above, but accepts missing or damaged files beside the shards: for each such
-// file, stores a message that begins with the file's path in `undescribed`, under the index of the shard. The samples
-// of this shard have empty keys.
+// file, sets undescribed[index of the shard] to a message that begins with the file's path. The samples of this shard
+// have empty keys.
 Manifest readManifest(const std::filesystem::path& folder, std::map<std::uint32_t, std::string>& undescribed);
 
 }  // namespace scanmill

@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::string_view kNoDigest = "0000000000000000000000000000000000000000000000000000000000000000";
 
-// Returns what the frames, indices and times of the manifest and the scans mean, for people who read the manifest.
+// Returns explanations of the manifest's and the scans' frames, indices and times, for people who read the manifest.
 OrderedJson framesJson(const Manifest& manifest) {
   return {
       {"sensor", "right-handed; x forward, y left, z up"},
@@ -62,8 +62,8 @@ OrderedJson framesJson(const Manifest& manifest) {
 }
 
 // Returns the text of a file that describes the samples of a shard. Throws InputError if the file is unreadable or its
-// SHA-256 does not match `shard`. Does not read files that are too large to be genuine: a shard contains the
-// descriptions, too, so that the file has at most about four times the bytes of the shard.
+// SHA-256 does not match `shard`. Also refuses a file of more than about four times the shard's bytes without reading
+// it: a shard contains the descriptions, too, so that such a file cannot be genuine.
 std::string readSamplesText(const std::filesystem::path& file, const ShardRecord& shard) {
   constexpr std::uint64_t kAlwaysRead = 1 << 20;  // bytes added to the shard's, so that files of small shards are read
   std::error_code unreadable;                     // readFile() reports the reason

@@ -49,7 +49,7 @@ struct Member {
   std::string bytes;
 };
 
-// A sample to write: its record, to which the writer adds the shard and the members' names and hashes, and its files.
+// A sample to write: a record and files. The writer adds the members' names and hashes to its copy of the record.
 struct Sample : SampleRecord {
   std::vector<Member> files;
 };

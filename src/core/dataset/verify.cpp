@@ -194,7 +194,7 @@ class ShardCheck {
     }
   }
 
-  // Compares the scan's numbers of points of each object with objects_. Reports the first difference.
+  // Compares the numbers of the scan's points on each object with objects_. Reports the first difference.
   void checkObjectPoints(const std::string& name, const Scan& scan, const std::string& sensor) {
     if (scan[kInstance].empty()) return;
     std::map<std::uint32_t, std::uint64_t> pointsOfObject;  // numbers of points, by instance id

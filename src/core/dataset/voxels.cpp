@@ -160,7 +160,7 @@ std::uint64_t mostVoxelsBytes(const VoxelGrid& grid) {
   constexpr std::uint64_t kBytesPerVoxel = sizeof(std::uint16_t) + 3;  // label and three flags
   constexpr std::uint64_t kHeaderBytes = 4096;                         // more than all headers of the archive
   const std::uint64_t uncompressed = std::uint64_t{grid.voxels()} * kBytesPerVoxel;
-  // Deflate stores incompressible bytes unchanged, in blocks whose headers take far less than a hundredth.
+  // Deflate stores incompressible bytes unchanged, in blocks. Their headers add far less than a hundredth of the bytes.
   return uncompressed + uncompressed / 100 + kHeaderBytes;
 }
 

@@ -125,7 +125,7 @@ class Export {
         options_.layout->boxesAlone ? "boxes are left out" : "points become unlabeled"));
   }
 
-  // Sets plan_.sensors to the sensors that the user has named. By default chooses all or, for oneSensor, the first.
+  // Sets plan_.sensors to the sensors that the user has named; if there are none, to as many as the layout allows.
   void chooseSensors() {
     const auto names = plan_.manifest.sensors | std::views::transform(&SensorRecord::name);
     for (const std::string& name : options_.sensors) {

@@ -223,7 +223,7 @@ void putPosition(const ExportPlan& plan, const ExportSample& sample, const Expor
   }
 }
 
-// Returns the contents of the file of a scan.
+// Returns the contents of a scan's LAS file.
 std::string lasBytes(const ExportPlan& plan, const ExportSample& sample, const ExportScan& exportScan) {
   const Scan& scan = exportScan.scan;
   const WorldPositions positions(scan, *exportScan.record, exportScan.sensor->beams, plan.manifest.deskewed);

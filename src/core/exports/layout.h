@@ -107,7 +107,7 @@ class ExportFolder {
   explicit ExportFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   const std::filesystem::path& path() const { return folder_; }
-  // Writes a file and creates the folders above it. `name` is relative to the output folder. Throws Error.
+  // Writes a file and creates the folders above it. `name`: relative to the output folder. Throws Error if this fails.
   void write(const std::filesystem::path& name, std::string_view bytes) const;
   // Creates the folders above a file and returns the file's full path, for callers that write the file step by step
   // (AtomicFile).

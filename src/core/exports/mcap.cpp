@@ -57,11 +57,11 @@ std::string topicOf(const SensorRecord& sensor) {
   return "/" + name + "/points";
 }
 
-// The subscribers that get a message. Later: also subscribers that join after it is published (static transforms).
+// The subscribers that a message reaches. Later: also those that join after its publication (static transforms).
 enum class Subscribers { OfTheMoment, Later };
 
-// Returns a channel's metadata. They make rosbag2 publish the topic reliably to the given subscribers when it plays the
-// file. The numbers are from ROS 2's middleware interface (rmw/types.h); the durations mean infinity.
+// Returns a channel's metadata, which make rosbag2 publish the topic reliably to the given subscribers when it plays
+// the file. The numbers are from ROS 2's middleware interface (rmw/types.h); the durations mean infinity.
 McapMap publishing(Subscribers subscribers) {
   const bool keepsForLater = subscribers == Subscribers::Later;
   constexpr const char* kEndless = "{sec: 9223372036, nsec: 854775807}";

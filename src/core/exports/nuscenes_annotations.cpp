@@ -127,8 +127,8 @@ class Annotations {
   }
 
   // Returns a row of sample_annotation. The box has the pose relative to the first sensor with points on the object, at
-  // the time when beams of this sensor hit the object. It is placed in the world by the sensor's pose at the start of
-  // the revolution, so that it fits the points of this sensor.
+  // the time when beams of this sensor hit the object. The sensor's pose at the start of the revolution transforms the
+  // box to the world, so that the box fits the points of this sensor.
   OrderedJson annotation(std::size_t frame, const ObjectRecord& object, const Sighting& sighting, const Track& track,
                          const std::string& category) const {
     const SampleRecord& sample = plan_.manifest.samples[sequence_.samples[frame]];

@@ -32,8 +32,8 @@ std::string nuScenesChannel(const ExportPlan& plan, std::size_t sensor);
 std::string nuScenesScan(const ExportPlan& plan, const SampleRecord& sample, std::size_t sensor,
                          std::uint32_t revolution = 0);
 
-// Return the paths of the files of a sensor's scan, relative to the output folder. The sensor's first revolution in a
-// sample is its key frame and has labels, later ones are sweeps.
+// pointsFile() and labelFile() return paths relative to the output folder. A sensor's first revolution in a sample is
+// the key frame and has labels; later revolutions are sweeps and have no labels.
 std::filesystem::path pointsFile(const ExportPlan& plan, std::size_t sequence, const SampleRecord& sample,
                                  std::size_t sensor, const ScanRecord& scan);
 enum class NuScenesLabels { Lidarseg, Panoptic };

@@ -54,9 +54,9 @@ std::vector<std::size_t> usualNumbers(const std::string& split) {
   return {};
 }
 
-// Returns the number of each sequence: the first number that no earlier sequence has, of usualNumbers() for the split,
-// then of the numbers from 22 on, which SemanticKITTI does not use, then of all numbers. check() has refused plans with
-// more sequences than numbers.
+// Returns the number of each sequence: the first free number of usualNumbers() for the sequence's split. If all of
+// these are taken, the first free number from 22 on, which SemanticKITTI does not use, and then the first free number
+// of all. check() has refused plans with more sequences than numbers.
 std::vector<std::size_t> numbersOf(const ExportPlan& plan) {
   constexpr std::size_t kFirstUnusual = 22;
   std::set<std::size_t> taken;

@@ -156,7 +156,7 @@ class DracoFormat : public Format {
     return writer.finish();
   }
 
-  // The time of a point follows from its ring and column, so it is kept only if the option `time` asks for it.
+  // True if the file has the column. Times follow from rings and columns, and are stored only with the option `time`.
   bool keeps(const Column& column) const { return column.name != kTime.row.name || options_.time; }
 
   template <class T>

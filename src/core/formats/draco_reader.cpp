@@ -14,9 +14,9 @@ namespace scanmill {
 
 namespace {
 
-// Limits on what a header may announce, since Draco allocates memory for all announced points. Identical points take no
-// bits, so even a small valid file may announce many. A file may therefore always announce as many points as the
-// largest known sensor has beams (2048 x 2048).
+// Limits of a header's numbers, since Draco allocates memory for all points that a header announces. Identical points
+// take no bits, so even a small valid file may announce many points. A file may therefore always announce as many
+// points as the largest known sensor has beams (2048 x 2048).
 constexpr std::uint64_t kPointsWithoutBytes = std::uint64_t{1} << 22;
 constexpr std::uint64_t kPointsPerByte = 64;
 constexpr std::uint64_t kMostBytesPerPoint = 256;

@@ -69,11 +69,11 @@ class DracoWriter {
   // Adds a column of a cloud without points.
   void addEmpty(std::string_view name);
 
-  // Returns the bytes of the whole point cloud.
+  // Returns the bytes of the complete point cloud.
   [[nodiscard]] std::string finish() const;
 
  private:
-  // Adds the metadata, the descriptor and the encoder of an attribute. The values of the attribute must follow.
+  // Adds the metadata, the descriptor and the encoder of an attribute. The caller must then add the attribute's values.
   void describe(std::string_view name, int dataType, std::size_t components, int encoder);
   template <class T>
   void addNarrowed(std::string_view name, std::span<const T> values);

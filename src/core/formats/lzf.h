@@ -1,8 +1,7 @@
 #pragma once
 
-// LZF compression that gives the same bytes for the same input, since shards must be reproducible. liblzf states that
-// its own compressor may give other bytes from run to run (lzf.h: its table of earlier positions starts with whatever
-// the memory held).
+// LZF compression that gives the same bytes for the same input, since shards must be reproducible. liblzf's compressor
+// may give other bytes in each run (see its lzf.h), because its table of earlier positions is not initialised.
 
 #include <cstddef>
 

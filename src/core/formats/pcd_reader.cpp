@@ -322,7 +322,7 @@ class BodyReader {
 
   enum class TableOrder { RowByRow, FieldByField };
 
-  // Reads the values of all points, which lie row by row or field by field.
+  // Returns the scan with the values in `table`, which has the order `order`.
   Scan readTable(const char* table, TableOrder order) {
     Scan scan = newScan();
     const std::size_t points = header_.points;
@@ -381,7 +381,7 @@ class BodyReader {
     return readTable(table.data(), TableOrder::RowByRow);
   }
 
-  // Appends the number that `word` states to the table, in the field's type; 0 for fields that become no column.
+  // Appends the number in `word` to `table`, in the field's type. For a field that becomes no column, appends 0.
   static void appendWord(const PcdField& field, std::string_view word, const Location& where, std::string& table) {
     if (word.empty()) throw InputError(where, "there is no value of field {}", field.name);
     visitNumberType(field.type, field.size, [&](auto value) {

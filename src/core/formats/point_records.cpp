@@ -59,7 +59,7 @@ std::vector<std::size_t> ringStarts(const std::vector<double>& azimuths) {
   return starts;
 }
 
-// Returns the median elevation (rad) of the points from `first` to before `last`; nullopt if all are misses.
+// Returns the median elevation (rad) of the points [first, last); nothing if all of them are misses.
 std::optional<double> medianElevation(const std::vector<Vec3f>& points, std::size_t first, std::size_t last) {
   std::vector<double> elevations;
   for (std::size_t i = first; i < last; ++i) {

@@ -254,7 +254,7 @@ class GlCompute final : public ComputeBackend {
     });
   }
 
-  // Creates an object. It is created and destroyed on the OpenGL thread while the context is current.
+  // Returns an object that is created and destroyed on the OpenGL thread while the context is current.
   template <class Object, class... Arguments>
   OwnedObject<Object> makeOwned(const Arguments&... arguments) {
     std::unique_ptr<Object> object;

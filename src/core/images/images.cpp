@@ -212,7 +212,7 @@ class RgbaConverter {
 
   // Converts `count` pixels of the reader to RGBA.
   void convert(const std::uint8_t* pixels, std::size_t count, std::uint8_t* rgba) {
-    // Local copies are faster: stores of bytes may change members as far as the compiler knows.
+    // Local copies are faster: the compiler must assume that storing a byte changes members.
     const int channels = channels_, alpha = alpha_;
     const std::array<int, 3> colors = colors_;
     std::uint8_t least = leastAlpha_, greatest = greatestAlpha_;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The interfaces of libscanmill_images.so, the module that links OpenImageIO (base/module.h), and of the other readers.
+// Interfaces of image readers: PNG, JPEG and libscanmill_images.so, the module that links OpenImageIO (base/module.h).
 
 #include <cstdint>
 #include <memory>

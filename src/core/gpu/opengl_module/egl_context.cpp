@@ -59,7 +59,7 @@ std::vector<Candidate> candidates() {
   return devices;
 }
 
-// Returns the devices to try for `device`, a value of SCANMILL_GL_DEVICE (gpu/device.h). Throws if no device has it.
+// Returns the devices to try. `device`: value of SCANMILL_GL_DEVICE (gpu/device.h). Throws if no device has this name.
 std::vector<Candidate> candidatesFor(const std::string& device) {
   std::vector<Candidate> devices = candidates();
   if (device.empty()) return devices;

@@ -26,7 +26,7 @@ void GlWindow::start(int width, int height) {
   SetSize(width, height);
 }
 
-// Loads OpenGL's functions with GLEW. Ignores the error that GLEW reports if there is no X display.
+// Loads OpenGL's functions, and hides the warning that there is no X display. Throws NoDevice without OpenGL 3.2.
 void GlWindow::OpenGLInitContext() {
   if (Initialized) return;
   const int display = GetGlobalWarningDisplay();

@@ -162,8 +162,7 @@ struct Spread {
   }
 };
 
-// A candidate layout: `sides` side cameras, one camera that looks up and one that looks down. A camera has the beams
-// whose directions belong to it.
+// A candidate layout: `sides` cameras that look sideways, one that looks up and one that looks down. See cameraOf().
 class Candidate {
  public:
   // Beams with a slope of more than `steep` upwards or downwards belong to the camera that looks up or down. `pitch`:

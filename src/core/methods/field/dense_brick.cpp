@@ -122,7 +122,7 @@ bool BrickMaker::makeBlock(const BrickFrame& frame, int block) {
 // Sets the distances and nearest triangles of the corners of a crowded block, by a search for each corner.
 void BrickMaker::searchBlock(const BrickFrame& frame, int block) {
   const Points& p = brick::kBlockCorners[block];
-  // addListings() has already compared a corner with all triangles that are at most kCompared (voxels) away.
+  // With lists, addListings() has already compared a corner with all triangles at most kCompared (voxels) away.
   constexpr float kCompared = kListHalfSide - kMargin;
   const float compared2 = lists_ ? kCompared * kCompared : -1.0f;
   for (int i = 0; i < kBlock; ++i) {

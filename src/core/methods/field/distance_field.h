@@ -146,7 +146,7 @@ struct BrickPool {
   std::size_t bricks = 0;
 };
 
-// Returns the data of levels that particles read, for a field with this shape: one entry per level.
+// Returns the elements of DistanceField::levels for a field with this shape.
 std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
 
 // Builds the field of a world, on all threads. Bricks of the fields in `before` are copied or shared (BrickPool) and

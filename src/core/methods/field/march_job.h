@@ -20,9 +20,9 @@ struct SensorField {
   bool coversScene = false;  // true if the box contains the complete scene
 };
 
-// A shot and the field through which its particles march. A device has the particles in this order: 16 columns of the
-// first ring, the same 16 columns of each further ring, then the next 16 columns. If the columns are not a multiple of
-// 16, the surplus particles of the last group do not march.
+// A shot and the field through which its particles march. On a device the particles have this order: 16 columns of the
+// first ring, the same 16 columns of each further ring, then the next 16 columns. If the number of columns is not a
+// multiple of 16, the surplus particles of the last group do not march.
 struct MarchJob {
   static constexpr std::uint32_t kGroupColumns = 16;  // number of columns in a group
   const Shot& shot;
