@@ -55,7 +55,7 @@ using ArrayType = std::conditional_t<
     std::is_same_v<T, std::uint16_t>, std::int32_t,
     std::conditional_t<std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::uint64_t>, std::int64_t, T>>;
 
-// Returns a column as an array.
+// Returns a column as an array with elements ArrayType<T>; takes over the memory of `values` if that type is T.
 template <class T>
 pybind11::array columnArray(std::vector<T>&& values, const std::vector<pybind11::ssize_t>& shape) {
   if constexpr (std::is_same_v<T, ArrayType<T>>) {

@@ -75,7 +75,7 @@ std::optional<py::tuple> staggerIn(const ScanStore& store, const std::string& se
   return {};
 }
 
-// Returns the manifest as JSON without its samples; recordOf() finds the record of each sample.
+// Returns the manifest as JSON without its samples, whose records recordOf() finds; nothing if there is no manifest.
 std::optional<std::string> manifestOf(const ScanStore& store) {
   if (store.manifest() == nullptr) return {};
   Manifest head = *store.manifest();

@@ -20,11 +20,11 @@ class Ground {
   // Returns the height (m) of the highest surface that is below `point` or at most 0.5 m above it. If no surface is
   // that low, returns the height of the lowest surface above `point`; nothing if there is no surface at all.
   virtual std::optional<double> under(const Vec3d& point) const = 0;
-  // How a vehicle is placed on the ground. In YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
+  // Returns the height (m) of the surface nearest to `point`; nothing if none is within 1.5 m below or above it.
   virtual std::optional<double> near(const Vec3d& point) const = 0;
 };
 
-// How a vehicle stands on the ground. In YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
+// How a vehicle is placed on the ground. In YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
 struct GroundOptions {
   double height = 0;                                        // m, height of the vehicle's origin above the ground
   std::optional<std::array<double, 2>> wheels{{2.7, 1.6}};  // m, wheelbase and track; none: the vehicle stays upright
@@ -32,10 +32,10 @@ struct GroundOptions {
   Location where;
 };
 
-// The height and the slopes of the ground under a vehicle at one position.
+// Reads the options from `value`, the value of the key `ground`. Throws InputError.
 GroundOptions readGround(const Value& value);
 
-// The ground under a vehicle.
+// The height and the slopes of the ground under a vehicle at one position.
 struct GroundSample {
   double height = 0;           // m
   double along = 0, left = 0;  // slopes ahead and to the left, as a ratio; positive is upwards
@@ -54,16 +54,15 @@ class GroundProfile {
   GroundProfile(const GroundOptions& options, const PoseOnPath& poseOnPath, std::vector<double> positions,
                 const Ground& ground);
 
-  // Returns a pose placed on the ground: with the horizontal position and heading of `pose`, the ground's pitch and
-  // roll, and GroundOptions::height above the ground. `position`: the position on the path.
+  // Returns positions on the path, at most 0.1 m apart, between ascending knots. Between two knots the path must be
+  // nearly straight and the speed nearly constant. Throws InputError at `where` for more than ten million positions.
   static std::vector<double> samplePositions(const PoseOnPath& poseOnPath, const std::vector<double>& knots,
                                              const Location& where);
 
-  // Places a pose on the ground: the result has the pose's horizontal position and heading, the ground's pitch and
-  // roll, and lies GroundOptions::height above the ground. `position`: the position on the path.
+  // Returns a pose placed on the ground: with the horizontal position and heading of `pose`, the ground's pitch and
+  // roll, and GroundOptions::height above the ground. `position`: the position on the path.
   [[nodiscard]] Pose place(const Pose& pose, double position) const;
-  // Returns the pose placed on the ground, with its own pitch and roll added to the ground's. Throws InputError if
-  // there is no ground under the pose.
+  // Returns the fraction of the path's samples for which no ground was found, and which copy another sample.
   double bareFraction() const { return bareFraction_; }
 
  private:
@@ -72,8 +71,8 @@ class GroundProfile {
   std::vector<GroundSample> samples_;  // with GroundOptions::height added
 };
 
-// Places a single pose on the ground and adds the pose's pitch and roll to those of the ground. Throws InputError if
-// there is no ground under the pose.
+// Returns the pose placed on the ground, with its own pitch and roll added to the ground's. Throws InputError if there
+// is no ground under the pose.
 [[nodiscard]] Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground);
 
 }  // namespace scanmill

@@ -126,8 +126,7 @@ class Reader {
     using Ends = std::vector<double>;  // first and last column, or first and last azimuth, of a window
     const Ends allColumns{0, m.columns - 1.0};
     const Ends columns = window == nullptr ? allColumns : readNumbers(*window, "column_window");
-    // Sets originOffset, originHeight and firstAzimuth. Transforms in the file are 4 x 4 matrices, listed row by row:
-    // [0] and [4] are the cosine and the sine of the rotation about z; [3], [7] and [11] are the shift (mm).
+    // Firmware 1.13 counts azimuths in hundredths of a degree, later firmware in thousandths.
     const Ends azimuthEnds = azimuths == nullptr ? Ends{0, 360e3} : readNumbers(*azimuths, "azimuth_window");
     const bool allAzimuths = azimuthEnds == Ends{0, 36e3} || azimuthEnds == Ends{0, 360e3};
     if (!allAzimuths && columns == allColumns) leftOut_.addKeyword(ousterFormat(), "azimuth_window");
@@ -142,9 +141,10 @@ class Reader {
     if (m.windowColumns == 1 && m.columns > 1) fail("has a column_window of one column, but it must have at least two");
   }
 
-  // The following values are defaults of ouster-sdk for files that lack them.
+  // Sets originOffset, originHeight and firstAzimuth. Transforms in the file are 4 x 4 matrices, listed row by row: [0]
+  // and [4] are the cosine and the sine of the rotation about z; [3], [7] and [11] are the shift (mm).
   void readOrigin(OusterMetadata& m) {
-    // These are the default values of ouster-sdk.
+    // The following values are defaults of ouster-sdk for files that lack them.
     m.originOffset = m.model.starts_with("OS-0")   ? 0.02767
                      : m.model.starts_with("OS-1") ? 0.015806
                      : m.model.starts_with("OS-2") ? 0.013762

@@ -20,7 +20,7 @@ using models::Kind;
 
 constexpr double kOnRoad = 1.6;  // m; a building closer to a road's centre line counts as on the road
 
-// Returns the parameters, with `district` set to the map's district if it is "any".
+// Returns `parameters`; the map's district replaces the value "any" of the key `district`.
 Parameters inDistrict(Parameters parameters, const std::string& district) {
   if (parameters.district == "any") parameters.district = district;
   return parameters;
@@ -54,8 +54,8 @@ CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
 }
 
 // Narrows a cross section to fit between walls, but not below its least widths: first the verge, then the sidewalk, the
-// parking lane and the lanes. A fraction kIgnored of the walls may remain on the carriageway, kOnPavement on the
-// pavement. `walls`: distances of points of the walls from the centre line (m), in any order.
+// parking lane and the lanes. The fraction kIgnored of the walls may remain on the carriageway, the fraction
+// kOnPavement on the pavement. `walls`: distances (m) from the centre line to points on the walls, in any order.
 void narrowBetweenWalls(CrossSection& s, std::vector<double> walls) {
   constexpr double kGap = 0.4;            // m, least distance between the carriageway and a wall that is not ignored
   constexpr double kLeastHalf = 1.6;      // m, half of the width of the narrowest road
@@ -132,7 +132,7 @@ bool isHouse(const MapBuilding& b, const Footprint& about) {
          isRectangular(b.outline, about) && kHalfWidth.holds(about.halfY) && kHalfDepth.holds(about.halfX);
 }
 
-// True if the angle between a ridge and a rectangle's x axis is smaller than the angle to its y axis.
+// True if the ridge is closer in direction to the rectangle's x axis than to its y axis.
 bool ridgeAlong(const std::array<Point2, 2>& ridge, const Footprint& about) {
   const double x = ridge[1].x - ridge[0].x;
   const double y = ridge[1].y - ridge[0].y;
@@ -144,7 +144,7 @@ bool ridgeAlong(const std::array<Point2, 2>& ridge, const Footprint& about) {
 enum class BlockOf { Building, Part };
 
 // Returns the block of a building or of a building's part. `middle`: origin of the block's frame. `floors`: number of
-// floors of the building; parts, and blocks with a ridge or a base, get the number that fits between base and roof.
+// floors of the building. Parts, and blocks with a ridge or a base, get the number that fits if the top is known.
 models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, BlockOf what) {
   constexpr double kShed = 2.6, kStorey = 2.9;     // m, usual heights of a shed's storey and of other storeys
   constexpr double kLowest = 2.3, kParapet = 0.8;  // m, least height of a storey; height of walls above the top ceiling

@@ -55,7 +55,7 @@ constexpr double kBeforeDoor = 0.6;  // m from a door to the point in front of i
 }  // namespace
 
 // Adds an area and its entrances, kFromSidewalk beyond a road's sidewalk. `along`: position of the area's middle;
-// `width`, `depth`: sizes along and across the road (m). Returns false if a road, a house or an area is in the way.
+// `width`, `depth`: sizes along and across the road (m). Adds nothing and returns false if something is in the way.
 bool Layout::tryAddLand(Land land, const Road& road, int side, double along, double width, double depth) {
   constexpr double kFromSidewalk = 1.5;  // m
   constexpr double kApart = 2;           // m, least distance from houses and other areas
@@ -117,7 +117,7 @@ void Layout::drawLand() {
   }
 }
 
-// True if none of 16 points on a circle about `p` is on a road or sidewalk, except `exceptRoad`. `reach`: radius (m).
+// True if none of 16 points on a circle of radius `reach` (m) about `p` is on a sidewalk or a road except `exceptRoad`.
 bool Layout::isClear(const Point2& p, double reach, std::uint32_t exceptRoad) const {
   for (std::uint32_t k = 0; k < 16; ++k) {
     const Beside b = besideAt(polar(p, reach, kPi * k / 8));
@@ -349,7 +349,7 @@ Layout::PlotHouse Layout::drawPlotHouse(Draw& draw, const Road& road, const Plot
   return result;
 }
 
-// Adds the house of a plot, with driveway and garage. Returns false if no house is wanted or the house does not fit.
+// Adds a plot's house, driveway and garage. Adds nothing and returns false if no house is wanted or it does not fit.
 bool Layout::buildOn(const Plot& plot, const Road& road, const PlotHouse& plotHouse, Draw& draw) {
   House house = plotHouse.house;
   // The left and the right end of the building line, seen from the road.

@@ -206,7 +206,7 @@ class Cutter {
     }
   }
 
-  // Marks a road that begins at the main road as a side road, unless the angle between them is too small for turns.
+  // Marks a road as a side road if it begins in the built-up part of the main road, at an angle large enough for turns.
   void joinMain(MapRoad& road) const {
     constexpr std::size_t kAhead = 6;   // points from the junction to where the angle is measured
     constexpr double kLeastSine = 0.5;  // least sine of the angle between the roads

@@ -115,7 +115,7 @@ bool isHighwayArea(const OsmTags& tags) {
   return !tags["highway"].empty() && (tags["area"] == "yes" || tags.element.starts_with("relation"));
 }
 
-// The kinds are tested in the order Wood, Water, Lot, Park, Grass, Paved.
+// Returns the first kind that matches, in the order Wood, Water, Lot, Park, Grass, Paved.
 std::optional<Land> landOf(const OsmTags& tags) {
   if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"}) ||
       tags["landcover"] == "trees") {

@@ -61,17 +61,17 @@ struct OsmArea {
   std::vector<OsmNode> outer;
   std::vector<std::vector<OsmNode>> inner;
   std::string fault;  // why the area has no rings, such as "missing nodes"; empty: it has rings
-  // Areas with the same id, if it is not 0, are one building. This is the id of the relation of `type: building` that
-  // the area belongs to; without this relation, the id of a multipolygon with several outer rings; otherwise 0.
+  // Areas with the same id, if it is not 0, are one building. The id is that of the relation of `type: building` to
+  // which the area belongs; without such a relation, that of a multipolygon with several outer rings; otherwise 0.
   std::int64_t building = 0;
 };
 
 struct OsmExtract {
   std::vector<OsmPoint> points;  // nodes with tags
   std::vector<OsmWay> ways;      // lines with one of kMappedKeys; areas only with the key barrier or highway
-  // Multipolygons with a building key or one of kMappedKeys, and closed ways with one of these tags: building,
-  // building:part, landuse, landcover, leisure, natural, amenity; `area: yes` with highway, aeroway or barrier; some
-  // values of aeroway and waterway.
+  // Multipolygons with a building key or one of kMappedKeys, and closed ways that are areas by their tags: building,
+  // building:part, landuse, landcover, leisure, natural or amenity; highway, aeroway or barrier together with `area:
+  // yes`; or some values of aeroway and waterway.
   std::vector<OsmArea> areas;
   std::map<std::string, std::uint64_t> leftOut;  // numbers of elements left out, by a description of the kind
 };
@@ -101,7 +101,7 @@ std::optional<double> compassOf(std::string_view value);
 class TagNumbers {
  public:
   using Parse = std::optional<double> (*)(std::string_view value);
-  // Returns a tag's value; nullopt if it is missing or unusable. Values outside [least, most] count as unusable.
+  // Returns a tag's value; nullopt if the tag is missing or its value is unreadable or outside [least, most].
   std::optional<double> read(const OsmTags& tags, const char* key, Parse parse, double least, double most);
   // Adds the number of unusable values of each key to `leftOut`, with an example.
   void report(LeftOut& leftOut) const;

@@ -153,7 +153,7 @@ int placeRowOfBays(Placer& placer, models::Shape& s, models::SurfaceIndex paint,
   return lines;
 }
 
-// Places cars and the lines of bays on parking lots, in aisles with a row of bays at each side.
+// Paints rows of bays on parking lots, with an aisle between two rows, and parks cars in some of the bays.
 void placeLots(Placer& placer) {
   const Layout& l = placer.layout;
   models::Shape s(placer.builder, "lots' markings");

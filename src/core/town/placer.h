@@ -21,7 +21,6 @@ using models::Footprint;
 using models::Model;
 using models::Spot;
 
-// Places the objects of a town on the ground that is still free.
 class Placer {
  public:
   static constexpr int kTries = 16;     // number of random positions that are tried for an object
@@ -64,7 +63,7 @@ class Placer {
   SceneBuilder& builder;
   const Layout& layout;
   const Affine& worldFromTown;
-  // True if a rectangle is within the town's ground and does not overlap a driveway, a path or a placed object.
+  // True if a rectangle's centre is on the town's ground and no driveway, path or placed object overlaps the rectangle.
   bool isFree(const Footprint& f) const { return isOnGround(f.center) && driveways.isFree(f) && occupancy.isFree(f); }
   // True if a point is on the town's ground, not at its edge.
   bool isOnGround(const Point2& p) const {

@@ -120,7 +120,7 @@ void plantAlong(Placer& placer, const Road& road, double avenue, std::vector<Spo
   }
 }
 
-// Plants trees at random positions in a park: a tree per 70 to 200 m^2 of the park's bounding rectangle.
+// Tries one random position per 70 to 200 m^2 of a park's bounding rectangle, and plants trees on the park's lawn.
 void plantPark(Placer& placer, const MapArea& park, Draw& draw) {
   constexpr double kMost = 2000;  // trees
   const Layout& l = placer.layout;
@@ -182,7 +182,7 @@ Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
 
 }  // namespace
 
-// Plants the trees of the map.
+// Plants the trees of the map. Warns if some are left out.
 void placeMapTrees(Placer& placer) {
   constexpr double kFromRoad = 0.4;  // m, least distance between a trunk and a road
   const Layout& l = placer.layout;
@@ -296,7 +296,7 @@ void placeGrass(Placer& placer) {
   if (c.season == Season::Winter || c.plain) return;  // the grass is below the snow, or mown
   constexpr int kTuftForms = 6, kMostTufts = 2500;
   constexpr double kReach = 5;  // m; tufts are placed from the curb to this distance beyond the sidewalk
-  // The density of tufts in the town: 0 if all grass is mown.
+  // The mean probability of a tuft at a position along the roads: 0 if all grass is mown.
   const double meanDensity = Draw(l.seed, Kind::Grass).in(0, c.country ? 0.9 : c.terraced ? 0.2 : 0.45);
   const auto tufts = placer.forms(kTuftForms, [&](SceneBuilder& builder, std::uint64_t seed, int form) {
     return makeTuft(builder, seed, form, c.season == Season::Autumn || form == 0);

@@ -77,7 +77,7 @@ class Quadtree {
     return found->second;
   }
 
-  // Appends to around_ the point `first` at (ax, ay) and the corners of neighbours between (ax, ay) and (bx, by).
+  // Appends to around_ the point `first` at (ax, ay) and the corners of smaller leaves between (ax, ay) and (bx, by).
   void addSide(std::uint32_t first, std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by) {
     const std::int64_t mx = (ax + bx) / 2;
     const std::int64_t my = (ay + by) / 2;

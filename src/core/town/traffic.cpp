@@ -53,8 +53,8 @@ struct VehiclePath {
   }
 };
 
-// Returns the path of a vehicle along lanes; see lanePoints(). On two-way roads the vehicle's left side is at least
-// kMiddle from the centre line.
+// Returns the path of a vehicle of half width `halfWidth` along lanes; see lanePoints(). On two-way roads the vehicle's
+// left side is at least kMiddle from the centre line.
 VehiclePath vehiclePath(const Layout& l, const LanePath& lanePath, double out, double halfWidth,
                         const Affine& worldFromTown) {
   LanePoints lane = lanePoints(l, lanePath, out, halfWidth + kMiddle);
@@ -113,7 +113,7 @@ class Traffic {
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
 
-  // Returns the first position from `from` to `to` (m along the road) where an object blocks the lane; nullopt: none.
+  // Returns the first position (m along road `r`) from `from` to `to` where an object blocks the lane; nullopt: none.
   std::optional<double> firstObstacle(std::uint32_t r, double from, double to) const {
     const double direction = to >= from ? 1 : -1;
     const double lateral = road(r).oneWay() ? 0 : std::max(road(r).laneMiddle(), 0.9 + kMiddle);
@@ -167,8 +167,9 @@ class Traffic {
     }
   }
 
-  // Adds the routes into and out of a side road and their vehicles. At the left of the main road, vehicles turn between
-  // the roads without crossing the ego vehicle's lane; at the right they stop at the ends of the side road's lanes.
+  // Adds the routes into and out of a side road and their vehicles, unless its lanes are short or the ego vehicle uses
+  // it. At the left of the main road, vehicles turn between the roads without crossing the ego vehicle's lane; at the
+  // right they stop at the ends of the side road's lanes.
   void addSideRoad(const Road& side) {
     constexpr double kLeastLanes = 20;  // m
     const std::uint32_t r = side.number;

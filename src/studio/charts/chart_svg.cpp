@@ -181,8 +181,7 @@ class SvgDrawing {
                        hasEmphasis_ && !s.emphasised ? " dim" : "");
   }
 
-  // Draws the legend below y `top`; returns y of the legend's lower edge. Series with equal name and colour share one
-  // entry.
+  // Draws the legend below y `top`; returns y of its lower edge. Series with equal name and colour share one entry.
   double drawLegend(double top) {
     constexpr double kBetweenEntries = 18;  // pixels
     double x = kMargin, y = top + kFont;

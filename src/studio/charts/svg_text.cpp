@@ -23,8 +23,8 @@ constexpr std::array<int, 95> kWidths{278,  278, 355, 556, 556, 889, 667, 191, 3
 constexpr double kOtherFonts = 1.12;
 constexpr double kBold = 1.07;  // factor by which bold text is wider
 
-// Returns the UTF-8 character that begins at index `byte`. Its code is 0 if XML does not allow the character, if it is
-// invisible, or if no character begins at `byte`.
+// Returns the UTF-8 character that begins at index `byte`. Its code is 0 if XML does not allow the character, if the
+// character is an invisible control character, or if no character begins at `byte`.
 Utf8Character characterAt(std::string_view text, std::size_t byte) {
   const Utf8Character c = utf8At(text, byte);
   const bool isBlank = c.code == '\t' || c.code == '\n' || c.code == '\r';
@@ -34,7 +34,7 @@ Utf8Character characterAt(std::string_view text, std::size_t byte) {
 }
 
 using Escape = std::pair<char32_t, std::string_view>;
-// Replacements of characters in XML. Code 0 stands for characters that XML does not allow; it becomes U+FFFD.
+// Replacements of characters in XML. Code 0 stands for characters that XML does not allow, which become U+FFFD.
 constexpr Escape kEscapes[]{{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"},
                             {'"', "&quot;"}, {'\'', "&#39;"}, {0, "\xEF\xBF\xBD"}};
 

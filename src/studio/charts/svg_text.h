@@ -15,7 +15,7 @@ std::string escapeXml(std::string_view text);
 
 enum class FontWeight { Normal, Bold };
 
-// Returns the width of a text (pixels), estimated from Helvetica with a margin for wider fonts that may replace it.
+// Returns the width (pixels) of a text, estimated from Helvetica with a margin for wider fonts in its place.
 double svgTextWidth(std::string_view text, double fontSize, FontWeight weight = FontWeight::Normal);
 
 // Breaks text between words into lines of at most `width` pixels. A word wider than `width` gets a line of its own.

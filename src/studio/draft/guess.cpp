@@ -170,7 +170,7 @@ void guessAxis(const std::array<double, 3>& low, const std::array<double, 3>& ex
                                      low[guess.up == 'y' ? 1 : 2], guess.up);
 }
 
-// Returns the nodes of a place that are objects with a usual size.
+// Returns the nodes of a place that show objects whose concepts have usual sizes.
 std::vector<SizedObject> sizedObjects(const Asset& asset, const std::vector<const Concept*>& partConcepts) {
   constexpr double kGreatest = 400;  // m; walls and fences, which may be longer, say little about the unit
   std::map<std::uint32_t, std::pair<const Concept*, Box>> objects;  // the keys are indices of nodes

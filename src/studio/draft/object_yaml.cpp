@@ -127,7 +127,7 @@ class ClassWriter {
   ClassWriter(const GuessedFile& model, const std::vector<Concept>& concepts, const Ontology& ontology)
       : model_(model), concepts_(concepts), ontology_(ontology) {}
 
-  // If all parts have the same class, writes this class; otherwise rules, then the class of parts without a rule.
+  // If all parts have the same class, writes this class; otherwise writes rules, and the class of parts without a rule.
   void write(std::string& yaml) const {
     if (const Concept* const only = onlyConcept()) {
       writeClassOfRest(*only, model_.byFolder() > 0 ? "   # by the name of the folder" : "", yaml);

@@ -164,7 +164,8 @@ class BeamErrorSum::Impl {
   }
 
  private:
-  // Numbers of beams: `beams` have a true hit on the object instance, `beamsFound` have a tested hit on it as well.
+  // `beams`: number of beams with a true hit on the instance; `beamsFound`: number of these with a tested hit there
+  // too.
   struct InstanceBeams {
     std::uint64_t beams = 0, beamsFound = 0;
   };

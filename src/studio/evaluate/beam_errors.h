@@ -62,8 +62,8 @@ struct SizeRecall {
   std::uint64_t beamsFound = 0;      // number of beams counted in `beams` whose tested hit is on the same instance
 };
 
-// The errors of all beams, and of groups of beams. A beam is grouped by its true hit; if it has none, by its tested
-// hit.
+// The errors of all beams, and of groups of beams. A beam is grouped by its true hit; if only the tested method has a
+// hit, by the tested hit.
 struct BeamErrors {
   GroupErrors all;
   std::vector<ErrorGroup> byRange;  // bands of the range (m)

@@ -34,7 +34,7 @@ struct Registered {
 // Registers `source` to `target` with ICP, starting from the given positions. Returns the motion and the fitness.
 Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, const IcpOptions& options = {});
 
-// Statistics of the fitness over repeated measurements (m^2). All values are zero if there are no measurements.
+// Statistics of the fitness (m^2) over repeated measurements. All values are zero if there are no measurements.
 struct FitnessSpread {
   std::size_t count = 0;
   double mean = 0;

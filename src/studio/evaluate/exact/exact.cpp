@@ -161,8 +161,8 @@ void boundTriangle(const RTCBoundsFunctionArguments* arguments) {
   bounds.upper_z = roundUp(box.high.z + slack);
 }
 
-// Intersects a ray with a triangle, adds the hit to ExactContext::found and shortens the ray. Embree traces single rays
-// here, so only lane 0 of the packet is used.
+// Intersects a ray with a triangle, adds the hit to ExactContext::found unless it is transparent, and shortens the ray.
+// Embree traces single rays here, so only lane 0 of the packet is used.
 void intersectTriangle(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   auto& context = *reinterpret_cast<ExactContext*>(arguments->context);
